@@ -1,7 +1,8 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
 use conformity::measured::{Measured, Measurement, Uncertainty};
-use orchestrator::analysis::sensitivity::study::from_points;
+use orchestrator::document::Document;
+use orchestrator::methods::{pareto, robustness as robust, sensitivity};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use parameter_regions::pareto::study::{Member, trade_off};
 use parameter_regions::robustness::{region, robustness, rows};
@@ -16,9 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = arguments.next().unwrap_or("target/demo".into());
     let table = cloud(n);
     let report = Report {
-        robustness: if n <= 5000 { robustness(&table, &region::cloud(&rows(&table), 1), 0.8) } else { None },
-        sensitivity: (n <= 5000).then(|| from_points(&table, 1)),
-        pareto: trade_off(&table, true, Some(Member::of(&table, 0)), "the study's points".into()),
+        documents: documents(&table),
         study: "Plain bearing, parameter distribution of Table 3".into(),
         description: "An invented cloud with the shape of the paper's: a smooth law for load and power, temperatures that follow the power.".into(),
         model: "PlainBearingStand".into(),
@@ -33,6 +32,26 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     println!("{}", report.write(Path::new(&folder))?.display());
     Ok(())
+}
+
+/// What the methods tell of the points; of many points it would take long.
+fn documents(table: &PointTable) -> Vec<Document> {
+    let few = table.len() <= 5000;
+    let matters = few.then(|| sensitivity::from_points(table, 1));
+    let cloud = || region::cloud(&rows(table), 1);
+    let room = if few {
+        robustness(table, &cloud(), 0.8)
+    } else {
+        None
+    };
+    let nominal = Some(Member::of(table, 0));
+    let costs = trade_off(table, true, nominal, "the study's points".into());
+    let told = [
+        matters.map(|result| sensitivity::document(&result, table)),
+        room.map(|result| robust::document(&result)),
+        costs.map(|result| pareto::document(&result)),
+    ];
+    told.into_iter().flatten().collect()
 }
 
 /// Expanded uncertainties of half the tolerances.

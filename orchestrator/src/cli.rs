@@ -1,8 +1,6 @@
 //! The command line: commands and options, as `clap` reads them.
 
-mod analysis;
 mod fmu;
-mod running;
 mod study;
 
 use std::path::PathBuf;
@@ -10,10 +8,9 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 
-pub use analysis::{Pareto, Robustness, Sensitivity, Synchronise, Tolerances};
-pub use fmu::{Check, Format, Init, Inspect, Simulate};
-pub use running::{Means, Parts, Work};
-pub use study::{Identify, Judge, Merge, RareEvent, Replay, Report, Verify};
+use crate::methods::Method;
+pub use fmu::{Check, Format, Init, Inspect, Simulate, Synchronise};
+pub use study::{Judge, Merge, Replay, Report, Verify};
 
 /// Verifies FMUs of FMI 2.0 and 3.0 against measurements under uncertainty.
 #[derive(Debug, Parser)]
@@ -101,8 +98,6 @@ pub enum Command {
     Simulate(Simulate),
     /// Simulates a study's points and judges them against the measurement
     Verify(Verify),
-    /// Finds the parameters that make the measured values most probable
-    Identify(Identify),
     /// Applies a study's criteria to outputs in a table, without an FMU
     Judge(Judge),
     /// Runs one point of a study again, with its trajectory
@@ -121,14 +116,9 @@ pub enum Command {
     },
     /// Writes the report of a finished study again
     Report(Report),
-    /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening, ranks, PAWN
-    Sensitivity(Sensitivity),
-    /// Tells how far parameters may move: maps, largest box and ellipsoid, margins
-    Robustness(Robustness),
-    /// Finds the widest tolerances of the parameters at which the model still conforms as wanted
-    Tolerances(Tolerances),
-    /// Shows the trade-off between criteria: Pareto front, best compromise
-    Pareto(Pareto),
+    /// A method that asks for points of a study
+    #[command(flatten)]
+    Method(Method),
     /// Turns measured signals into criteria with their uncertainty
     Synchronise(Synchronise),
 }

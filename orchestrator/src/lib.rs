@@ -1,13 +1,17 @@
 //! Batch verification of FMUs of FMI 2.0 and 3.0 against measurements when both the
 //! parameters and the measurement are uncertain.
 
-pub mod analysis;
 pub mod cli;
 pub mod commands;
+pub mod document;
+pub mod error;
 pub mod files;
 pub mod identify;
 pub mod judge;
+pub mod methods;
+pub mod options;
 pub mod pipeline;
+pub mod recording;
 pub mod report;
 pub mod reruns;
 pub mod results;

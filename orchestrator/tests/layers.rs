@@ -12,14 +12,17 @@ use std::collections::BTreeSet;
 use arrows::{Tree, circles};
 
 /// The orchestrator's modules, from the ground up.
-const FLOORS: [&[&str]; 13] = [
+const FLOORS: [&[&str]; 16] = [
     &["files"],
     &["table"],
     &["study"],
-    &["judge", "source"],
+    &["judge", "source", "recording"],
     &["results"],
-    &["pipeline", "analysis"],
+    &["pipeline", "document"],
     &["session", "identify"],
+    &["error"],
+    &["options"],
+    &["methods"],
     &["report"],
     &["reruns"],
     &["cli"],

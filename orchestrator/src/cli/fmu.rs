@@ -1,4 +1,4 @@
-//! Options of the commands that work on a single FMU.
+//! Options of the commands that work without a study: on a single FMU, or on a recording.
 
 use std::path::PathBuf;
 
@@ -91,4 +91,31 @@ pub struct Simulate {
     /// The file for the trajectory; - or no option: standard output
     #[arg(long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
+}
+
+/// Options of `synchronise`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator synchronise measured.csv --settings measured.toml \
+    --output results/measured"
+)]
+pub struct Synchronise {
+    /// The recording: a table with a column for each signal
+    #[arg(value_name = "MEASURED.csv")]
+    pub measured: PathBuf,
+    /// TOML file with the columns' names, units, accuracies and smoothing
+    #[arg(long, value_name = "SETTINGS.toml")]
+    pub settings: PathBuf,
+    /// Also make criteria for the amplitudes of load and torque
+    #[arg(long)]
+    pub amplitudes: bool,
+    /// Also write a case of this name for a study, case.toml: the inputs, and the signals as curves in case.csv
+    #[arg(long, value_name = "NAME")]
+    pub case: Option<String>,
+    /// The case is judged, and never fitted
+    #[arg(long, requires = "case")]
+    pub held_out: bool,
+    /// The folder for the results
+    #[arg(long, value_name = "DIR", default_value = "results/measured")]
+    pub output: PathBuf,
 }

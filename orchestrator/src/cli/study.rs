@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
+use clap::Args;
 use clap::builder::{RangedU64ValueParser, TypedValueParser};
-use clap::{Args, ValueEnum};
 
-use super::{Means, Parts, Work, verdict_help};
+use super::verdict_help;
+use crate::methods::rare::{self, RareEvent};
+use crate::options::{Means, Parts, Work};
 use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
-use serde::Serialize;
 
 /// Options of `verify`.
 #[derive(Debug, Args)]
@@ -67,25 +68,19 @@ pub struct Verify {
     pub extra_runs: usize,
 }
 
-/// A share that `verify --rare` finds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum RareEvent {
-    /// Points that meet all criteria
-    Verified,
-    /// Points whose run ends and that miss a criterion
-    NotConforming,
-    /// Points whose run fails
-    Failed,
-}
-
-impl RareEvent {
-    /// As the user writes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Verified => "verified",
-            Self::NotConforming => "not-conforming",
-            Self::Failed => "failed",
+impl Verify {
+    /// The search for the share of a rare event.
+    pub fn rare(self, event: RareEvent) -> rare::Options {
+        rare::Options {
+            event,
+            points: self.points,
+            seed: self.seed,
+            work: Work {
+                study: self.study,
+                output: self.output,
+                means: self.means,
+                parts: self.parts,
+            },
         }
     }
 }
@@ -153,33 +148,6 @@ pub struct Judge {
     /// Replace what the output folder holds, also where it is of another study file
     #[arg(long, requires = "output")]
     pub force: bool,
-}
-
-/// Options of `identify`.
-#[derive(Debug, Args)]
-#[command(after_help = include_str!("identify.txt"))]
-pub struct Identify {
-    /// The study, how its points are run, and where the results go
-    #[command(flatten)]
-    pub work: Work,
-    /// How many starts are screened, instead of the study's number
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub starts: Option<u64>,
-    /// Also predict each case from the others (leave one out), beside the fit and a plain regression
-    #[arg(long)]
-    pub cross_validate: bool,
-    /// Draw this many sets of parameters from the posterior, too: several modes and curved valleys as they are
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub posterior: Option<u64>,
-    /// Search and sample on polynomials from at most this many runs of each case, where runs are dear; their error counts
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub surrogate: Option<u64>,
-    /// The seed of the starts, instead of the study's
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub seed: Option<u64>,
-    /// End the search after this long and report the best so far
-    #[arg(long, value_name = "SECONDS")]
-    pub time_limit: Option<f64>,
 }
 
 /// Options of `report`.

@@ -4,8 +4,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use super::CommandError;
-use super::limits::place;
-use crate::cli::Means;
+use crate::options::Means;
 use crate::results::ResultsError;
 use crate::session::Verification;
 use fmu_points::crew::{Crew, Place};
@@ -31,7 +30,7 @@ pub(super) fn of(
     jobs: usize,
 ) -> Result<String, CommandError> {
     let scratch = stop::scratch().map_err(ResultsError::from)?;
-    let place = match place(means, jobs)? {
+    let place = match means.place(jobs)? {
         Place::Processes(limits, isolation) => {
             let time = limits.time.min(PATIENCE);
             Place::Processes(Limits { time, ..limits }, isolation)

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use super::{CommandError, dossier, improvements, output, table, verdict};
+use super::{CommandError, complete, output, table, verdict};
 use crate::cli;
 use crate::judge::Judge;
+use crate::methods::asking::warn;
 use crate::pipeline::folder::Earlier;
-use crate::report::Report;
 use crate::results::lock::Lock;
 use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
@@ -29,7 +29,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     let package = Package::open(&study.fmu_path()).ok();
     let fmu = package.as_ref().map(Package::description);
     let judge = Judge::new(&study, fmu)?;
-    super::warn(&judge);
+    warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
     let mut tally = if study.design.method.is_by_levels() {
@@ -88,15 +88,9 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     if let Some(folder) = &options.output {
         let path = folder.join("study.toml");
         write_atomically(&path, |out| out.write_all(study.text().as_bytes()))?;
-        dossier::write(folder, &summary)?;
-        Report::from_folder(folder)?.write(folder)?;
+        complete(folder, &summary);
     }
-    output::print(&format!(
-        "{}{}{}",
-        table::remarks(&summary),
-        table::counts(&summary),
-        improvements::text(&summary)
-    ));
+    output::print(&table::told(&summary));
     Ok(verdict(&summary))
 }
 

@@ -6,12 +6,11 @@ use std::process::ExitCode;
 
 use super::simulate::{Columns, Isolated};
 use super::{CommandError, output};
-use crate::analysis::from_results;
 use crate::cli::Replay;
 use crate::judge::Judge;
 use crate::pipeline::Model;
 use crate::results::points::number;
-use crate::results::{ResultsError, draft, keep};
+use crate::results::{ResultsError, draft, keep, table};
 use crate::session::Verification;
 use fmu_points::names::{did_you_mean, nearest};
 use fmu_points::task::Case;
@@ -148,7 +147,7 @@ fn accepted(folder: &Path, judge: &Judge, values: Option<&[f64]>) -> Option<bool
     if !judge.is_guarded() {
         return None;
     }
-    let found = from_results::summary(folder).ok()?.conclusion?.guard_band;
+    let found = table::summary(folder).ok()?.conclusion?.guard_band;
     let margin = values.map_or(f64::NEG_INFINITY, |values| judge.measurement.margin(values));
     Some(judge.guard.accepts(margin, found))
 }

@@ -1,21 +1,15 @@
 //! `synchronise`: from measured time series to criteria, and a page that shows how.
 
-mod mistake;
-mod recorded;
-mod settings;
-
 use std::path::Path;
 use std::process::ExitCode;
 
 use super::{CommandError, output};
 use crate::cli;
+use crate::recording::{Settings, SettingsError};
 use crate::report::recording;
 use crate::results::{make_folder, write_atomically};
 use rig_signals::case::{Case, Frame};
 use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
-use settings::Settings;
-
-pub use mistake::SettingsError;
 
 const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
     # in the settings, power = { variable = \"...\" }.\n";

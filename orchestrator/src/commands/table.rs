@@ -4,13 +4,20 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
+use crate::report::outlook::improve_first;
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
 use crate::results::{Summary, words};
 use fmu_points::Conduct;
 
-/// The summary for people: what meets which criterion.
-pub(super) fn counts(summary: &Summary) -> String {
+/// The summary for people.
+pub(super) fn told(summary: &Summary) -> String {
+    let first = improve_first(summary).map_or_else(String::new, |first| format!("{first}\n"));
+    format!("{}{}{first}", remarks(summary), counts(summary))
+}
+
+/// What meets which criterion.
+fn counts(summary: &Summary) -> String {
     let mut text = String::new();
     let failed = match summary.failed {
         0 => String::new(),
@@ -194,7 +201,7 @@ fn most_probable(summary: &Summary) -> String {
 }
 
 /// The first lines for a reader.
-pub(super) fn remarks(summary: &Summary) -> String {
+fn remarks(summary: &Summary) -> String {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
     let concerns = summary

@@ -9,20 +9,18 @@ use std::time::Instant;
 use indexmap::{IndexMap, IndexSet};
 use toml::Spanned;
 
-use super::limits::{limits, place};
-use super::{CommandError, asking, best, cost, dossier, improvements, output, table, verdict};
+use super::{CommandError, best, complete, cost, left_out, output, table, verdict};
 use crate::cli::Verify;
-use crate::pipeline::folder::{Earlier, RunFolder};
+use crate::methods::asking;
+use crate::methods::setup::{self, Place, Source, Work};
+use crate::pipeline::folder::Earlier;
 use crate::pipeline::{Pipeline, Step};
-use crate::report::Report;
 use crate::reruns::{self, Wish};
-use crate::results::lock::Lock;
 use crate::results::summary::Run;
 use crate::results::{Journal, Looked, ResultsError, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::plan::bare;
 use crate::study::{Name, Setting, Study};
-use fmu_points::crew::Crew;
 use fmu_points::task::Case;
 use sampling::design::Method;
 
@@ -32,8 +30,8 @@ const MOST_POINTS: u64 = 1_000_000;
 pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options)?)?;
-    super::warn(&verification.session.judge);
-    let folder = asking::folder(
+    asking::warn(&verification.session.judge);
+    let folder = setup::folder(
         options.output.as_deref(),
         &options.study,
         &options.parts,
@@ -49,41 +47,40 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         output::print(&cost::of(&mut verification, &options.means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
-    let earlier = options.parts.earlier();
-    let Session { request, study, .. } = &verification.session;
-    request.check(&folder, None, Some(study), earlier)?;
-    let lock = Lock::take(&folder)?;
-    if earlier == Earlier::Resumed {
-        extend(&verification, &folder)?;
+    let place = Place {
+        output: &folder,
+        analysis: None,
+        earlier: options.parts.earlier(),
+    };
+    let header = verification.header().clone();
+    let taken = place.take(verification.parts(), &header, || {
+        match place.earlier == Earlier::Resumed {
+            true => extend(&verification, &folder),
+            false => Ok(()),
+        }
+    })?;
+    let work = Work {
+        means: &options.means,
+        jobs,
+        // A study that ends when enough is known has as many points as that takes.
+        open: ending.is_some(),
+        ends: false,
+    };
+    let (computed, _kept) = setup::run(&mut verification, &header, taken, work, |of, pipeline| {
+        let enough = compute(of, pipeline, ending.as_ref())?;
+        let (done, computed) = (pipeline.done(), pipeline.computed());
+        let halt = pipeline.interrupted();
+        Ok((
+            done,
+            computed,
+            (done < of.expected() && !enough).then_some(halt),
+        ))
+    })?;
+    let (done, computed, halt) = computed;
+    if let Some(halt) = halt {
+        return Err(halt.into());
     }
-    // The unpacked FMU is kept in the scratch folder until the report is written, and the lock until all is.
-    let RunFolder {
-        journal,
-        finished,
-        scratch,
-        lock: _lock,
-    } = open(&verification, lock, &folder, earlier)?;
-    let session = &mut verification.session;
-    let place = place(&options.means, jobs)?;
-    let crew = Crew::new(&mut session.package, place, scratch.path(), jobs)?;
-    let shard = session.request.shard;
-    let mut pipeline = Pipeline::new(
-        &verification.session,
-        Some((&crew, &verification.session.plan.cases[..])),
-        journal,
-        finished,
-        verification.part(),
-    )
-    // A study that ends when enough is known has as many points as that takes.
-    .repeating(verification.header().seed, ending.is_some());
-    let enough = compute(&verification, &mut pipeline, ending.as_ref())?;
-    let (done, computed, interrupted) =
-        (pipeline.done(), pipeline.computed(), pipeline.interrupted());
-    pipeline.pause()?;
-    if done < verification.expected() && !enough {
-        return Err(interrupted.into());
-    }
-    if shard.is_some() {
+    if verification.session.request.shard.is_some() {
         output::print(&format!(
             "{done} points in {}; `orchestrator merge` joins the shards\n",
             folder.display()
@@ -98,7 +95,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let wish = Wish {
         most: options.extra_runs,
         validation: options.validation,
-        limits: limits(&options.means, jobs)?,
+        limits: options.means.limits(jobs)?,
         jobs,
     };
     conclude(&mut verification, &folder, summary, &wish)
@@ -151,21 +148,6 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError
     })
 }
 
-/// Takes a folder for the points of a study, and keeps there what was asked for.
-pub(super) fn open(
-    verification: &Verification,
-    lock: Lock,
-    folder: &Path,
-    earlier: Earlier,
-) -> Result<RunFolder, CommandError> {
-    let complete = folder.join("summary.json").exists();
-    let taken = RunFolder::open(lock, folder, verification.header(), earlier, complete)?;
-    // A run that was killed early may not have come so far.
-    let Session { request, study, .. } = &verification.session;
-    request.write(folder, study)?;
-    Ok(taken)
-}
-
 /// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
 pub(super) fn conclude(
     verification: &mut Verification,
@@ -173,23 +155,16 @@ pub(super) fn conclude(
     mut summary: Summary,
     wish: &Wish,
 ) -> Result<ExitCode, CommandError> {
-    let missing =
-        |what: &str, error: CommandError| fmu_points::tell::line!("note: {what}: {error}");
     let again = reruns::run(verification, folder, &mut summary, wish);
-    again.unwrap_or_else(|error| missing("no point was run once more", error.into()));
+    again.unwrap_or_else(|error| left_out("no point was run once more", &error));
     let Session { plan, package, .. } = &verification.session;
     let best = best::write(folder, plan, package.description(), &summary);
-    best.unwrap_or_else(|error| missing("the best point is in no file", error));
-    let dossier = dossier::write(folder, &summary);
-    dossier.unwrap_or_else(|error| missing("the verdict is in no file for other tools", error));
-    let page = Report::from_folder(folder).and_then(|report| report.write(folder));
-    page.map_or_else(|error| missing("there is no page", error.into()), drop);
+    best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
+    complete(folder, &summary);
     output::print(&format!(
-        "{}{}{}{}\nresults in {}\n",
-        table::remarks(&summary),
-        table::counts(&summary),
+        "{}{}\nresults in {}\n",
+        table::told(&summary),
         table::best(&summary),
-        improvements::text(&summary),
         folder.display()
     ));
     Ok(verdict(&summary))
@@ -284,7 +259,7 @@ fn request(options: &Verify) -> Result<Request, CommandError> {
         points: options.points.or(until.map(|_| MOST_POINTS)),
         seed: options.seed,
         points_from: options.points_from.clone(),
-        shard: asking::shard(&options.parts)?,
+        shard: options.parts.shard()?,
         ..Request::default()
     })
 }

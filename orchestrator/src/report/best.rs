@@ -1,7 +1,7 @@
 //! The page's table of the best points.
 
-use super::format::{number, percent};
 use super::payload::PlotColumn;
+use crate::document::format::{number, percent};
 use parameter_regions::pareto;
 use parameter_regions::table::{PointTable, Ranked};
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! The page's table of cases: how many points meet which criterion in which case.
 
-use super::format::{count, percent};
+use crate::document::format::{count, percent};
 use crate::results::Summary;
 use crate::study::cases::SEPARATOR;
 use serde::Serialize;

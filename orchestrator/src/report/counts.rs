@@ -1,10 +1,10 @@
 //! The page's counts: how many points pass, and what decides.
 
 use super::Report;
-use super::format::{count, number, percent};
 use super::judgement::{Decided, Judgement};
 use super::overlay::metric_of;
-use crate::analysis::verdict::PassCounts;
+use super::passes::PassCounts;
+use crate::document::format::{count, number, percent};
 use curves::{Kind, Metric};
 use parameter_regions::table::PointTable;
 use sampling::statistics::share::Fraction;

@@ -2,10 +2,10 @@
 //! written beside it as files.
 
 use super::bins::{bins_for, density, histogram, levels};
-use super::format::{count, number, with_unit};
 use super::overlay::Measured;
 use super::payload::PlotColumn;
-use super::svg::{Axis, Frame, envelope, ticks};
+use crate::document::format::{count, number, with_unit};
+use crate::document::svg::{Axis, Frame, envelope, ticks};
 use parameter_regions::table::PointTable;
 use std::fmt::Write as _;
 

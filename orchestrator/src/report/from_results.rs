@@ -1,25 +1,24 @@
 //! A report from the folder that `verify` leaves behind.
 
 use super::cases::Cases;
-use super::format::count;
 use super::judgement::Judgement;
-use super::outlook::Outlook;
+use super::outlook::{comparison, improvements};
 use super::whatif::WhatIf;
-use super::{
-    Intervals, Reading, Report, ReportError, Whole, again, history, pareto, robustness,
-    sensitivity, tolerances,
-};
-use crate::analysis::from_results::{self, FolderError};
+use super::{Intervals, Reading, Report, Whole, again, history};
+use crate::document::Document;
+use crate::document::format::count;
+use crate::error::ReportError;
+use crate::methods;
+use crate::methods::known::Finished;
 use crate::results::asides::Asides;
 use crate::results::choice;
-use crate::results::origin::Origin;
 use crate::results::settled::Settled;
 use crate::results::summary::{CriterionCount, VariantCount};
+use crate::results::table::{self, FolderError};
 use crate::results::words::capitalised;
 use crate::results::{ResultsError, Summary};
 use crate::study::Study;
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use parameter_regions::table::PointTable;
 use std::path::Path;
 
 impl Report {
@@ -28,7 +27,7 @@ impl Report {
     /// # Errors
     /// When there is no finished study in the folder, or one of the files is damaged.
     pub fn from_folder(folder: &Path) -> Result<Self, ReportError> {
-        let (summary, table) = from_results::read_some(folder, choice::MOST)?;
+        let (summary, table) = table::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
         let p = &summary.provenance;
@@ -50,22 +49,32 @@ impl Report {
                 .collect(),
             cases: Cases::new(&summary),
             history: history::read(folder, &table, study.as_ref()),
-            robustness: finding(folder, robustness::FILE, &summary),
-            sensitivity: finding(folder, sensitivity::FILE, &summary),
-            tolerances: finding(folder, tolerances::FILE, &summary),
-            outlook: Outlook::new(&summary),
+            documents: documents(folder, &summary, &table),
             // Judging needs all criteria.
             whatif: match pictured {
                 None => WhatIf::new(&summary, study.as_ref(), table.len()),
                 Some(_) => None,
             },
             pictured,
-            pareto: finding(folder, pareto::FILE, &summary),
             study_text,
             table,
             ..Self::default()
         })
     }
+}
+
+/// What is told of the study beside its verdict.
+fn documents(folder: &Path, summary: &Summary, table: &PointTable) -> Vec<Document> {
+    let own = [comparison(summary), improvements(summary)];
+    let study = Finished {
+        folder,
+        summary,
+        table,
+    };
+    own.into_iter()
+        .flatten()
+        .chain(methods::shown(&study))
+        .collect()
 }
 
 /// How the points were computed, as far as a reader has to know it, and doubts about the verdict.
@@ -105,19 +114,6 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         .chain(concerns)
         .map(|remark| format!("{}.", capitalised(remark.trim_end_matches('.'))))
         .collect()
-}
-
-/// Findings of other commands about these results, where there are any.
-fn finding<T: DeserializeOwned>(folder: &Path, file: &str, summary: &Summary) -> Option<T> {
-    #[derive(Deserialize)]
-    struct Head {
-        // Findings of older versions do not name their origin.
-        origin: Option<Origin>,
-    }
-    let text = std::fs::read_to_string(folder.join(file)).ok()?;
-    let head: Head = serde_json::from_str(&text).ok()?;
-    let fits = head.origin.is_none_or(|origin| origin.fits(summary));
-    fits.then(|| serde_json::from_str(&text).ok()).flatten()
 }
 
 /// The counts of all points, where the table holds only some.

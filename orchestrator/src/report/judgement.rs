@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use super::format::{number, percent};
+use crate::document::format::{number, percent};
 use crate::results::conclusion::Conclusion;
 use crate::results::{Summary, words};
 use conformity::decision::Decision;

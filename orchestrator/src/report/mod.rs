@@ -6,7 +6,6 @@ pub mod bins;
 pub mod cases;
 mod counts;
 pub mod figures;
-pub mod format;
 mod from_results;
 pub mod history;
 pub mod judgement;
@@ -14,22 +13,17 @@ pub mod live;
 pub mod outlook;
 mod overlay;
 mod page;
-pub mod pareto;
+mod passes;
 mod payload;
 mod planes;
 #[cfg(feature = "png")]
 mod png;
 pub mod recording;
-pub mod robustness;
-pub mod sensitivity;
 mod shown;
-pub mod svg;
-pub mod tolerances;
 pub mod whatif;
 
-use crate::analysis::from_results::FolderError;
-use crate::analysis::sensitivity::study::Sensitivity;
-use crate::analysis::verdict::PassCounts;
+use crate::document::{Document, svg};
+use crate::error::ReportError;
 use crate::results::{ResultsError, write_atomically};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
@@ -37,17 +31,13 @@ use flate2::{Compression, write::GzEncoder};
 use fmu_points::tell::visible;
 use indexmap::IndexMap;
 use judgement::Judgement;
-use outlook::Outlook;
-use parameter_regions::pareto::study::Pareto;
-use parameter_regions::robustness::Robustness;
 use parameter_regions::table::PointTable;
-use parameter_regions::tolerances::stated::Tolerances;
+use passes::PassCounts;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use sampling::statistics::share::Fraction;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// Contents of a report.
 #[derive(Clone, Debug, Default)]
@@ -78,20 +68,12 @@ pub struct Report {
     pub cases: Option<cases::Cases>,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
-    /// Sensitivity of the results to each parameter, where it was computed.
-    pub sensitivity: Option<Sensitivity>,
-    /// Robustness of the verified region, where it was computed.
-    pub robustness: Option<Robustness>,
-    /// The widest tolerances of the parameters, where they were looked for.
-    pub tolerances: Option<Tolerances>,
-    /// The model's own error, and what to improve first.
-    pub outlook: Outlook,
+    /// The model's own error, what to improve first, and what the methods told.
+    pub documents: Vec<Document>,
     /// The study to be changed in the page, where its points can be judged there.
     pub whatif: Option<whatif::WhatIf>,
     /// The FMU's module, where the page shall simulate points by itself.
     pub live: Option<live::Live>,
-    /// Trade-offs between criteria, where they were computed.
-    pub pareto: Option<Pareto>,
     /// Versions, seed and hashes: all that is needed to compute the same again.
     pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.
@@ -185,26 +167,6 @@ pub struct Reading {
     pub criteria: Vec<(String, usize)>,
     /// Points that meet all criteria of a group, by its name.
     pub groups: Vec<(String, usize)>,
-}
-
-/// Why a report could not be written.
-#[derive(Debug, Error)]
-pub enum ReportError {
-    /// There are no results to report.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(#[from] ResultsError),
-    /// The page could not be put together.
-    #[error("cannot put the report together: {0}")]
-    Page(#[from] minijinja::Error),
-    /// A plot could not be turned into pixels.
-    #[error("cannot make PNG files: {0}")]
-    Png(String),
-    /// The embedded data could not be put together.
-    #[error("cannot embed the points in the report: {0}")]
-    Data(#[from] serde_json::Error),
 }
 
 impl Report {

@@ -1,67 +1,61 @@
-//! The page's parts on the model's own error, and on what to improve first.
+//! The documents on the model's own error, and on what to improve first.
 
-use serde::Serialize;
-
-use super::format::{number, percent};
+use crate::document::format::{number, percent};
+use crate::document::{Document, Table, numbers, words};
 use crate::results::Summary;
-use crate::results::improvement::{Change, Halved, Prospect, Sign};
+use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign};
 use crate::results::validation::Comparison;
 
-/// Both parts as the template shows them.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Outlook {
-    /// A row for every criterion: its name, and the numbers of the comparison.
-    comparison: Vec<(String, [String; 7])>,
-    /// Which of the uncertainties dominates, and why the numerical one is not known.
-    notes: Vec<String>,
-    /// The first row tells of the study as it is.
-    improvements: Vec<[String; 8]>,
-    /// How many points the improvements rest on.
-    points: u64,
-}
-
-impl Outlook {
-    /// Conclusions from a finished study.
-    pub fn new(summary: &Summary) -> Self {
-        let row = |(name, found): (&String, &Comparison)| {
-            let unit = summary
-                .criteria
-                .get(name)
-                .and_then(|c| c.criterion.unit.clone());
-            let name = unit.map_or_else(|| name.clone(), |unit| format!("{name} ({unit})"));
-            (name, compared(found))
+/// What the model's own error may be, where the study tells.
+pub fn comparison(summary: &Summary) -> Option<Document> {
+    let mut told = Document::new("comparison", "Model's error", "The model's own error");
+    let row = |(name, found): (&String, &Comparison)| {
+        let criterion = summary.criteria.get(name);
+        let unit = criterion.and_then(|c| c.criterion.unit.as_ref());
+        let name = unit.map_or_else(|| name.clone(), |unit| format!("{name} ({unit})"));
+        let numbers = compared(found).into_iter();
+        std::iter::once(name).chain(numbers).collect()
+    };
+    told.table(Table {
+        name: "Validation comparison".into(),
+        class: "stack",
+        columns: vec![
+            words("Criterion"),
+            numbers("E"),
+            numbers("u_{num}"),
+            numbers("u_{input}"),
+            numbers("u_{D}"),
+            numbers("u_{val}"),
+            numbers("E ± 2 u_{val}"),
+            words("Largest"),
+        ],
+        rows: summary.validation.iter().map(row).collect(),
+    });
+    let note = |(name, found): (&String, &Comparison)| {
+        let bound = match found.complete {
+            true => "",
+            false => "; since not all uncertainties are known, E ± 2 u_{val} is wider than stated",
         };
-        let note = |(name, found): (&String, &Comparison)| {
-            let bound = if found.complete {
-                ""
-            } else {
-                "; since not all uncertainties are known, E ± 2 u_val is wider than stated"
-            };
-            format!(
-                "{name}: the {} uncertainty dominates; numerical uncertainty {}{bound}",
-                found.dominant, found.u_num_note
-            )
-        };
-        let missing = (summary.failed > 0 && !summary.validation.is_empty()).then(|| {
-            format!(
-                "Mean and spread are those of the {} points that have a result; {} failed",
-                summary.points - summary.failed,
-                summary.failed
-            )
-        });
-        let improvements = summary.improvements.as_ref();
-        Self {
-            comparison: summary.validation.iter().map(row).collect(),
-            notes: summary.validation.iter().map(note).chain(missing).collect(),
-            improvements: improvements.map_or_else(Vec::new, |found| {
-                let now = prospect("as it is", "", [String::new(), String::new()], &found.now);
-                std::iter::once(now)
-                    .chain(found.changes.iter().map(change))
-                    .collect()
-            }),
-            points: improvements.map_or(0, |found| found.points),
-        }
-    }
+        format!(
+            " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
+            found.dominant, found.u_num_note
+        )
+    };
+    let notes: String = summary.validation.iter().map(note).collect();
+    let missing = match summary.failed {
+        0 => String::new(),
+        failed => format!(
+            " Mean and spread are those of the {} points that have a result; {failed} failed.",
+            summary.points - failed
+        ),
+    };
+    told.hint(format!(
+        "After ASME V&V 20: E is the mean of the model's values minus the measured value. Where all uncertainties are known, \
+         the model's own error lies in E ± 2 u_{{val}}; otherwise the interval is at least so wide. u_{{val}} joins the \
+         uncertainties of the numerical solution, of the parameters (the spread of the points) and of the measured value. \
+         What is called verification here, V&V 10 and V&V 20 call validation: a comparison with measurements.{notes}{missing}"
+    ));
+    (!summary.validation.is_empty()).then_some(told)
 }
 
 fn compared(found: &Comparison) -> [String; 7] {
@@ -79,8 +73,92 @@ fn compared(found: &Comparison) -> [String; 7] {
     ]
 }
 
-fn change(found: &Change) -> [String; 8] {
-    let what = match found.halved {
+/// The surest gain, or that the points are too few to tell one.
+pub fn improve_first(summary: &Summary) -> Option<String> {
+    let improvements = summary.improvements.as_ref()?;
+    // Those of a grid have no intervals that would tell a gain from chance.
+    summary.verified_interval?;
+    let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
+    let Some(first) = by(Sign::Gain) else {
+        let nothing = match by(Sign::Open) {
+            Some(_) => "Too few points to say what to improve first.",
+            None => "Half an uncertainty or tolerance improves nothing.",
+        };
+        return Some(nothing.to_owned());
+    };
+    let what = match first.halved {
+        Halved::Uncertainty => "uncertainty of the measured value",
+        Halved::Tolerance => "tolerance of",
+    };
+    let interval = first.gain_interval.map_or_else(String::new, |ends| {
+        let [low, high] = ends.map(|end| number(100.0 * end, 3));
+        format!(" (95 % interval {low} … {high})")
+    });
+    Some(format!(
+        "To improve first: half the {what} {} gains {} points of the share{interval}.",
+        first.name,
+        number(100.0 * first.gain, 3)
+    ))
+}
+
+/// How the study would come out with half an uncertainty or half a tolerance.
+pub fn improvements(summary: &Summary) -> Option<Document> {
+    let improvements = summary.improvements.as_ref()?;
+    let title = "What to improve first";
+    let mut told = Document::new("improvements", "Improve first", title);
+    if let Some(first) = improve_first(summary) {
+        told.say(first);
+    }
+    let intervals = summary.verified_interval.is_some();
+    told.table(table(improvements, intervals));
+    let held = match intervals {
+        true => {
+            " Its intervals hold all together with 95 %, as if the points were independent; a gain whose interval holds 0 \
+             may be chance, and more points tell. Sure gains come first, sure losses last."
+        }
+        false => "",
+    };
+    told.hint(format!(
+        "How the study would come out if one measured value's uncertainty, or one parameter's tolerance, were half of what it \
+         is: by judging or weighting the first {} points anew, without new runs. The gain is that of the probability that a \
+         point is accepted and conforms.{held}",
+        improvements.points
+    ));
+    Some(told)
+}
+
+/// The first row tells of the study as it is.
+fn table(improvements: &Improvements, intervals: bool) -> Table {
+    let nothing = || [String::new(), String::new(), String::new()];
+    let now = row("as it is", nothing(), &improvements.now);
+    let changes = improvements.changes.iter().map(change);
+    let mut table = Table {
+        name: "What to improve first".into(),
+        class: "stack wrap",
+        columns: vec![
+            words("If halved"),
+            words("Kind"),
+            numbers("Gain, %"),
+            words("95 % interval"),
+            numbers("Accepted, %"),
+            numbers("Of these not conforming, %"),
+            words("Verdict"),
+            numbers("Effective sample size"),
+        ],
+        rows: std::iter::once(now).chain(changes).collect(),
+    };
+    if !intervals {
+        const INTERVAL: usize = 3;
+        table.columns.remove(INTERVAL);
+        for row in &mut table.rows {
+            row.remove(INTERVAL);
+        }
+    }
+    table
+}
+
+fn change(change: &Change) -> Vec<String> {
+    let what = match change.halved {
         Halved::Uncertainty => "measured value's uncertainty",
         Halved::Tolerance => "parameter's tolerance",
     };
@@ -88,45 +166,34 @@ fn change(found: &Change) -> [String; 8] {
         let sign = if gain > 0.0 { "+" } else { "" };
         format!("{sign}{}", number(100.0 * gain, 2))
     };
-    let interval = match (found.gain_interval, found.sign()) {
-        (None, _) => "–".to_owned(),
-        (Some(ends), sign) => {
-            let [low, high] = ends.map(plus);
-            let open = match sign {
-                Sign::Open => ": not distinguishable from 0",
-                Sign::Gain | Sign::Loss => "",
-            };
-            format!("{low} … {high}{open}")
-        }
+    let open = match change.sign() {
+        Sign::Open => ": not distinguishable from 0",
+        Sign::Gain | Sign::Loss => "",
     };
-    prospect(
-        &found.name,
-        what,
-        [plus(found.gain), interval],
-        &found.prospect,
-    )
+    let interval = change.gain_interval.map(|ends| ends.map(plus));
+    let interval = interval.map_or_else(
+        || "–".to_owned(),
+        |[low, high]| format!("{low} … {high}{open}"),
+    );
+    let gain = [what.to_owned(), plus(change.gain), interval];
+    row(&change.name, gain, &change.prospect)
 }
 
-fn prospect(
-    name: &str,
-    what: &str,
-    [gain, interval]: [String; 2],
-    found: &Prospect,
-) -> [String; 8] {
-    [
-        name.to_owned(),
-        what.to_owned(),
-        gain,
-        interval,
-        percent(found.accepted),
-        found
-            .not_conforming_given_accepted
-            .map_or_else(|| "–".to_owned(), percent),
-        found
-            .verdict
-            .map_or_else(|| "–".to_owned(), |verdict| verdict.to_string()),
-        number(found.effective_points, 3),
-    ]
+/// What is changed, its gain, and what would follow.
+fn row(name: &str, gain: [String; 3], prospect: &Prospect) -> Vec<String> {
+    let risk = prospect.not_conforming_given_accepted.map(percent);
+    let verdict = prospect.verdict.map(|verdict| verdict.to_string());
+    let [risk, verdict] = [risk, verdict].map(|cell| cell.unwrap_or_else(|| "–".to_owned()));
+    let follows = [
+        percent(prospect.accepted),
+        risk,
+        verdict,
+        number(prospect.effective_points, 3),
+    ];
+    std::iter::once(name.to_owned())
+        .chain(gain)
+        .chain(follows)
+        .collect()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::bins::axis_range;
-use super::svg::{Frame, envelope};
+use crate::document::svg::{Frame, envelope};
 use curves::{Curve, Metric};
 
 /// A measured curve on the model's time, in the criterion's unit.

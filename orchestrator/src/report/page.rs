@@ -3,18 +3,20 @@
 use super::best::{BestRow, best_rows, heading};
 use super::counts::{CountRow, Headline, ReadingRow, count_rows, decisive, readings};
 use super::figures;
-use super::format::{count, number, with_unit};
 use super::judgement::RiskRow;
+use super::passes::{PassCounts, verdict};
 use super::payload::{self, PlotColumn};
 use super::planes::{Plane, planes};
 use super::shown::Shown;
-use super::{Report, ReportError, Whole};
-use crate::analysis::verdict::{PassCounts, verdict};
+use super::{Report, Whole};
+use crate::document::format::{count, number, with_unit};
+use crate::document::{Document, marked};
+use crate::error::ReportError;
 use crate::results::words::capitalised;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
 use fmu_points::tell::is_hidden;
-use minijinja::{Environment, HtmlEscape, Value, value::Serde};
+use minijinja::{Environment, Value, value::Serde};
 use parameter_regions::table::PointTable;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -75,15 +77,29 @@ struct Page<'a> {
     best: Vec<BestRow>,
     failures: Vec<(String, String, String)>,
     histories: Vec<History>,
-    sensitivity: Option<super::sensitivity::View>,
-    robustness: Option<super::robustness::View>,
-    tolerances: Option<super::tolerances::View>,
-    outlook: &'a super::outlook::Outlook,
-    pareto: Option<super::pareto::View>,
+    documents: Vec<Section<'a>>,
     provenance: &'a [(String, String)],
     sampled_from: Vec<(&'a str, &'a str)>,
     command: &'a str,
     study_text: &'a str,
+}
+
+/// A document as the template shows it.
+#[derive(Serialize)]
+struct Section<'a> {
+    id: &'a str,
+    link: &'a str,
+    html: String,
+}
+
+impl<'a> Section<'a> {
+    fn new(document: &'a Document) -> Self {
+        Self {
+            id: document.id,
+            link: document.link,
+            html: document.as_html(),
+        }
+    }
 }
 
 /// One quantity over time: the whole run, and its last periods where it oscillates fast.
@@ -143,7 +159,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let decision = decision(report, &counted);
 
     let mut environment = Environment::new();
-    environment.add_filter("marked", marked);
+    environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
     environment.add_template("report.html", include_str!("assets/report.html"))?;
     let page = Page {
         study: &report.study,
@@ -237,14 +253,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         ),
         failures: failures(table, report.whole.as_ref()),
         histories: histories(report),
-        sensitivity: report
-            .sensitivity
-            .as_ref()
-            .map(|found| super::sensitivity::view(found, &report.table)),
-        robustness: report.robustness.as_ref().map(super::robustness::view),
-        tolerances: report.tolerances.as_ref().map(super::tolerances::view),
-        outlook: &report.outlook,
-        pareto: report.pareto.as_ref().map(super::pareto::view),
+        documents: report.documents.iter().map(Section::new).collect(),
         provenance: &report.provenance,
         sampled_from: sampled_from(table),
         command: &report.command,
@@ -308,14 +317,8 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
             .iter()
             .filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))),
     );
-    plots.extend(
-        report
-            .sensitivity
-            .iter()
-            .flat_map(super::sensitivity::plots),
-    );
-    plots.extend(report.robustness.iter().flat_map(super::robustness::plots));
-    plots.extend(report.pareto.iter().flat_map(super::pareto::files));
+    let figures = report.documents.iter().flat_map(Document::figures);
+    plots.extend(figures.map(|figure| (figure.file.clone(), figure.svg.clone())));
     for (name, _) in &mut plots {
         *name = file_name(name);
     }
@@ -366,26 +369,6 @@ fn pictured<'a>(
         status: table.status.clone(),
     };
     (Cow::Owned(drawn), columns)
-}
-
-/// A message as HTML: what the terminal shows between backticks is code, and a warning is told by its first word.
-fn marked(text: &str) -> Value {
-    let mut html = String::new();
-    let mut rest = text;
-    if let Some(warning) = rest.strip_prefix("Warning:") {
-        html.push_str("<strong>Warning:</strong>");
-        rest = warning;
-    }
-    // A backtick without a second one stays what it is.
-    while let Some((before, (code, after))) = rest
-        .split_once('`')
-        .and_then(|(before, from)| Some((before, from.split_once('`')?)))
-    {
-        html += &format!("{}<code>{}</code>", HtmlEscape(before), HtmlEscape(code));
-        rest = after;
-    }
-    html += &HtmlEscape(rest).to_string();
-    Value::from_safe_string(html)
 }
 
 /// JSON that cannot end the script element it stands in, and whose texts are visible to the last character in the page.
@@ -549,20 +532,6 @@ fn expected(points: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn messages_are_escaped_and_their_code_is_marked() {
-        let told = |text: &str| marked(text).to_string();
-        assert_eq!(
-            told("Warning: T<1: use `statistic = \"mean\"` with a `window`"),
-            "<strong>Warning:</strong> T&lt;1: use <code>statistic = &quot;mean&quot;</code> with a <code>window</code>"
-        );
-        assert_eq!(
-            told("`<b>` and one ` alone & more"),
-            "<code>&lt;b&gt;</code> and one ` alone &amp; more"
-        );
-        assert_eq!(told("a Warning: inside"), "a Warning: inside");
-    }
 
     /// A name in Modelica may have hundreds of characters; most systems take 255 bytes.
     #[test]

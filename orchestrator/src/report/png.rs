@@ -67,7 +67,7 @@ impl Painter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::svg::{Frame, plain};
+    use crate::document::svg::{Frame, plain};
 
     #[test]
     fn a_plot_becomes_pixels_with_its_colours() {

@@ -2,9 +2,10 @@
 //! the tests of stationarity say, and the criteria.
 
 use super::bins::axis_range;
-use super::format::number;
-use super::svg::{Frame, envelope};
-use super::{ReportError, write_file};
+use super::write_file;
+use crate::document::format::number;
+use crate::document::svg::{Frame, envelope};
+use crate::error::ReportError;
 use crate::results::ResultsError;
 use minijinja::{Environment, value::Serde};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
@@ -80,7 +81,7 @@ pub fn write(
     std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
     for figure in page.figures.iter().chain(&page.steady) {
         let path = plots.join(format!("{}.svg", figure.file));
-        write_file(&path, &super::svg::standalone(&figure.svg))?;
+        write_file(&path, &crate::document::svg::standalone(&figure.svg))?;
     }
     let mut environment = Environment::new();
     environment.add_template("recording.html", include_str!("assets/recording.html"))?;

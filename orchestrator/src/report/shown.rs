@@ -1,7 +1,7 @@
 //! The first two lines of the page: what the study has shown, and what it has not.
 
-use super::format::{count, number, percent};
 use super::judgement::Judgement;
+use crate::document::format::{count, number, percent};
 use conformity::decision::Decision;
 use sampling::statistics::share::Fraction;
 use serde::Serialize;

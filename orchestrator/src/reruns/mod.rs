@@ -5,6 +5,7 @@
 mod band;
 mod best;
 mod budget;
+mod motion;
 mod numerical;
 mod settled;
 

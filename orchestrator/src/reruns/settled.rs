@@ -5,10 +5,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+use super::motion::{Motion, motion};
 use super::{Halt, Reruns};
-use crate::analysis::motion::{Motion, motion};
+use crate::document::format::number;
 use crate::judge::Criterion;
-use crate::report::format::number;
 use crate::report::history;
 use crate::results::Summary;
 use crate::results::settled::Moved;

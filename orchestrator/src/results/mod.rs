@@ -27,6 +27,7 @@ mod resampled;
 pub mod settled;
 pub mod summary;
 pub mod survey;
+pub mod table;
 pub mod tally;
 pub mod traceability;
 pub mod validation;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::support::Bench;
-use orchestrator::analysis::from_results::read_some;
+use orchestrator::results::table::read_some;
 use parameter_regions::table::PointTable;
 
 const STUDY: &str = r#"
@@ -244,7 +244,7 @@ fn robustness_finds_the_room_and_confirms_it() {
         );
         assert_eq!(combination["confirmed"]["verified"], 0);
     }
-    assert!(said.out.contains("unsafe:") && said.out.contains("lag.rate below"));
+    assert!(said.out.contains("Unsafe combinations") && said.out.contains("lag.rate below"));
     assert!(bench.read("out/report.html").contains("id=\"robustness\""));
     bench
         .run(&[

@@ -752,7 +752,7 @@ fn tolerances_say_why_none_would_do() {
     let said = bench.run(&["tolerances", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
-        said.out.contains("no tolerances would do")
+        said.out.contains("No tolerances would do.")
             && said.out.contains("shift a parameter's nominal")
             && said.out.contains("can be reached in these proportions"),
         "{}",

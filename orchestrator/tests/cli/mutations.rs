@@ -8,9 +8,9 @@ use std::path::Path;
 use crate::support::Bench;
 use fmu_import::Package;
 use fmu_points::Separation;
-use orchestrator::analysis::from_results;
 use orchestrator::judge::Judge;
 use orchestrator::results::finished::Finished;
+use orchestrator::results::table;
 use orchestrator::results::{Journal, lines};
 use orchestrator::source::Source;
 use orchestrator::study::plan::Plan;
@@ -228,11 +228,7 @@ fn bench() -> Bench {
 type Kind<'a> = (&'a str, Box<dyn Fn(&Path) -> Attempt + 'a>);
 
 fn kinds(bench: &Bench) -> Vec<Kind<'_>> {
-    let results = |_: &Path| {
-        from_results::read(&bench.path("out"))
-            .map(drop)
-            .map_err(text)
-    };
+    let results = |_: &Path| table::read(&bench.path("out")).map(drop).map_err(text);
     vec![
         ("lag.fmu", Box::new(|path| fmu(bench, path))),
         (

@@ -1,0 +1,217 @@
+//! A document as a section of the page.
+
+use std::fmt::Write;
+
+use super::format::escape;
+use super::{Block, Column, Document, Figure, Table};
+
+impl Document {
+    /// The section, with an anchor and a heading.
+    pub fn as_html(&self) -> String {
+        let Self { id, title, .. } = self;
+        format!(
+            "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n{}</section>\n",
+            escape(title),
+            blocks(&self.blocks)
+        )
+    }
+}
+
+fn blocks(blocks: &[Block]) -> String {
+    blocks.iter().map(block).collect()
+}
+
+fn block(block: &Block) -> String {
+    match block {
+        Block::Heading(words) => format!("<h3>{}</h3>\n", marked(words)),
+        Block::Sentence(words) => format!("<p>{}</p>\n", marked(words)),
+        Block::Warning(words) => format!("<p class=\"warning\">Warning: {}.</p>\n", marked(words)),
+        Block::List(sentences) => {
+            let items = sentences.iter();
+            let items = items.map(|one| format!("<li>{}</li>", marked(one)));
+            format!("<ul>{}</ul>\n", items.collect::<String>())
+        }
+        Block::Table(own) => table(own),
+        Block::Hint(words) => format!("<p class=\"hint\">{}</p>\n", emphasised(&marked(words))),
+        Block::Legend(keys) => {
+            let keys = keys.iter();
+            let keys = keys.map(|key| format!("<span>{}{}</span>", key.svg, escape(&key.words)));
+            format!("<p class=\"legend\">{}</p>\n", keys.collect::<String>())
+        }
+        Block::Figures(class, figures) => {
+            let figures: String = figures.iter().map(figure).collect();
+            format!("<div class=\"grid {class}\">\n{figures}</div>\n")
+        }
+        Block::Folded(title, open, content) => format!(
+            "<details{}><summary>{}</summary>\n{}</details>\n",
+            if *open { " open" } else { "" },
+            marked(title),
+            blocks(content)
+        ),
+    }
+}
+
+fn figure(figure: &Figure) -> String {
+    let optional = |text: &str, tag: &str, end: &str| match text {
+        "" => String::new(),
+        text => format!("<{tag}>{}</{end}>", marked(text)),
+    };
+    let numbers = figure.numbers.as_ref().map_or_else(String::new, |numbers| {
+        format!(
+            "<details><summary>Numbers</summary>{}</details>",
+            table(numbers)
+        )
+    });
+    format!(
+        "<figure class=\"card\">{}{}{}{numbers}</figure>\n",
+        optional(&figure.caption, "figcaption", "figcaption"),
+        figure.svg,
+        optional(&figure.note, "p class=\"note\"", "p")
+    )
+}
+
+/// A table that scrolls for itself, and can be reached with the keyboard.
+fn table(table: &Table) -> String {
+    let class = |column: &Column| match column.is_number {
+        true => " class=\"num\"",
+        false => "",
+    };
+    let mut html = format!(
+        "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{}\"><table class=\"{}\">\n<thead><tr>",
+        escape(&table.name),
+        table.class
+    );
+    // Writing to a String cannot fail.
+    for column in &table.columns {
+        let _ = match (&*column.name, &*column.unit) {
+            ("", "") => write!(html, "<td></td>"),
+            (name, "") => write!(
+                html,
+                "<th scope=\"col\"{}>{}</th>",
+                class(column),
+                marked(name)
+            ),
+            (name, unit) => write!(
+                html,
+                "<th scope=\"col\"{}>{}<small>{}</small></th>",
+                class(column),
+                marked(name),
+                escape(unit)
+            ),
+        };
+    }
+    html += "</tr></thead>\n<tbody>";
+    for row in &table.rows {
+        for (k, (cell, column)) in row.iter().zip(&table.columns).enumerate() {
+            let _ = match k {
+                0 => write!(html, "<tr><th scope=\"row\">{}</th>", marked(cell)),
+                _ => write!(html, "<td{}>{}</td>", class(column), marked(cell)),
+            };
+        }
+        html += "</tr>\n";
+    }
+    html + "</tbody></table></div>\n"
+}
+
+/// A message as HTML: what the terminal shows between backticks is code, `u_{num}` has an index, and a warning is told by its
+/// first word.
+pub fn marked(text: &str) -> String {
+    let mut html = String::new();
+    let mut rest = text;
+    if let Some(warning) = rest.strip_prefix("Warning:") {
+        html.push_str("<strong>Warning:</strong>");
+        rest = warning;
+    }
+    // A mark without a second one stays what it is.
+    for (part, is_code) in between(rest, "`", "`") {
+        if is_code {
+            html += &format!("<code>{}</code>", escape(part));
+            continue;
+        }
+        for (part, is_index) in between(part, "_{", "}") {
+            html += &match is_index {
+                true => format!("<sub>{}</sub>", escape(part)),
+                false => escape(part),
+            };
+        }
+    }
+    html
+}
+
+/// Words between asterisks are stressed.
+fn emphasised(html: &str) -> String {
+    let parts = between(html, "*", "*").into_iter();
+    let parts = parts.map(|(part, is_stressed)| match is_stressed {
+        true => format!("<em>{part}</em>"),
+        false => part.to_owned(),
+    });
+    parts.collect()
+}
+
+/// The parts of a text, each with whether it stands between two marks.
+pub(super) fn between<'a>(mut text: &'a str, open: &str, close: &str) -> Vec<(&'a str, bool)> {
+    let mut parts = Vec::new();
+    while let Some((before, (inside, after))) = text
+        .split_once(open)
+        .and_then(|(before, from)| Some((before, from.split_once(close)?)))
+    {
+        parts.extend([(before, false), (inside, true)]);
+        text = after;
+    }
+    parts.push((text, false));
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{numbers, words};
+    use super::*;
+
+    #[test]
+    fn messages_are_escaped_and_their_code_is_marked() {
+        assert_eq!(
+            marked("Warning: T<1: use `statistic = \"mean\"` with a `window`"),
+            "<strong>Warning:</strong> T&lt;1: use <code>statistic = &quot;mean&quot;</code> with a <code>window</code>"
+        );
+        assert_eq!(
+            marked("`<b>` and one ` alone & more"),
+            "<code>&lt;b&gt;</code> and one ` alone &amp; more"
+        );
+        assert_eq!(marked("a Warning: inside"), "a Warning: inside");
+        assert_eq!(marked("u_{num}, a_b"), "u<sub>num</sub>, a_b");
+    }
+
+    #[test]
+    fn the_terminal_and_the_page_show_the_same_table() {
+        let mut document = Document::new("parts", "Parts", "The parts");
+        document.say("Two parts.");
+        document.hint("*Length*: that of the part.");
+        document.table(Table {
+            name: "Parts".into(),
+            columns: vec![
+                words("Part"),
+                Column {
+                    unit: "mm".into(),
+                    ..numbers("Length")
+                },
+            ],
+            rows: [["a<b", "1"], ["c", "100"]]
+                .map(|row| row.map(String::from).to_vec())
+                .to_vec(),
+            ..Table::default()
+        });
+        assert_eq!(
+            document.as_text(),
+            "Two parts.\n  Part  Length (mm)\n  a<b             1\n  c             100\n"
+        );
+        let html = document.as_html();
+        for part in [
+            "<section id=\"parts\" aria-labelledby=\"parts-title\">",
+            "<p class=\"hint\"><em>Length</em>: that of the part.</p>",
+            "<th scope=\"col\" class=\"num\">Length<small>mm</small></th>",
+            "<tr><th scope=\"row\">a&lt;b</th><td class=\"num\">1</td></tr>",
+        ] {
+            assert!(html.contains(part), "{html}");
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! Analyses that ask for points of their own, however they come to be run: begun, resumed, in parts, or joined.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde::Serialize;
+
+use super::setup::{self, Place, Source};
+use crate::document::Document;
+use crate::error::CommandError;
+use crate::judge::Judge;
+use crate::options::Work;
+use crate::pipeline::Pipeline;
+use crate::results::origin::Origin;
+use crate::results::{Header, Outcome, ResultsError, make_folder, table, write_json};
+use crate::session::{Asking, Request, Session};
+use conformity::decision::Decision;
+use parameter_regions::table::PointTable;
+
+/// An analysis that asks for points of its own.
+pub trait Analysis {
+    /// What its points are run of.
+    type Source: Source;
+
+    /// Its name: that of its command, and of the folder of its journal.
+    fn name(&self) -> &'static str;
+
+    /// Its options, as the request keeps them.
+    fn options(&self) -> serde_json::Value;
+
+    /// Reads the study and the FMU, and refuses what it can do nothing with.
+    ///
+    /// # Errors
+    /// When either cannot be used.
+    fn open(&self, request: Request) -> Result<Self::Source, CommandError>;
+
+    /// The seed, how many points it asks for where that is known beforehand, and what else the points depend on
+    /// beside study and FMU.
+    ///
+    /// # Errors
+    /// When the options say nothing that can be run.
+    fn points(&self, source: &Self::Source) -> Result<PointSet, CommandError>;
+
+    /// Why parts of the points cannot be computed apart, if they cannot.
+    fn one_piece(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Refuses what it cannot do, before the folder is taken and what an earlier run left there is replaced.
+    ///
+    /// # Errors
+    /// Says why.
+    fn check(&self, _: &Self::Source) -> Result<(), CommandError> {
+        Ok(())
+    }
+
+    /// Asks for the points and says what they tell; tables of its own go into `folder`.
+    ///
+    /// # Errors
+    /// Why there is no answer.
+    fn find(
+        &self,
+        source: &Self::Source,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<AnalysisResult, CommandError>;
+}
+
+/// Identity of an analysis's points, besides study and FMU: seed, number, method.
+#[derive(Debug)]
+pub struct PointSet {
+    /// The seed.
+    pub seed: u64,
+    /// How many there are, where that is known beforehand.
+    pub points: Option<u64>,
+    /// The method and its sizes, for people.
+    pub method: String,
+    /// The digest of the points that it begins with.
+    pub table: Option<String>,
+}
+
+/// The result of an analysis.
+#[derive(Debug)]
+pub struct AnalysisResult {
+    /// Which study, FMU and points it came from; none where it has files of its own only.
+    pub origin: Option<Origin>,
+    /// The same for people.
+    pub text: String,
+    /// What it says of the model; 0 unless it is a verdict.
+    pub code: ExitCode,
+    file: &'static str,
+    result: serde_json::Value,
+}
+
+/// A result with what it belongs to.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    origin: Option<&'a Origin>,
+    #[serde(flatten)]
+    result: &'a serde_json::Value,
+}
+
+impl AnalysisResult {
+    /// A result that becomes the content of `file`.
+    pub(super) fn new(
+        result: &impl Serialize,
+        origin: Option<Origin>,
+        text: String,
+        file: &'static str,
+    ) -> Result<Self, CommandError> {
+        let result = serde_json::to_value(result).map_err(|error| ResultsError::Content {
+            path: file.into(),
+            message: error.to_string(),
+        })?;
+        Ok(Self {
+            origin,
+            text,
+            file,
+            code: ExitCode::SUCCESS,
+            result,
+        })
+    }
+
+    /// The same, told by its document.
+    pub(super) fn told(
+        result: &impl Serialize,
+        origin: Origin,
+        document: &Document,
+        file: &'static str,
+    ) -> Result<Self, CommandError> {
+        Self::new(result, Some(origin), document.as_text(), file)
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
+        make_folder(folder)?;
+        let told = Told {
+            origin: self.origin.as_ref(),
+            result: &self.result,
+        };
+        write_json(&folder.join(self.file), &told)
+    }
+}
+
+/// A result, the folder that it goes into, and what keeps that folder for it.
+#[derive(Debug)]
+pub struct Delivery {
+    /// The result.
+    pub result: AnalysisResult,
+    /// The folder.
+    pub folder: PathBuf,
+    _kept: Option<setup::Kept>,
+}
+
+impl Delivery {
+    /// The result of a run.
+    pub(super) fn new(result: AnalysisResult, folder: PathBuf, kept: setup::Kept) -> Self {
+        Self {
+            result,
+            folder,
+            _kept: Some(kept),
+        }
+    }
+
+    /// A result without runs; refuses a folder that holds the results of another study file, where these are not to be
+    /// replaced.
+    pub(super) fn without_runs(
+        result: AnalysisResult,
+        work: &Work,
+        folder: PathBuf,
+    ) -> Result<Self, CommandError> {
+        let request = Request {
+            study: work.study.clone(),
+            ..Request::default()
+        };
+        request.check(&folder, None, None, work.parts.earlier())?;
+        Ok(Self {
+            result,
+            folder,
+            _kept: None,
+        })
+    }
+}
+
+/// Which correlated parameters an analysis can take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Takes {
+    /// Whether it keeps correlated parameters together.
+    pub(super) correlations: bool,
+    /// Whether it takes rows of a sample as they are.
+    pub(super) samples: bool,
+}
+
+/// A study whose parameters are as free as an analysis needs them.
+pub(super) fn session(request: Request, takes: Takes) -> Result<Session, CommandError> {
+    let session = Session::open(request)?;
+    if session.plan.correlation().is_some() && !takes.correlations {
+        let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
+                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together";
+        return Err(session.study.error(message).into());
+    }
+    let together = session.plan.together();
+    if !together.is_empty() && !takes.samples {
+        let message = format!(
+            "{} are drawn together from a sample, and this analysis changes every parameter alone; give them other \
+             distributions, or use verify, robustness or tolerances, which draw whole rows",
+            together.join(", ")
+        );
+        return Err(session.study.error(message).into());
+    }
+    Ok(session)
+}
+
+/// Reads what the points of an analysis are run of.
+pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, CommandError> {
+    let shard = work.parts.shard()?;
+    if let (Some(_), Some(message)) = (shard, analysis.one_piece()) {
+        return Err(CommandError::option("shard", message));
+    }
+    analysis.open(Request {
+        study: work.study.clone(),
+        fmu: work.means.fmu.clone(),
+        shard,
+        analysis: Some(Asking {
+            name: analysis.name().to_owned(),
+            options: analysis.options(),
+        }),
+        ..Request::default()
+    })
+}
+
+/// The journal's header: which study, FMU and analysis its points belong to.
+///
+/// # Errors
+/// When the options say nothing that can be run, or the FMU cannot be read any more.
+pub fn header<S: Source>(
+    source: &S,
+    analysis: &dyn Analysis<Source = S>,
+) -> Result<Header, CommandError> {
+    let set = analysis.points(source)?;
+    let parts = source.parts();
+    Ok(Header {
+        orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
+        study: parts.study.digest(),
+        fmu: parts.package.digest()?,
+        table: set.table,
+        seed: set.seed,
+        points: set.points,
+        shard: parts.request.shard.map(|shard| shard.to_string()),
+        analysis: Some(format!("{}, {}", analysis.name(), set.method)),
+    })
+}
+
+/// Runs an analysis whose results go into `folder`.
+pub(super) fn run<A: Analysis>(
+    mut source: A::Source,
+    analysis: &A,
+    work: &Work,
+    folder: PathBuf,
+) -> Result<Delivery, CommandError> {
+    analysis.check(&source)?;
+    let header = header(&source, analysis)?;
+    let place = Place {
+        output: &folder,
+        analysis: Some(analysis.name()),
+        earlier: work.parts.earlier(),
+    };
+    let taken = place.take(source.parts(), &header, || Ok(()))?;
+    let means = setup::Work {
+        means: &work.means,
+        jobs: work.means.jobs(),
+        open: false,
+        ends: true,
+    };
+    let (result, kept) = setup::run(&mut source, &header, taken, means, |source, pipeline| {
+        analysis.find(source, pipeline, &folder)
+    })?;
+    Ok(Delivery::new(result, folder, kept))
+}
+
+/// Which study and FMU the results of an analysis with runs of its own came from.
+pub(super) fn origin(session: &Session) -> Result<Origin, CommandError> {
+    Ok(Origin {
+        study_sha256: session.study.digest(),
+        fmu_sha256: Some(session.package.digest()?),
+        points: None,
+    })
+}
+
+/// The table of runs that an analysis made itself, with all parameters.
+pub(super) fn table(session: &Session, points: &[Vec<f64>], outcomes: Vec<Outcome>) -> PointTable {
+    let Session { plan, judge, .. } = session;
+    let all: Vec<usize> = (0..plan.inputs.len()).collect();
+    table::from_runs(&plan.inputs, &all, judge, points, outcomes)
+}
+
+/// 0 when the model is verified, 1 when it is not, 3 when the points do not tell.
+pub fn exit_code(verdict: Option<Decision>) -> ExitCode {
+    const INCONCLUSIVE: u8 = 3;
+    match verdict {
+        Some(Decision::Inconclusive) => ExitCode::from(INCONCLUSIVE),
+        Some(Decision::Verified) => ExitCode::SUCCESS,
+        Some(Decision::NotVerified) | None => ExitCode::FAILURE,
+    }
+}
+
+/// Says what the user should know of a study that can be used all the same.
+pub fn warn(judge: &Judge) {
+    for warning in &judge.warnings {
+        fmu_points::tell::line!("warning: {warning}");
+    }
+}

@@ -1,0 +1,147 @@
+//! The files of an identification.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::CommandError;
+use crate::results::{ResultsError, write_atomically};
+use crate::study::{Identification, Study};
+use crate::table::csv_file::{self, CsvFile, reason};
+use calibration::outcome::IdentificationOutcome;
+use calibration::{cross, text};
+
+/// Writes all files.
+pub(super) fn write(
+    folder: &Path,
+    study: &Study,
+    settings: &Identification,
+    outcome: &IdentificationOutcome,
+) -> Result<(), CommandError> {
+    let name = study
+        .path()
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let optima = outcome.optima.len();
+    for place in 0..optima {
+        let section = text::fixed_section(&name, place, outcome);
+        let file = numbered("optimum", "toml", place, optima);
+        write_atomically(&folder.join(file), |out| out.write_all(section.as_bytes()))?;
+    }
+    for (stem, ending) in [("optimum", "toml"), ("cases", "csv")] {
+        remove_others(folder, stem, ending, optima)?;
+    }
+    for place in 0..optima {
+        write_cases(folder, study, settings, outcome, place)?;
+    }
+    write_validation(folder, outcome)
+}
+
+/// The name of a file of one optimum: where there are several, none has the plain name.
+fn numbered(stem: &str, ending: &str, place: usize, optima: usize) -> String {
+    match optima {
+        1 => format!("{stem}.{ending}"),
+        _ => format!("{stem}-{}.{ending}", place + 1),
+    }
+}
+
+/// Removes files of an earlier search that found another number of optima: they would be taken for this one's.
+fn remove_others(
+    folder: &Path,
+    stem: &str,
+    ending: &str,
+    optima: usize,
+) -> Result<(), CommandError> {
+    if optima != 1 {
+        remove(&folder.join(format!("{stem}.{ending}")))?;
+    }
+    let mut number = if optima == 1 { 1 } else { optima + 1 };
+    while folder.join(format!("{stem}-{number}.{ending}")).exists() {
+        remove(&folder.join(format!("{stem}-{number}.{ending}")))?;
+        number += 1;
+    }
+    Ok(())
+}
+
+pub(super) fn remove(path: &Path) -> Result<(), CommandError> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(ResultsError::io(path)(error).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn write_validation(folder: &Path, outcome: &IdentificationOutcome) -> Result<(), CommandError> {
+    let path = folder.join("cross-validation.csv");
+    let Some(validation) = &outcome.cross_validation else {
+        // One of an earlier run would be taken for this one's.
+        return remove(&path);
+    };
+    write_atomically(&path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(cross::text::HEAD)?;
+        for row in cross::text::rows(validation) {
+            table.write_record(row.iter().map(|text| csv_file::cell(text).into_owned()))?;
+        }
+        table.flush()
+    })?;
+    Ok(())
+}
+
+/// The table of cases with the latent parameters' most probable values in place of what it had.
+fn write_cases(
+    folder: &Path,
+    study: &Study,
+    settings: &Identification,
+    outcome: &IdentificationOutcome,
+    optimum: usize,
+) -> Result<(), CommandError> {
+    let Some(path) = &settings.cases else {
+        return Ok(());
+    };
+    let path = beside(study, path.as_ref());
+    let failed = |error: csv::Error| ResultsError::Content {
+        path: path.clone(),
+        message: reason(&path, &error),
+    };
+    let mut table = CsvFile::open(&path, Some(b'#')).map_err(failed)?;
+    let header = table.header().map_err(failed)?;
+    let latents = settings.latent.values();
+    let places: Vec<Option<usize>> = latents
+        .map(|latent| {
+            header
+                .iter()
+                .position(|name| Some(name) == latent.column.as_ref())
+        })
+        .collect();
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let names = header.iter().map(|name| csv_file::cell(name).into_owned());
+    writer.write_record(names).map_err(failed)?;
+    let mut row = csv::StringRecord::new();
+    for case in &outcome.optima[optimum].latents {
+        if !table.row(&mut row).map_err(failed)? {
+            break;
+        }
+        let texts = row.iter().map(|cell| csv_file::text(cell).into_owned());
+        let mut cells: Vec<String> = texts.collect();
+        for (place, latent) in places.iter().zip(case) {
+            if let Some(cell) = place.and_then(|place| cells.get_mut(place)) {
+                *cell = text::digits(latent.value).to_string();
+            }
+        }
+        writer
+            .write_record(cells.iter().map(|text| csv_file::cell(text).into_owned()))
+            .map_err(failed)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .expect("memory takes all that is written");
+    let file = numbered("cases", "csv", optimum, outcome.optima.len());
+    write_atomically(&folder.join(file), |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+/// A path that the study gives relative to itself.
+pub(super) fn beside(study: &Study, path: &Path) -> PathBuf {
+    study.path().parent().unwrap_or("".as_ref()).join(path)
+}

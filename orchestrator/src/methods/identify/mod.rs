@@ -1,0 +1,395 @@
+//! `identify`: finds the parameters that make the FMU's outputs most probable.
+
+mod files;
+mod posterior;
+mod surrogate;
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
+use super::known::Finished;
+use super::setup::{self, Source, SourceParts};
+use crate::document::Document;
+use crate::error::CommandError;
+use crate::identify::bind::Bound;
+use crate::identify::from_study;
+use crate::identify::model::FmuModel;
+use crate::options::Work;
+use crate::pipeline::Pipeline;
+use crate::results::ResultsError;
+use crate::session::Request;
+use crate::study::{Identification, Study};
+use calibration::cross::outcome::{CrossValidation, Found};
+use calibration::cross::{self, Whole, cross_validate};
+use calibration::failures::Excluded;
+use calibration::local::{End, Minimum};
+use calibration::objective::Objective;
+use calibration::outcome::IdentificationOutcome;
+use calibration::problem::{Problem, Simulate};
+use calibration::remembered::Remembered;
+use calibration::rounds;
+use calibration::sample::{self, Sample};
+use calibration::search::{self, Progress, SearchError};
+use calibration::text;
+use fmu_import::Package;
+use sampling::design::cube;
+
+/// The name of the command, and of the folder of its journal.
+pub const NAME: &str = "identify";
+/// The result's file in a folder of results.
+const FILE: &str = "identification.json";
+
+/// Options of `identify`.
+#[derive(Debug, Args)]
+#[command(after_help = include_str!("help.txt"))]
+pub struct Options {
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
+    /// How many starts are screened, instead of the study's number
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub starts: Option<u64>,
+    /// Also predict each case from the others (leave one out), beside the fit and a plain regression
+    #[arg(long)]
+    pub cross_validate: bool,
+    /// Draw this many sets of parameters from the posterior, too: several modes and curved valleys as they are
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub posterior: Option<u64>,
+    /// Search and sample on polynomials from at most this many runs of each case, where runs are dear; their error counts
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub surrogate: Option<u64>,
+    /// The seed of the starts, instead of the study's
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// End the search after this long and report the best so far
+    #[arg(long, value_name = "SECONDS")]
+    pub time_limit: Option<f64>,
+}
+
+/// The page of a finished study shows nothing of it: its points are others.
+pub(super) fn shown(_: &Finished<'_>) -> Option<Document> {
+    None
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// When the options or the study cannot be used, and when the search fails.
+pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+    let Options { work, .. } = options;
+    let analysis = Asked {
+        starts: options.starts,
+        cross_validate: options.cross_validate,
+        posterior: options.posterior,
+        surrogate: options.surrogate,
+        seed: options.seed,
+        time_limit: options.time_limit,
+    };
+    let fit = asking::open(work, &analysis)?;
+    let folder = setup::folder(work.output.as_deref(), &work.study, &work.parts, None)?;
+    asking::run(fit, &analysis, work, folder)
+}
+
+/// A search for the most probable parameters.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Asked {
+    starts: Option<u64>,
+    cross_validate: bool,
+    posterior: Option<u64>,
+    surrogate: Option<u64>,
+    // The request has it beside these.
+    #[serde(skip)]
+    seed: Option<u64>,
+    // A search that is resumed may take as long again.
+    #[serde(skip)]
+    time_limit: Option<f64>,
+}
+
+/// A study with its unknowns, tied to its FMU.
+#[derive(Debug)]
+pub struct Fit {
+    request: Request,
+    study: Study,
+    settings: Identification,
+    package: Package,
+    bound: Bound,
+}
+
+impl Source for Fit {
+    fn package(&mut self) -> &mut Package {
+        &mut self.package
+    }
+
+    fn parts(&self) -> SourceParts<'_> {
+        SourceParts {
+            request: &self.request,
+            study: &self.study,
+            package: &self.package,
+            model: &self.bound,
+            cases: &self.bound.simulations,
+        }
+    }
+}
+
+impl Analysis for Asked {
+    type Source = Fit;
+
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn one_piece(&self) -> Option<&'static str> {
+        Some("each step of a search depends on the one before, so it has no parts; --resume goes on with one")
+    }
+
+    fn open(&self, request: Request) -> Result<Fit, CommandError> {
+        let seed = self.seed.or(request.seed);
+        let study = Study::read(&request.study)?;
+        let settings = self.settings(&study, seed)?;
+        let package = study.open_fmu::<CommandError>(request.fmu.as_deref())?;
+        let fmu = package.description();
+        // The unknowns and the data are those of the study's cases, or of the section `[identify]`.
+        let bound = match study.cases.is_empty() {
+            true => Bound::new(&study, &settings, fmu)?,
+            false => from_study::bind(&study, &settings, fmu)?,
+        };
+        Ok(Fit {
+            request: Request { seed, ..request },
+            study,
+            settings,
+            package,
+            bound,
+        })
+    }
+
+    fn points(&self, fit: &Fit) -> Result<PointSet, CommandError> {
+        let Fit {
+            study, settings, ..
+        } = fit;
+        let table = settings.cases.as_ref().map(|path| {
+            let path = files::beside(study, path.as_ref());
+            crate::files::digest(&path).map_err(ResultsError::io(&path))
+        });
+        Ok(PointSet {
+            seed: settings.seed,
+            points: None,
+            method: format!("{} starts", settings.starts),
+            table: table.transpose()?,
+        })
+    }
+
+    fn check(&self, fit: &Fit) -> Result<(), CommandError> {
+        let Fit {
+            study,
+            settings,
+            bound,
+            ..
+        } = fit;
+        if self.cross_validate && bound.problem.cases.len() < 2 {
+            let message = match study.cases.is_empty() {
+                true => {
+                    "there is one case only, and nothing to predict it from; give more under `cases` in [identify]"
+                }
+                false => {
+                    "the cases of a study are fitted together; to predict one from the others, set `held-out = true` in it"
+                }
+            };
+            return Err(CommandError::option("cross-validate", message));
+        }
+        posterior::check(study, settings, bound, self.posterior.is_some())?;
+        surrogate::check(study, settings, bound, self)
+    }
+
+    fn find(
+        &self,
+        fit: &Fit,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        let (outcome, sample) = find(self, fit, pipeline)?;
+        files::write(folder, &fit.study, &fit.settings, &outcome)?;
+        posterior::write(folder, &fit.bound, sample.as_ref())?;
+        let [posterior, validation] = [
+            outcome.posterior.as_ref().map(sample::text::summary),
+            outcome.cross_validation.as_ref().map(cross::text::summary),
+        ]
+        .map(Option::unwrap_or_default);
+        let text = format!("{}{posterior}{validation}", text::summary(&outcome));
+        let code = match outcome.end {
+            End::Time | End::Iterations => ExitCode::FAILURE,
+            End::Converged | End::Rounds => ExitCode::SUCCESS,
+        };
+        let mut result = AnalysisResult::new(&outcome, None, text, FILE)?;
+        result.code = code;
+        Ok(result)
+    }
+}
+
+impl Asked {
+    /// The study's settings, overridden by the command line. A study with cases need not have any.
+    fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, CommandError> {
+        let usual = || (!study.cases.is_empty()).then(Identification::default);
+        let mut settings = study.identify.clone().or_else(usual).ok_or_else(|| {
+            study.error(
+                "identify needs a section [identify]; `orchestrator identify --help` shows one",
+            )
+        })?;
+        settings.starts = self.starts.unwrap_or(settings.starts);
+        settings.seed = seed.unwrap_or(settings.seed);
+        let unplaced = |number| toml::Spanned::new(0..0, number);
+        settings.posterior = self.posterior.map(unplaced).or(settings.posterior);
+        settings.surrogate = self.surrogate.map(unplaced).or(settings.surrogate);
+        Ok(settings)
+    }
+}
+
+/// Searches for the most probable parameters.
+fn find(
+    options: &Asked,
+    fit: &Fit,
+    pipeline: &mut Pipeline<'_>,
+) -> Result<(IdentificationOutcome, Option<Sample>), CommandError> {
+    let Fit {
+        study,
+        settings,
+        bound,
+        ..
+    } = fit;
+    let starts = starts(study, settings, bound.problem.free.len())?;
+    let limits = search::Effort {
+        descents: settings.descents.max(1),
+        iterations: settings.iterations.max(1),
+        deadline: options
+            .time_limit
+            .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
+    };
+    let model = FmuModel::new(bound, pipeline);
+    let remembered = Remembered::new(&model);
+    let task = rounds::Task {
+        problem: &bound.problem,
+        unknown: &bound.discrepancies,
+        difference: settings.difference,
+        starts: &starts,
+        effort: limits,
+    };
+    let search = || {
+        let replaced = surrogate::replaced(study, settings, &task, &remembered, &|text| {
+            model.say(text);
+        })?;
+        let mut task = task;
+        let mut asked: &dyn Simulate = &remembered;
+        // Without surrogates: the places of a sample hardly ever come twice, and there are many.
+        let mut sampled: &dyn Simulate = &model;
+        if let Some(own) = &replaced {
+            task.problem = &own.problem;
+            (asked, sampled) = (&own.model, &own.model);
+        }
+        let mut searched = rounds::searched(&task, asked, &|progress| {
+            model.say(so_far(progress));
+        })?;
+        let again = replaced.as_ref().map(|own| {
+            let objective = Objective::new(&searched.problem, &remembered, settings.difference);
+            surrogate::run_again(&objective, own, &mut searched.optima)
+        });
+        let again = again.transpose()?;
+        let optima = &searched.optima;
+        let cross_validation = options.cross_validate.then(|| {
+            validate(
+                (bound, &searched.problem),
+                &remembered,
+                &model,
+                settings,
+                &optima[0].minimum,
+                limits.deadline,
+            )
+        });
+        let mut outcome = IdentificationOutcome {
+            cross_validation: cross_validation.transpose()?,
+            surrogate: again,
+            ..searched.outcome()
+        };
+        if let Some(own) = &replaced {
+            // Only the model's own runs tell where it fails.
+            let ended = own.screened.iter().copied();
+            outcome.excluded = Excluded::new(&bound.problem, &own.failures, ended);
+        }
+        let objective = Objective::new(task.problem, sampled, settings.difference);
+        let sample = posterior::sampled(
+            &objective,
+            optima,
+            settings,
+            limits.deadline,
+            &bound.discrepancies,
+            &mut outcome,
+            &|text| model.say(text),
+        )?;
+        Ok((outcome, sample))
+    };
+    let found = search();
+    found.map_err(|error: SearchError| match model.halted() {
+        Some(halt) => halt.into(),
+        None => CommandError::Search(error.to_string()),
+    })
+}
+
+/// Predicts each case from the others.
+fn validate(
+    (bound, problem): (&Bound, &Problem),
+    remembered: &Remembered<'_>,
+    model: &FmuModel<'_, '_>,
+    settings: &Identification,
+    minimum: &Minimum,
+    deadline: Option<Instant>,
+) -> Result<CrossValidation, SearchError> {
+    let whole = Whole {
+        problem,
+        model: remembered,
+        difference: settings.difference,
+        minimum,
+        iterations: settings.iterations.max(1),
+        deadline,
+    };
+    let of = problem.cases.len();
+    let folds = cross_validate(&whole, &|case| {
+        model.say(format!("case {} of {of} left out", case + 1));
+    })?;
+    Ok(CrossValidation::new(&Found {
+        problem,
+        free: &problem.free_values(&minimum.places),
+        fitted: &minimum.misfit.predicted,
+        known: &bound.known,
+        folds: &folds,
+    }))
+}
+
+/// How far a search has got, for people.
+fn so_far(progress: &Progress) -> String {
+    let best = progress.best().map_or_else(String::new, |best| {
+        format!(", sum of squares {:.4}", best.cost)
+    });
+    format!(
+        "{} starts screened, {} followed down{best}",
+        progress.screened.len(),
+        progress.descents.len()
+    )
+}
+
+/// Starts from a scrambled Sobol net between the bounds.
+fn starts(
+    study: &Study,
+    settings: &Identification,
+    unknowns: usize,
+) -> Result<Vec<Vec<f64>>, CommandError> {
+    let starts = cube(unknowns, settings.starts.max(1), settings.seed, 1);
+    Ok(starts.map_err(|message| study.error(format!("[identify] {message}")))?)
+}

@@ -1,0 +1,129 @@
+//! `identify --posterior`: a sample of the posterior, and its file.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::files::remove;
+use crate::error::CommandError;
+use crate::identify::bind::Bound;
+use crate::results::write_atomically;
+use crate::study::identification::PosteriorStart;
+use crate::study::{Identification, Study};
+use crate::table::csv_file;
+use calibration::discrepancy::Unknown;
+use calibration::local::End;
+use calibration::objective::Objective;
+use calibration::optima::Optimum;
+use calibration::outcome::IdentificationOutcome;
+use calibration::sample::outcome::PosteriorOutcome;
+use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
+use calibration::search::SearchError;
+
+/// The most particles: more would be the table's work, not the posterior's.
+const MOST: u64 = 1_000_000;
+
+/// Particles that each unknown needs: with fewer, the moves cannot follow the sample's shape.
+const EACH: u64 = 20;
+
+/// The name of the table of particles.
+const FILE: &str = "posterior.csv";
+
+/// Refuses numbers of particles that would say nothing.
+pub(super) fn check(
+    study: &Study,
+    settings: &Identification,
+    bound: &Bound,
+    by_option: bool,
+) -> Result<(), CommandError> {
+    let Some(particles) = &settings.posterior else {
+        return Ok(());
+    };
+    let unknowns = (bound.problem.unknowns() + bound.discrepancies.len()) as u64;
+    let fewest = FEWEST.max(EACH * unknowns);
+    let number = *particles.as_ref();
+    if (fewest..=MOST).contains(&number) {
+        return Ok(());
+    }
+    let message = format!(
+        "{number} particles: with {unknowns} unknowns, give {fewest} or more, and at most {MOST}"
+    );
+    Err(match by_option {
+        true => CommandError::option("posterior", message),
+        false => study.error_at(particles, message).into(),
+    })
+}
+
+/// Samples the posterior where that is asked for. Where time is up before that is done there is no sample, and the outcome
+/// says so.
+pub(super) fn sampled(
+    objective: &Objective<'_>,
+    optima: &[Optimum],
+    settings: &Identification,
+    deadline: Option<Instant>,
+    unknown: &[Unknown],
+    outcome: &mut IdentificationOutcome,
+    say: &dyn Fn(String),
+) -> Result<Option<Sample>, SearchError> {
+    let Some(particles) = &settings.posterior else {
+        return Ok(None);
+    };
+    let seeds = match settings.posterior_start {
+        PosteriorStart::Optima => optima,
+        PosteriorStart::Prior => &[],
+    };
+    let found = outcome.discrepancies.iter().map(|found| found.deviation);
+    let discrepancies: Vec<(Unknown, f64)> = unknown.iter().copied().zip(found).collect();
+    let settings = Settings {
+        particles: *particles.as_ref(),
+        seed: settings.seed,
+        deadline,
+        discrepancies: &discrepancies,
+    };
+    let observe = |exponent: f64, step: usize| {
+        say(format!(
+            "posterior with exponent {exponent:.2e}, step {step}"
+        ));
+    };
+    match sample(objective, seeds, &settings, &observe) {
+        Ok(sample) => {
+            outcome.posterior = Some(PosteriorOutcome::new(objective, optima, &sample));
+            let pairs = outcome.discrepancies.iter_mut().zip(unknown).enumerate();
+            for (index, (found, unknown)) in pairs {
+                let sampled =
+                    PosteriorOutcome::discrepancy(objective.problem, &sample, unknown, index);
+                found.sampled = Some(sampled);
+            }
+            Ok(Some(sample))
+        }
+        Err(SampleError::Time) => {
+            outcome.end = End::Time;
+            Ok(None)
+        }
+        Err(SampleError::Prediction(error)) => Err(error.into()),
+        Err(error) => Err(SearchError::Sample(error.to_string())),
+    }
+}
+
+/// Writes the table of particles. Without a sample an earlier one's goes: it would be taken for this one's.
+pub(super) fn write(
+    folder: &Path,
+    bound: &Bound,
+    sample: Option<&Sample>,
+) -> Result<(), CommandError> {
+    let path = folder.join(FILE);
+    let Some(sample) = sample else {
+        return remove(&path);
+    };
+    write_atomically(&path, |out| {
+        let (problem, unknown) = (&bound.problem, &bound.discrepancies);
+        writeln!(out, "# {}", text::units(problem))?;
+        let mut table = csv::Writer::from_writer(out);
+        let head = text::head(problem, unknown);
+        table.write_record(head.iter().map(|name| csv_file::cell(name).into_owned()))?;
+        for row in text::rows(problem, unknown, sample) {
+            table.write_record(row)?;
+        }
+        table.flush()
+    })?;
+    Ok(())
+}

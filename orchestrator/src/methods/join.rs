@@ -1,0 +1,141 @@
+//! Shards of one run, and their points in one journal.
+
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+
+use super::asking::{self, Analysis, Delivery};
+use super::setup::{Kept, Place, Source};
+use crate::error::CommandError;
+use crate::pipeline::folder::{Earlier, RunFolder};
+use crate::pipeline::{Halt, Part, Pipeline};
+use crate::results::finished::Finished;
+use crate::results::{Header, Journal, ResultsError, journal, lines};
+use crate::session::Request;
+
+/// The folders of shards, and where their points go.
+#[derive(Clone, Copy, Debug)]
+pub struct Shards<'a> {
+    /// The folders.
+    pub folders: &'a [PathBuf],
+    /// The folder for the results.
+    pub output: &'a Path,
+    /// Whether what that holds is replaced.
+    pub force: bool,
+}
+
+impl Shards<'_> {
+    /// Joins the points of an analysis.
+    pub(super) fn join<A: Analysis + DeserializeOwned>(
+        &self,
+        request: Request,
+    ) -> Result<Delivery, CommandError> {
+        let options = request.analysis.as_ref().map(|asking| &asking.options);
+        let analysis = options.and_then(|options| A::deserialize(options).ok());
+        let analysis = analysis.ok_or_else(|| self.unknown(&request))?;
+        let source = analysis.open(request)?;
+        analysis.check(&source)?;
+        let header = asking::header(&source, &analysis)?;
+        let named = self.check(&header)?;
+        let place = Place {
+            output: self.output,
+            analysis: Some(analysis.name()),
+            earlier: self.earlier(false),
+        };
+        let RunFolder {
+            mut journal,
+            scratch,
+            lock,
+            ..
+        } = place.take(source.parts(), &header, || Ok(()))?;
+        self.fill(&mut journal)?;
+        let finished = Finished::read(&place.state())?;
+        let part = Part::of(None, &header);
+        let model = source.parts().model;
+        let mut pipeline = Pipeline::new(model, None, journal, Some(finished), part);
+        match analysis.find(&source, &mut pipeline, self.output) {
+            Ok(result) => {
+                pipeline.end()?;
+                let kept = Kept {
+                    _scratch: scratch,
+                    _lock: lock,
+                };
+                Ok(Delivery::new(result, self.output.to_owned(), kept))
+            }
+            Err(CommandError::Halted(Halt::Missing { missing, of })) => {
+                let command = format!("{} STUDY ...", analysis.name());
+                Err(self.incomplete([missing, of], &named, &command))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The request asks for what this program does not know.
+    pub(super) fn unknown(&self, request: &Request) -> CommandError {
+        let name = request.analysis.as_ref().map(|asking| &*asking.name);
+        CommandError::Shards(format!(
+            "{}: this program knows no analysis `{}` with these options",
+            self.folders[0].display(),
+            name.unwrap_or_default()
+        ))
+    }
+
+    /// Points are missing.
+    pub fn incomplete(
+        &self,
+        [missing, points]: [u64; 2],
+        shards: &[String],
+        command: &str,
+    ) -> CommandError {
+        CommandError::Shards(format!(
+            "{missing} of {points} points are in none of the shards {}; merge all of them, or \
+             compute what is missing with `{command} --output {} --resume`",
+            shards.join(", "),
+            self.output.display()
+        ))
+    }
+
+    /// What becomes of what the output folder holds: a merge that was interrupted goes on, one that is complete is done again.
+    pub fn earlier(&self, complete: bool) -> Earlier {
+        match (self.force, complete) {
+            (true, _) => Earlier::Replaced,
+            (_, true) => Earlier::Complete,
+            _ => Earlier::Resumed,
+        }
+    }
+
+    /// Adds all points of the shards to a journal.
+    ///
+    /// # Errors
+    /// When a journal cannot be read or written.
+    pub fn fill(&self, joined: &mut Journal) -> Result<(), ResultsError> {
+        for folder in self.folders {
+            journal::copy(folder, joined)?;
+        }
+        joined.sync()
+    }
+
+    /// Refuses folders that are not of one study, before anything is written; names their shards.
+    ///
+    /// # Errors
+    /// Says which folder is of another one.
+    pub fn check(&self, of: &Header) -> Result<Vec<String>, CommandError> {
+        let name = |folder: &PathBuf| {
+            let then = lines::header(folder)?;
+            // Only the part differs from one to the other.
+            let same_part = Header {
+                shard: then.shard.clone(),
+                ..of.clone()
+            };
+            match same_part.difference(&then) {
+                None => Ok(then.shard.unwrap_or_else(|| "1/1".to_owned())),
+                Some((what, then, own)) => Err(CommandError::Shards(format!(
+                    "{} has another {what} ({then}) than {} ({own}); leave it out",
+                    folder.display(),
+                    self.folders[0].display(),
+                ))),
+            }
+        };
+        self.folders.iter().map(name).collect()
+    }
+}

@@ -1,0 +1,85 @@
+//! What the folder of a finished study tells an analysis of it, and whether it is of that study.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use crate::error::CommandError;
+use crate::files;
+use crate::results::origin::Origin;
+use crate::results::table::FolderError;
+use crate::results::{ResultsError, Summary};
+use crate::study::Study;
+use parameter_regions::table::PointTable;
+
+/// Where a study's results lie unless the user says otherwise.
+pub fn folder_of(study: &Path) -> PathBuf {
+    Path::new("results").join(study.file_stem().unwrap_or("study".as_ref()))
+}
+
+/// The folder of the finished study that the user names, or that of its results.
+pub(super) fn from(named: Option<&Path>, study: &Path) -> PathBuf {
+    named.map_or_else(|| folder_of(study), Path::to_owned)
+}
+
+/// A path that means the same in every folder.
+pub(super) fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// The points of a finished study, for an analysis of `study`, as `read` reads them.
+pub(super) fn points_of(
+    folder: &Path,
+    study: &Study,
+    read: fn(&Path) -> Result<(Summary, PointTable), FolderError>,
+) -> Result<(Summary, PointTable), CommandError> {
+    let (summary, table) = read(folder)?;
+    if study.digest() != summary.provenance.study_sha256 {
+        let message = format!(
+            "the points in {} are not of {} as it is now; verify it again, or name the folder of its points",
+            folder.display(),
+            study.path().display()
+        );
+        return Err(CommandError::option("from", message));
+    }
+    Ok((summary, table))
+}
+
+/// A digest that identifies the points of a finished study.
+pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
+    let path = folder.join("points.csv");
+    let digest = files::digest(&path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
+        _ => ResultsError::io(&path)(error),
+    });
+    Ok(digest?)
+}
+
+/// What the result in a file came from.
+#[derive(Deserialize)]
+struct Head {
+    // Files of older versions do not name their origin.
+    origin: Option<Origin>,
+}
+
+/// The folder of a finished study.
+#[derive(Clone, Copy, Debug)]
+pub struct Finished<'a> {
+    /// The folder.
+    pub folder: &'a Path,
+    /// What came out.
+    pub summary: &'a Summary,
+    /// The points.
+    pub table: &'a PointTable,
+}
+
+impl Finished<'_> {
+    /// The result of an analysis that the folder holds, if it belongs to the study that the folder holds.
+    pub(super) fn result<T: DeserializeOwned>(&self, file: &str) -> Option<T> {
+        let text = std::fs::read_to_string(self.folder.join(file)).ok()?;
+        let head: Head = serde_json::from_str(&text).ok()?;
+        let fits = head.origin.is_none_or(|origin| origin.fits(self.summary));
+        fits.then(|| serde_json::from_str(&text).ok()).flatten()
+    }
+}

@@ -1,0 +1,103 @@
+//! The methods: each is a folder with its options, what it asks of a study, and the document of its result. To add one, add
+//! its folder and its line in [`methods!`] below; its command, `--resume`, `merge` and the page follow from that.
+
+pub mod asking;
+pub mod join;
+pub mod known;
+pub mod rare;
+pub mod setup;
+
+use clap::Subcommand;
+
+use crate::document::Document;
+use crate::error::CommandError;
+use crate::options::Work;
+use crate::pipeline::Halt;
+use crate::session::Request;
+use asking::Delivery;
+use fmu_points::{Isolation, RunError};
+use join::Shards;
+use known::Finished;
+
+macro_rules! methods {
+    ($($(#[$about:meta])* $name:ident = $module:ident;)*) => {
+        $(pub mod $module;)*
+
+        /// The commands of the methods, with their options.
+        #[derive(Debug, Subcommand)]
+        pub enum Method {
+            $($(#[$about])* $name($module::Options),)*
+        }
+
+        impl Method {
+            /// Runs the command.
+            ///
+            /// # Errors
+            /// With one clear line, for a mistake in what was asked for.
+            pub fn run(self) -> Result<Delivery, CommandError> {
+                match self {
+                    $(Self::$name(options) => proven(options, $module::run, |o| &mut o.work),)*
+                }
+            }
+        }
+
+        /// The names of the methods, which are those of the folders of their journals.
+        pub const NAMES: &[&str] = &[$($module::NAME),*];
+
+        /// Joins the shards of the analysis that a request asks for.
+        ///
+        /// # Errors
+        /// When they do not belong together, and when points are missing.
+        pub fn join(shards: &Shards<'_>, request: Request) -> Result<Delivery, CommandError> {
+            let asking = request.analysis.clone();
+            match asking.as_ref().map(|asking| asking.name.as_str()) {
+                $(Some($module::NAME) => shards.join::<$module::Asked>(request),)*
+                _ => Err(shards.unknown(&request)),
+            }
+        }
+
+        /// What the page of a finished study shows of the methods' results in its folder.
+        pub fn shown(study: &Finished<'_>) -> Vec<Document> {
+            [$($module::shown(study)),*].into_iter().flatten().collect()
+        }
+    };
+}
+
+methods! {
+    /// Finds the parameters that make the measured values most probable
+    Identify = identify;
+    /// Finds the widest tolerances of the parameters at which the model still conforms as wanted
+    Tolerances = tolerances;
+    /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening, ranks, PAWN
+    Sensitivity = sensitivity;
+    /// Tells how far parameters may move: maps, largest box and ellipsoid, margins
+    Robustness = robustness;
+    /// Shows the trade-off between criteria: Pareto front, best compromise
+    Pareto = pareto;
+}
+
+/// Runs an analysis of which later points depend on earlier ones. Where the processes of these turn out not to be
+/// used again, it begins again with each point alone.
+///
+/// # Errors
+/// Those of the analysis.
+pub fn proven<T>(
+    mut options: T,
+    run: fn(&T) -> Result<Delivery, CommandError>,
+    work: fn(&mut T) -> &mut Work,
+) -> Result<Delivery, CommandError> {
+    match run(&options) {
+        Err(CommandError::Halted(Halt::Engine(RunError::Refuted))) => {
+            fmu_points::tell::line!(
+                "note: the FMU gives other results in a process that has computed points before: all points are \
+                 computed again, each alone"
+            );
+            let work = work(&mut options);
+            work.means.isolation = Isolation::Fresh;
+            // The journal says which points count no more; the others are kept.
+            work.parts.resume = true;
+            run(&options)
+        }
+        other => other,
+    }
+}

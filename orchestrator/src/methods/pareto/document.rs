@@ -1,0 +1,180 @@
+//! What there is to say of trade-offs: the best compromise, and the front, pair by pair of criteria.
+
+use crate::document::format::{count, number};
+use crate::document::svg::{Frame, area, circle, path};
+use crate::document::{Block, Column, Document, Figure, Key, Table, numbers, words};
+use parameter_regions::pareto::study::{CONFLICT, Member, Pareto};
+
+/// Most pairs of criteria that are drawn; pairs in conflict come first.
+const MOST_PLOTS: usize = 6;
+
+/// Above this number, marks are drawn small and without edges.
+const CROWD: usize = 300;
+
+/// The document of a result.
+pub fn document(result: &Pareto) -> Document {
+    let title = "What the criteria cost each other";
+    let mut told = Document::new("pareto", "Trade-offs", title);
+    let Some(best) = result.front.first() else {
+        told.say("No point has values.");
+        return told;
+    };
+    told.say(format!(
+        "From {}: of {} points {} are beaten by no other in every criterion, and {} of these meet all criteria.",
+        result.method,
+        count(result.points),
+        count(result.unbeaten),
+        count(result.unbeaten_verified)
+    ));
+    if let Some(nominal) = &result.nominal {
+        told.say(format!(
+            "The nominal design (all parameters at their medians) is beaten in every criterion by {} points of the front and \
+             lies {} of a tolerance from it.",
+            count(nominal.beaten_by),
+            number(nominal.to_front, 3)
+        ));
+    }
+    let conflicts = result.conflicts.iter();
+    for c in conflicts.filter(|c| c.correlation <= CONFLICT) {
+        told.say(format!(
+            "{} is met better at the expense of {} (rank correlation {}).",
+            result.criteria[c.a],
+            result.criteria[c.b],
+            number(c.correlation, 2)
+        ));
+    }
+    told.table(members(result, best));
+    told.hint(
+        "Criteria: the value and, in brackets, its deviation in units of the tolerance. The best compromise has the least \
+         largest deviation: every criterion keeps as much room as the worst of them can have.",
+    );
+    told.blocks.push(legend(result));
+    told.blocks.push(Block::Figures("thirds", plots(result)));
+    told
+}
+
+/// The points that are worth a look.
+fn members(result: &Pareto, best: &Member) -> Table {
+    let mut rows = vec![row("Best compromise", best)];
+    if result.nearest > 0 {
+        rows.push(row("Nearest", &result.front[result.nearest]));
+    }
+    let nominal = result.nominal.iter();
+    rows.extend(nominal.map(|n| row("Nominal design", &n.member)));
+    let parameters = result.parameters.iter().zip(&result.units);
+    let parameters = parameters.map(|(name, unit)| Column {
+        unit: unit.clone(),
+        ..numbers(name)
+    });
+    let columns = [words(""), numbers("largest"), numbers("distance")].into_iter();
+    Table {
+        name: "Best compromise".into(),
+        class: "best",
+        columns: columns
+            .chain(result.criteria.iter().map(numbers))
+            .chain(parameters)
+            .collect(),
+        rows,
+    }
+}
+
+fn row(title: &str, m: &Member) -> Vec<String> {
+    let point = m.point.map_or_else(String::new, |p| format!(", point {p}"));
+    let criterion = |(value, deviation): (&f64, &f64)| {
+        format!("{} ({})", number(*value, 5), number(*deviation, 2))
+    };
+    let title = [
+        format!("{title}{point}"),
+        number(m.largest(), 3),
+        number(m.distance(), 3),
+    ];
+    let criteria = m.values.iter().zip(&m.deviations).map(criterion);
+    let parameters = m.parameters.iter().map(|v| number(*v, 4));
+    title
+        .into_iter()
+        .chain(criteria)
+        .chain(parameters)
+        .collect()
+}
+
+fn legend(result: &Pareto) -> Block {
+    let at = |r| circle([7.0, 7.0], r);
+    let mut keys = vec![
+        Key::new("pt in", &at(3.0), "meets all criteria"),
+        Key::new("pt part", &at(3.0), "fails one or more"),
+        Key::new("chosen", &at(5.5), "best compromise"),
+    ];
+    if result.nominal.is_some() {
+        let diamond = "M7,1.5l5.5,5.5l-5.5,5.5l-5.5,-5.5z";
+        keys.push(Key::new("design", diamond, "nominal design"));
+    }
+    Block::Legend(keys)
+}
+
+fn plots(result: &Pareto) -> Vec<Figure> {
+    let mut pairs: Vec<(usize, usize)> = result.conflicts.iter().map(|c| (c.a, c.b)).collect();
+    if pairs.is_empty() && result.criteria.len() > 1 {
+        pairs.push((0, 1));
+    }
+    pairs.truncate(MOST_PLOTS);
+    pairs.into_iter().map(|(a, b)| plot(result, a, b)).collect()
+}
+
+/// End of an axis: it covers the tolerance and all of the front but its outermost twentieth.
+fn end(result: &Pareto, k: usize) -> f64 {
+    let mut values: Vec<f64> = result.front.iter().map(|m| m.deviations[k]).collect();
+    values.sort_by(f64::total_cmp);
+    let most = values.get(values.len() * 19 / 20).copied().unwrap_or(1.0);
+    (1.08 * most).clamp(1.2, 4.0)
+}
+
+fn plot(result: &Pareto, a: usize, b: usize) -> Figure {
+    let (right, top) = (end(result, a), end(result, b));
+    let frame = Frame::new(420.0, 320.0, [0.0, right], [0.0, top]);
+    let name = |k: usize| format!("{}, deviation / tolerance", result.criteria[k]);
+    let mut out = frame.axes(&name(a), Some(&name(b)));
+    let tolerance = [frame.y.at(1.0), frame.y.from];
+    out += &area("accept", [frame.x.from, frame.x.at(1.0)], tolerance);
+    let place = |m: &Member| {
+        let (x, y) = (m.deviations[a], m.deviations[b]);
+        (x <= right && y <= top).then(|| [frame.x.at(x), frame.y.at(y)])
+    };
+    // In a crowd edges would hide each other.
+    let (r, class) = match result.front.len() > CROWD {
+        true => (1.5, "plot crowd"),
+        false => (3.0, "plot"),
+    };
+    let marks = |verified: bool| -> String {
+        let members = result.front.iter().filter(|m| m.verified() == verified);
+        members.filter_map(place).map(|at| circle(at, r)).collect()
+    };
+    let (others, verified) = (path("pt part", marks(false)), path("pt in", marks(true)));
+    out += &format!("<g class=\"{class}\">{others}{verified}</g>");
+    if let Some(at) = result.front.first().and_then(place) {
+        out += &path("chosen", circle(at, 6.0));
+    }
+    if let Some([x, y]) = result.nominal.as_ref().and_then(|n| place(&n.member)) {
+        let diamond = format_args!("M{x:.1},{:.1}l6,6l-6,6l-6,-6z", y - 6.0);
+        out += &path("design", diamond);
+    }
+    let outside = result.front.iter().filter(|m| place(m).is_none()).count();
+    let mut note = String::new();
+    if result.front.len() < result.unbeaten {
+        let shown = count(result.front.len());
+        note += &format!("{shown} points of the front are shown. ");
+    }
+    if outside > 0 {
+        note += &format!("{outside} points of the front lie outside the plot.");
+    }
+    let [one, other] = [a, b].map(|k| &result.criteria[k]);
+    let title = format!(
+        "Deviations of {one} and {other} over the {} points of the front",
+        result.front.len()
+    );
+    Figure {
+        file: format!("pareto-{one}-{other}"),
+        svg: frame.wrap(&title, &out),
+        note,
+        ..Figure::default()
+    }
+}

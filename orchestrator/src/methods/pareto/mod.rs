@@ -1,0 +1,241 @@
+//! `pareto`: what the criteria cost each other.
+
+mod document;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
+use super::known::{self, Finished};
+use crate::document::Document;
+use crate::error::CommandError;
+use crate::options::Work;
+use crate::pipeline::Pipeline;
+use crate::results::origin::Origin;
+use crate::results::table;
+use crate::session::{Request, Session};
+use crate::study::Study;
+use parameter_regions::pareto::nsga2;
+use parameter_regions::pareto::study::{Member, Pareto, trade_off};
+use parameter_regions::table::PointTable;
+
+pub use document::document;
+
+/// The name of the command, and of the folder of its journal.
+pub const NAME: &str = "pareto";
+/// The result's file in a folder of results.
+pub const FILE: &str = "pareto.json";
+
+/// Options of `pareto`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples: orchestrator pareto studies/paper-table3.toml --from results/paper-table3\n\
+    \u{20}         orchestrator pareto studies/paper-table3.toml --generations 50"
+)]
+pub struct Options {
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
+    /// The folder of the finished study [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR", conflicts_with = "generations")]
+    pub from: Option<PathBuf>,
+    /// Search by new runs (NSGA-II) over G generations, instead of using existing points
+    #[arg(long, value_name = "G")]
+    pub generations: Option<usize>,
+    /// Runs in a generation
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 100,
+        requires = "generations"
+    )]
+    pub population: usize,
+    /// The seed of the search
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// What the page of a finished study shows of a result in its folder.
+pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+    study.result(FILE).map(|result| document(&result))
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// When the options, the study or its points cannot be used.
+pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+    let Work { study, output, .. } = &options.work;
+    let from = known::from(options.from.as_deref(), study);
+    let analysis = match options.generations {
+        Some(generations) => Asked::Search {
+            generations,
+            population: options.population,
+            seed: options.seed,
+        },
+        None => Asked::Points {
+            from: known::absolute(&from),
+        },
+    };
+    let folder = output.clone().unwrap_or_else(|| from.clone());
+    let run = |session| asking::run(session, &analysis, &options.work, folder.clone());
+    match asking::open(&options.work, &analysis).and_then(run) {
+        // Without the FMU the front is the same, but the nominal design cannot be run.
+        Err(CommandError::Session(_) | CommandError::Study(_) | CommandError::Fmu(_))
+            if options.generations.is_none() =>
+        {
+            let result = of_points(&from, &Study::read(study)?, |_| Ok(None))?;
+            Delivery::without_runs(result, &options.work, folder)
+        }
+        other => other,
+    }
+}
+
+/// Where the points come from of which the front is chosen.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Asked {
+    /// From a search by runs of its own.
+    Search {
+        /// How many generations.
+        generations: usize,
+        /// Runs in each.
+        population: usize,
+        /// The seed.
+        seed: u64,
+    },
+    /// From a finished study; the nominal design is run to be compared.
+    Points {
+        /// Its folder.
+        from: PathBuf,
+    },
+}
+
+impl Analysis for Asked {
+    type Source = Session;
+
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn open(&self, request: Request) -> Result<Session, CommandError> {
+        let takes = Takes {
+            correlations: false,
+            samples: false,
+        };
+        asking::session(request, takes)
+    }
+
+    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+        // A search over more generations begins as one over fewer, so their number is left out.
+        Ok(match self {
+            Self::Search {
+                population, seed, ..
+            } => PointSet {
+                seed: *seed,
+                points: None,
+                method: format!("NSGA-II in generations of {population}"),
+                table: None,
+            },
+            Self::Points { from } => PointSet {
+                seed: 0,
+                points: Some(1),
+                method: "the nominal design".to_owned(),
+                table: Some(known::digest_of(from)?),
+            },
+        })
+    }
+
+    fn one_piece(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Search { .. } => {
+                "each generation depends on the one before, so a search has no parts; --resume goes on with one"
+            }
+            Self::Points { .. } => "a single point is run; there are no parts of it",
+        })
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        _: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        match *self {
+            Self::Search {
+                generations,
+                population,
+                seed,
+            } => {
+                let settings = nsga2::Evolution {
+                    population,
+                    generations,
+                    seed,
+                };
+                let table = search(session, pipeline, settings)?;
+                let nominal = nominal(session, pipeline)?;
+                let method = format!("NSGA-II over {generations} generations of {population}");
+                let result = trade_off(&table, false, Some(nominal), method);
+                result_of(result, asking::origin(session)?)
+            }
+            Self::Points { ref from } => of_points(from, &session.study, |table| {
+                let own = session.plan.inputs.len() == table.parameters.len();
+                own.then(|| nominal(session, pipeline)).transpose()
+            }),
+        }
+    }
+}
+
+/// The front of a finished study's points, with the nominal design where that can be run.
+fn of_points(
+    from: &Path,
+    study: &Study,
+    nominal: impl FnOnce(&PointTable) -> Result<Option<Member>, CommandError>,
+) -> Result<AnalysisResult, CommandError> {
+    let (summary, table) = known::points_of(from, study, table::read)?;
+    let nominal = nominal(&table)?;
+    let result = trade_off(&table, true, nominal, "the study's points".to_owned());
+    result_of(result, Origin::of_points(&summary))
+}
+
+fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, CommandError> {
+    let result = result.ok_or_else(|| CommandError::Search("no point has values".to_owned()))?;
+    AnalysisResult::told(&result, origin, &document(&result), FILE)
+}
+
+/// The parameters at the medians of their distributions.
+fn nominal(session: &Session, pipeline: &mut Pipeline<'_>) -> Result<Member, CommandError> {
+    let middle = vec![0.5; session.plan.varied().len()];
+    let points = [session.plan.from_cube(&middle)];
+    let outcomes = pipeline.ask(&points)?;
+    Ok(Member::of(&asking::table(session, &points, outcomes), 0))
+}
+
+/// All runs of a search over the middle 99.8 % of every distribution.
+fn search(
+    session: &Session,
+    pipeline: &mut Pipeline<'_>,
+    settings: nsga2::Evolution,
+) -> Result<PointTable, CommandError> {
+    let limits = vec![[0.001, 0.999]; session.plan.varied().len()];
+    let (mut points, mut outcomes) = (Vec::new(), Vec::new());
+    nsga2::minimise(&limits, settings, |cube| {
+        let own: Vec<Vec<f64>> = cube.iter().map(|u| session.plan.from_cube(u)).collect();
+        let found = pipeline.ask(&own)?;
+        let table = asking::table(session, &own, found.clone());
+        points.extend(own);
+        outcomes.extend(found);
+        Ok::<_, CommandError>(
+            (0..cube.len())
+                .map(|i| Member::of(&table, i).deviations)
+                .collect(),
+        )
+    })?;
+    Ok(asking::table(session, &points, outcomes))
+}

@@ -1,0 +1,283 @@
+//! `verify --rare`: shares that are too small to be counted among sampled points.
+
+mod statement;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use serde::Serialize;
+
+use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code};
+use super::setup;
+use crate::error::CommandError;
+use crate::judge::Judge;
+use crate::options::Work;
+use crate::pipeline::{Halt, Pipeline};
+use crate::results::points::number;
+use crate::results::{Outcome, ResultsError, write_atomically};
+use crate::session::{Request, Session};
+use crate::table::csv_file;
+use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
+use statement::{Statement, confidence};
+
+const NAME: &str = "rare";
+const FILE: &str = "rare.json";
+const TABLE: &str = "rare.csv";
+const USUAL_RUNS: u64 = 100_000;
+
+/// A share that `verify --rare` finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum RareEvent {
+    /// Points that meet all criteria
+    Verified,
+    /// Points whose run ends and that miss a criterion
+    NotConforming,
+    /// Points whose run fails
+    Failed,
+}
+
+impl RareEvent {
+    /// As the user writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Verified => "verified",
+            Self::NotConforming => "not-conforming",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// What is asked for.
+#[derive(Debug)]
+pub struct Options {
+    /// The study, how its points are run, and where the results go.
+    pub work: Work,
+    /// The event whose share is small.
+    pub event: RareEvent,
+    /// The largest number of runs.
+    pub points: Option<u64>,
+    /// The seed, instead of the study's.
+    pub seed: Option<u64>,
+}
+
+/// Runs the search.
+///
+/// # Errors
+/// When the options or the study cannot be used.
+pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+    let points = options.points.unwrap_or(USUAL_RUNS);
+    if points < FEWEST_RUNS {
+        let message =
+            format!("a rare share takes at least {FEWEST_RUNS} runs; give more, or leave it out");
+        return Err(CommandError::option("points", message));
+    }
+    let mut analysis = Rare {
+        event: options.event,
+        points,
+        seed: 1,
+    };
+    let session = asking::open(&options.work, &analysis)?;
+    analysis.seed = options.seed.unwrap_or(session.study.design.seed);
+    asking::warn(&session.judge);
+    let Work {
+        study,
+        output,
+        parts,
+        ..
+    } = &options.work;
+    let folder = setup::folder(output.as_deref(), study, parts, None)?;
+    asking::run(session, &analysis, &options.work, folder)
+}
+
+/// Refuses studies of which a rare share says nothing.
+fn refuse(session: &Session) -> Result<(), CommandError> {
+    if let Some(joint) = session.plan.joints().first() {
+        let name = &session.plan.inputs[joint.lead()].name;
+        let message = format!(
+            "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \
+             parameters of the sample other distributions, or leave out --rare",
+            joint.count()
+        );
+        return Err(session.study.error(message).into());
+    }
+    if session.judge.is_guarded() {
+        let message = "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
+                       and `guard-band` under [verdict]";
+        return Err(session.study.error(message).into());
+    }
+    Ok(())
+}
+
+/// A search for a rare share.
+#[derive(Debug, Serialize)]
+struct Rare {
+    event: RareEvent,
+    /// The largest number of runs.
+    points: u64,
+    seed: u64,
+}
+
+impl Rare {
+    /// What a run means for the search.
+    fn judge(&self, judge: &Judge, outcome: &Outcome) -> Judged {
+        let values = outcome.as_deref().ok();
+        let verified = judge.verdict(values).verified();
+        let failed = values.is_none();
+        let deviation = values.map_or(f64::INFINITY, |values| deviation(judge, values));
+        match self.event {
+            RareEvent::Verified => Judged {
+                level: deviation,
+                met: verified,
+                failed,
+            },
+            RareEvent::NotConforming => Judged {
+                level: -deviation,
+                met: !failed && !verified,
+                failed,
+            },
+            RareEvent::Failed => Judged {
+                level: 0.0,
+                met: failed,
+                failed,
+            },
+        }
+    }
+}
+
+/// The largest deviation from a measured value, in its tolerance.
+fn deviation(judge: &Judge, values: &[f64]) -> f64 {
+    let pairs = judge.criteria.iter().zip(values);
+    pairs
+        .map(|(criterion, value)| (value - criterion.nominal).abs() / criterion.tolerance)
+        .fold(0.0, f64::max)
+}
+
+impl Analysis for Rare {
+    type Source = Session;
+
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+        Ok(PointSet {
+            seed: self.seed,
+            // The search ends when it knows enough.
+            points: None,
+            method: format!("{} with at most {} runs", self.event.name(), self.points),
+            table: None,
+        })
+    }
+
+    fn one_piece(&self) -> Option<&'static str> {
+        Some("each set of points depends on the ones before; run it in one piece")
+    }
+
+    fn open(&self, request: Request) -> Result<Session, CommandError> {
+        let takes = Takes {
+            correlations: true,
+            // `check` refuses them with a reason of its own.
+            samples: true,
+        };
+        asking::session(request, takes)
+    }
+
+    fn check(&self, session: &Session) -> Result<(), CommandError> {
+        refuse(session)
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        let Session { plan, judge, .. } = session;
+        let search = Search {
+            dimensions: plan.varied().len(),
+            runs: self.points,
+            seed: self.seed,
+            confidence: confidence(self.event, judge.rule),
+            is_binary: self.event == RareEvent::Failed,
+        };
+        // The outcomes at points of the event, which go into the table.
+        let mut met: HashMap<Vec<u64>, Outcome> = HashMap::new();
+        let mut ask = |scores: &[Vec<f64>]| -> Result<Vec<Judged>, Halt> {
+            let points: Vec<Vec<f64>> = scores.iter().map(|own| plan.at_scores(own)).collect();
+            let outcomes = pipeline.ask(&points)?;
+            let mut results = Vec::with_capacity(outcomes.len());
+            for (own, outcome) in scores.iter().zip(outcomes) {
+                let judged = self.judge(judge, &outcome);
+                if judged.met {
+                    met.insert(bits(own), outcome);
+                }
+                results.push(judged);
+            }
+            Ok(results)
+        };
+        let answer = rare::share(&search, &mut ask)?;
+        write_table(&folder.join(TABLE), session, &answer, &met)?;
+        let statement = Statement::new(self.event, &search, &answer, session);
+        let origin = asking::origin(session)?;
+        let mut result = AnalysisResult::told(&statement, origin, &statement.document(), FILE)?;
+        result.code = match (statement.verdict, self.event) {
+            (Some(verdict), _) => exit_code(Some(verdict)),
+            // One verified point is enough.
+            (None, RareEvent::Verified) if answer.sample.is_empty() => exit_code(None),
+            (None, _) => ExitCode::SUCCESS,
+        };
+        Ok(result)
+    }
+}
+
+fn bits(scores: &[f64]) -> Vec<u64> {
+    scores.iter().map(|score| score.to_bits()).collect()
+}
+
+/// The points of the event that the share rests on, each with the share that it stands for.
+fn write_table(
+    path: &Path,
+    session: &Session,
+    answer: &Answer,
+    outcomes: &HashMap<Vec<u64>, Outcome>,
+) -> Result<(), ResultsError> {
+    let Session { plan, judge, .. } = session;
+    write_atomically(path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        let parameters = plan.inputs.iter().map(|input| input.name.as_str());
+        let criteria = judge
+            .criteria
+            .iter()
+            .map(|criterion| criterion.name.as_str());
+        let header = ["weight"]
+            .into_iter()
+            .chain(parameters)
+            .chain(criteria)
+            .chain(["status"]);
+        table.write_record(header.map(|name| csv_file::cell(name).into_owned()))?;
+        for point in &answer.sample {
+            let mut record = vec![number(point.weight)];
+            record.extend(plan.at_scores(&point.scores).into_iter().map(number));
+            match outcomes.get(&bits(&point.scores)) {
+                Some(Ok(values)) => {
+                    record.extend(values.iter().map(|&value| number(value)));
+                    record.push("ok".to_owned());
+                }
+                Some(Err(failure)) => {
+                    record.extend(judge.criteria.iter().map(|_| String::new()));
+                    record.push(csv_file::cell(&failure.to_string()).into_owned());
+                }
+                None => continue,
+            }
+            table.write_record(record)?;
+        }
+        table.flush()
+    })
+}

@@ -1,0 +1,116 @@
+//! Fresh runs of the model inside the box and the ellipsoid.
+
+use std::ops::Range;
+
+use super::super::asking;
+use super::joint;
+use crate::error::CommandError;
+use crate::pipeline::Pipeline;
+use crate::session::Session;
+use parameter_regions::robustness::{Robustness, refined, rows};
+use parameter_regions::table::PointTable;
+
+/// The most draws to search for points inside a small region.
+const MOST_DRAWS: u64 = 4_000_000;
+/// The most refinements of the surrogates, where their statements do not hold.
+const ROUNDS: u64 = 4;
+
+/// Statements to confirm, and the means to do so.
+pub(super) struct Confirmation<'a, 'b> {
+    pub(super) session: &'a Session,
+    pub(super) pipeline: &'a mut Pipeline<'b>,
+    pub(super) table: &'a PointTable,
+    pub(super) cloud: &'a [Vec<f64>],
+    /// Fresh points in each region.
+    pub(super) points: usize,
+    pub(super) seed: u64,
+}
+
+impl Confirmation<'_, '_> {
+    /// Runs independent points of the study's distributions inside the box, and as many inside the
+    /// ellipsoid, and notes the outcome. Where a statement does not hold, the surrogates learn
+    /// from these runs, and their new statements are confirmed by new runs: points that judge a
+    /// statement must be independent of the points that it was made from.
+    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, CommandError> {
+        let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
+        if !inputs.eq(self.table.parameters.iter().map(|p| &p.name)) {
+            let message = "the study's parameters are not those of the points";
+            return Err(CommandError::option("confirm", message));
+        }
+        let mut known = self.table.clone();
+        for round in 0..ROUNDS {
+            let runs = self.judge(&mut result, round)?;
+            let level = result.level;
+            if result.region.as_ref().is_none_or(|own| own.agrees(level))
+                && result
+                    .ellipsoid
+                    .as_ref()
+                    .is_none_or(|own| own.agrees(level))
+            {
+                break;
+            }
+            known.extend(&runs);
+            match refined(self.table, &known, self.cloud, result.level) {
+                Some(better) if round + 1 < ROUNDS => result = better,
+                _ => break,
+            }
+        }
+        if let Some(region) = &result.region {
+            result.answer = result.answer.clone().after(region, result.level);
+        }
+        Ok(result)
+    }
+
+    /// Fresh runs inside what is stated, noted there.
+    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, CommandError> {
+        let parameters = &self.table.parameters;
+        let places: Vec<usize> = (0..parameters.len())
+            .filter(|&k| result.parameters.contains(&parameters[k].name))
+            .collect();
+        let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
+        let boxed = result.region.as_ref();
+        let boxed = boxed.map(|own| self.inside(2 * round, |x| own.contains(&varying(x))));
+        let rounded = result.ellipsoid.as_ref();
+        let rounded = rounded.map(|own| self.inside(2 * round + 1, |x| own.contains(&varying(x))));
+        let [in_box, in_ellipsoid] = [
+            boxed.transpose()?.unwrap_or_default(),
+            rounded.transpose()?.unwrap_or_default(),
+        ];
+        // Asked for together: neither depends on the other.
+        let boundary = in_box.len();
+        let all = self.run([in_box, in_ellipsoid].concat())?;
+        let part = |range: Range<usize>| all.subset(&range.collect::<Vec<_>>());
+        let inner = |runs: &PointTable| -> Vec<Vec<f64>> {
+            rows(runs).iter().map(|x| varying(x)).collect()
+        };
+        if let Some(region) = &mut result.region {
+            let runs = part(0..boundary);
+            region.fresh = Some(region.confirm(&inner(&runs), &runs.verified));
+        }
+        if let Some(ellipsoid) = &mut result.ellipsoid {
+            let runs = part(boundary..all.len());
+            ellipsoid.fresh = Some(ellipsoid.confirm(&inner(&runs), &runs.verified));
+        }
+        Ok(all)
+    }
+
+    /// The first points of a sequence of independent ones that lie inside.
+    fn inside(
+        &self,
+        sequence: u64,
+        inside: impl Fn(&[f64]) -> bool,
+    ) -> Result<Vec<Vec<f64>>, CommandError> {
+        let plan = &self.session.plan;
+        // Far from the seeds that people give to studies.
+        let seed = !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence);
+        let points = joint(plan, MOST_DRAWS, seed);
+        let points = points.map_err(|message| CommandError::option("confirm", message))?;
+        let draws = (0..MOST_DRAWS).map(|index| points.point(index));
+        Ok(draws.filter(|x| inside(x)).take(self.points).collect())
+    }
+
+    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable, CommandError> {
+        let outcomes = self.pipeline.ask(&points)?;
+        Ok(asking::table(self.session, &points, outcomes))
+    }
+}

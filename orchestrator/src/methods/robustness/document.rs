@@ -1,0 +1,301 @@
+//! What there is to say of robustness: the margins, the box, the ellipsoid, and maps over pairs.
+
+use std::fmt::Write;
+
+use crate::document::format::{number, percent, with_unit};
+use crate::document::svg::{Axis, picture, text, ticks, upright};
+use crate::document::{Block, Document, Figure, Key, Table, numbers, words};
+use crate::results::words::capitalised;
+use parameter_regions::robustness::Robustness;
+use parameter_regions::robustness::combinations::{Bound, Combination};
+use parameter_regions::robustness::maps::{CELLS, Map};
+use parameter_regions::robustness::margins::Margin;
+use parameter_regions::robustness::region::Domain;
+use parameter_regions::robustness::surrogate::Quality;
+
+/// The document of a result.
+pub fn document(result: &Robustness) -> Document {
+    let mut told = Document::new("robustness", "Robustness", "How far the parameters may go");
+    let answer = result.answer.words(result.shown());
+    told.say(format!("{}.", capitalised(answer)));
+    told.warn(&result.warnings);
+    told.heading("Margins and box");
+    told.table(margins(result));
+    told.hint("Alone: how far one parameter may move from the best point before the criterion in brackets is lost.");
+    if let Some(region) = &result.region {
+        told.say(evidence("Largest box found", result.level, region));
+    }
+    if let Some(ellipsoid) = &result.ellipsoid {
+        told.say(evidence(
+            "Largest ellipsoid found",
+            result.level,
+            ellipsoid,
+        ));
+    }
+    if !result.unsafe_combinations.is_empty() {
+        told.heading("Unsafe combinations");
+        told.say("Hardly any point is verified there, whatever the other parameters are.");
+        told.table(combinations(result));
+        told.hint(
+            "Single parameters from one of their ends, and corners of two parameters beyond that. *Of the space*: the whole \
+             part of the sampled space within these bounds. *New*: what of it lies in no row of one parameter; *Verified \
+             there* and *Lost* are those of this part. Lost is the criterion that is met least.",
+        );
+    }
+    told.heading("Surrogates");
+    if result.further_runs > 0 {
+        let further = result.further_runs;
+        told.say(format!(
+            "Refined with {further} further runs in box and ellipsoid."
+        ));
+    }
+    told.table(surrogates(result));
+    told.hint("Polynomials stand for the model. Their errors are by leave-one-out.");
+    told.blocks.extend(maps(result));
+    told.hint(
+        "The criteria with all other parameters at their medians, the probability with all others as sampled. From the \
+         surrogates.",
+    );
+    told
+}
+
+fn margins(result: &Robustness) -> Table {
+    let end = |(value, lost): &(f64, Option<String>)| match lost {
+        Some(name) => format!("{} ({name})", number(*value, 5)),
+        None => format!("{} (end of samples)", number(*value, 5)),
+    };
+    let row = |(k, name): (usize, &String)| {
+        let margin = result.margins.iter().find(|m| m.parameter == *name);
+        let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(|| "–".into(), of);
+        let of_box = |side: usize| {
+            let region = result.region.as_ref();
+            region.map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
+        };
+        vec![
+            with_unit(name, &result.units[k]),
+            of_margin(&|m| end(&m.low)),
+            of_margin(&|m| number(m.value, 5)),
+            of_margin(&|m| end(&m.high)),
+            of_box(0),
+            of_box(1),
+        ]
+    };
+    Table {
+        name: "Margins and box".into(),
+        columns: vec![
+            words("Parameter"),
+            numbers("Alone, down to"),
+            numbers("Best point"),
+            numbers("Alone, up to"),
+            numbers("Box, from"),
+            numbers("Box, to"),
+        ],
+        rows: result.parameters.iter().enumerate().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// What is stated of a region, whether it comes to the level, and how the study's points and fresh runs compare with it.
+fn evidence<S>(name: &str, level: f64, of: &Domain<S>) -> String {
+    let [low, high] = of.interval.map(percent);
+    let shown = if of.interval[0] >= level { "" } else { "not " };
+    let told = format!(
+        "{name}: {} % of the sampled space. Of it {} % are verified (95 % interval {low} – {high} %), {shown}shown to be {} % \
+         or more by the surrogates and the study's own points, of which {} lie inside, {} of them verified.",
+        percent(of.share),
+        percent(of.probability),
+        percent(level),
+        of.confirmed.points,
+        of.confirmed.verified
+    );
+    let Some(fresh) = of.fresh else {
+        return told;
+    };
+    let [low, high] = fresh.interval.map(percent);
+    format!(
+        "{told} Of {} fresh runs inside {} are verified (95 % interval {low} – {high} %): {}.",
+        fresh.points,
+        fresh.verified,
+        fresh.on(of.interval)
+    )
+}
+
+fn combinations(result: &Robustness) -> Table {
+    let row = |c: &Combination| {
+        vec![
+            bounds(result, c),
+            c.whole.map_or_else(|| "–".to_owned(), percent),
+            percent(c.share),
+            percent(c.probability),
+            c.lost.clone(),
+            format!("{} of {}", c.confirmed.verified, c.confirmed.points),
+        ]
+    };
+    Table {
+        name: "Unsafe combinations".into(),
+        columns: vec![
+            words("Where"),
+            numbers("Of the space %"),
+            numbers("New %"),
+            numbers("Verified there %"),
+            words("Lost"),
+            numbers("Own points verified"),
+        ],
+        rows: result.unsafe_combinations.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// A region in words.
+fn bounds(result: &Robustness, c: &Combination) -> String {
+    let bound = |b: &Bound| {
+        let side = if b.below { "below" } else { "above" };
+        let unit = &result.units[b.parameter];
+        let limit = number(b.limit, 4);
+        let words = format!("{} {side} {limit} {unit}", result.parameters[b.parameter]);
+        words.trim_end().to_owned()
+    };
+    c.bounds
+        .iter()
+        .map(bound)
+        .collect::<Vec<_>>()
+        .join(" with ")
+}
+
+
+fn surrogates(result: &Robustness) -> Table {
+    let row = |(name, q): &(String, Quality)| {
+        vec![
+            name.clone(),
+            q.terms.to_string(),
+            q.degree.to_string(),
+            number(q.error, 2),
+            percent(q.predicted.max(0.0)),
+        ]
+    };
+    Table {
+        name: "Surrogates".into(),
+        columns: vec![
+            words("Criterion"),
+            numbers("Terms"),
+            numbers("Degree"),
+            numbers("Error"),
+            numbers("Variance predicted %"),
+        ],
+        rows: result.criteria.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// Maps of the probability of verification, and of each criterion.
+fn maps(result: &Robustness) -> Vec<Block> {
+    if result.maps.is_empty() {
+        return Vec::new();
+    }
+    type Values = fn(&Map, usize) -> &[f64];
+    let group = |name: &str, range: [f64; 2], values: Values, k: usize| {
+        let figure = |map: &Map| Figure {
+            file: format!(
+                "map-{name}-{}-{}",
+                result.parameters[map.x], result.parameters[map.y]
+            ),
+            svg: drawn(result, map, name, values(map, k), range),
+            ..Figure::default()
+        };
+        let [low, high] = range.map(|end| number(end, 4));
+        let scale = Block::Legend(vec![
+            Key {
+                svg: String::new(),
+                words: low,
+            },
+            Key {
+                svg: shades(),
+                words: high,
+            },
+        ]);
+        let figures = Block::Figures("maps", result.maps.iter().map(figure).collect());
+        let title = format!("{name} over all pairs of parameters");
+        Block::Folded(title, false, vec![scale, figures])
+    };
+    let mut groups = vec![group(
+        "Probability of verification",
+        [0.0, 1.0],
+        |map, _| &map.probability,
+        0,
+    )];
+    for (k, (name, _)) in result.criteria.iter().enumerate() {
+        let values = result.maps.iter().flat_map(|m| &m.criteria[k]);
+        let range = range(values);
+        groups.push(group(name, range, |map, k| &map.criteria[k], k));
+    }
+    if let Some(Block::Folded(_, open, _)) = groups.first_mut() {
+        *open = true;
+    }
+    groups
+}
+
+fn range<'a>(values: impl Iterator<Item = &'a f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [low.min(*v), high.max(*v)]
+    })
+}
+
+const SHADES: usize = 9;
+
+/// The shades of a map, from the lowest value to the highest.
+fn shades() -> String {
+    let shade = |s| {
+        let x = 10 * s;
+        format!("<rect class=\"shade s{s}\" x=\"{x}\" width=\"10.2\" height=\"10\"/>")
+    };
+    let shades: String = (0..SHADES).map(shade).collect();
+    format!("<svg class=\"plot scale\" viewBox=\"0 0 90 10\" aria-hidden=\"true\">{shades}</svg>")
+}
+
+/// One map in nine shades.
+fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64; 2]) -> String {
+    const LEFT: f64 = 56.0;
+    const TOP: f64 = 6.0;
+    const SIDE: f64 = 180.0;
+    const MIDDLE: f64 = LEFT + SIDE / 2.0;
+    let cell = SIDE / CELLS as f64;
+    let span = (scale[1] - scale[0]).max(f64::MIN_POSITIVE);
+    let mut paths = vec![String::new(); SHADES];
+    for (k, v) in values.iter().enumerate() {
+        let shade = (((v - scale[0]) / span * SHADES as f64) as usize).min(SHADES - 1);
+        let x = LEFT + (k % CELLS) as f64 * cell;
+        let y = TOP + SIDE - (k / CELLS + 1) as f64 * cell;
+        // Neighbouring cells overlap slightly: some renderers would show seams between them.
+        let _ = write!(
+            paths[shade],
+            "M{x:.0},{y:.0}h{0:.1}v{0:.1}h-{0:.1}z",
+            cell + 0.3
+        );
+    }
+    let shades = paths.iter().enumerate().filter(|(_, d)| !d.is_empty());
+    let mut out: String = shades
+        .map(|(s, d)| crate::document::svg::path(&format!("shade s{s}"), d))
+        .collect();
+    let axis = |[low, high]: [f64; 2], from, to| Axis {
+        low,
+        high,
+        from,
+        to,
+    };
+    let x = axis(map.x_range, LEFT, LEFT + SIDE);
+    let y = axis(map.y_range, TOP + SIDE, TOP);
+    for t in ticks(x.low, x.high, 3) {
+        out += &text("tick", [x.at(t), SIDE + 21.0], "middle", &number(t, 4));
+    }
+    for t in ticks(y.low, y.high, 4) {
+        out += &text("tick", [LEFT - 4.0, y.at(t) + 4.0], "end", &number(t, 4));
+    }
+    let [across, up] = [map.x, map.y].map(|k| with_unit(&result.parameters[k], &result.units[k]));
+    let [low, high] = range(values.iter()).map(|end| number(end, 4));
+    out += &text("title", [MIDDLE, SIDE + 38.0], "middle", &across);
+    out += &upright([11.0, TOP + SIDE / 2.0], &up);
+    let ends = format!("{low} … {high}");
+    out += &text("tick", [MIDDLE, SIDE + 53.0], "middle", &ends);
+    let title = format!("{what} over {across} and {up}: {low} to {high}");
+    picture("plot map", [246.0, SIDE + 58.0], &title, &out)
+}

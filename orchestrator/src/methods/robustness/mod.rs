@@ -1,0 +1,238 @@
+//! `robustness`: how far the parameters may go.
+
+mod confirm;
+mod document;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
+use super::known::{self, Finished};
+use super::setup;
+use crate::document::Document;
+use crate::error::CommandError;
+use crate::options::Work;
+use crate::pipeline::Pipeline;
+use crate::results::origin::Origin;
+use crate::results::table;
+use crate::session::{Request, Session};
+use crate::study::Study;
+use crate::study::plan::Plan;
+use confirm::Confirmation;
+use parameter_regions::robustness::{Robustness, region, robustness, rows};
+use parameter_regions::table::PointTable;
+use sampling::design::{Design, Method, Sampling, cube};
+
+pub use document::document;
+
+/// The name of the command, and of the folder of its journal.
+pub const NAME: &str = "robustness";
+/// The result's file in a folder of results.
+pub const FILE: &str = "robustness.json";
+
+/// Options of `robustness`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator robustness studies/paper-table3.toml \
+    --from results/paper-table3 --level 0.9"
+)]
+pub struct Options {
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
+    /// The folder of the finished study [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub from: Option<PathBuf>,
+    /// The verification probability that box and ellipsoid must hold [default: the study's, or 0.9]
+    #[arg(long, value_name = "P")]
+    pub level: Option<f64>,
+    /// Confirm box and ellipsoid by N new runs in each [default: the study's, or 0]
+    #[arg(long, value_name = "N")]
+    pub confirm: Option<usize>,
+    /// The seed [default: the study's, or 1]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+}
+
+/// What the page of a finished study shows of a result in its folder.
+pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+    study.result(FILE).map(|result| document(&result))
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// When the options, the study or its points cannot be used.
+pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+    let work = &options.work;
+    let from = known::from(options.from.as_deref(), &work.study);
+    let study = Study::read(&work.study)?;
+    let said = &study.robustness;
+    let analysis = Asked {
+        from: known::absolute(&from),
+        level: level(options, &study)?,
+        confirm: options.confirm.or(said.confirm).unwrap_or(0),
+        seed: options.seed.or(said.seed).unwrap_or(1),
+    };
+    let session = asking::open(work, &analysis);
+    let shard = work.parts.shard()?;
+    let folder = match (&work.output, shard) {
+        (Some(output), _) => output.clone(),
+        (None, Some(_)) => setup::folder(None, &work.study, &work.parts, Some(NAME))?,
+        (None, None) => from,
+    };
+    if analysis.confirm > 0 {
+        return asking::run(session?, &analysis, work, folder);
+    }
+    if shard.is_some() || work.parts.resume {
+        let message = "without new runs there is nothing to resume or to share; add --confirm N";
+        return Err(CommandError::option("confirm", message));
+    }
+    // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
+    let session = match session {
+        Err(error) if !study.correlations.is_empty() || study.binds_by_samples() => {
+            return Err(error);
+        }
+        other => other.ok(),
+    };
+    let plan = session.as_ref().map(|session| &session.plan);
+    let (origin, points, cloud) = analysis.known(&study, plan)?;
+    let mut result = analysis.stated(&points, &cloud)?;
+    if let Some(plan) = plan {
+        result.keep_together(&plan.together());
+    }
+    let result = AnalysisResult::told(&result, origin, &document(&result), FILE)?;
+    Delivery::without_runs(result, work, folder)
+}
+
+/// The probability that box and ellipsoid must hold.
+fn level(options: &Options, study: &Study) -> Result<f64, CommandError> {
+    const MESSAGE: &str = "must lie between 0 and 1";
+    let inside = |level: f64| level > 0.0 && level < 1.0;
+    match (options.level, &study.robustness.level) {
+        (Some(level), _) if !inside(level) => Err(CommandError::option("level", MESSAGE)),
+        (Some(level), _) => Ok(level),
+        (None, Some(level)) if !inside(*level.as_ref()) => {
+            Err(study.error_at(level, format!("level {MESSAGE}")).into())
+        }
+        (None, Some(level)) => Ok(*level.as_ref()),
+        (None, None) => Ok(0.9),
+    }
+}
+
+/// Statements from the points of a finished study, confirmed by new runs if wanted.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Asked {
+    /// The folder of the finished study.
+    from: PathBuf,
+    /// The verification probability that box and ellipsoid must hold.
+    level: f64,
+    /// New runs in each.
+    confirm: usize,
+    seed: u64,
+}
+
+impl Asked {
+    /// The points of the finished study, to which results they belong, and a large sample of its distributions.
+    fn known(
+        &self,
+        study: &Study,
+        plan: Option<&Plan>,
+    ) -> Result<(Origin, PointTable, Vec<Vec<f64>>), CommandError> {
+        let (summary, table) = known::points_of(&self.from, study, table::read)?;
+        let cloud = cloud(plan, &table, self.seed)?;
+        Ok((Origin::of_points(&summary), table, cloud))
+    }
+
+    fn stated(&self, table: &PointTable, cloud: &[Vec<f64>]) -> Result<Robustness, CommandError> {
+        robustness(table, cloud, self.level).ok_or_else(|| {
+            let message = "the points are too few for a surrogate, or no parameter varies: verify more points";
+            CommandError::option("from", message)
+        })
+    }
+}
+
+impl Analysis for Asked {
+    type Source = Session;
+
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn open(&self, request: Request) -> Result<Session, CommandError> {
+        let takes = Takes {
+            correlations: true,
+            samples: true,
+        };
+        asking::session(request, takes)
+    }
+
+    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+        Ok(PointSet {
+            seed: self.seed,
+            // Further rounds follow where a statement does not hold.
+            points: None,
+            method: format!("{} runs to confirm the level {}", self.confirm, self.level),
+            table: Some(known::digest_of(&self.from)?),
+        })
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        _: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
+        let stated = self.stated(&table, &cloud)?;
+        let mut confirmed = Confirmation {
+            session,
+            pipeline,
+            table: &table,
+            cloud: &cloud,
+            points: self.confirm,
+            seed: self.seed,
+        }
+        .of(stated)?;
+        confirmed.keep_together(&session.plan.together());
+        AnalysisResult::told(&confirmed, origin, &document(&confirmed), FILE)
+    }
+}
+
+/// A large sample from the study's distributions, in the order of the table's parameters; from the
+/// points themselves where the FMU is not there to convert units.
+fn cloud(
+    plan: Option<&Plan>,
+    table: &PointTable,
+    seed: u64,
+) -> Result<Vec<Vec<f64>>, CommandError> {
+    const SIZE: u64 = 65_536;
+    let own = || table.parameters.iter().map(|p| &p.name);
+    match plan {
+        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) && !plan.is_independent() => {
+            let points = joint(plan, SIZE, seed).map_err(|message| CommandError::option("seed", message))?;
+            Ok((0..SIZE).map(|index| points.point(index)).collect())
+        }
+        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) => {
+            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| CommandError::option("seed", message))?;
+            Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
+        }
+        _ => Ok(region::cloud(&rows(table), seed)),
+    }
+}
+
+/// Independent points of the study's joint distribution, correlations included.
+fn joint(plan: &Plan, points: u64, seed: u64) -> Result<Design, String> {
+    plan.design(&Sampling {
+        method: Method::MonteCarlo,
+        points,
+        seed,
+        ..Sampling::default()
+    })
+}

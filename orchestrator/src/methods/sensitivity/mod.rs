@@ -1,0 +1,344 @@
+//! `sensitivity`: which parameter matters. The crate `sensitivity` has the methods; here they meet a study's points.
+
+mod document;
+mod failures;
+mod outputs;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
+use super::known::{self, Finished};
+use super::setup;
+use crate::document::Document;
+use crate::error::CommandError;
+use crate::options::Work;
+use crate::pipeline::Pipeline;
+use crate::results::origin::Origin;
+use crate::results::{make_folder, points, table, write_atomically};
+use crate::session::{Request, Session};
+use crate::study::Study;
+use crate::study::plan::Plan;
+use crate::table::csv_file;
+use ::sensitivity::method::{self, FirstOrder, Settled, Space};
+use ::sensitivity::methods::{RUNS, named};
+use outputs::from_runs;
+use parameter_regions::table::PointTable;
+
+pub use document::document;
+pub use outputs::{Sensitivity, from_points};
+
+/// The name of the command, and of the folder of its journal.
+pub const NAME: &str = "sensitivity";
+/// The result's file in a folder of results.
+pub const FILE: &str = "sensitivity.json";
+
+/// The meaning of the numbers from points of correlated parameters.
+const CORRELATED: &str = "the parameters are correlated, so PAWN, rank correlations and the distance of verified points tell \
+    how much the value of a parameter says of the output, with all that it says of the parameters that it is correlated with: \
+    one without any influence may be called the most important. Partial correlations (PRCC) take the others' linear relation \
+    between ranks away, and no other. Shapley effects (`sensitivity STUDY --shapley N`) divide the variance among correlated \
+    parameters";
+
+/// The same where parameters come together from a sample.
+const SAMPLED: &str = "parameters are drawn together from a sample, so PAWN, rank correlations and the distance of verified \
+    points tell how much the value of a parameter says of the output, with all that it says of the others in its row: one \
+    without any influence may be called the most important. Partial correlations (PRCC) take the others' linear relation \
+    between ranks away, and no other";
+
+fn estimator() -> impl TypedValueParser<Value = FirstOrder> {
+    let names = PossibleValuesParser::new(FirstOrder::ALL.map(FirstOrder::name));
+    // The parser lets no other name pass.
+    names.map(|name| FirstOrder::named(&name).unwrap_or_default())
+}
+
+/// Options of `sensitivity`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples: orchestrator sensitivity studies/paper-table3.toml --base 256\n\
+    \u{20}         orchestrator sensitivity studies/paper-table3.toml --from results/paper-table3"
+)]
+pub struct Options {
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
+    /// Use the points of a finished study instead of new runs
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "shapley", "fmu", "jobs", "resume", "shard"])]
+    pub from: Option<PathBuf>,
+    /// The method, such as sobol, morris or shapley [default: the study's, or sobol]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris", "shapley"])]
+    pub method: Option<String>,
+    /// The size of its design [default: the study's, or the method's usual one]
+    #[arg(long, value_name = "N", conflicts_with_all = ["base", "morris", "shapley"])]
+    pub size: Option<u64>,
+    /// Sobol indices from N base points, which needs N (p + 2) runs for p parameters
+    #[arg(long, value_name = "N", conflicts_with_all = ["morris", "shapley"])]
+    pub base: Option<u64>,
+    /// Morris screening with R trajectories, which needs R (p + 1) runs
+    #[arg(long, value_name = "R", conflicts_with = "shapley")]
+    pub morris: Option<u64>,
+    /// Shapley effects, for correlated parameters, too, from N base points: N (p + 1) runs, N 2 p where correlated
+    #[arg(long, value_name = "N")]
+    pub shapley: Option<u64>,
+    /// How first-order Sobol indices are estimated [default: the study's, or combined]
+    #[arg(long, value_parser = estimator())]
+    pub estimator: Option<FirstOrder>,
+    /// The seed [default: the study's, or 1]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+}
+
+/// What the page of a finished study shows of a result in its folder.
+pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+    let result = study.result(FILE)?;
+    Some(document(&result, study.table))
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// When the options, the study or its points cannot be used.
+pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+    let Work {
+        study: path,
+        output,
+        parts,
+        ..
+    } = &options.work;
+    let study = Study::read(path)?;
+    let analysis = Asked::new(options, &study)?;
+    if let Some(from) = &options.from {
+        let (summary, table) = known::points_of(from, &study, table::read_every_value)?;
+        let mut result = from_points(&table, analysis.seed);
+        if !study.correlations.is_empty() {
+            result.warnings.insert(0, CORRELATED.to_owned());
+        }
+        if study.binds_by_samples() {
+            result.warnings.insert(0, SAMPLED.to_owned());
+        }
+        let origin = Origin::of_points(&summary);
+        let result = AnalysisResult::told(&result, origin, &document(&result, &table), FILE)?;
+        let folder = output.as_ref().unwrap_or(from).clone();
+        return Delivery::without_runs(result, &options.work, folder);
+    }
+    let session = asking::open(&options.work, &analysis)?;
+    let folder = setup::folder(output.as_deref(), path, parts, Some(NAME))?;
+    asking::run(session, &analysis, &options.work, folder)
+}
+
+/// An analysis by runs of its own.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Asked {
+    method: String,
+    size: u64,
+    estimator: FirstOrder,
+    seed: u64,
+}
+
+impl Asked {
+    /// The settings from the options, else from the study, else the defaults.
+    fn new(options: &Options, study: &Study) -> Result<Self, CommandError> {
+        let said = &study.sensitivity;
+        let estimator = said.estimator.as_ref().map(|name| {
+            FirstOrder::named(name.as_ref()).ok_or_else(|| {
+                let [others @ .., last] =
+                    &FirstOrder::ALL.map(|known| format!("`{}`", known.name()));
+                let known = format!("{} and {last}", others.join(", "));
+                study.error_at(name, format!("the estimators are {known}"))
+            })
+        });
+        let method = said.method.as_ref().map(|name| {
+            let known = named(name.as_ref());
+            known.map_err(|message| study.error_at(name, message))
+        });
+        let (in_study, asked) = (method.transpose()?, options.method_and_size()?);
+        let usual = in_study.unwrap_or(RUNS[0]);
+        let (method, size) = match asked {
+            // The study's size is that of its own method.
+            (Some(method), size) if method.name() != usual.name() => (method, size),
+            (_, Some(size)) => (usual, Some(size)),
+            (_, None) => {
+                if let Some(size) = &said.size {
+                    enough(*size.as_ref()).map_err(|message| study.error_at(size, message))?;
+                }
+                (usual, said.size.as_ref().map(|size| *size.as_ref()))
+            }
+        };
+        if options.estimator.is_some() && method.name() != RUNS[0].name() {
+            let message = format!("{} has no estimators to choose from", method.name());
+            return Err(CommandError::option("estimator", message));
+        }
+        Ok(Self {
+            method: method.name().to_owned(),
+            size: size.unwrap_or(method.usual_size()),
+            estimator: match options.estimator {
+                Some(estimator) => estimator,
+                None => estimator.transpose()?.unwrap_or_default(),
+            },
+            seed: options.seed.or(said.seed).unwrap_or(1),
+        })
+    }
+
+    fn method(&self) -> Result<&'static dyn method::FromRuns, CommandError> {
+        named(&self.method).map_err(|message| CommandError::option("method", message))
+    }
+
+    fn settled(&self) -> Settled {
+        Settled {
+            size: self.size,
+            estimator: self.estimator,
+            seed: self.seed,
+        }
+    }
+}
+
+impl Options {
+    /// Method and size from the command line.
+    fn method_and_size(
+        &self,
+    ) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), CommandError> {
+        let sizes = [
+            ("sobol", self.base),
+            ("morris", self.morris),
+            ("shapley", self.shapley),
+        ];
+        let by_size = sizes.into_iter().find(|(_, size)| size.is_some());
+        let chosen = match (&self.method, by_size) {
+            (Some(name), _) => (Some(name.as_str()), self.size),
+            (None, Some((name, size))) => (Some(name), size),
+            (None, None) => (None, self.size),
+        };
+        let method = chosen.0.map(named).transpose();
+        Ok((
+            method.map_err(|message| CommandError::option("method", message))?,
+            chosen.1,
+        ))
+    }
+}
+
+impl Analysis for Asked {
+    type Source = Session;
+
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn open(&self, request: Request) -> Result<Session, CommandError> {
+        let takes = Takes {
+            correlations: self.method()?.takes_correlations(),
+            samples: false,
+        };
+        asking::session(request, takes)
+    }
+
+    fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
+        let method = self.method()?;
+        enough(self.size).map_err(|message| CommandError::option(method.option(), message))?;
+        Ok(PointSet {
+            seed: self.seed,
+            points: Some(method.runs(&space(&session.plan), self.size)),
+            method: method.title(self.size),
+            table: None,
+        })
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        folder: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        let method = self.method()?;
+        let design = method
+            .design(&space(&session.plan), &self.settled())
+            .map_err(|message| CommandError::option(method.option(), message))?;
+        let rows = simulate(session, pipeline, &design)?;
+        keep_runs(folder, &rows)?;
+        let mut result = from_runs(method, &design, &rows, &self.settled());
+        if !session.plan.is_independent() {
+            result.warnings.insert(0, CORRELATED.to_owned());
+        }
+        let origin = asking::origin(session)?;
+        AnalysisResult::told(&result, origin, &document(&result, &rows), FILE)
+    }
+}
+
+/// One base point or trajectory tells nothing of how sure it is.
+fn enough(size: u64) -> Result<(), String> {
+    match size < 2 {
+        true => Err(format!("{size} is too few; at least 2 are needed")),
+        false => Ok(()),
+    }
+}
+
+/// The parameters that vary, with their correlations.
+fn space(plan: &Plan) -> Space {
+    let varied = plan.varied();
+    let correlation = plan.correlation().map(|correlation| {
+        DMatrix::from_fn(varied.len(), varied.len(), |a, b| {
+            correlation.coefficient(varied[a], varied[b])
+        })
+    });
+    Space {
+        parameters: varied.len(),
+        correlation,
+    }
+}
+
+/// Simulates points of the unit cube of the parameters that vary.
+fn simulate(
+    session: &Session,
+    pipeline: &mut Pipeline<'_>,
+    cube: &[Vec<f64>],
+) -> Result<PointTable, CommandError> {
+    let plan = &session.plan;
+    let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
+    let outcomes = pipeline.ask(&points)?;
+    let varied = plan.varied();
+    Ok(table::from_runs(
+        &plan.inputs,
+        &varied,
+        &session.judge,
+        &points,
+        outcomes,
+    ))
+}
+
+/// Writes the runs in the order of their design, for other programs to analyse.
+fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
+    make_folder(folder)?;
+    let parameters = rows
+        .parameters
+        .iter()
+        .map(|p| (p.name.as_str(), p.values.as_slice()));
+    let criteria = rows
+        .criteria
+        .iter()
+        .map(|c| (c.name.as_str(), c.values.as_slice()));
+    let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
+    write_atomically(&folder.join("sensitivity-runs.csv"), |out| {
+        let mut table = csv::Writer::from_writer(out);
+        let names = columns.iter().map(|(name, _)| *name);
+        let names = names.chain(["verified", "status"]);
+        table.write_record(names.map(|name| csv_file::cell(name).into_owned()))?;
+        for row in 0..rows.len() {
+            let cell = |(_, values): &(&str, &[f64])| match values[row] {
+                value if value.is_finite() => points::number(value),
+                _ => String::new(),
+            };
+            let status = csv_file::cell(&rows.status[row]).into_owned();
+            let verdict = [rows.verified[row].to_string(), status];
+            table.write_record(columns.iter().map(cell).chain(verdict))?;
+        }
+        table.flush()
+    })?;
+    Ok(())
+}

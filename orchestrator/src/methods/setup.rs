@@ -1,0 +1,198 @@
+//! The set-up of a run, whatever it is for: its folder, its processes, and the pipeline from one to the other.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::CommandError;
+use crate::options::{Means, Parts};
+use crate::pipeline::folder::{Earlier, RunFolder};
+use crate::pipeline::{Model, Part, Pipeline};
+use crate::results::Header;
+use crate::results::lock::Lock;
+use crate::session::{Request, Session, Verification};
+use crate::study::Study;
+use fmu_import::Package;
+use fmu_points::crew::Crew;
+use fmu_points::scratch::Scratch;
+use fmu_points::task::Case;
+
+/// What points are run of: a study that is tied to its FMU.
+pub trait Source {
+    /// The FMU.
+    fn package(&mut self) -> &mut Package;
+
+    /// All else that a run needs.
+    fn parts(&self) -> SourceParts<'_>;
+}
+
+/// What a run needs to know of its source.
+#[derive(Clone, Copy)]
+pub struct SourceParts<'a> {
+    /// What was asked for.
+    pub request: &'a Request,
+    /// The study.
+    pub study: &'a Study,
+    /// The FMU.
+    pub package: &'a Package,
+    /// Translates points and their outcomes.
+    pub model: &'a dyn Model,
+    /// The simulations of a point.
+    pub cases: &'a [Case],
+}
+
+impl Source for Session {
+    fn package(&mut self) -> &mut Package {
+        &mut self.package
+    }
+
+    fn parts(&self) -> SourceParts<'_> {
+        SourceParts {
+            request: &self.request,
+            study: &self.study,
+            package: &self.package,
+            model: self,
+            cases: &self.plan.cases,
+        }
+    }
+}
+
+impl Source for Verification {
+    fn package(&mut self) -> &mut Package {
+        &mut self.session.package
+    }
+
+    fn parts(&self) -> SourceParts<'_> {
+        self.session.parts()
+    }
+}
+
+/// Where the results of a run go.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// The folder of all results.
+    pub output: &'a Path,
+    /// The analysis that keeps its journal in a folder of its own there.
+    pub analysis: Option<&'static str>,
+    /// What becomes of an earlier run.
+    pub earlier: Earlier,
+}
+
+impl Place<'_> {
+    /// The folder of the journal.
+    pub fn state(&self) -> PathBuf {
+        let inner = self.analysis.map(|name| self.output.join(name));
+        inner.unwrap_or_else(|| self.output.to_owned())
+    }
+
+    /// Takes the folder for a run, and keeps there what was asked for. `prepare` may change what an earlier run left, when
+    /// nobody else has the folder any more.
+    ///
+    /// # Errors
+    /// When the folder holds something else, and when the system says no.
+    pub fn take(
+        &self,
+        source: SourceParts<'_>,
+        header: &Header,
+        prepare: impl FnOnce() -> Result<(), CommandError>,
+    ) -> Result<RunFolder, CommandError> {
+        let SourceParts { request, study, .. } = source;
+        request.check(self.output, self.analysis, Some(study), self.earlier)?;
+        let state = self.state();
+        let lock = Lock::take(&state)?;
+        prepare()?;
+        let complete = self.analysis.is_none() && state.join("summary.json").exists();
+        let taken = RunFolder::open(lock, &state, header, self.earlier, complete)?;
+        // A run that was killed early may not have come so far.
+        request.write(&state, study)?;
+        Ok(taken)
+    }
+}
+
+/// The processes of a run, and how many points they compute at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<'a> {
+    /// The processes and their limits.
+    pub means: &'a Means,
+    /// How many points at a time.
+    pub jobs: usize,
+    /// Whether the run may end before its last point.
+    pub open: bool,
+    /// Whether no further points are needed once the analysis has its answer.
+    pub ends: bool,
+}
+
+/// Keeps the folder for this run, and the unpacked FMU within it, until all is told.
+#[derive(Debug)]
+pub struct Kept {
+    pub(super) _scratch: Scratch,
+    pub(super) _lock: Lock,
+}
+
+/// Hands the points that `ask` wants to processes, and notes them in the folder. Nobody else gets the folder as long as what
+/// comes with the answer is there.
+///
+/// # Errors
+/// Those of the processes, of the system, and of `ask`.
+pub fn run<S: Source, T>(
+    source: &mut S,
+    header: &Header,
+    folder: RunFolder,
+    work: Work<'_>,
+    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, CommandError>,
+) -> Result<(T, Kept), CommandError> {
+    let RunFolder {
+        journal,
+        finished,
+        scratch,
+        lock,
+    } = folder;
+    let Work {
+        means,
+        jobs,
+        open,
+        ends,
+    } = work;
+    let place = means.place(jobs)?;
+    let crew = Crew::new(source.package(), place, scratch.path(), jobs)?;
+    let source = &*source;
+    let SourceParts {
+        request,
+        model,
+        cases,
+        ..
+    } = source.parts();
+    let part = Part::of(request.shard, header);
+    let mut pipeline = Pipeline::new(model, Some((&crew, cases)), journal, finished, part)
+        .repeating(header.seed, open);
+    let told = ask(source, &mut pipeline);
+    match told.is_ok() && ends {
+        true => pipeline.end()?,
+        false => pipeline.pause()?,
+    }
+    let kept = Kept {
+        _scratch: scratch,
+        _lock: lock,
+    };
+    Ok((told?, kept))
+}
+
+/// Where the results go unless the user says otherwise; a part of them goes beside the others.
+///
+/// # Errors
+/// When there is no such part.
+pub fn folder(
+    output: Option<&Path>,
+    study: &Path,
+    parts: &Parts,
+    analysis: Option<&str>,
+) -> Result<PathBuf, CommandError> {
+    let shard = parts.shard()?;
+    let usual = || {
+        let folder = super::known::folder_of(study);
+        let name = analysis.map_or(String::new(), |name| format!("{name}-"));
+        match shard {
+            Some(shard) => folder.join(format!("{name}shard-{}-of-{}", shard.number, shard.of)),
+            None => folder,
+        }
+    };
+    Ok(output.map_or_else(usual, Path::to_owned))
+}

@@ -1,0 +1,99 @@
+//! What there is to say of the widest tolerances.
+
+use crate::document::format::number;
+use crate::document::{Block, Document, Table, numbers, words};
+use conformity::decision::Decision;
+use parameter_regions::tolerances::stated::{Parameter, Tolerances, Wanted};
+
+/// The document of a result.
+pub fn document(result: &Tolerances) -> Document {
+    let mut told = Document::new("tolerances", "Tolerances", "Widest tolerances");
+    told.say(wanted(result));
+    if !result.reasons.is_empty() {
+        told.say("No tolerances would do.");
+        told.blocks.push(Block::List(result.reasons.clone()));
+        return told;
+    }
+    if let Some(widest) = result.widest {
+        told.say(format!(
+            "At the widest tolerances it is {} % by {} weighted points, an effective sample size of {}.",
+            percent(widest.share),
+            result.points,
+            number(widest.effective_points, 3)
+        ));
+    }
+    told.table(table(result));
+    told.say(confirmed(result));
+    told.hint(
+        "At the widest tolerances the share is just the wanted one; the stated ones are so much narrower that fresh runs can \
+         show it.",
+    );
+    told
+}
+
+fn table(result: &Tolerances) -> Table {
+    let row = |p: &Parameter| {
+        let limited = if p.limited {
+            " (the search went no further)"
+        } else {
+            ""
+        };
+        vec![
+            p.name.clone(),
+            p.own.clone(),
+            number(p.widest_scale, 3),
+            format!("{}{limited}", p.widest),
+            number(p.scale, 3),
+            p.stated.clone(),
+        ]
+    };
+    Table {
+        name: "Widest tolerances".into(),
+        class: "stack",
+        columns: vec![
+            words("Parameter"),
+            words("Study"),
+            numbers("Widest, times"),
+            words("Widest"),
+            numbers("Stated, times"),
+            words("Stated"),
+        ],
+        rows: result.parameters.iter().map(row).collect(),
+    }
+}
+
+fn percent(share: f64) -> String {
+    number(100.0 * share, 4)
+}
+
+fn wanted(result: &Tolerances) -> String {
+    let what = match result.wanted {
+        Wanted::Accepted => "of all points accepted",
+        Wanted::Conforming => "conformance probability",
+    };
+    format!(
+        "Wanted: {} % {what}, at a confidence of {} %.",
+        percent(result.share),
+        percent(result.confidence)
+    )
+}
+
+/// The result of the fresh runs; nothing where there are none.
+fn confirmed(result: &Tolerances) -> String {
+    let (Some(stated), Some(confirmed)) = (result.stated, result.confirmed) else {
+        return String::new();
+    };
+    let [low, high] = confirmed.interval.map(percent);
+    let [least, most] = stated.interval.map(percent);
+    let judged = match confirmed.decision {
+        Decision::Verified => "confirmed",
+        Decision::NotVerified => "not confirmed",
+        Decision::Inconclusive => "not decided; more runs with `--confirm N`",
+    };
+    format!(
+        "At the stated tolerances {least} to {most} % were expected of {} fresh runs, and {} % came (interval {low} to \
+         {high} %): {judged}.",
+        confirmed.runs,
+        percent(confirmed.share)
+    )
+}

@@ -1,0 +1,102 @@
+//! The goal of the tolerances.
+
+use std::path::Path;
+
+use crate::error::CommandError;
+use crate::judge::{Judge, share};
+use crate::results::{ResultsError, table};
+use crate::study::Study;
+use conformity::risk::Guard;
+use parameter_regions::tolerances::stated::Wanted;
+
+/// A share of accepted points, or a conformance probability.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Goal<'a> {
+    judge: &'a Judge,
+    /// Which of both.
+    pub(super) wanted: Wanted,
+    /// The least of it.
+    pub(super) target: f64,
+    /// With which confidence.
+    pub(super) confidence: f64,
+    /// The guard band, in expanded uncertainties.
+    guard: f64,
+}
+
+impl<'a> Goal<'a> {
+    /// The study's goal; a guard band that limits a risk is that of the finished study in `from`.
+    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, CommandError> {
+        const USUAL: f64 = 0.95;
+        let said = &study.tolerances;
+        let own = judge.rule.map(|rule| rule.share);
+        let (wanted, stated) = match (&said.share, &said.conformance) {
+            (Some(_), Some(both)) => {
+                let message = "[tolerances] has both share and conformance; keep one";
+                return Err(study.error_at(both, message).into());
+            }
+            (share, None) => (Wanted::Accepted, share),
+            (None, conformance) => (Wanted::Conforming, conformance),
+        };
+        if let (Wanted::Conforming, Some(stated), false) =
+            (wanted, stated, judge.measurement.complete())
+        {
+            let message = "a conformance probability needs the uncertainty of every measured value; add `uncertainty` \
+                           to the criteria, or want a `share`";
+            return Err(study.error_at(stated, message).into());
+        }
+        let target = match stated {
+            Some(stated) => share(stated.as_ref()).ok_or_else(|| {
+                let message = format!("{} must be more than 0 % and less than 100 %", stated.as_ref());
+                study.error_at(stated, message)
+            })?,
+            None => own.ok_or_else(|| {
+                study.error(
+                    "it does not say what the tolerances must achieve: add `share` under [verdict], or `share` or \
+                     `conformance` under [tolerances], such as \"95 %\"",
+                )
+            })?,
+        };
+        Ok(Self {
+            judge,
+            wanted,
+            target,
+            confidence: judge.rule.map_or(USUAL, |rule| rule.confidence),
+            guard: guard(study, judge, from)?,
+        })
+    }
+
+    /// How good a point is, from 0 to 1; one that failed is not at all.
+    pub(super) fn good(&self, values: Option<&[f64]>) -> f64 {
+        let Some(values) = values else { return 0.0 };
+        let measurement = &self.judge.measurement;
+        match self.wanted {
+            Wanted::Accepted => f64::from(u8::from(measurement.margin(values) >= self.guard)),
+            Wanted::Conforming => {
+                let all = measurement.assess(values).all;
+                all.probability
+                    .expect("`new` refuses criteria without an uncertainty")
+            }
+        }
+    }
+}
+
+fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, CommandError> {
+    let band = match judge.guard {
+        Guard::Given(factor) => Some(factor),
+        Guard::Limiting { .. } => {
+            let summary = match table::summary(from) {
+                Err(ResultsError::Missing(_)) => None,
+                summary => Some(summary?),
+            };
+            let of_study = summary.filter(|s| s.provenance.study_sha256 == study.digest());
+            let conclusion = of_study.and_then(|summary| summary.conclusion);
+            conclusion.and_then(|conclusion| conclusion.guard_band)
+        }
+    };
+    Ok(band.ok_or_else(|| {
+        study.error(
+            "[verdict] risk sets a guard band from the points of a finished study: verify the study first, or state \
+             `guard-band` instead",
+        )
+    })?)
+}

@@ -1,0 +1,489 @@
+//! `tolerances`: the widest tolerances of the parameters at which the model still conforms as wanted.
+
+mod document;
+mod goal;
+mod reasons;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
+use super::known::{self, Finished};
+use super::setup;
+use crate::document::format::number;
+use crate::document::Document;
+use crate::error::CommandError;
+use crate::options::Work;
+use crate::pipeline::{Halt, Pipeline};
+use crate::results::Outcome;
+use crate::results::summary::ParameterSummary;
+use crate::results::table;
+use crate::session::{Request, Session};
+use crate::study::plan::{Input, Plan};
+use crate::study::{Study, StudyError};
+use conformity::decision::Rule;
+use conformity::interval::{Moments, of_mean};
+use goal::Goal;
+use parameter_regions::table::PointTable;
+use parameter_regions::tolerances::stated::{Confirmed, Parameter, Stated, Tolerances};
+use parameter_regions::tolerances::{Problem, Sample, widest};
+use sampling::design::{Design, Joint, Method, Sampling};
+use sampling::distribution::Distribution;
+
+pub use document::document;
+
+/// The name of the command, and of the folder of its journal.
+pub const NAME: &str = "tolerances";
+/// The result's file in a folder of results.
+pub const FILE: &str = "tolerances.json";
+
+/// Options of `tolerances`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example: orchestrator tolerances studies/paper-table3.toml --from results/paper-table3"
+)]
+pub struct Options {
+    /// The study, how its points are run, and where the results go
+    #[command(flatten)]
+    pub work: Work,
+    /// The folder of the finished study, whose points are used first [default: results/ and the study's name]
+    #[arg(long, value_name = "DIR")]
+    pub from: Option<PathBuf>,
+    /// Points of each round of the search [default: `points` under `[tolerances]`, or 1024]
+    #[arg(long, value_name = "N")]
+    pub points: Option<u64>,
+    /// Fresh runs that confirm the result [default: `confirm` under `[tolerances]`, or 1000]
+    #[arg(long, value_name = "N")]
+    pub confirm: Option<u64>,
+    /// The seed [default: the study's, or 1]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+}
+
+/// What the page of a finished study shows of a result in its folder.
+pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+    study.result(FILE).map(|result| document(&result))
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// When the options, the study or its points cannot be used.
+pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+    let Work {
+        study: path,
+        output,
+        parts,
+        ..
+    } = &options.work;
+    let study = Study::read(path)?;
+    let said = &study.tolerances;
+    let analysis = Asked {
+        from: known::absolute(&known::from(options.from.as_deref(), path)),
+        points: options.points.or(said.points).unwrap_or(1024).max(16),
+        confirm: options.confirm.or(said.confirm).unwrap_or(1000).max(1),
+        seed: options.seed.or(said.seed).unwrap_or(1),
+    };
+    let session = asking::open(&options.work, &analysis)?;
+    let folder = setup::folder(output.as_deref(), path, parts, Some(NAME))?;
+    asking::run(session, &analysis, &options.work, folder)
+}
+
+/// A search by importance weights on known points, and by runs of its own.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Asked {
+    /// The folder of the finished study, if there is one.
+    from: PathBuf,
+    /// Points of a round.
+    points: u64,
+    /// Fresh runs that confirm the result.
+    confirm: u64,
+    seed: u64,
+}
+
+impl Analysis for Asked {
+    type Source = Session;
+
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self)
+    }
+
+    fn open(&self, request: Request) -> Result<Session, CommandError> {
+        let takes = Takes {
+            correlations: false,
+            samples: true,
+        };
+        asking::session(request, takes)
+    }
+
+    fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
+        let known = self.known(session)?.is_some();
+        Ok(PointSet {
+            seed: self.seed,
+            // Rounds follow until the weights are sure enough.
+            points: None,
+            method: format!(
+                "rounds of {} points, {} to confirm",
+                self.points, self.confirm
+            ),
+            table: known.then(|| known::digest_of(&self.from)).transpose()?,
+        })
+    }
+
+    fn one_piece(&self) -> Option<&'static str> {
+        Some("each round of points depends on the ones before; run it in one piece")
+    }
+
+    fn check(&self, session: &Session) -> Result<(), CommandError> {
+        let goal = Goal::new(&session.study, &session.judge, &self.from)?;
+        self.problem(session, &goal).map(drop)
+    }
+
+    fn find(
+        &self,
+        session: &Session,
+        pipeline: &mut Pipeline<'_>,
+        _: &Path,
+    ) -> Result<AnalysisResult, CommandError> {
+        let goal = Goal::new(&session.study, &session.judge, &self.from)?;
+        let problem = self.problem(session, &goal)?;
+        let mut runs = Runs {
+            session,
+            goal: &goal,
+            varied: of_points(&session.plan),
+            pipeline,
+        };
+        let centre = runs.outcomes(&problem.centres())?;
+        let (points, outcomes) = match self.known(session)? {
+            Some(table) => runs.known(&table),
+            None => {
+                let points = problem.draw(&vec![1.0; problem.distributions.len()], self.seed);
+                let outcomes = runs.outcomes(&points)?;
+                (points, outcomes)
+            }
+        };
+        let goods = outcomes
+            .iter()
+            .map(|outcome| goal.good(outcome.as_deref()))
+            .collect();
+        let mut sample = Sample::new(&problem.distributions, points, goods);
+        let mut found = Tolerances {
+            wanted: goal.wanted,
+            share: problem.target,
+            confidence: problem.confidence,
+            ..Tolerances::default()
+        };
+        let mut fresh = |points: Vec<Vec<f64>>| Ok::<_, CommandError>(runs.goods(&points)?);
+        let at_centre: f64 = centre.iter().map(|one| goal.good(one.as_deref())).sum();
+        let is_off = at_centre / (centre.len().max(1) as f64) < problem.target;
+        let explored = if is_off {
+            problem.explore(&mut sample, &mut fresh)?
+        } else {
+            0
+        };
+        if is_off && !problem.holds_anywhere(&sample) {
+            found.rounds = explored;
+            found.points = sample.len() as u64;
+            found.reasons = reasons::of(&session.judge, &goal, &centre, &outcomes);
+            let ones = vec![1.0; problem.distributions.len()];
+            found
+                .reasons
+                .extend(most(session, &problem, &sample, &ones));
+        } else {
+            let (answer, sample) = widest(&problem, Some(sample), &mut fresh)?;
+            found.points = sample.len() as u64;
+            found.rounds = explored + answer.rounds;
+            if answer.is_expected {
+                found.parameters =
+                    parameters(&session.plan, &problem, &answer.scales, &answer.safe);
+                found.widest = Some(Stated::new(
+                    answer.estimate,
+                    problem.stated(answer.estimate),
+                ));
+                found.stated = Some(Stated::new(answer.at_safe, answer.stated));
+                found.confirmed = Some(self.confirm(&problem, &answer.safe, &mut runs)?);
+            } else {
+                found.reasons = reasons::off(&session.judge, &goal, &centre);
+                let most = most(session, &problem, &sample, &answer.scales);
+                found.reasons.push(reasons::not_shown(&problem));
+                found.reasons.extend(most);
+            }
+        }
+        AnalysisResult::told(&found, asking::origin(session)?, &document(&found), FILE)
+    }
+}
+
+impl Asked {
+    /// The points of the finished study, if they were drawn from the parameters' distributions.
+    fn known(&self, session: &Session) -> Result<Option<PointTable>, CommandError> {
+        if !self.from.join("summary.json").exists() {
+            return Ok(None);
+        }
+        let (summary, table) = table::read(&self.from)?;
+        let drawn = !matches!(
+            summary.provenance.method.as_str(),
+            "table" | "full-factorial"
+        );
+        let own = session.study.digest() == summary.provenance.study_sha256;
+        let own = own && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
+        Ok((drawn && own && !table.is_empty()).then_some(table))
+    }
+
+    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, CommandError> {
+        let Session { study, plan, .. } = session;
+        let with_tolerances = with_tolerances(plan);
+        if with_tolerances.is_empty() {
+            let message = "no parameter has a tolerance: those that vary come from samples, which stay as they are";
+            return Err(study.error(message).into());
+        }
+        let inputs = || with_tolerances.iter().map(|&k| &plan.inputs[k]);
+        let problem = Problem {
+            distributions: inputs().map(|input| input.distribution.clone()).collect(),
+            samples: plan.joints().to_vec(),
+            costs: costs(study, plan)?,
+            target: goal.target,
+            confidence: goal.confidence,
+            limit: limit(study)?,
+            points: self.points,
+            confirm: self.confirm,
+            seed: self.seed,
+        };
+        problem
+            .check()
+            .map_err(|message| study.error(format!("[tolerances] {message}")))?;
+        Ok(problem)
+    }
+
+    /// Independent runs at the tolerances that are stated.
+    fn confirm(
+        &self,
+        problem: &Problem,
+        scales: &[f64],
+        runs: &mut Runs<'_, '_>,
+    ) -> Result<Confirmed, CommandError> {
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let sampling = Sampling {
+            method: Method::MonteCarlo,
+            points: self.confirm,
+            // Far from the seeds of the rounds.
+            seed: !self.seed,
+            ..Sampling::default()
+        };
+        let cube = Design::new(&sampling, vec![unit; problem.dimensions()]);
+        let cube = cube.map_err(|message| runs.session.study.error(message))?;
+        let pairs = problem.distributions.iter().zip(scales);
+        let scaled: Vec<Distribution> = pairs.map(|(own, &scale)| own.scaled(scale)).collect();
+        let point = |index| problem.point(&scaled, &cube.point(index));
+        let points: Vec<Vec<f64>> = (0..self.confirm).map(point).collect();
+        let mut moments = Moments::default();
+        runs.goods(&points)?
+            .into_iter()
+            .for_each(|good| moments.add(good));
+        let rule = Rule {
+            share: problem.target,
+            confidence: problem.confidence,
+        };
+        let interval = of_mean(&[moments], problem.confidence);
+        Ok(Confirmed {
+            runs: self.confirm,
+            share: moments.mean(),
+            interval,
+            decision: rule.decide(interval),
+        })
+    }
+}
+
+/// The largest share that the points tell of at tolerances in these proportions, as a sentence.
+fn most(
+    session: &Session,
+    problem: &Problem,
+    sample: &Sample,
+    proportions: &[f64],
+) -> Option<String> {
+    let (scales, found) = problem.most(sample, proportions)?;
+    let with_tolerances = with_tolerances(&session.plan);
+    let names = with_tolerances
+        .iter()
+        .map(|&k| &session.plan.inputs[k].name);
+    let each = names
+        .zip(&scales)
+        .map(|(name, scale)| format!("{name} {}", number(*scale, 3)));
+    Some(format!(
+        "at most about {} % can be reached in these proportions, at so many times the study's tolerances: {}",
+        number(100.0 * found.share, 3),
+        each.collect::<Vec<_>>().join(", ")
+    ))
+}
+
+/// The parameters that have a tolerance, by their places among the inputs: those that vary, and come from no sample.
+fn with_tolerances(plan: &Plan) -> Vec<usize> {
+    let from_samples: Vec<usize> = plan
+        .joints()
+        .iter()
+        .flat_map(Joint::inputs)
+        .copied()
+        .collect();
+    let varied = plan.varied().into_iter();
+    varied.filter(|k| !from_samples.contains(k)).collect()
+}
+
+/// The places among the inputs of the numbers of a point: those with tolerances, then those from samples.
+fn of_points(plan: &Plan) -> Vec<usize> {
+    let from_samples = plan.joints().iter().flat_map(Joint::inputs).copied();
+    with_tolerances(plan)
+        .into_iter()
+        .chain(from_samples)
+        .collect()
+}
+
+/// Relative cost of a narrower tolerance, for each parameter that has one.
+fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, StudyError> {
+    let varied: Vec<&str> = with_tolerances(plan)
+        .iter()
+        .map(|&k| plan.inputs[k].name.as_str())
+        .collect();
+    for (name, cost) in &study.tolerances.costs {
+        if !varied.contains(&name.as_ref().as_str()) {
+            let message = format!(
+                "no parameter `{}` has a tolerance; name one under [parameters] that varies and comes from no sample",
+                name.as_ref()
+            );
+            return Err(study.error_at(name, message));
+        }
+        if !(*cost.as_ref() > 0.0 && cost.as_ref().is_finite()) {
+            return Err(study.error_at(cost, "a cost must be a positive, finite number"));
+        }
+    }
+    let cost = |name: &&str| {
+        study
+            .tolerances
+            .costs
+            .get(*name)
+            .map_or(1.0, |cost| *cost.as_ref())
+    };
+    Ok(varied.iter().map(cost).collect())
+}
+
+fn limit(study: &Study) -> Result<f64, StudyError> {
+    const USUAL: f64 = 3.0;
+    match &study.tolerances.limit {
+        Some(limit) if !(*limit.as_ref() > 0.0 && limit.as_ref().is_finite()) => {
+            Err(study.error_at(limit, "the limit must be a positive, finite number"))
+        }
+        limit => Ok(limit.as_ref().map_or(USUAL, |limit| *limit.as_ref())),
+    }
+}
+
+/// The tolerances of the answer in the study's own terms.
+fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> Vec<Parameter> {
+    let with_tolerances = with_tolerances(plan);
+    let scaled = |input: &Input, scale: f64| {
+        ParameterSummary::new(&Input {
+            distribution: input.distribution.scaled(scale),
+            ..input.clone()
+        })
+    };
+    let parameter = |(k, &number): (usize, &usize)| {
+        let input = &plan.inputs[number];
+        Parameter {
+            name: input.name.clone(),
+            unit: input.unit.clone(),
+            cost: problem.costs[k],
+            own: words(&scaled(input, 1.0)),
+            widest_scale: scales[k],
+            widest: words(&scaled(input, scales[k])),
+            scale: safe[k],
+            stated: words(&scaled(input, safe[k])),
+            distribution: scaled(input, safe[k]).distribution,
+            limited: scales[k] >= 0.999 * problem.limit,
+        }
+    };
+    with_tolerances.iter().enumerate().map(parameter).collect()
+}
+
+/// A distribution as words, with numbers of as many digits as people need.
+fn words(parameter: &ParameterSummary) -> String {
+    let mut rounded = parameter.clone();
+    for value in rounded.distribution.values_mut() {
+        if let Some(exact) = value.as_f64() {
+            *value = number(exact, 4).into();
+        }
+    }
+    let words = rounded.distribution.iter().filter_map(|(key, value)| {
+        let value = value.as_str()?;
+        Some(if key == "distribution" {
+            value.to_owned()
+        } else {
+            format!("{key} {value}")
+        })
+    });
+    let words = words.collect::<Vec<_>>().join(", ");
+    match &parameter.unit {
+        Some(unit) => format!("{words} {unit}"),
+        None => words,
+    }
+}
+
+/// Points of the parameters that vary, run through the pipeline.
+struct Runs<'a, 'b> {
+    session: &'a Session,
+    goal: &'a Goal<'a>,
+    /// The places among the inputs of the numbers of a point.
+    varied: Vec<usize>,
+    pipeline: &'a mut Pipeline<'b>,
+}
+
+impl Runs<'_, '_> {
+    /// The results of points; none for those that fail.
+    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Halt> {
+        let inputs = &self.session.plan.inputs;
+        let full = |point: &Vec<f64>| -> Vec<f64> {
+            let mut all: Vec<f64> = inputs
+                .iter()
+                .map(|input| input.distribution.centre())
+                .collect();
+            self.varied
+                .iter()
+                .zip(point)
+                .for_each(|(&k, &value)| all[k] = value);
+            all
+        };
+        let full: Vec<Vec<f64>> = points.iter().map(full).collect();
+        let outcomes: Vec<Outcome> = self.pipeline.ask(&full)?;
+        Ok(outcomes.into_iter().map(Result::ok).collect())
+    }
+
+    fn goods(&mut self, points: &[Vec<f64>]) -> Result<Vec<f64>, Halt> {
+        let outcomes = self.outcomes(points)?;
+        Ok(outcomes
+            .iter()
+            .map(|outcome| self.goal.good(outcome.as_deref()))
+            .collect())
+    }
+
+    /// The points of a finished study, with what came of them; more would only cost time.
+    fn known(&self, table: &PointTable) -> (Vec<Vec<f64>>, Vec<Option<Vec<f64>>>) {
+        const MOST: usize = 20_000;
+        let count = table.len().min(MOST);
+        let point = |i: usize| {
+            self.varied
+                .iter()
+                .map(|&k| table.parameters[k].values[i])
+                .collect()
+        };
+        let outcome = |i: usize| {
+            let values = table.criteria.iter().map(|criterion| criterion.values[i]);
+            table.completed(i).then(|| values.collect())
+        };
+        (
+            (0..count).map(point).collect(),
+            (0..count).map(outcome).collect(),
+        )
+    }
+}

@@ -1,0 +1,121 @@
+//! Why no tolerances would do.
+
+use super::goal::Goal;
+use crate::judge::{Criterion, Judge};
+use crate::document::format::number;
+use parameter_regions::tolerances::Problem;
+
+/// The obstacles, a sentence each: given what comes of the centre of all tolerances, one point or one for each of some rows
+/// of the samples, and of the points drawn at the study's own tolerances.
+pub(super) fn of(
+    judge: &Judge,
+    goal: &Goal<'_>,
+    centres: &[Option<Vec<f64>>],
+    points: &[Option<Vec<f64>>],
+) -> Vec<String> {
+    let mut found = Vec::new();
+    match centres {
+        [None] => {
+            found.push("the model fails with all parameters at their nominal values".to_owned())
+        }
+        [..] => {
+            found.extend(off(judge, goal, centres));
+            if let ([centre], true) = (centres, found.is_empty()) {
+                found.push(format!(
+                    "with all parameters at their nominal values the model meets all criteria, but conforms as wanted \
+                     only to {} %: the measured values' uncertainties are too large for it",
+                    number(100.0 * goal.good(centre.as_deref()), 3)
+                ));
+            }
+        }
+    }
+    found.extend(contradictions(judge, points));
+    found
+}
+
+/// The criteria that the centre of all tolerances misses, a sentence each; with samples, how many of their rows conform.
+pub(super) fn off(judge: &Judge, goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) -> Vec<String> {
+    let centre = match centres {
+        [centre] => centre.as_deref().unwrap_or_default(),
+        _ => return vec![of_rows(goal, centres)],
+    };
+    let pairs = judge.criteria.iter().zip(centre);
+    pairs
+        .filter(|(criterion, value)| !criterion.accepts(**value))
+        .map(|(criterion, &value)| nominal_is_off(criterion, value))
+        .collect()
+}
+
+/// That the wanted share is too near the largest one to be shown.
+pub(super) fn not_shown(problem: &Problem) -> String {
+    format!(
+        "{} % may be reached, but no tolerances are expected to show it at a confidence of {} % in {} fresh runs: want \
+         less, or confirm with more runs (`--confirm N`)",
+        number(100.0 * problem.target, 4),
+        number(100.0 * problem.confidence, 4),
+        problem.confirm
+    )
+}
+
+/// How many rows of the samples conform with all tolerances at their centres.
+fn of_rows(goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) -> String {
+    let goods: f64 = centres.iter().map(|one| goal.good(one.as_deref())).sum();
+    format!(
+        "with all tolerances at nothing, {} % of {} rows of the sample conform as wanted, and a tolerance does not change \
+         the sample",
+        number(100.0 * goods / centres.len().max(1) as f64, 3),
+        centres.len()
+    )
+}
+
+/// Narrower tolerances bring all points nearer to the nominal one.
+fn nominal_is_off(criterion: &Criterion, value: f64) -> String {
+    let unit = criterion
+        .unit
+        .as_deref()
+        .map_or_else(String::new, |unit| format!(" {unit}"));
+    let beyond = (value - criterion.nominal).abs() - criterion.tolerance;
+    format!(
+        "{}: with all parameters at their nominal values it is {}{unit}, {}{unit} beyond the tolerance, and narrower \
+         tolerances only bring the other points nearer to that: shift a parameter's nominal value",
+        criterion.name,
+        number(value, 5),
+        number(beyond, 3)
+    )
+}
+
+/// Criteria that no point meets, and pairs of criteria of which points meet one or the other, but none meets both.
+fn contradictions(judge: &Judge, points: &[Option<Vec<f64>>]) -> Vec<String> {
+    const EXPECTED: f64 = 5.0;
+    let completed: Vec<&Vec<f64>> = points.iter().flatten().collect();
+    let meets = |k: usize, values: &[f64]| judge.criteria[k].accepts(values[k]);
+    let count = |condition: &dyn Fn(&[f64]) -> bool| {
+        completed.iter().filter(|values| condition(values)).count() as f64
+    };
+    let alone: Vec<f64> = (0..judge.criteria.len())
+        .map(|k| count(&|values| meets(k, values)))
+        .collect();
+    let name = |k: usize| &judge.criteria[k].name;
+    let all = completed.len().max(1) as f64;
+    let mut found = Vec::new();
+    for a in 0..alone.len() {
+        if alone[a] == 0.0 {
+            found.push(format!("{}: not one of {all} points meets it", name(a)));
+        }
+        for b in a + 1..alone.len() {
+            // Of independent criteria some points would meet both by chance.
+            let expected = alone[a] * alone[b] / all;
+            if expected >= EXPECTED && count(&|values| meets(a, values) && meets(b, values)) == 0.0
+            {
+                found.push(format!(
+                    "{} and {} contradict each other: {} points meet the first, {} the second, and none meets both",
+                    name(a),
+                    name(b),
+                    alone[a],
+                    alone[b]
+                ));
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,189 @@
+//! Options of every command that runs points of a study: processes, limits, shards, resuming.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::thread::available_parallelism;
+use std::time::Duration;
+
+use clap::Args;
+
+use crate::error::CommandError;
+use crate::pipeline::Shard;
+use crate::pipeline::folder::Earlier;
+use fmu_points::crew::Place;
+use fmu_points::process::Limits;
+use fmu_points::{Isolation, system};
+
+/// Shards of a run, and resuming.
+#[derive(Debug, Args)]
+pub struct Parts {
+    /// Continue a run that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+    /// Replace what the output folder holds, also where it is of another study file or FMU, or not complete
+    #[arg(long, conflicts_with = "resume")]
+    pub force: bool,
+    /// Simulate only one of several equal parts of the points; `merge` joins them
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// The same, counted from 0 as array jobs do
+    #[arg(long, value_name = "I", requires = "shards", conflicts_with = "shard")]
+    shard_index: Option<u64>,
+    /// How many parts there are, with --shard-index
+    #[arg(long, value_name = "N", requires = "shard_index")]
+    shards: Option<u64>,
+}
+
+impl Parts {
+    /// The part to simulate, if not all.
+    ///
+    /// # Errors
+    /// When there is no such part.
+    pub fn shard(&self) -> Result<Option<Shard>, CommandError> {
+        match (self.shard_index, self.shards) {
+            (Some(index), Some(of)) if index < of => {
+                let number = index + 1;
+                Ok(Some(Shard { number, of }))
+            }
+            (Some(index), Some(of)) => Err(CommandError::option(
+                "shard-index",
+                format!("{index} is none of {of} parts, which are counted from 0"),
+            )),
+            _ => Ok(self.shard),
+        }
+    }
+
+    /// What becomes of an earlier run in the output folder.
+    pub fn earlier(&self) -> Earlier {
+        match (self.resume, self.force) {
+            (true, _) => Earlier::Resumed,
+            (_, true) => Earlier::Replaced,
+            _ => Earlier::Complete,
+        }
+    }
+}
+
+/// Processes that run the points, and their limits.
+#[derive(Debug, Args)]
+pub struct Means {
+    /// The FMU, instead of the study's
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
+    /// The number of parallel simulations [default: the number of cores]
+    #[arg(long, value_name = "J", allow_negative_numbers = true)]
+    pub jobs: Option<NonZeroUsize>,
+    /// Run points in this process: a little faster, but a crash of the FMU ends the run
+    #[arg(long, conflicts_with = "isolation")]
+    pub in_process: bool,
+    /// How points share processes
+    #[arg(long, value_enum, value_name = "HOW", default_value = "audited")]
+    pub isolation: Isolation,
+    /// The longest time that a point may take, s
+    #[arg(
+        long,
+        value_name = "T",
+        default_value_t = 3600.0,
+        allow_negative_numbers = true
+    )]
+    pub point_timeout: f64,
+    /// The most memory that a worker process may take, such as 500MB [default: a fair share of
+    /// the machine's]
+    #[arg(long, value_name = "SIZE")]
+    pub memory_limit: Option<String>,
+}
+
+impl Means {
+    /// How many simulations at a time: as many as cores, unless the user says otherwise.
+    pub fn jobs(&self) -> usize {
+        let cores = || available_parallelism().map_or(1, Into::into);
+        self.jobs.map_or_else(cores, NonZeroUsize::get)
+    }
+
+    /// Where `jobs` points at a time are run.
+    ///
+    /// # Errors
+    /// When a limit cannot be used.
+    pub fn place(&self, jobs: usize) -> Result<Place, CommandError> {
+        if self.in_process {
+            return Ok(Place::Here);
+        }
+        Ok(Place::Processes(self.limits(jobs)?, self.isolation))
+    }
+
+    /// The limits for one of `jobs` workers.
+    ///
+    /// # Errors
+    /// When a limit cannot be used.
+    pub fn limits(&self, jobs: usize) -> Result<Limits, CommandError> {
+        let time = Duration::try_from_secs_f64(self.point_timeout).ok();
+        let time = time.filter(|time| !time.is_zero()).ok_or_else(|| {
+            let message = format!("{:?} s is not a positive time", self.point_timeout);
+            CommandError::option("point-timeout", message)
+        })?;
+        let memory = match &self.memory_limit {
+            Some(text) => size(text).ok_or_else(|| {
+                let message = format!("`{text}` is not a size such as 500MB or 2GB");
+                CommandError::option("memory-limit", message)
+            })?,
+            None => share(jobs),
+        };
+        Ok(Limits { time, memory })
+    }
+}
+
+/// What every analysis of a study takes.
+#[derive(Debug, Args)]
+pub struct Work {
+    /// The study
+    pub study: PathBuf,
+    /// The folder for the results [default: results/ and the study's name, or the folder of --from]
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Run settings
+    #[command(flatten)]
+    pub means: Means,
+    /// Resuming and shards
+    #[command(flatten)]
+    pub parts: Parts,
+}
+
+/// A size with a unit, bytes.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn size(text: &str) -> Option<u64> {
+    let text = text.trim();
+    let digits = text
+        .find(|c: char| !c.is_ascii_digit() && c != '.')
+        .unwrap_or(text.len());
+    let number: f64 = text[..digits].parse().ok()?;
+    let factor = match text[digits..].trim().to_uppercase().as_str() {
+        "" | "B" => 1.0,
+        "K" | "KB" | "KIB" => 1024.0,
+        "M" | "MB" | "MIB" => 1024.0 * 1024.0,
+        "G" | "GB" | "GIB" => 1024.0 * 1024.0 * 1024.0,
+        _ => return None,
+    };
+    let bytes = number * factor;
+    (bytes >= 1.0).then_some(bytes as u64)
+}
+
+/// Four fifths of the machine's memory, shared by the workers.
+fn share(jobs: usize) -> u64 {
+    // Where the size is not known, a limit that any of today's machines keeps.
+    const UNKNOWN: u64 = 4 << 30;
+    let memory = system::memory_of_machine();
+    memory.map_or(UNKNOWN, |bytes| bytes / 5 * 4) / jobs.max(1) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("500MB"), Some(500 << 20));
+        assert_eq!(size("1.5 G"), Some(3 << 29));
+        assert_eq!(size("4096"), Some(4096));
+        assert_eq!(size("many"), None);
+        assert_eq!(size("0"), None);
+    }
+}

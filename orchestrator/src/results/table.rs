@@ -1,0 +1,193 @@
+//! The table of points from what `verify` leaves behind.
+
+use super::{Outcome, Points, PointsError, ResultsError, Summary};
+use crate::judge::{Judge, PointVerdict};
+use crate::study::plan::Input;
+use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
+use std::path::Path;
+use thiserror::Error;
+
+/// Why the results of a study cannot be read.
+#[derive(Debug, Error)]
+pub enum FolderError {
+    /// `summary.json` is missing or cannot be read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// `points.csv` cannot be read, lacks a column, or holds a wrong cell.
+    #[error(transparent)]
+    Points(#[from] PointsError),
+}
+
+/// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that
+/// their runs have a result of.
+///
+/// # Errors
+/// When there is no finished study in the folder, or one of the files is damaged.
+pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
+    let (summary, mut table) = read_some(folder, u64::MAX)?;
+    let failed: Vec<usize> = (0..table.len()).filter(|&i| !table.completed(i)).collect();
+    for criterion in &mut table.criteria {
+        failed.iter().for_each(|&i| criterion.values[i] = f64::NAN);
+    }
+    Ok((summary, table))
+}
+
+/// Reads `summary.json` and an even choice of the rows in `points.csv`, with the best ones. A case that failed has no values; the other
+/// cases of its point keep theirs, which count.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), FolderError> {
+    let summary = summary(folder)?;
+    let points = Points::read_some(&folder.join("points.csv"), &summary, most)?;
+    let mut table = table(&summary, points);
+    let case = |name: &str| match name.split_once('/') {
+        Some((case, _)) if summary.cases.contains_key(case) => Some(case.to_owned()),
+        _ => None,
+    };
+    let cases: Vec<Option<String>> = table.criteria.iter().map(|c| case(&c.name)).collect();
+    for i in (0..table.len())
+        .filter(|&i| !table.completed(i))
+        .collect::<Vec<_>>()
+    {
+        let known: Vec<bool> = table
+            .criteria
+            .iter()
+            .map(|c| c.values[i].is_finite())
+            .collect();
+        let whole = |case: &Option<String>| {
+            let mut own = cases.iter().zip(&known).filter(|(other, _)| *other == case);
+            case.is_some() && own.all(|(_, known)| *known)
+        };
+        for (criterion, case) in table.criteria.iter_mut().zip(&cases) {
+            if !whole(case) {
+                criterion.values[i] = f64::NAN;
+            }
+        }
+    }
+    Ok((summary, table))
+}
+
+/// The same with all values that failed points have.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
+    let summary = summary(folder)?;
+    let points = Points::read(&folder.join("points.csv"), &summary)?;
+    let table = table(&summary, points);
+    Ok((summary, table))
+}
+
+/// Reads `summary.json` alone.
+///
+/// # Errors
+/// When there is no finished study in the folder, or the file is damaged.
+pub fn summary(folder: &Path) -> Result<Summary, ResultsError> {
+    let path = folder.join("summary.json");
+    let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
+        _ => ResultsError::io(&path)(error),
+    })?;
+    serde_json::from_str(&text).map_err(|error| ResultsError::Content {
+        path,
+        message: error.to_string(),
+    })
+}
+
+/// Joins a summary and its points.
+pub fn table(summary: &Summary, points: Points) -> PointTable {
+    let parameters = summary
+        .parameters
+        .iter()
+        .zip(points.parameters)
+        .map(|(p, values)| ParameterColumn {
+            name: p.name.clone(),
+            unit: p.unit.clone().unwrap_or_default(),
+            distribution: p.words(),
+            values,
+        });
+    let columns = points.values.into_iter().zip(points.passed);
+    let criteria = summary
+        .criteria
+        .values()
+        .zip(columns)
+        .map(|(count, (values, ok))| {
+            let c = &count.criterion;
+            CriterionColumn {
+                name: c.name.clone(),
+                source: c.source(),
+                unit: c.unit.clone().unwrap_or_default(),
+                nominal: c.nominal,
+                lower: c.accepted()[0],
+                upper: c.accepted()[1],
+                group: c.group.clone(),
+                values,
+                ok,
+            }
+        });
+    PointTable {
+        parameters: parameters.collect(),
+        criteria: criteria.collect(),
+        ids: points.labels,
+        verified: points.verified,
+        status: points.status,
+    }
+}
+
+/// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.
+fn value(outcome: &Outcome, criterion: usize) -> f64 {
+    match outcome {
+        Ok(values) => values[criterion],
+        Err(failure) => failure.value(criterion).unwrap_or(f64::NAN),
+    }
+}
+
+/// The table of runs that an analysis made itself: the parameters that vary, and the criteria.
+pub fn from_runs(
+    inputs: &[Input],
+    varied: &[usize],
+    judge: &Judge,
+    points: &[Vec<f64>],
+    outcomes: Vec<Outcome>,
+) -> PointTable {
+    assert_eq!(points.len(), outcomes.len(), "each point has an outcome");
+    let verdicts: Vec<PointVerdict> = outcomes
+        .iter()
+        .map(|o| judge.verdict(o.as_deref().ok()))
+        .collect();
+    let parameters = varied.iter().map(|&k| ParameterColumn {
+        name: inputs[k].name.clone(),
+        unit: inputs[k].unit.clone().unwrap_or_default(),
+        distribution: String::new(),
+        values: points.iter().map(|p| p[k]).collect(),
+    });
+    let criteria = judge
+        .criteria
+        .iter()
+        .enumerate()
+        .map(|(j, c)| CriterionColumn {
+            name: c.name.clone(),
+            source: c.source(),
+            unit: c.unit.clone().unwrap_or_default(),
+            nominal: c.nominal,
+            lower: c.accepted()[0],
+            upper: c.accepted()[1],
+            group: c.group.clone(),
+            values: outcomes.iter().map(|outcome| value(outcome, j)).collect(),
+            ok: verdicts.iter().map(|v| v.passed[j]).collect(),
+        });
+    PointTable {
+        ids: (1..=points.len() as u64).collect(),
+        parameters: parameters.collect(),
+        criteria: criteria.collect(),
+        verified: verdicts.iter().map(PointVerdict::verified).collect(),
+        status: outcomes
+            .iter()
+            .map(|o| {
+                o.as_ref()
+                    .map_or_else(|failure| failure.to_string().into(), |_| "ok".into())
+            })
+            .collect(),
+    }
+}
