@@ -31,26 +31,38 @@ fn figure(figure: &Figure) -> String {
     })
 }
 
-/// Columns as wide as their widest cell.
+/// Columns as wide as their widest cell; where that is wider than a screen and the rows are few, a line for each column.
 fn table(table: &Table) -> String {
+    const WIDEST: usize = 132;
     let heads = table.columns.iter();
     let heads: Vec<String> = heads
         .map(|column| plain(&with_unit(&column.name, &column.unit)))
         .collect();
-    let rows = || std::iter::once(&heads).chain(&table.rows);
+    let lines: Vec<&Vec<String>> = std::iter::once(&heads).chain(&table.rows).collect();
+    let is_number = |k: usize| table.columns[k].is_number;
+    let text = aligned(&lines, is_number);
+    let width = text.lines().map(|line| line.chars().count()).max();
+    if width.unwrap_or(0) <= WIDEST || table.rows.len() >= heads.len() {
+        return text;
+    }
+    let turned = |k: usize| lines.iter().map(|line| line[k].clone()).collect();
+    let turned: Vec<Vec<String>> = (0..heads.len()).map(turned).collect();
+    aligned(&turned.iter().collect::<Vec<_>>(), |k| k > 0)
+}
+
+fn aligned(lines: &[&Vec<String>], is_number: impl Fn(usize) -> bool) -> String {
     let length = |cell: &String| cell.chars().count();
-    let widths: Vec<usize> = (0..heads.len())
-        .map(|k| rows().map(|row| length(&row[k])).max().unwrap_or(0))
-        .collect();
-    let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).zip(&table.columns);
-        let padded = cells.map(|((cell, &width), column)| match column.is_number {
+    let width = |k: usize| lines.iter().map(|line| length(&line[k])).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
+    let line = |line: &&Vec<String>| {
+        let cells = line.iter().zip(&widths).enumerate();
+        let padded = cells.map(|(k, (cell, &width))| match is_number(k) {
             true => format!("  {cell:>width$}"),
             false => format!("  {cell:<width$}"),
         });
         padded.collect::<String>().trim_end().to_owned() + "\n"
     };
-    rows().map(line).collect()
+    lines.iter().map(line).collect()
 }
 
 /// A name without the marks of its index.

@@ -309,7 +309,7 @@ fn pareto_weighs_the_criteria_against_each_other() {
         largest(&found["front"][0]) <= largest(&cloud["front"][0]) + 1e-3,
         "{found}"
     );
-    assert!(said.out.contains("best compromise"), "{}", said.out);
+    assert!(said.out.contains("Best compromise"), "{}", said.out);
     bench
         .run(&["pareto", "two.toml", "--from", "none"])
         .is_mistake(&["none holds no study"]);

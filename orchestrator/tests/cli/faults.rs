@@ -329,7 +329,7 @@ fn analyses_survive_crashes_too() {
     ];
     let said = bench.run(&[&search[..], &["--output", "p"]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(said.out.contains("best compromise"), "{}", said.out);
+    assert!(said.out.contains("Best compromise"), "{}", said.out);
 }
 
 #[test]
