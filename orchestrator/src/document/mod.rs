@@ -160,14 +160,13 @@ impl Document {
 
     /// All pictures with the names of their files.
     pub fn figures(&self) -> Vec<&Figure> {
-        fn within(blocks: &[Block]) -> Vec<&Figure> {
-            let of = |block| match block {
-                &Block::Figures(_, ref figures) => figures.iter().collect(),
-                &Block::Folded(_, _, ref blocks) => within(blocks),
+        fn within(block: &Block) -> Vec<&Figure> {
+            match block {
+                Block::Figures(_, figures) => figures.iter().collect(),
+                Block::Folded(_, _, blocks) => blocks.iter().flat_map(within).collect(),
                 _ => Vec::new(),
-            };
-            blocks.iter().flat_map(of).collect()
+            }
         }
-        within(&self.blocks)
+        self.blocks.iter().flat_map(within).collect()
     }
 }

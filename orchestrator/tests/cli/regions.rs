@@ -118,7 +118,7 @@ fn what_few_points_cannot_show_is_said() {
     assert!(numbers(&region["interval"])[0] < 0.9, "{region}");
     for words in [
         "which the study's points cannot show",
-        "NOT shown to be 0.9",
+        "not shown to be 90.0 %",
     ] {
         assert!(said.out.contains(words), "{}", said.out);
     }
@@ -155,7 +155,7 @@ fn what_cannot_be_is_told_from_what_was_not_found() {
     );
     assert_eq!(found["answer"]["answer"], "impossible");
     assert_eq!(found["answer"]["criterion"], "first");
-    assert!(said.out.contains("no box is possible"), "{}", said.out);
+    assert!(said.out.contains("No box is possible"), "{}", said.out);
     // A band so thin that no box of the sample is good enough: points in it are verified all the same.
     let thin = format!("{HEAD}{}", criterion("ripple", 0.5, 0.01));
     let (said, found) = robust(&bench, &thin, &[]);
