@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use super::lattice::Lattice;
 use super::normal::{GaussLegendre, between};
-use super::tabulated::Tabulated;
+use super::tabulated;
 
 /// The aim for the error of a probability.
 const ACCURACY: f64 = 2e-5;
@@ -23,6 +23,7 @@ const FAR: f64 = 5.0;
 const MOST_NODES: usize = 64;
 /// Where less than this is left of a variance of 1 given the others, an error follows from them.
 const SINGULAR: f64 = 1e-9;
+
 /// The lower triangle of the Cholesky factor of a correlation matrix. `None` when no random numbers
 /// have such correlations, or when one of them follows from the others.
 pub(super) fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
@@ -64,32 +65,26 @@ pub(super) fn probability(
         // Bonferroni's bounds leave nothing open.
         return 0.5 * (most + least);
     }
-    let Ordered { factor, limits } = ordered(correlation, lower, upper);
+    let (factor, limits) = ordered(correlation, lower, upper);
     let sharp = (0..size).any(|k| factor[k][k].powi(2) < SHARP);
     let found = if sharp || size > NESTED || roughly && size > FEW {
         let accuracy = if roughly { ROUGHLY } else { ON_LATTICE };
         Lattice::new(factor, limits).probability(accuracy)
     } else {
-        let cube = Cube {
-            factor: &factor,
-            limits,
-            normal: Tabulated::get(),
-        };
-        cube.nested()
+        let cube = Cube { factor, limits };
+        cube.inner(&mut Vec::with_capacity(size), &cube.scales(), 1.0)
     };
     found.clamp(least, most)
 }
 
-/// Numbers in the order of their integrals.
-struct Ordered {
-    factor: Vec<Vec<f64>>,
-    limits: Vec<[f64; 2]>,
-}
-
-/// The Cholesky factor of the correlations in the order in which each number has the least probable interval, if those before it
+/// The Cholesky factor of the correlations, and the limits, in the order of the integrals: that in which each number has the least probable interval, if those before it
 /// have their mean values (Gibson, Glasbey and Elston 1994; Genz and Bretz 2009, "Computation of multivariate normal and
 /// t probabilities", 4.1.3): this leaves the least variation to the integral.
-fn ordered(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> Ordered {
+fn ordered(
+    correlation: &[Vec<f64>],
+    lower: &[f64],
+    upper: &[f64],
+) -> (Vec<Vec<f64>>, Vec<[f64; 2]>) {
     let size = lower.len();
     let mut rest: Vec<usize> = (0..size).collect();
     let (mut order, mut means) = (Vec::with_capacity(size), Vec::with_capacity(size));
@@ -108,11 +103,11 @@ fn ordered(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> Ordered {
             between(a, b)
         });
         let least = chances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        let (place, chance) = least.unwrap_or((0, 0.0));
+        let (place, chance) = least.expect("a number is left for each place");
         let next = rest.remove(place);
-        let ([a, b], own) = given(next);
+        let ([a, b], pivot) = given(next);
         means.push(mean_between(a, b, chance));
-        let (before, pivot) = (rows[next][..k].to_vec(), own);
+        let before = rows[next][..k].to_vec();
         rows[next][k] = pivot;
         for &i in &rest {
             let explained: f64 = rows[i].iter().zip(&before).map(|(x, y)| x * y).sum();
@@ -120,10 +115,8 @@ fn ordered(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> Ordered {
         }
         order.push(next);
     }
-    Ordered {
-        factor: order.iter().map(|&i| rows[i].clone()).collect(),
-        limits: order.iter().map(|&i| [lower[i], upper[i]]).collect(),
-    }
+    let limits = order.iter().map(|&i| [lower[i], upper[i]]).collect();
+    (order.into_iter().map(|i| rows[i].clone()).collect(), limits)
 }
 
 /// The mean of a normal number between two limits, given the probability of that.
@@ -148,19 +141,12 @@ static RULES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
 });
 
 /// The box as a unit cube.
-struct Cube<'a> {
-    factor: &'a [Vec<f64>],
+struct Cube {
+    factor: Vec<Vec<f64>>,
     limits: Vec<[f64; 2]>,
-    normal: Tabulated,
 }
 
-impl Cube<'_> {
-    /// The integral by nested quadrature.
-    fn nested(&self) -> f64 {
-        let mut scores = Vec::with_capacity(self.limits.len());
-        self.inner(&mut scores, &self.scales(), 1.0)
-    }
-
+impl Cube {
     /// Over which length of each number the conditional probability of those after it changes.
     fn scales(&self) -> Vec<f64> {
         let size = self.factor.len();
@@ -174,7 +160,8 @@ impl Cube<'_> {
         (0..size).map(of).collect()
     }
 
-    /// The conditional probability of the remaining numbers, given the first ones, which have this weight.
+    /// The conditional probability of the remaining numbers by nested quadrature, given the first ones, which have this
+    /// weight.
     ///
     /// The nodes are as many as the interval needs: measured on a thousand random boxes of three to five numbers, the
     /// largest error is 1e-5.
@@ -182,7 +169,7 @@ impl Cube<'_> {
         let [lower, upper] = self.limits(scores);
         let done = scores.len();
         if done + 1 == self.factor.len() {
-            return (self.normal.cdf(upper) - self.normal.cdf(lower)).max(0.0);
+            return (tabulated::cdf(upper) - tabulated::cdf(lower)).max(0.0);
         }
         let (lower, width) = (lower.max(-FAR), upper.min(FAR) - lower.max(-FAR));
         if width <= 0.0 {

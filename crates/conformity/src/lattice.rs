@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::tabulated::Tabulated;
+use super::tabulated;
 
 /// Independent copies of the lattice; their scatter tells the error.
 const SHIFTS: usize = 8;
@@ -27,7 +27,6 @@ pub(super) struct Lattice {
     /// For each number those after it that nearly follow from it and earlier ones, with their standard deviations given
     /// these.
     followers: Vec<Vec<(usize, f64)>>,
-    normal: Tabulated,
 }
 
 impl Lattice {
@@ -44,7 +43,6 @@ impl Lattice {
             followers: (0..size).map(of).collect(),
             factor,
             limits,
-            normal: Tabulated::get(),
         }
     }
 
@@ -104,7 +102,7 @@ impl Lattice {
             if lower >= upper {
                 return 0.0;
             }
-            let [below, to] = [self.normal.cdf(lower), self.normal.cdf(upper)];
+            let [below, to] = [tabulated::cdf(lower), tabulated::cdf(upper)];
             product *= to - below;
             if k + 1 == size || product < NOTHING {
                 return product;
@@ -113,7 +111,7 @@ impl Lattice {
             let turn = (GENERATORS[k % GENERATORS.len()] * point) & (points - 1);
             let place = turn as f64 * of_one + shifts[k % shifts.len()];
             let tent = (2.0 * place.fract() - 1.0).abs();
-            let score = self.normal.quantile(below + tent * (to - below));
+            let score = tabulated::quantile(below + tent * (to - below));
             let score = score.max(lower).min(upper);
             for (row, known) in self.factor.iter().zip(known.iter_mut()).skip(k + 1) {
                 *known += row[k] * score;

@@ -227,9 +227,7 @@ impl RiskTally {
             all: self.all.risk(from),
         }
     }
-}
 
-impl RiskTally {
     /// The guard band in expanded uncertainties, and the first of the steps that it accepts.
     fn guard_band(&self) -> (Option<f64>, usize) {
         match self.guard {

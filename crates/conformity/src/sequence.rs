@@ -107,6 +107,7 @@ mod tests {
     use super::*;
     use crate::decision::Decision;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use sampling::statistics::share::wilson;
 
     const NINETY_FIVE: ConfidenceSequence = ConfidenceSequence { confidence: 0.95 };
 
@@ -225,7 +226,7 @@ mod tests {
                     wrong |= log_ratio(k, points as f64, share) >= 20.0_f64.ln();
                     if points % 50 == 0 {
                         let observed = k / points as f64;
-                        let [low, high] = crate::interval::wilson(observed, points as f64, 0.95);
+                        let [low, high] = wilson(observed, points as f64, 0.95);
                         wilson_wrong |= share < low || share > high;
                     }
                 }

@@ -10,7 +10,7 @@ const FAR: f64 = 8.5;
 /// Intervals of the table on every unit.
 const PER_UNIT: f64 = 32.0;
 
-/// Values and slopes of the distribution function.
+/// Values and slopes of the distribution function, made at the first use.
 static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let steps = (2.0 * FAR * PER_UNIT) as i32;
     let entry = |i: i32| {
@@ -20,76 +20,66 @@ static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     (0..=steps + 1).map(entry).collect()
 });
 
-/// The normal distribution by table.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Tabulated(&'static [[f64; 2]]);
-
-impl Tabulated {
-    /// The table, made at its first use.
-    pub(super) fn get() -> Self {
-        Self(&TABLE)
+/// The probability that a standard normal number is below `z`, to 4e-9: by Hermite's cubic between the table's
+/// values.
+pub(super) fn cdf(z: f64) -> f64 {
+    if z <= -FAR {
+        return 0.0;
     }
-
-    /// The probability that a standard normal number is below `z`, to 4e-9: by Hermite's cubic between the table's
-    /// values.
-    pub(super) fn cdf(self, z: f64) -> f64 {
-        if z <= -FAR {
-            return 0.0;
-        }
-        if z >= FAR {
-            return 1.0;
-        }
-        let place = (z + FAR) * PER_UNIT;
-        let index = place as usize;
-        let ([a, slope_a], [b, slope_b]) = (self.0[index], self.0[index + 1]);
-        let t = place - index as f64;
-        let rest = 1.0 - t;
-        let bend = t * rest * ((slope_a - (b - a)) * rest + ((b - a) - slope_b) * t);
-        a + t * (b - a) + bend
+    if z >= FAR {
+        return 1.0;
     }
+    let place = (z + FAR) * PER_UNIT;
+    let index = place as usize;
+    let table: &[[f64; 2]] = &TABLE;
+    let ([a, slope_a], [b, slope_b]) = (table[index], table[index + 1]);
+    let t = place - index as f64;
+    let rest = 1.0 - t;
+    let bend = t * rest * ((slope_a - (b - a)) * rest + ((b - a) - slope_b) * t);
+    a + t * (b - a) + bend
+}
 
-    /// The quantile of a standard normal number, to 1e-7 of its value (Wichura 1988, "Algorithm AS 241: The percentage
-    /// points of the normal distribution", Applied Statistics 37, PPND7).
-    pub(super) fn quantile(self, probability: f64) -> f64 {
-        const SPLIT: f64 = 0.425;
-        let q = probability - 0.5;
-        if q.abs() <= SPLIT {
-            let r = SPLIT * SPLIT - q * q;
-            let above = [
-                3.387_132_717_9,
-                50.434_271_938,
-                159.291_132_02,
-                59.109_374_720,
-            ];
-            let below = [1.0, 17.895_169_469, 78.757_757_664, 67.187_563_600];
-            return q * polynomial(above, r) / polynomial(below, r);
-        }
-        let tail = probability.min(1.0 - probability);
-        if tail <= 0.0 {
-            return FAR.copysign(q);
-        }
-        let r = (-tail.ln()).sqrt();
-        let size = if r <= 5.0 {
-            let above = [
-                1.423_437_277_7,
-                2.756_815_390_0,
-                1.306_728_481_6,
-                0.170_238_211_03,
-            ];
-            let below = [1.0, 0.737_001_642_50, 0.120_211_329_75, 0.0];
-            polynomial(above, r - 1.6) / polynomial(below, r - 1.6)
-        } else {
-            let above = [
-                6.657_905_115_0,
-                3.081_226_386_0,
-                0.428_682_943_37,
-                0.017_337_203_997,
-            ];
-            let below = [1.0, 0.241_978_942_25, 0.012_258_202_635, 0.0];
-            polynomial(above, r - 5.0) / polynomial(below, r - 5.0)
-        };
-        size.copysign(q)
+/// The quantile of a standard normal number, to 1e-7 of its value (Wichura 1988, "Algorithm AS 241: The percentage
+/// points of the normal distribution", Applied Statistics 37, PPND7).
+pub(super) fn quantile(probability: f64) -> f64 {
+    const SPLIT: f64 = 0.425;
+    let q = probability - 0.5;
+    if q.abs() <= SPLIT {
+        let r = SPLIT * SPLIT - q * q;
+        let above = [
+            3.387_132_717_9,
+            50.434_271_938,
+            159.291_132_02,
+            59.109_374_720,
+        ];
+        let below = [1.0, 17.895_169_469, 78.757_757_664, 67.187_563_600];
+        return q * polynomial(above, r) / polynomial(below, r);
     }
+    let tail = probability.min(1.0 - probability);
+    if tail <= 0.0 {
+        return FAR.copysign(q);
+    }
+    let r = (-tail.ln()).sqrt();
+    let size = if r <= 5.0 {
+        let above = [
+            1.423_437_277_7,
+            2.756_815_390_0,
+            1.306_728_481_6,
+            0.170_238_211_03,
+        ];
+        let below = [1.0, 0.737_001_642_50, 0.120_211_329_75, 0.0];
+        polynomial(above, r - 1.6) / polynomial(below, r - 1.6)
+    } else {
+        let above = [
+            6.657_905_115_0,
+            3.081_226_386_0,
+            0.428_682_943_37,
+            0.017_337_203_997,
+        ];
+        let below = [1.0, 0.241_978_942_25, 0.012_258_202_635, 0.0];
+        polynomial(above, r - 5.0) / polynomial(below, r - 5.0)
+    };
+    size.copysign(q)
 }
 
 fn polynomial([a, b, c, d]: [f64; 4], x: f64) -> f64 {
@@ -103,33 +93,31 @@ mod tests {
 
     #[test]
     fn the_table_agrees_with_the_distribution_function() {
-        let table = Tabulated::get();
         for i in -100_000..=100_000 {
             let z = f64::from(i) * 1e-4;
-            let error = (table.cdf(z) - normal::cdf(z)).abs();
+            let error = (cdf(z) - normal::cdf(z)).abs();
             assert!(error < 4e-9, "{z}: {error}");
         }
-        assert_eq!(table.cdf(f64::INFINITY), 1.0);
-        assert_eq!(table.cdf(f64::NEG_INFINITY), 0.0);
-        assert!((table.cdf(FAR.next_down()) - 1.0).abs() < 1e-12);
+        assert_eq!(cdf(f64::INFINITY), 1.0);
+        assert_eq!(cdf(f64::NEG_INFINITY), 0.0);
+        assert!((cdf(FAR.next_down()) - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn quantiles_agree_with_the_precise_ones() {
-        let table = Tabulated::get();
         let precise = Normal::standard();
         for i in 1..20_000 {
             let x = f64::from(i) / 20_000.0;
             // Both tails as well.
             for probability in [x, x.powi(8), 1.0 - 1e-3 * x] {
                 let expected = precise.inverse_cdf(probability);
-                let error = (table.quantile(probability) - expected).abs();
+                let error = (quantile(probability) - expected).abs();
                 assert!(
                     error < 1e-6 * expected.abs().max(1.0),
                     "{probability}: {error}"
                 );
             }
         }
-        assert_eq!((table.quantile(0.0), table.quantile(1.0)), (-FAR, FAR));
+        assert_eq!((quantile(0.0), quantile(1.0)), (-FAR, FAR));
     }
 }

@@ -1,7 +1,5 @@
 //! Values over time.
 
-use std::fmt;
-
 /// Values over growing times, with straight lines between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
@@ -10,21 +8,24 @@ pub struct Curve {
 }
 
 /// Why numbers are no curve. Rows count from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// There are not as many times as values.
+    #[error("there are {0} times and {1} values")]
     Lengths(usize, usize),
     /// There are fewer than two rows.
+    #[error("a curve needs at least two rows, and there are {0}")]
     Few(usize),
     /// A time is not a finite number; its row.
+    #[error("the time is not a finite number")]
     Time(usize),
     /// A value is not a finite number; its row.
+    #[error("the value is not a finite number")]
     Value(usize),
     /// A time is not later than the one before; its row.
+    #[error("the time is not later than the one before")]
     Order(usize),
 }
-
-impl std::error::Error for Fault {}
 
 impl Fault {
     /// The row at fault, where it is a single one.
@@ -32,20 +33,6 @@ impl Fault {
         match self {
             Self::Lengths(..) | Self::Few(_) => None,
             Self::Time(row) | Self::Value(row) | Self::Order(row) => Some(row),
-        }
-    }
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Lengths(times, values) => {
-                write!(f, "there are {times} times and {values} values")
-            }
-            Self::Few(rows) => write!(f, "a curve needs at least two rows, and there are {rows}"),
-            Self::Time(_) => f.write_str("the time is not a finite number"),
-            Self::Value(_) => f.write_str("the value is not a finite number"),
-            Self::Order(_) => f.write_str("the time is not later than the one before"),
         }
     }
 }
@@ -97,8 +84,17 @@ impl Curve {
         if !(first <= time && time <= last) {
             return None;
         }
-        let after = self.times.partition_point(|&other| other < time);
-        Some(between(&self.times, &self.values, after, time))
+        Some(self.between(self.times.partition_point(|&other| other < time), time))
+    }
+
+    /// The value at a time that is after row `after - 1` and not after row `after`.
+    pub(crate) fn between(&self, after: usize, time: f64) -> f64 {
+        if after == 0 || self.times[after] == time {
+            return self.values[after];
+        }
+        let [t, u] = [self.times[after - 1], self.times[after]];
+        let [v, w] = [self.values[after - 1], self.values[after]];
+        v + (time - t) / (u - t) * (w - v)
     }
 
     /// The part with times between two others.
@@ -154,27 +150,12 @@ impl Curve {
             part => first + (last - first) * (part as f64 / parts as f64),
         };
         let times: Vec<f64> = (0..=parts).map(place).collect();
-        let values = times.iter().map(|&time| {
-            let after = self.times.partition_point(|&other| other < time);
-            between(&self.times, &self.values, after, time)
-        });
+        let value = |&time: &f64| self.at(time).expect("the times are those of the span");
         Self {
-            values: values.collect(),
+            values: times.iter().map(value).collect(),
             times,
         }
     }
-}
-
-/// The value at a time that is after row `after - 1` and not after row `after`.
-pub(crate) fn between(times: &[f64], values: &[f64], after: usize, time: f64) -> f64 {
-    if after == 0 || times[after] == time {
-        return values[after];
-    }
-    let (t, v) = (
-        [times[after - 1], times[after]],
-        [values[after - 1], values[after]],
-    );
-    v[0] + (time - t[0]) / (t[1] - t[0]) * (v[1] - v[0])
 }
 
 #[cfg(test)]

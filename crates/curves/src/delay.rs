@@ -1,6 +1,6 @@
 //! How far a measured curve is behind a simulated one.
 
-use crate::curve::{Curve, between};
+use crate::curve::Curve;
 
 /// The most delays that are tried before the best of them are refined.
 const MOST: f64 = 4000.0;
@@ -34,9 +34,8 @@ pub fn find(reference: &Curve, model: &Curve, [least, most]: [f64; 2]) -> Result
     if end - least > last + slack {
         return Err(end - least);
     }
-    let parts = ((most - least) / (0.5 * reference.step()))
-        .ceil()
-        .clamp(1.0, MOST) as usize;
+    let parts = (2.0 * (most - least) / reference.step()).ceil();
+    let parts = parts.clamp(1.0, MOST) as usize;
     let place = |part: usize| least + (most - least) * (part as f64 / parts as f64);
     let tried: Vec<Found> = (0..=parts)
         .map(|part| at(reference, model, place(part)))
@@ -73,7 +72,7 @@ pub fn at(reference: &Curve, model: &Curve, delay: f64) -> Found {
         while model.times()[after] < time {
             after += 1;
         }
-        squares += (between(model.times(), model.values(), after, time) - value).powi(2);
+        squares += (model.between(after, time) - value).powi(2);
     }
     Found {
         delay,

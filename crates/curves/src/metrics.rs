@@ -1,7 +1,6 @@
 //! Metrics: two curves as one number.
 //!
-//! A new metric is a file beside `rmse` with a type that implements `Compare`, its `mod` line, and its line in
-//! `metrics!` below. The name in a study and the JSON Schema follow from that line.
+//! A new metric is a file beside `rmse` with a function, its `mod` line, and its line in `metrics!` below. The name in a study and the JSON Schema follow from that line.
 
 mod area;
 mod corridor;
@@ -53,21 +52,10 @@ pub enum Kind {
     Rating,
 }
 
-/// The interface of a metric.
-trait Compare {
-    /// The metric's name in a sentence.
-    const LABEL: &'static str;
-
-    /// How its numbers are to be read.
-    const KIND: Kind;
-
-    /// The number. All values are finite, and there are as many of the model as of the reference, at least one.
-    fn compare(pair: &Pair<'_>) -> f64;
-}
-
-/// Makes the choice of the metrics from lines of name, type and meaning.
+/// Makes the choice of the metrics from lines of name, function, kind, name in a sentence and meaning. The function gets
+/// finite values, as many of the model as of the reference, and at least one.
 macro_rules! metrics {
-    ($($metric:ident = $comparison:ty, $meaning:literal;)*) => {
+    ($($metric:ident = $compare:path, $kind:ident, $label:literal, $meaning:literal;)*) => {
         /// A measure of how well a simulated curve agrees with a measured one.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
         #[serde(rename_all = "kebab-case")]
@@ -82,20 +70,20 @@ macro_rules! metrics {
             /// Its name in a sentence, such as "rmse" in "rmse of the torque".
             pub fn label(self) -> &'static str {
                 match self {
-                    $(Self::$metric => <$comparison>::LABEL,)*
+                    $(Self::$metric => $label,)*
                 }
             }
 
             /// How its numbers are to be read.
             pub fn kind(self) -> Kind {
                 match self {
-                    $(Self::$metric => <$comparison>::KIND,)*
+                    $(Self::$metric => Kind::$kind,)*
                 }
             }
 
             fn number(self, pair: &Pair<'_>) -> f64 {
                 match self {
-                    $(Self::$metric => <$comparison>::compare(pair),)*
+                    $(Self::$metric => $compare(pair),)*
                 }
             }
         }
@@ -103,12 +91,14 @@ macro_rules! metrics {
 }
 
 metrics! {
-    Rmse = rmse::Rmse, "The root of the mean square of the deviations.";
-    Nrmse = nrmse::Nrmse, "The same, divided by a normaliser.";
-    MaxError = max_error::MaxError, "The largest deviation.";
-    Corridor = corridor::Corridor, "The share of the reference's times at which the model lies inside the corridor.";
-    Area = area::Area, "The area between the distribution functions of the values.";
-    Iso18571 = iso18571::Iso18571, "The overall rating of ISO/TS 18571.";
+    Rmse = rmse::rmse, Error, "rmse", "The root of the mean square of the deviations.";
+    Nrmse = nrmse::nrmse, Relative, "normalised rmse", "The same, divided by a normaliser.";
+    MaxError = max_error::max_error, Error, "largest deviation", "The largest deviation.";
+    Corridor = corridor::corridor, Rating, "share inside the corridor",
+        "The share of the reference's times at which the model lies inside the corridor.";
+    Area = area::area, Error, "area between the distributions",
+        "The area between the distribution functions of the values.";
+    Iso18571 = iso18571::iso18571, Rating, "ISO/TS 18571 rating", "The overall rating of ISO/TS 18571.";
 }
 
 impl Metric {

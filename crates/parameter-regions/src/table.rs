@@ -99,25 +99,19 @@ impl PointTable {
     pub fn subset(&self, points: &[usize]) -> Self {
         let numbers = |values: &[f64]| points.iter().map(|&i| values[i]).collect();
         let flags = |values: &[bool]| points.iter().map(|&i| values[i]).collect();
+        let parameter = |p: &ParameterColumn| ParameterColumn {
+            values: numbers(&p.values),
+            ..p.clone()
+        };
+        let criterion = |c: &CriterionColumn| CriterionColumn {
+            values: numbers(&c.values),
+            ok: flags(&c.ok),
+            ..c.clone()
+        };
         Self {
             ids: points.iter().map(|&i| self.ids[i]).collect(),
-            parameters: self
-                .parameters
-                .iter()
-                .map(|p| ParameterColumn {
-                    values: numbers(&p.values),
-                    ..p.clone()
-                })
-                .collect(),
-            criteria: self
-                .criteria
-                .iter()
-                .map(|c| CriterionColumn {
-                    values: numbers(&c.values),
-                    ok: flags(&c.ok),
-                    ..c.clone()
-                })
-                .collect(),
+            parameters: self.parameters.iter().map(parameter).collect(),
+            criteria: self.criteria.iter().map(criterion).collect(),
             verified: flags(&self.verified),
             status: points.iter().map(|&i| self.status[i].clone()).collect(),
         }
@@ -153,11 +147,16 @@ impl PointTable {
         groups
     }
 
+    /// The [deviations](CriterionColumn::deviation) of a point's values from the measured ones, a criterion each.
+    pub fn deviations(&self, point: usize) -> impl Iterator<Item = f64> + '_ {
+        let criteria = self.criteria.iter();
+        criteria.map(move |c| c.deviation(c.values[point]))
+    }
+
     /// The criterion with the largest deviation at a point; `None` where any of them has no value.
     pub fn binding(&self, point: usize) -> Option<Binding> {
         let mut worst: Option<Binding> = None;
-        for (criterion, c) in self.criteria.iter().enumerate() {
-            let deviation = c.deviation(c.values[point]);
+        for (criterion, deviation) in self.deviations(point).enumerate() {
             if deviation.is_nan() {
                 return None;
             }
@@ -173,11 +172,8 @@ impl PointTable {
 
     /// How far a point is from the measurement: the root of the sum of its squared deviations.
     pub fn distance(&self, point: usize) -> f64 {
-        self.criteria
-            .iter()
-            .map(|c| c.deviation(c.values[point]).powi(2))
-            .sum::<f64>()
-            .sqrt()
+        let squares = self.deviations(point).map(|deviation| deviation.powi(2));
+        squares.sum::<f64>().sqrt()
     }
 
     /// Points with values: the verified first, of these the one nearest to the measurement first.
@@ -200,15 +196,13 @@ impl PointTable {
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
         };
         let mut ranking: Vec<Ranked> = Vec::new();
-        for found in (0..self.len())
-            .filter(|&i| self.completed(i))
-            .filter_map(ranked)
-        {
+        let completed = (0..self.len()).filter(|&i| self.completed(i));
+        for next in completed.filter_map(ranked) {
             if most > 0 && ranking.len() == most.saturating_mul(2) {
                 ranking.select_nth_unstable_by(most, order);
                 ranking.truncate(most);
             }
-            ranking.push(found);
+            ranking.push(next);
         }
         ranking.sort_unstable_by(order);
         ranking.truncate(most);

@@ -2,7 +2,7 @@
 
 use super::delay::Delay;
 use super::holes::Holes;
-use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised, turn};
+use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use super::signal::{Even, SignalError, Spline};
 use super::stationarity::{self, block_means, uncertainty_of_mean};
 use super::uncertainty::{MeasuredValue, from_bound, of_product};
@@ -40,40 +40,29 @@ impl Aligned {
     ) -> Self {
         let (start, end) = late.span();
         let shift = delay.shift();
-        let kept: Vec<usize> = (0..load.values.len())
-            .filter(|&k| {
-                let t = load.start + k as f64 * load.step + shift;
-                t >= start && t <= end
-            })
-            .collect();
-        let time: Vec<f64> = kept
-            .iter()
-            .map(|&k| load.start + k as f64 * load.step)
-            .collect();
-        let turn = turn(recording).map_or(f64::NAN, |turn| (turn / load.step).round());
-        let n = time.len();
-        // Without a turning shaft any block is as good as another.
-        let turn = if turn.is_finite() && turn >= 1.0 && turn < n as f64 / 8.0 {
-            turn as usize
-        } else {
-            1
+        let times: Vec<f64> = load.times();
+        let is_common = |&k: &usize| (start..=end).contains(&(times[k] + shift));
+        let kept: Vec<usize> = (0..times.len()).filter(is_common).collect();
+        let time: Vec<f64> = kept.iter().map(|&k| times[k]).collect();
+        let at_these = |signal: &Even| -> Vec<f64> {
+            let last = signal.values.len() - 1;
+            kept.iter().map(|&k| signal.values[k.min(last)]).collect()
         };
+        let n = time.len();
+        let turn = recording.turn().map(|turn| (turn / load.step).round());
+        // Without a turning shaft any block is as good as another.
+        let turn = turn.filter(|turn| (1.0..n as f64 / 8.0).contains(turn));
+        let turn = turn.map_or(1, |turn| turn as usize);
         let turns = (n / 30 / turn).max(1);
         Self {
             step: load.step,
             first: load.start,
-            load_raw: kept.iter().map(|&k| load_raw.values[k]).collect(),
-            torque_raw: kept
-                .iter()
-                .map(|&k| torque_raw.values[k.min(torque_raw.values.len() - 1)])
-                .collect(),
-            load: kept.iter().map(|&k| load.values[k]).collect(),
+            load_raw: at_these(&load_raw),
+            torque_raw: at_these(&torque_raw),
+            load: at_these(load),
             torque_before: time.iter().map(|t| late.at(*t)).collect(),
             torque: time.iter().map(|t| late.at(t + shift)).collect(),
-            speed: kept
-                .iter()
-                .map(|&k| speed.values[k.min(speed.values.len() - 1)])
-                .collect(),
+            speed: at_these(&speed),
             block: turns * turn,
             turn,
             time,
@@ -89,45 +78,32 @@ impl Aligned {
     ) -> Result<Synchronised, SignalError> {
         let half = recording.diameter / 2.0;
         let friction = |torque: &[f64]| -> Vec<f64> {
-            torque
-                .iter()
-                .zip(&self.load)
-                .map(|(m, f)| m / (f * half))
-                .collect()
+            let pairs = torque.iter().zip(&self.load);
+            pairs.map(|(m, f)| m / (f * half)).collect()
         };
-        let power: Vec<f64> = self
-            .torque
-            .iter()
-            .zip(&self.speed)
-            .map(|(m, w)| m * w)
-            .collect();
-        let relative = |channel: &Channel, values: &[f64]| {
-            let centre = mean(values);
-            if centre == 0.0 {
-                0.0
-            } else {
-                channel.accuracy.standard(centre) / centre.abs()
-            }
+        let pairs = self.torque.iter().zip(&self.speed);
+        let power: Vec<f64> = pairs.map(|(m, w)| m * w).collect();
+        let relative = |channel: &Channel, values: &[f64]| match mean(values) {
+            0.0 => 0.0,
+            centre => channel.accuracy.standard(centre) / centre.abs(),
         };
-        let parts = (
-            relative(&recording.load, &self.load),
-            relative(&recording.torque, &self.torque),
-            relative(&recording.speed, &self.speed),
-        );
+        let of_load = relative(&recording.load, &self.load);
+        let of_torque = relative(&recording.torque, &self.torque);
+        let of_speed = relative(&recording.speed, &self.speed);
         let [load_holes, torque_holes] = &self.holes;
         let (start, late) = (self.time[0], self.time[0] + self.delay.shift());
+        let turn_name = if self.turn > 1 { "turn" } else { "sample" };
         let mut lost = Vec::new();
-        let mut findings = Vec::new();
-        for (channel, values, holes, start) in [
-            (&recording.load, &self.load, load_holes, start),
-            (&recording.torque, &self.torque, torque_holes, late),
-        ] {
+        let mut of_channel = |channel: &Channel, values: &[f64], holes: &Holes, start: f64| {
             let turns = holes.whole_turns(values, self.turn, [start, self.step]);
-            lost.extend(turns.concern(&channel.name, self.turn_name()));
-            findings.push(self.mean(channel, &turns.values, recording, |v| {
-                channel.accuracy.standard(v)
-            }));
-        }
+            lost.extend(turns.concern(&channel.name, turn_name));
+            let sensor = |value| channel.accuracy.standard(value);
+            self.mean(channel, &turns.values, recording, sensor)
+        };
+        let mut findings = vec![
+            of_channel(&recording.load, &self.load, load_holes, start),
+            of_channel(&recording.torque, &self.torque, torque_holes, late),
+        ];
         // What follows from both lacks what either one lacks.
         let both = load_holes.and(torque_holes, self.delay.shift());
         let of_both = |values: &[f64]| {
@@ -143,23 +119,19 @@ impl Aligned {
                 ..recording.torque.clone()
             };
             findings.push(self.mean(&channel, &of_both(&power), recording, |v| {
-                of_product(v, &[parts.1, parts.2])
+                of_product(v, &[of_torque, of_speed])
             }));
         }
         for channel in &recording.others {
             let (values, holes) = even(channel)?;
-            let turns = holes.whole_turns(&values, self.turn, [self.first, self.step]);
-            lost.extend(turns.concern(&channel.name, self.turn_name()));
-            findings.push(self.mean(channel, &turns.values, recording, |v| {
-                channel.accuracy.standard(v)
-            }));
+            findings.push(of_channel(channel, &values, &holes, self.first));
         }
         findings.push(self.amplitude(&recording.load, &self.load));
         findings.push(self.amplitude(&recording.torque, &self.torque));
         let coefficient = friction(&self.torque);
         let mean_friction = self
             .mean(&recording.torque, &of_both(&coefficient), recording, |v| {
-                of_product(v, &[parts.0, parts.1])
+                of_product(v, &[of_load, of_torque])
             })
             .measured;
         let friction_before = friction(&self.torque_before);
@@ -184,10 +156,6 @@ impl Aligned {
             torque_before: self.torque_before,
             torque: self.torque,
         })
-    }
-
-    fn turn_name(&self) -> &'static str {
-        if self.turn > 1 { "turn" } else { "sample" }
     }
 
     /// The mean of a signal's whole turns.
@@ -223,17 +191,12 @@ impl Aligned {
         } else {
             values.len()
         };
-        let halves: Vec<f64> = values
-            .chunks_exact(span)
-            .map(|turn| {
-                let (low, high) = turn
-                    .iter()
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                        (l.min(*v), h.max(*v))
-                    });
-                (high - low) / 2.0
-            })
-            .collect();
+        let half = |turn: &[f64]| {
+            let low = turn.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = turn.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            (high - low) / 2.0
+        };
+        let halves: Vec<f64> = values.chunks_exact(span).map(half).collect();
         let value = mean(&halves);
         // An offset of the sensor does not change an amplitude; a wrong gain does.
         let gain = match channel.accuracy {

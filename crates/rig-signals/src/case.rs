@@ -120,11 +120,8 @@ impl<'a> Case<'a> {
         let curves = self.curves.iter();
         let curves = curves.map(|curve| (curve.channel.name.as_str(), &curve.values));
         let columns: Vec<(&str, &Vec<f64>)> = recorded.chain(curves).collect();
-        let mut text = String::from("time");
-        columns
-            .iter()
-            .for_each(|(name, _)| text.extend([",", &cell(name)]));
-        text.push('\n');
+        let names: Vec<String> = columns.iter().map(|(name, _)| cell(name)).collect();
+        let mut text = format!("time,{}\n", names.join(","));
         for &row in &self.rows {
             let _ = write!(text, "{:.9}", self.time(row));
             for (_, values) in &columns {
@@ -196,10 +193,9 @@ impl<'a> Case<'a> {
         let channel = curve.channel;
         let name = quoted(&channel.name);
         let mut out = format!("\n[cases.criteria.{name}]\n");
-        let of_mean =
-            |found: &&DerivedCriterion| found.name == channel.name && found.statistic == "mean";
-        if let Some(found) = self.result.findings.iter().find(of_mean)
-            && let Some(s) = &found.stationarity
+        let is_mean = |c: &&DerivedCriterion| c.name == channel.name && c.statistic == "mean";
+        if let Some(criterion) = self.result.findings.iter().find(is_mean)
+            && let Some(s) = &criterion.stationarity
         {
             let _ = writeln!(
                 out,
@@ -212,17 +208,14 @@ impl<'a> Case<'a> {
             );
         }
         let expanded = 2.0 * from_bound(1.0);
+        let stated = |text: String| format!(", uncertainty = {}", quoted(&text));
         let uncertainty = match channel.accuracy {
-            Accuracy::Absolute(bound) => format!("{:.4e} {}", bound * expanded, channel.unit),
-            Accuracy::Relative(part) => format!("{:.4} %", 100.0 * part * expanded),
-        };
-        let exact = matches!(
-            channel.accuracy,
-            Accuracy::Absolute(0.0) | Accuracy::Relative(0.0)
-        );
-        let uncertainty = match exact {
-            true => String::new(),
-            false => format!(", uncertainty = {}", quoted(&uncertainty)),
+            // Of a sensor without errors there is nothing to state.
+            Accuracy::Absolute(0.0) | Accuracy::Relative(0.0) => String::new(),
+            Accuracy::Absolute(bound) => {
+                stated(format!("{:.4e} {}", bound * expanded, channel.unit))
+            }
+            Accuracy::Relative(part) => stated(format!("{:.4} %", 100.0 * part * expanded)),
         };
         let _ = writeln!(
             out,
@@ -248,20 +241,14 @@ impl<'a> Case<'a> {
             };
             let _ = writeln!(out, "delay = \"{:.4} ms\"", 1e3 * late);
         }
-        let [from, to] = self
-            .recording
-            .window
-            .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let [from, to] = self.recording.window();
         let from = (from - self.begin).max(first + late.max(0.0));
         let to = (to - self.begin).min(last);
         if from > first || to < last {
             let _ = writeln!(out, "window = {{ from = {}, to = {} }}", up(from), up(to));
         }
-        let stated = frame
-            .tolerances
-            .iter()
-            .find(|(other, _)| *other == channel.name);
-        let _ = match stated {
+        let mut tolerances = frame.tolerances.iter();
+        let _ = match tolerances.find(|(name, _)| *name == channel.name) {
             Some((_, tolerance)) => writeln!(out, "tolerance = {}", quoted(tolerance)),
             None => writeln!(
                 out,

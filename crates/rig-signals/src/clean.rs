@@ -47,9 +47,8 @@ pub fn clean(values: &[f64]) -> Cleaned {
     if samples.len() <= 2 * AROUND {
         return cleaned;
     }
-    let off: Vec<f64> = (0..samples.len())
-        .map(|k| samples[k] - median_around(&samples, k))
-        .collect();
+    let off = |k: usize| samples[k] - median_around(&samples, k);
+    let off: Vec<f64> = (0..samples.len()).map(off).collect();
     let ordered = sorted(samples.to_vec());
     // Of a sample's distance from the middle of its neighbours, noise is 1.2 standard deviations and a slope nothing.
     let bends = samples
@@ -58,8 +57,8 @@ pub fn clean(values: &[f64]) -> Cleaned {
     // The median of the sizes is 0.6745 standard deviations of normal noise.
     let scale = at_part(&sorted(bends.collect()), 0.5) / (0.674_489_75 * 1.5_f64.sqrt());
     let range = at_part(&ordered, 0.95) - at_part(&ordered, 0.05);
-    let strays =
-        at_part(&sorted(off.iter().map(|off| off.abs()).collect()), USUAL) / USUAL_DEVIATIONS;
+    let distances = sorted(off.iter().map(|off| off.abs()).collect());
+    let strays = at_part(&distances, USUAL) / USUAL_DEVIATIONS;
     let least = (DEVIATIONS * scale.max(strays)).max(PART * range);
     for (&place, off) in known.iter().zip(&off) {
         if range > 0.0 && off.abs() > least {
@@ -67,14 +66,8 @@ pub fn clean(values: &[f64]) -> Cleaned {
             cleaned.spikes += 1;
         }
     }
-    let rest = sorted(
-        cleaned
-            .values
-            .iter()
-            .copied()
-            .filter(|v| v.is_finite())
-            .collect(),
-    );
+    let rest = cleaned.values.iter().copied().filter(|v| v.is_finite());
+    let rest = sorted(rest.collect());
     let ends = [
         clipping_level(rest.iter()),
         clipping_level(rest.iter().rev()),
@@ -84,11 +77,8 @@ pub fn clean(values: &[f64]) -> Cleaned {
         let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
         // A signal that repeats itself has equal peaks, but no two of them side by side.
         if 4 * pairs >= there.iter().filter(|&&there| there).count() {
-            cleaned
-                .clipped
-                .iter_mut()
-                .zip(there)
-                .for_each(|(clipped, there)| *clipped |= there);
+            let pairs = cleaned.clipped.iter_mut().zip(there);
+            pairs.for_each(|(clipped, there)| *clipped |= there);
         }
     }
     cleaned

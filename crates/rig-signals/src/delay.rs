@@ -161,12 +161,11 @@ impl<'a> Search<'a> {
     fn values_of(&self, signal: &[f64], lag: f64, count: usize) -> Vec<f64> {
         let (whole, weights) = self.kernel.at(lag);
         let start = (self.first as isize + whole) as usize - self.kernel.reach();
-        (start..start + count)
-            .map(|place| {
-                let samples = &signal[place..place + weights.len()];
-                samples.iter().zip(&weights).map(|(v, w)| v * w).sum()
-            })
-            .collect()
+        let value = |place: usize| {
+            let samples = signal[place..].iter().zip(&weights);
+            samples.map(|(v, w)| v * w).sum()
+        };
+        (start..start + count).map(value).collect()
     }
 
     /// The sums of all blocks with the torque `lag` samples later; `whole` is the lag by which its bad samples are known.
@@ -219,6 +218,7 @@ impl<'a> Search<'a> {
         let chance = chance(&scan);
         let related = chance < CHANCE && half.is_finite();
         let unexplained = |r: &f64| (1.0 - r.max(0.0).powi(2)).max(0.0).sqrt();
+        let scanned = self.lags.iter().zip(&all);
         let delay = Delay {
             delay: related.then_some(Estimate {
                 value: lag * step,
@@ -226,10 +226,7 @@ impl<'a> Search<'a> {
                 high: high * step,
             }),
             chance,
-            scan: self
-                .lags
-                .iter()
-                .zip(&all)
+            scan: scanned
                 .map(|(&lag, r)| (lag as f64 * step, unexplained(r)))
                 .collect(),
             blocks: self.blocks,
@@ -251,18 +248,14 @@ impl<'a> Search<'a> {
         // Each block's part of the logarithm, but for a constant.
         let part = |s: &Sums| s.xy / total.xy - 0.5 * (s.xx / total.xx + s.yy / total.yy);
         let parts = |of: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
-            (0..self.blocks)
-                .map(|b| of(part(&before[b]), part(&here[b]), part(&after[b])))
-                .collect()
+            let of = |b| of(part(&before[b]), part(&here[b]), part(&after[b]));
+            (0..self.blocks).map(of).collect()
         };
         let slopes = parts(&|before, _, after| (after - before) / (2.0 * apart));
         let bends = parts(&|before, here, after| (before - 2.0 * here + after) / apart.powi(2));
         let [slope, bend] = [&slopes, &bends].map(|parts| parts.iter().sum::<f64>());
-        let without: Vec<f64> = slopes
-            .iter()
-            .zip(&bends)
-            .map(|(s, b)| -(slope - s) / (bend - b))
-            .collect();
+        let pairs = slopes.iter().zip(&bends);
+        let without: Vec<f64> = pairs.map(|(s, b)| -(slope - s) / (bend - b)).collect();
         let n = without.len() as f64;
         let error = ((n - 1.0) * variance(&without, 0)).sqrt();
         (error, 0.5 * bend.abs() * correlation(&here) * error * error)

@@ -18,7 +18,6 @@ use aligned::Aligned;
 use clean::{Cleaned, clean};
 use delay::Pair;
 use holes::Holes;
-use recording::turn;
 pub use recording::{Accuracy, Channel, Derived, DerivedCriterion, RigRecording, Synchronised};
 use signal::{Even, SignalError, Spline};
 
@@ -28,27 +27,25 @@ const LONGEST_GAP: f64 = 10.0;
 /// Aligns a recording and derives the criteria.
 pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError> {
     check(recording)?;
-    let kept = window(recording);
-    let time: Vec<f64> = kept.iter().map(|&k| recording.time[k]).collect();
-    let cleaned =
-        |channel: &Channel| clean(&kept.iter().map(|&k| channel.values[k]).collect::<Vec<_>>());
+    let [from, to] = recording.window();
+    let kept: Vec<usize> = (0..recording.time.len())
+        .filter(|&k| recording.time[k] >= from && recording.time[k] <= to)
+        .collect();
+    let kept = |values: &[f64]| kept.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    let time = kept(&recording.time);
+    let cleaned = |channel: &Channel| clean(&kept(&channel.values));
     let spline = |name: &str, values: &[f64]| Spline::new(name, &time, values, LONGEST_GAP);
     let [clean_load, clean_torque] = [&recording.load, &recording.torque].map(cleaned);
-    let speed: Vec<f64> = kept.iter().map(|&k| recording.speed.values[k]).collect();
-    let (load, torque, speed) = (
-        spline(&recording.load.name, &clean_load.values)?,
-        spline(&recording.torque.name, &clean_torque.values)?,
-        spline(&recording.speed.name, &speed)?,
-    );
+    let load = spline(&recording.load.name, &clean_load.values)?;
+    let torque = spline(&recording.torque.name, &clean_torque.values)?;
+    let speed = spline(&recording.speed.name, &kept(&recording.speed.values))?;
     let start = load.span().0.max(torque.span().0);
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
     let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
-    let smooth = |raw: &Even| -> Result<Even, SignalError> {
-        Ok(Even {
-            values: recording.smoothing.apply(&raw.values, step)?,
-            ..raw.clone()
-        })
+    let smooth = |raw: &Even| {
+        let values = recording.smoothing.apply(&raw.values, step)?;
+        Ok::<_, SignalError>(Even { values, ..*raw })
     };
     let raw = (even(&load), even(&torque));
     let (load, torque) = (smooth(&raw.0)?, smooth(&raw.1)?);
@@ -63,14 +60,10 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         load_good: &good(&clean_load, &time, &load),
         torque_good: &good(&clean_torque, &time, &load),
     };
-    let turn = turn(recording).filter(|turn| *turn < (end - start) / 20.0);
+    let turn = recording.turn().filter(|turn| *turn < (end - start) / 20.0);
     let delay = delay::find(pair, recording.longest_delay, turn)?;
-    let late = Spline::new(
-        &recording.torque.name,
-        &torque.times(),
-        &torque.values,
-        LONGEST_GAP,
-    )?;
+    let name = &recording.torque.name;
+    let late = Spline::new(name, &torque.times(), &torque.values, LONGEST_GAP)?;
     let mut notes = concerns(&recording.load, &clean_load);
     notes.extend(concerns(&recording.torque, &clean_torque));
     for channel in &recording.others {
@@ -120,47 +113,29 @@ fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
 
 fn check(recording: &RigRecording) -> Result<(), SignalError> {
     let wrong = |text: String| Err(SignalError::Setting(text));
-    if !(recording.diameter.is_finite() && recording.diameter > 0.0) {
-        return wrong(format!(
-            "the bearing's diameter must be positive, not {} m",
-            recording.diameter
-        ));
+    let (rows, confidence) = (recording.time.len(), recording.confidence);
+    for (name, value, unit) in [
+        ("bearing's diameter", recording.diameter, "m"),
+        ("longest delay", recording.longest_delay, "s"),
+    ] {
+        if !(value.is_finite() && value > 0.0) {
+            return wrong(format!("the {name} must be positive, not {value} {unit}"));
+        }
     }
-    if !(recording.longest_delay.is_finite() && recording.longest_delay > 0.0) {
+    if !(confidence > 0.5 && confidence < 1.0) {
         return wrong(format!(
-            "the longest delay must be positive, not {} s",
-            recording.longest_delay
-        ));
-    }
-    if !(recording.confidence > 0.5 && recording.confidence < 1.0) {
-        return wrong(format!(
-            "the confidence must lie between 0.5 and 1, not at {}",
-            recording.confidence
+            "the confidence must lie between 0.5 and 1, not at {confidence}"
         ));
     }
     let channels = [&recording.load, &recording.torque, &recording.speed];
-    match channels
-        .into_iter()
-        .chain(&recording.others)
-        .find(|c| c.values.len() != recording.time.len())
-    {
-        Some(c) => wrong(format!(
-            "signal '{}' has {} rows, the time has {}",
-            c.name,
-            c.values.len(),
-            recording.time.len()
+    let mut channels = channels.into_iter().chain(&recording.others);
+    match channels.find(|channel| channel.values.len() != rows) {
+        Some(Channel { name, values, .. }) => wrong(format!(
+            "signal '{name}' has {} rows, the time has {rows}",
+            values.len()
         )),
         None => Ok(()),
     }
-}
-
-fn window(recording: &RigRecording) -> Vec<usize> {
-    let [from, to] = recording
-        .window
-        .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    (0..recording.time.len())
-        .filter(|&k| recording.time[k] >= from && recording.time[k] <= to)
-        .collect()
 }
 
 #[cfg(test)]

@@ -80,6 +80,21 @@ pub struct RigRecording {
     pub confidence: f64,
 }
 
+impl RigRecording {
+    /// The part of the record to use, s: all of it where the user names none.
+    pub(crate) fn window(&self) -> [f64; 2] {
+        self.window.unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    /// The time of a turn of the shaft, s; `None` where it does not turn.
+    pub(crate) fn turn(&self) -> Option<f64> {
+        let speed = self.speed.values.iter().copied();
+        let speed: Vec<f64> = speed.filter(|v| v.is_finite()).collect();
+        let turn = std::f64::consts::TAU / mean(&speed).abs();
+        turn.is_finite().then_some(turn)
+    }
+}
+
 /// A criterion derived from the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DerivedCriterion {
@@ -134,12 +149,4 @@ pub struct Synchronised {
     pub findings: Vec<DerivedCriterion>,
     /// Caveats for the reader.
     pub warnings: Vec<String>,
-}
-
-/// The time of a turn of the shaft, s; `None` where it does not turn.
-pub(crate) fn turn(recording: &RigRecording) -> Option<f64> {
-    let speed = recording.speed.values.iter().copied();
-    let speed: Vec<f64> = speed.filter(|v| v.is_finite()).collect();
-    let turn = std::f64::consts::TAU / mean(&speed).abs();
-    turn.is_finite().then_some(turn)
 }

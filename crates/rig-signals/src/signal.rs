@@ -63,12 +63,9 @@ impl Spline {
         longest_gap: f64,
     ) -> Result<Self, SignalError> {
         const LEAST: usize = 8;
-        let (time, values): (Vec<f64>, Vec<f64>) = time
-            .iter()
-            .zip(values)
-            .filter(|(t, v)| t.is_finite() && v.is_finite())
-            .map(|(t, v)| (*t, *v))
-            .unzip();
+        let pairs = time.iter().zip(values);
+        let known = pairs.filter(|(t, v)| t.is_finite() && v.is_finite());
+        let (time, values): (Vec<f64>, Vec<f64>) = known.unzip();
         if time.len() < LEAST {
             return Err(SignalError::TooShort {
                 name: name.into(),
@@ -109,26 +106,8 @@ impl Spline {
 
     /// The value at a time; outside the span the end segments continue.
     pub fn at(&self, t: f64) -> f64 {
-        let guess = ((t - self.time[0]) / self.step()).max(0.0) as usize;
-        self.segment(t, self.find(t, guess))
-    }
-
-    fn find(&self, t: f64, guess: usize) -> usize {
-        let last = self.time.len() - 2;
-        let k = guess.min(last);
-        // Samples are nearly even: the guess is right or next to it; else search.
-        for near in [k, k.saturating_sub(1), (k + 1).min(last)] {
-            if self.time[near] <= t && t <= self.time[near + 1] {
-                return near;
-            }
-        }
-        self.time
-            .partition_point(|&x| x <= t)
-            .saturating_sub(1)
-            .min(last)
-    }
-
-    fn segment(&self, t: f64, k: usize) -> f64 {
+        let after = self.time.partition_point(|&x| x <= t);
+        let k = after.saturating_sub(1).min(self.time.len() - 2);
         let h = self.time[k + 1] - self.time[k];
         let (a, b) = ((self.time[k + 1] - t) / h, (t - self.time[k]) / h);
         a * self.values[k]
@@ -174,18 +153,19 @@ impl Even {
     /// Resamples a spline from `start` at steps of `step` up to `end`.
     pub fn from_spline(spline: &Spline, start: f64, end: f64, step: f64) -> Self {
         let n = ((end - start) / step * (1.0 + 1e-12)).floor() as usize + 1;
+        let value = |k| spline.at(start + k as f64 * step);
+        let values = (0..n).map(value).collect();
         Self {
             start,
             step,
-            values: (0..n).map(|k| spline.at(start + k as f64 * step)).collect(),
+            values,
         }
     }
 
     /// The times of the samples, s.
     pub fn times(&self) -> Vec<f64> {
-        (0..self.values.len())
-            .map(|k| self.start + k as f64 * self.step)
-            .collect()
+        let time = |k| self.start + k as f64 * self.step;
+        (0..self.values.len()).map(time).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Smoothing without delay.
 
 use super::signal::SignalError;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use serde::Deserialize;
 use std::f64::consts::PI;
 use std::fmt;
@@ -75,17 +75,12 @@ fn savitzky_golay(values: &[f64], window: usize, order: usize) -> Result<Vec<f64
     })?;
     let hat = powers * inverse;
     let n = values.len();
-    let fitted = |start: usize, row: usize| {
-        (0..window)
-            .map(|k| hat[(row, k)] * values[start + k])
-            .sum::<f64>()
+    let fitted = |i: usize| -> f64 {
+        let start = i.saturating_sub(half).min(n - window);
+        let weighted = (0..window).map(|k| hat[(i - start, k)] * values[start + k]);
+        weighted.sum()
     };
-    Ok((0..n)
-        .map(|i| {
-            let start = i.saturating_sub(half).min(n - window);
-            fitted(start, i - start)
-        })
-        .collect())
+    Ok((0..n).map(fitted).collect())
 }
 
 /// A second-order section in direct form: b0 b1 b2 over 1 a1 a2.
@@ -107,9 +102,8 @@ fn butterworth(values: &[f64], cutoff: f64, order: usize) -> Result<Vec<f64>, Si
         )));
     }
     let sections = sections(cutoff, order);
-    let pad = (3 * (order + 1))
-        .max((1.5 / cutoff) as usize)
-        .min(values.len() - 1);
+    let pad = (3 * (order + 1)).max((1.5 / cutoff) as usize);
+    let pad = pad.min(values.len() - 1);
     let (first, last) = (values[0], values[values.len() - 1]);
     let n = values.len();
     let mut extended: Vec<f64> = (1..=pad).rev().map(|k| 2.0 * first - values[k]).collect();
@@ -126,21 +120,18 @@ fn butterworth(values: &[f64], cutoff: f64, order: usize) -> Result<Vec<f64>, Si
 
 fn sections(cutoff: f64, order: usize) -> Vec<Section> {
     let w = (PI * cutoff).tan();
-    let mut sections: Vec<Section> = (0..order / 2)
-        .map(|k| {
-            // Pole pair at angle theta from the negative real axis.
-            let damping = 2.0 * (PI * (2 * k + 1) as f64 / (2 * order) as f64).sin();
-            let scale = 1.0 + damping * w + w * w;
-            let b = w * w / scale;
-            Section {
-                b: [b, 2.0 * b, b],
-                a: [
-                    2.0 * (w * w - 1.0) / scale,
-                    (1.0 - damping * w + w * w) / scale,
-                ],
-            }
-        })
-        .collect();
+    let pair = |k: usize| {
+        // Of poles at angle theta from the negative real axis.
+        let damping = 2.0 * (PI * (2 * k + 1) as f64 / (2 * order) as f64).sin();
+        let scale = 1.0 + damping * w + w * w;
+        let b = w * w / scale;
+        let last = (1.0 - damping * w + w * w) / scale;
+        Section {
+            b: [b, 2.0 * b, b],
+            a: [2.0 * (w * w - 1.0) / scale, last],
+        }
+    };
+    let mut sections: Vec<Section> = (0..order / 2).map(pair).collect();
     if order % 2 == 1 {
         let b = w / (1.0 + w);
         sections.push(Section {
@@ -167,36 +158,37 @@ impl Section {
     }
 }
 
-/// Amplitude ratio of [`Smoothing`] at a frequency, so that a choice can be shown; `step` in s, frequency in Hz.
-pub fn gain(smoothing: Smoothing, step: f64, frequency: f64) -> f64 {
-    match smoothing {
-        Smoothing::None => 1.0,
-        Smoothing::Butterworth { cutoff, order } => {
-            let ratio = (PI * frequency * step).tan() / (PI * cutoff * step).tan();
-            1.0 / (1.0 + ratio.powi(2 * order as i32))
-        }
-        Smoothing::SavitzkyGolay { window, order } => {
-            savitzky_golay_gain(window, order, frequency * step)
-        }
-    }
-}
-
-fn savitzky_golay_gain(window: usize, order: usize, cycles: f64) -> f64 {
-    let half = window / 2;
-    let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
-    let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
-    let wave = DVector::from_fn(window, |r, _| {
-        (2.0 * PI * cycles * (r as f64 - half as f64)).cos()
-    });
-    let inverse = powers
-        .pseudo_inverse(1e-14)
-        .expect("the limit of singular values is not negative");
-    (inverse * wave)[0]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::DVector;
+
+    /// Amplitude ratio of [`Smoothing`] at a frequency; `step` in s, frequency in Hz.
+    fn gain(smoothing: Smoothing, step: f64, frequency: f64) -> f64 {
+        match smoothing {
+            Smoothing::None => 1.0,
+            Smoothing::Butterworth { cutoff, order } => {
+                let ratio = (PI * frequency * step).tan() / (PI * cutoff * step).tan();
+                1.0 / (1.0 + ratio.powi(2 * order as i32))
+            }
+            Smoothing::SavitzkyGolay { window, order } => {
+                savitzky_golay_gain(window, order, frequency * step)
+            }
+        }
+    }
+
+    fn savitzky_golay_gain(window: usize, order: usize, cycles: f64) -> f64 {
+        let half = window / 2;
+        let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
+        let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
+        let wave = DVector::from_fn(window, |r, _| {
+            (2.0 * PI * cycles * (r as f64 - half as f64)).cos()
+        });
+        let inverse = powers
+            .pseudo_inverse(1e-14)
+            .expect("the limit of singular values is not negative");
+        (inverse * wave)[0]
+    }
 
     fn signal() -> Vec<f64> {
         (0..40)

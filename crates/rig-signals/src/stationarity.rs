@@ -49,22 +49,12 @@ pub fn test(blocks: &[f64], confidence: f64) -> Option<Stationarity> {
         return None;
     }
     let n = blocks.len() as f64;
-    let places: Vec<f64> = (0..blocks.len())
-        .map(|k| k as f64 - (n - 1.0) / 2.0)
-        .collect();
-    let spread: f64 = places.iter().map(|p| p * p).sum();
     let centre = mean(blocks);
-    let slope = places
-        .iter()
-        .zip(blocks)
-        .map(|(p, v)| p * (v - centre))
-        .sum::<f64>()
-        / spread;
-    let rest: Vec<f64> = places
-        .iter()
-        .zip(blocks)
-        .map(|(p, v)| v - centre - slope * p)
-        .collect();
+    let places = (0..blocks.len()).map(|k| k as f64 - (n - 1.0) / 2.0);
+    let pairs = || places.clone().zip(blocks);
+    let spread: f64 = places.clone().map(|p| p * p).sum();
+    let slope = pairs().map(|(p, v)| p * (v - centre)).sum::<f64>() / spread;
+    let rest: Vec<f64> = pairs().map(|(p, v)| v - centre - slope * p).collect();
     let squares: f64 = rest.iter().map(|r| r * r).sum();
     let memory = correlation(&rest, squares);
     // Dependent blocks count less: Bartlett (1935), n (1 - r) / (1 + r).

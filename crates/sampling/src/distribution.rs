@@ -86,11 +86,20 @@ pub fn ln_sum(terms: &[f64]) -> f64 {
     if !most.is_finite() {
         return most;
     }
-    most + terms
-        .iter()
-        .map(|term| (term - most).exp())
-        .sum::<f64>()
-        .ln()
+    let parts = terms.iter().map(|term| (term - most).exp());
+    most + parts.sum::<f64>().ln()
+}
+
+/// The ends of a truncated distribution, where it has any.
+fn limits(min: Option<f64>, max: Option<f64>) -> [f64; 2] {
+    [
+        min.unwrap_or(f64::NEG_INFINITY),
+        max.unwrap_or(f64::INFINITY),
+    ]
+}
+
+fn require(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(otherwise()) }
 }
 
 impl Distribution {
@@ -108,18 +117,13 @@ impl Distribution {
     /// A sentence that names the number.
     pub fn check(&self) -> Result<(), String> {
         let positive = |deviation: f64| {
-            if deviation > 0.0 && deviation.is_finite() {
-                Ok(())
-            } else {
-                Err(format!("deviation {deviation} must be positive"))
-            }
+            let fits = deviation > 0.0 && deviation.is_finite();
+            require(fits, || format!("deviation {deviation} must be positive"))
         };
-        let ordered = |low: f64, high: f64| {
-            if low < high {
-                Ok(())
-            } else {
-                Err(format!("min {low} must be less than max {high}"))
-            }
+        let ordered = |[low, high]: [f64; 2]| {
+            require(low < high, || {
+                format!("min {low} must be less than max {high}")
+            })
         };
         match *self {
             Self::Normal { deviation, .. } => positive(deviation),
@@ -130,42 +134,29 @@ impl Distribution {
                 ..
             } => {
                 positive(deviation)?;
-                ordered(
-                    min.unwrap_or(f64::NEG_INFINITY),
-                    max.unwrap_or(f64::INFINITY),
-                )?;
+                ordered(limits(min, max))?;
                 let [low, high] = self.cut();
-                if high - low > 1e-12 {
-                    Ok(())
-                } else {
-                    Err("almost nothing is left between min and max".to_owned())
-                }
+                require(high - low > 1e-12, || {
+                    "almost nothing is left between min and max".to_owned()
+                })
             }
-            Self::Uniform { min, max } => ordered(min, max),
+            Self::Uniform { min, max } => ordered([min, max]),
             Self::Triangular { min, mode, max } => {
-                ordered(min, max)?;
-                if (min..=max).contains(&mode) {
-                    Ok(())
-                } else {
-                    Err(format!(
-                        "mode {mode} must lie between min {min} and max {max}"
-                    ))
-                }
+                ordered([min, max])?;
+                require((min..=max).contains(&mode), || {
+                    format!("mode {mode} must lie between min {min} and max {max}")
+                })
             }
             Self::Lognormal { mean, deviation } => {
                 positive(deviation)?;
-                if mean > 0.0 {
-                    Ok(())
-                } else {
-                    Err(format!(
-                        "mean {mean} of a lognormal quantity must be positive"
-                    ))
-                }
+                require(mean > 0.0, || {
+                    format!("mean {mean} of a lognormal quantity must be positive")
+                })
             }
-            Self::Sample { ref values } if values.is_empty() => {
-                Err("the sample is empty".to_owned())
+            Self::Sample { ref values } => {
+                require(!values.is_empty(), || "the sample is empty".to_owned())
             }
-            Self::Sample { .. } | Self::Fixed { .. } => Ok(()),
+            Self::Fixed { .. } => Ok(()),
         }
     }
 
@@ -180,8 +171,7 @@ impl Distribution {
         else {
             return [0.0, 1.0];
         };
-        let below = |value: f64| normal_cdf((value - mean) / deviation);
-        [min.map_or(0.0, below), max.map_or(1.0, below)]
+        limits(min, max).map(|end| normal_cdf((end - mean) / deviation))
     }
 
     /// The value below which the quantity lies with probability `u`, 0 < u < 1.
@@ -196,10 +186,8 @@ impl Distribution {
             } => {
                 let [low, high] = self.cut();
                 let u = (low + u * (high - low)).min(BELOW_ONE);
-                let value = mean + deviation * normal_quantile(u);
-                value
-                    .max(min.unwrap_or(f64::NEG_INFINITY))
-                    .min(max.unwrap_or(f64::INFINITY))
+                let [least, most] = limits(min, max);
+                (mean + deviation * normal_quantile(u)).max(least).min(most)
             }
             Self::Uniform { min, max } => min + u * (max - min),
             Self::Triangular { min, mode, max } => {

@@ -5,10 +5,6 @@
 //! [`Random`] draws them one after the other. All that it makes of them (uniform and normal numbers, indexes, orders)
 //! is made here, so that a seed gives the same whatever version of another crate is built in.
 
-use std::convert::Infallible;
-
-use rand::{SeedableRng, TryRng};
-
 use crate::distribution::normal_quantile;
 
 /// Purpose of a random number; different purposes never share numbers.
@@ -42,12 +38,11 @@ pub enum Purpose {
     Evolution = 12,
     /// Points between those of a study.
     Between = 13,
-    /// Numbers of a generator that was seeded by `rand`'s trait, which knows no purpose.
+    /// Numbers for whatever has no purpose of its own, such as an example.
     Unstated = 14,
 }
 
-/// Random numbers one after the other, implemented as a generator of the crate `rand`. Numbers of different purposes
-/// or streams are independent, so what a task draws does not depend on the thread that runs it, nor on other tasks.
+/// Random numbers one after the other. Numbers of different purposes or streams are independent, so what a task draws does not depend on the thread that runs it, nor on other tasks.
 #[derive(Clone, Debug)]
 pub struct Random {
     seed: u64,
@@ -127,37 +122,6 @@ impl Random {
     }
 }
 
-impl TryRng for Random {
-    type Error = Infallible;
-
-    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        Ok(high(self.bits()))
-    }
-
-    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        Ok(self.bits())
-    }
-
-    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
-        for chunk in bytes.chunks_mut(8) {
-            chunk.copy_from_slice(&self.bits().to_le_bytes()[..chunk.len()]);
-        }
-        Ok(())
-    }
-}
-
-impl SeedableRng for Random {
-    type Seed = [u8; 8];
-
-    fn from_seed(seed: Self::Seed) -> Self {
-        Self::seed_from_u64(u64::from_le_bytes(seed))
-    }
-
-    fn seed_from_u64(seed: u64) -> Self {
-        Self::new(seed, Purpose::Unstated, 0)
-    }
-}
-
 /// A number in the open interval (0, 1).
 pub(crate) fn uniform(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> f64 {
     to_unit(bits(seed, purpose, index, dimension))
@@ -222,7 +186,6 @@ fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::Rng;
 
     #[test]
     fn known_answers() {
@@ -256,7 +219,7 @@ mod tests {
         let mut random = Random::new(0x1_0000_0007, Purpose::Order, 3);
         let units = [0.468755025806772, 0.36103095348029635, 0.008297239899485498];
         assert_eq!([(); 3].map(|()| random.unit()), units);
-        assert_eq!(random.next_u64(), 0xa2be_6ccd_c059_ca78);
+        assert_eq!(random.bits(), 0xa2be_6ccd_c059_ca78);
         assert!((random.normal() + 0.6916892268190028).abs() < 1e-14);
         let mut order: Vec<usize> = (0..8).collect();
         random.shuffle(&mut order);
@@ -271,20 +234,13 @@ mod tests {
             draw(Purpose::Order, 0),
             draw(Purpose::Order, 1),
             draw(Purpose::Deal, 0),
-            Random::seed_from_u64(1).normals(100),
-            Random::seed_from_u64(2).normals(100),
+            draw(Purpose::Unstated, 0),
+            Random::new(2, Purpose::Unstated, 0).normals(100),
         ];
         let mut all: Vec<u64> = streams.iter().flatten().map(|v| v.to_bits()).collect();
         all.sort_unstable();
         all.dedup();
         assert_eq!(all.len(), 500);
-        let mut bytes = [0; 12];
-        Random::seed_from_u64(1).fill_bytes(&mut bytes);
-        let mut again = Random::from_seed(1_u64.to_le_bytes());
-        assert_eq!(bytes[..8], again.next_u64().to_le_bytes());
-        assert_eq!(bytes[8..], again.next_u64().to_le_bytes()[..4]);
-        let third = again.clone().next_u64();
-        assert_eq!(u64::from(again.next_u32()), third >> 32);
     }
 
     /// Chi-squared with 9 and 23 degrees of freedom stays below 27.9 and 49.7 with a probability of 99.9 %.

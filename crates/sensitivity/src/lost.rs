@@ -18,15 +18,10 @@ pub fn bounds(rows: &[Triple], range: [f64; 2]) -> Option<[f64; 2]> {
     let problem = Problem::new(rows, range)?;
     let [least, most] = [false, true].map(|most| problem.ratio(most));
     let scatter = |ratio: f64, most: bool| {
-        let filled: Vec<Triple> = rows
-            .iter()
-            .map(|row| problem.worst(*row, ratio, most))
-            .collect();
-        let over = Parts::of(
-            filled
-                .iter()
-                .map(|[base, mixed, _]| half_square(base - mixed)),
-        );
+        let filled = rows.iter().map(|row| problem.worst(*row, ratio, most));
+        let filled: Vec<Triple> = filled.collect();
+        let differences = filled.iter().map(|[base, mixed, _]| base - mixed);
+        let over = Parts::of(differences.map(half_square));
         let under = variance(&pairs(&filled));
         half_width(&over, &under, self::ratio(&over, &under, |_| true))
     };
@@ -38,9 +33,8 @@ fn half_square(difference: f64) -> f64 {
 }
 
 fn pairs(rows: &[Triple]) -> Vec<[f64; 2]> {
-    rows.iter()
-        .map(|[base, _, apart]| [*base, *apart])
-        .collect()
+    let pairs = rows.iter().map(|[base, _, apart]| [*base, *apart]);
+    pairs.collect()
 }
 
 struct Problem {
@@ -111,11 +105,8 @@ impl Problem {
     fn worst(&self, row: Triple, t: f64, most: bool) -> Triple {
         let [low, high] = self.range;
         let [base, mixed, apart] = row;
-        let far = if high - self.centre > self.centre - low {
-            high
-        } else {
-            low
-        };
+        let is_high_far = high - self.centre > self.centre - low;
+        let far = if is_high_far { high } else { low };
         let apart = match (apart.is_finite(), most) {
             (true, _) => apart,
             (false, true) => self.centre,

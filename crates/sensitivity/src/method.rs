@@ -65,26 +65,32 @@ pub struct Settled {
     pub seed: u64,
 }
 
+/// What is fixed of a method that needs runs of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts {
+    /// Its name in a study and on the command line.
+    pub name: &'static str,
+    /// The option of the command line that chooses it by its size.
+    pub option: &'static str,
+    /// What it gives from what, in words that stand before and after the size: `Sobol indices from`, `base points`.
+    pub words: [&'static str; 2],
+    /// The size where none is asked for.
+    pub usual_size: u64,
+    /// The least size at which its intervals were tried on functions with known indices.
+    pub tried_size: u64,
+    /// Whether it keeps correlated parameters together.
+    pub takes_correlations: bool,
+}
+
 /// A method that needs runs of its own design.
 pub trait FromRuns: Sync {
-    /// Its name in a study and on the command line.
-    fn name(&self) -> &'static str;
-
-    /// The option of the command line that chooses it by its size.
-    fn option(&self) -> &'static str;
+    /// What is fixed of it.
+    fn facts(&self) -> Facts;
 
     /// Its design in words: `Sobol indices from 256 base points`.
-    fn title(&self, size: u64) -> String;
-
-    /// The size where none is asked for.
-    fn usual_size(&self) -> u64;
-
-    /// The least size at which its intervals were tried on functions with known indices.
-    fn tried_size(&self) -> u64;
-
-    /// Whether it keeps correlated parameters together.
-    fn takes_correlations(&self) -> bool {
-        false
+    fn title(&self, size: u64) -> String {
+        let [before, after] = self.facts().words;
+        format!("{before} {size} {after}")
     }
 
     /// How many runs this size needs for these parameters.
@@ -98,10 +104,13 @@ pub trait FromRuns: Sync {
 
     /// The rows of the design that are a plain sample of the parameters, for the methods for any points. Empty where
     /// there are none.
-    fn plain_sample(&self, parameters: usize, rows: usize, settled: &Settled) -> Vec<usize>;
+    fn plain_sample(&self, rows: usize, settled: &Settled) -> Vec<usize>;
 
     /// Method and cost in words, after `runs` runs.
-    fn done(&self, parameters: usize, runs: usize, settled: &Settled) -> String;
+    fn done(&self, runs: usize, settled: &Settled) -> String {
+        let title = self.title(settled.size);
+        format!("{title} ({runs} runs); rank correlations and PAWN of their plain sample")
+    }
 
     /// Analyses the values of one output, in the order of the design. Returns all keys of the method, whatever the
     /// values.

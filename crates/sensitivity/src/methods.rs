@@ -17,9 +17,9 @@ pub const VIEWS: &[&dyn FromPoints] = &[&rank::Ranks, &pawn::Slices];
 /// # Errors
 /// Lists the names that there are.
 pub fn named(name: &str) -> Result<&'static dyn FromRuns, String> {
-    let known = RUNS.iter().find(|method| method.name() == name);
+    let known = RUNS.iter().find(|method| method.facts().name == name);
     known.copied().ok_or_else(|| {
-        let names: Vec<&str> = RUNS.iter().map(|method| method.name()).collect();
+        let names: Vec<&str> = RUNS.iter().map(|method| method.facts().name).collect();
         format!("unknown method `{name}`; there are {}", names.join(", "))
     })
 }
@@ -40,16 +40,11 @@ mod tests {
         let words = |name: &str| {
             let method = named(name).unwrap();
             let runs = method.runs(&space, 7);
-            let done = method.done(4, runs as usize, &settled(7, 1));
-            assert_eq!(method.name(), name);
-            assert_eq!(method.takes_correlations(), name == "shapley");
-            (
-                method.option(),
-                method.usual_size(),
-                runs,
-                method.title(7),
-                done,
-            )
+            let done = method.done(runs as usize, &settled(7, 1));
+            let facts = method.facts();
+            assert_eq!(facts.name, name);
+            assert_eq!(facts.takes_correlations, name == "shapley");
+            (facts.option, facts.usual_size, runs, method.title(7), done)
         };
         let plain = "rank correlations and PAWN of their plain sample";
         let sobol = "Sobol indices from 7 base points";
@@ -65,9 +60,9 @@ mod tests {
             ("shapley", 256, 35, shapley.to_owned(), done)
         );
         // Trajectories are no sample of the parameters.
-        let sample = named("morris").unwrap().plain_sample(4, 35, &settled(7, 1));
+        let sample = named("morris").unwrap().plain_sample(35, &settled(7, 1));
         assert!(sample.is_empty());
-        let unknown = named("Sobol").map(|method| method.name());
+        let unknown = named("Sobol").map(|method| method.facts().name);
         let message = "unknown method `Sobol`; there are sobol, morris, shapley";
         assert!(unknown.is_err_and(|error| error.starts_with(message)));
     }

@@ -6,7 +6,7 @@
 //! Environmental Modelling & Software 22, 1509-1518.
 
 use crate::Estimate;
-use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
+use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use conformity::interval::clopper_pearson;
 use sampling::random::{Purpose, Random};
 use sampling::statistics::moments::{mean, variance};
@@ -22,24 +22,15 @@ const LEVELS: usize = 4;
 pub struct Morris;
 
 impl FromRuns for Morris {
-    fn name(&self) -> &'static str {
-        "morris"
-    }
-
-    fn option(&self) -> &'static str {
-        "morris"
-    }
-
-    fn title(&self, size: u64) -> String {
-        format!("Morris screening by {size} trajectories")
-    }
-
-    fn usual_size(&self) -> u64 {
-        20
-    }
-
-    fn tried_size(&self) -> u64 {
-        10
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "morris",
+            option: "morris",
+            words: ["Morris screening by", "trajectories"],
+            usual_size: 20,
+            tried_size: 10,
+            takes_correlations: false,
+        }
     }
 
     fn runs(&self, space: &Space, size: u64) -> u64 {
@@ -54,11 +45,11 @@ impl FromRuns for Morris {
         Ok(cube.iter().map(middle).collect())
     }
 
-    fn plain_sample(&self, _: usize, _: usize, _: &Settled) -> Vec<usize> {
+    fn plain_sample(&self, _: usize, _: &Settled) -> Vec<usize> {
         Vec::new()
     }
 
-    fn done(&self, _: usize, runs: usize, _: &Settled) -> String {
+    fn done(&self, runs: usize, _: &Settled) -> String {
         format!("Morris screening, {runs} runs")
     }
 
@@ -101,11 +92,8 @@ pub fn design(parameters: usize, trajectories: usize, levels: usize, seed: u64) 
         random.shuffle(&mut order);
         rows.push(place.iter().map(|&k| grid(k)).collect());
         for i in order {
-            place[i] = if place[i] < jump {
-                place[i] + jump
-            } else {
-                place[i] - jump
-            };
+            // Up from the lower half of the grid, down from the upper one.
+            place[i] = (place[i] + jump) % levels;
             rows.push(place.iter().map(|&k| grid(k)).collect());
         }
     }
@@ -133,7 +121,7 @@ pub struct Effect {
 
 /// Magnitudes of the effects of one parameter.
 #[derive(Clone, Debug, Default)]
-struct Found {
+struct Seen {
     effects: Vec<f64>,
     /// The largest magnitudes that effects of failed runs could have.
     lost: Vec<f64>,
@@ -149,10 +137,8 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     if parameters == 0 || !fits {
         return None;
     }
-    let known = || outputs.iter().copied().filter(|v| v.is_finite());
-    let low = known().fold(f64::INFINITY, f64::min);
-    let high = known().fold(f64::NEG_INFINITY, f64::max);
-    let mut all = vec![Found::default(); parameters];
+    let [low, high] = crate::range(outputs)?;
+    let mut all = vec![Seen::default(); parameters];
     for k in (1..rows.len()).filter(|k| k % (parameters + 1) != 0) {
         let changed = (0..parameters).find(|&i| rows[k][i] != rows[k - 1][i])?;
         let step = rows[k][changed] - rows[k - 1][changed];
@@ -168,53 +154,43 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
         all[changed].lost.push((widest / step).abs());
     }
     // The size of every effect that is not 0, of an output that is pass or fail.
-    let pass_or_fail = known().all(|v| v == low || v == high);
+    let mut known = outputs.iter().filter(|v| v.is_finite());
+    let pass_or_fail = known.all(|v| *v == low || *v == high);
     let step = rows[1].iter().zip(&rows[0]).map(|(to, from)| to - from);
     let jump = pass_or_fail.then(|| (high - low) / step.sum::<f64>().abs());
-    let found: Vec<Option<Effect>> = all.iter().map(|found| summary(found, jump)).collect();
-    found.iter().any(Option::is_some).then(|| {
-        let unknown = |(found, lost): (Option<Effect>, &Found)| {
-            found.unwrap_or_else(|| Effect::unknown(lost.effects.len()))
-        };
-        found.into_iter().zip(&all).map(unknown).collect()
-    })
+    let effects: Vec<Effect> = all.iter().map(|seen| summary(seen, jump)).collect();
+    let any = effects.iter().any(|effect| effect.used >= FEWEST);
+    any.then_some(effects)
 }
 
-impl Effect {
-    /// Too few effects for any number.
-    fn unknown(used: usize) -> Self {
-        Self {
-            mu: f64::NAN,
-            mu_star: Estimate::around(f64::NAN, f64::NAN),
-            mu_star_bounds: None,
-            sigma: f64::NAN,
-            used,
-        }
-    }
-}
+/// Fewer effects have no mean with an interval.
+const FEWEST: usize = 2;
 
-fn summary(Found { effects, lost }: &Found, jump: Option<f64>) -> Option<Effect> {
-    if effects.len() < 2 {
-        return None;
+fn summary(Seen { effects, lost }: &Seen, jump: Option<f64>) -> Effect {
+    let unknown = Effect {
+        mu: f64::NAN,
+        mu_star: Estimate::around(f64::NAN, f64::NAN),
+        mu_star_bounds: None,
+        sigma: f64::NAN,
+        used: effects.len(),
+    };
+    if effects.len() < FEWEST {
+        return unknown;
     }
     let sizes: Vec<f64> = effects.iter().map(|e| e.abs()).collect();
     let interval = |sizes: &[f64]| match jump {
-        Some(jump) => Some(of_jumps(sizes, jump)),
+        Some(jump) => of_jumps(sizes, jump),
         None => with_interval(sizes),
     };
-    let mu_star = interval(&sizes)?;
     let with = |others: Vec<f64>| interval(&[sizes.clone(), others].concat());
-    let mu_star_bounds = match lost.is_empty() {
-        true => None,
-        false => Some([with(vec![0.0; lost.len()])?.low, with(lost.clone())?.high]),
-    };
-    Some(Effect {
+    let ends = || [with(vec![0.0; lost.len()]).low, with(lost.clone()).high];
+    Effect {
         mu: mean(effects),
-        mu_star,
-        mu_star_bounds,
+        mu_star: interval(&sizes),
+        mu_star_bounds: (!lost.is_empty()).then(ends),
         sigma: variance(effects, 1).sqrt(),
-        used: effects.len(),
-    })
+        ..unknown
+    }
 }
 
 /// The mean of numbers that are 0 or one size: the interval of the share of the latter. They may all be 0 by chance.
@@ -231,9 +207,9 @@ fn of_jumps(numbers: &[f64], jump: f64) -> Estimate {
 /// The mean of independent numbers that are none negative, with its interval: Student's on the scale on which the mean of
 /// skewed numbers is nearly symmetrical (Hall 1992, "On the removal of skewness by transformation", J. Royal Statistical
 /// Society B 54, 221-228, the cubic transformation).
-fn with_interval(numbers: &[f64]) -> Option<Estimate> {
+fn with_interval(numbers: &[f64]) -> Estimate {
     let n = numbers.len() as f64;
-    let student = StudentsT::new(0.0, 1.0, n - 1.0).ok()?;
+    let student = StudentsT::new(0.0, 1.0, n - 1.0).expect("there are two numbers");
     let (centre, spread) = (mean(numbers), variance(numbers, 0).sqrt());
     let cubes = numbers.iter().map(|x| ((x - centre) / spread).powi(3));
     let skewness = cubes.sum::<f64>() / n;
@@ -250,11 +226,11 @@ fn with_interval(numbers: &[f64]) -> Option<Estimate> {
     };
     let quantile = student.inverse_cdf(0.975);
     let deviation = variance(numbers, 1).sqrt();
-    Some(Estimate {
+    Estimate {
         value: centre,
         low: (centre - deviation * above(quantile)).max(0.0),
         high: centre - deviation * above(-quantile),
-    })
+    }
 }
 
 #[cfg(test)]
@@ -266,19 +242,19 @@ mod tests {
     /// negative: the lower end would be -0.226.
     #[test]
     fn the_interval_of_skewed_numbers_leans_to_where_the_rare_ones_are() {
-        let found = with_interval(&[0.0, 1.0, 2.0, 3.0, 10.0]).unwrap();
+        let found = with_interval(&[0.0, 1.0, 2.0, 3.0, 10.0]);
         assert_eq!(found.value, 3.2);
         assert_eq!(found.low, 0.0);
         assert!((found.high - 21.079_664_441).abs() < 1e-8, "{found:?}");
         // The same turned round, above 0.
-        let turned = with_interval(&[30.0, 29.0, 28.0, 27.0, 20.0]).unwrap();
+        let turned = with_interval(&[30.0, 29.0, 28.0, 27.0, 20.0]);
         assert!(
             (turned.low - (30.0 - 21.079_664_441)).abs() < 1e-8,
             "{turned:?}"
         );
         assert!((turned.high - 30.226_286_674).abs() < 1e-8, "{turned:?}");
         // Without skewness it is Student's: 2.776 445 standard errors, sqrt(2.5 / 5) each.
-        let even = with_interval(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        let even = with_interval(&[1.0, 2.0, 3.0, 4.0, 5.0]);
         assert!((even.high - 3.0 - 2.776_445_105 * 0.5_f64.sqrt()).abs() < 1e-8);
     }
 

@@ -78,16 +78,12 @@ pub fn pawn(
         let x: Vec<f64> = kept.iter().map(|&j| parameter[j]).collect();
         let found = distances(&x, &y, slices);
         let value = quantile(&found, 0.5);
-        let again = sorted(
-            (0..resamples)
-                .map(|_| {
-                    let picks: Vec<usize> = (0..y.len()).map(|_| random.below(y.len())).collect();
-                    let (bx, by): (Vec<f64>, Vec<f64>) =
-                        picks.iter().map(|&j| (x[j], y[j])).unzip();
-                    quantile(&distances(&bx, &by, slices), 0.5)
-                })
-                .collect(),
-        );
+        let again = (0..resamples).map(|_| {
+            let picks = (0..y.len()).map(|_| random.below(y.len()));
+            let (x, y): (Vec<f64>, Vec<f64>) = picks.map(|j| (x[j], y[j])).unzip();
+            quantile(&distances(&x, &y, slices), 0.5)
+        });
+        let again = sorted(again.collect());
         // Resampling adds distance of its own; shift it away, so that the interval is about the estimate.
         let bias = mean(&again) - value;
         result.median.push(Estimate {
@@ -95,9 +91,8 @@ pub fn pawn(
             low: (quantile(&again, 0.025) - bias).clamp(0.0, value),
             high: (quantile(&again, 0.975) - bias).clamp(value, 1.0),
         });
-        result
-            .max
-            .push(*found.last().expect("some slice holds a point"));
+        let largest = found.last().expect("some slice holds a point");
+        result.max.push(*largest);
     }
     let mut shuffled: Vec<f64> = (0..y.len()).map(|k| k as f64).collect();
     let dummy = (0..resamples.max(20)).map(|_| {
@@ -122,13 +117,9 @@ fn distances(x: &[f64], y: &[f64], slices: usize) -> Vec<f64> {
         let slice = edges[..slices].partition_point(|e| e <= v).max(1) - 1;
         parts[slice].push(*out);
     }
-    sorted(
-        parts
-            .into_iter()
-            .filter(|p| !p.is_empty())
-            .map(|p| ks_distance(&sorted(p), &all))
-            .collect(),
-    )
+    let filled = parts.into_iter().filter(|part| !part.is_empty());
+    let distances = filled.map(|part| ks_distance(&sorted(part), &all));
+    sorted(distances.collect())
 }
 
 #[cfg(test)]

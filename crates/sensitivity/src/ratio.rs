@@ -75,10 +75,10 @@ pub fn paired_variance(points: &[[f64; 2]]) -> Parts {
     but_for_rounding(parts, centre(points))
 }
 
-fn centre(points: &[[f64; 2]]) -> f64 {
-    let known: Vec<f64> = points.iter().flatten().copied().collect();
-    let known: Vec<f64> = known.into_iter().filter(|v| v.is_finite()).collect();
-    mean(&known)
+/// The mean of the values that are numbers.
+pub(crate) fn centre(points: &[[f64; 2]]) -> f64 {
+    let known = points.iter().flatten().copied().filter(|v| v.is_finite());
+    mean(&known.collect::<Vec<f64>>())
 }
 
 fn but_for_rounding(parts: Parts, centre: f64) -> Parts {

@@ -23,30 +23,25 @@ pub struct Split {
 /// Compares every parameter over points that pass and that do not, failed runs among them. `None` where either side has no
 /// point.
 pub fn split(parameters: &[&[f64]], pass: &[bool]) -> Option<Vec<Split>> {
-    parameters
-        .iter()
-        .map(|values| {
-            let side = |wanted: bool| -> Vec<f64> {
-                sorted(
-                    (0..pass.len())
-                        .filter(|&j| pass[j] == wanted && values[j].is_finite())
-                        .map(|j| values[j])
-                        .collect(),
-                )
-            };
-            let (yes, no) = (side(true), side(false));
-            if yes.is_empty() || no.is_empty() {
-                return None;
-            }
-            let distance = ks_distance(&yes, &no);
-            Some(Split {
-                distance,
-                chance: ks_probability(distance, yes.len(), no.len()),
-                passing: quantile(&yes, 0.5),
-                failing: quantile(&no, 0.5),
-            })
+    let split = |values: &&[f64]| {
+        let side = |wanted: bool| -> Vec<f64> {
+            let pairs = values.iter().zip(pass);
+            let of_side = pairs.filter(|(value, ok)| **ok == wanted && value.is_finite());
+            sorted(of_side.map(|(value, _)| *value).collect())
+        };
+        let (yes, no) = (side(true), side(false));
+        if yes.is_empty() || no.is_empty() {
+            return None;
+        }
+        let distance = ks_distance(&yes, &no);
+        Some(Split {
+            distance,
+            chance: ks_probability(distance, yes.len(), no.len()),
+            passing: quantile(&yes, 0.5),
+            failing: quantile(&no, 0.5),
         })
-        .collect()
+    };
+    parameters.iter().map(split).collect()
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //! Shapley effects", Reliability Engineering & System Safety 213, 107702.
 
 use crate::Estimate;
-use crate::method::{FromRuns, Measure, Settled, Space, Told, read};
+use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use crate::pairs::pairs;
 use crate::ratio::{self, Parts};
 use nalgebra::{DMatrix, DVector};
@@ -31,28 +31,15 @@ const ALL_ORDERS: usize = 3;
 pub struct Shapley;
 
 impl FromRuns for Shapley {
-    fn name(&self) -> &'static str {
-        "shapley"
-    }
-
-    fn option(&self) -> &'static str {
-        "shapley"
-    }
-
-    fn title(&self, size: u64) -> String {
-        format!("Shapley effects from {size} base points")
-    }
-
-    fn usual_size(&self) -> u64 {
-        256
-    }
-
-    fn tried_size(&self) -> u64 {
-        64
-    }
-
-    fn takes_correlations(&self) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "shapley",
+            option: "shapley",
+            words: ["Shapley effects from", "base points"],
+            usual_size: 256,
+            tried_size: 64,
+            takes_correlations: true,
+        }
     }
 
     fn runs(&self, space: &Space, size: u64) -> u64 {
@@ -65,16 +52,9 @@ impl FromRuns for Shapley {
     }
 
     /// The rows of A and B.
-    fn plain_sample(&self, _: usize, rows: usize, settled: &Settled) -> Vec<usize> {
+    fn plain_sample(&self, rows: usize, settled: &Settled) -> Vec<usize> {
         let width = rows / settled.size.max(1) as usize;
         (0..rows).filter(|k| k % width < 2).collect()
-    }
-
-    fn done(&self, _: usize, runs: usize, settled: &Settled) -> String {
-        format!(
-            "{} ({runs} runs); rank correlations and PAWN of their plain sample",
-            self.title(settled.size)
-        )
     }
 
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
@@ -161,13 +141,9 @@ pub fn design(
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, String> {
     let mut random = Random::new(seed, Purpose::Order, 0);
-    let factor = match correlation {
-        Some(matrix) => {
-            let factor = matrix.clone().cholesky();
-            Some(factor.ok_or("the correlations contradict each other")?.l())
-        }
-        None => None,
-    };
+    const CONTRADICTION: &str = "the correlations contradict each other";
+    let factor = correlation.map(|matrix| matrix.clone().cholesky().ok_or(CONTRADICTION));
+    let factor = factor.transpose()?.map(|factor| factor.l());
     let mut rows = Vec::new();
     for pair in pairs {
         let (a, b) = pair.split_at(pair.len() / 2);
@@ -184,10 +160,8 @@ pub fn design(
         let [a, b] = [a, b].map(|u| factor * DVector::from_iterator(u.len(), u.iter().map(score)));
         rows.extend([places(&a), places(&b)]);
         for set in &sets {
-            let mixed = given(&a, &b, set, matrix);
-            rows.push(places(
-                &mixed.ok_or("the correlations contradict each other")?,
-            ));
+            let mixed = given(&a, &b, set, matrix).ok_or(CONTRADICTION)?;
+            rows.push(places(&mixed));
         }
     }
     Ok(rows)
@@ -250,12 +224,10 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     let (mut terms, mut ends) = (vec![Vec::new(); parameters], Vec::new());
     let mut random = Random::new(settled.seed, Purpose::Order, 0);
     for values in outputs.chunks(width) {
-        let orders = orders(parameters, correlated, &mut random);
-        let steps = steps(values, &orders);
+        let steps = steps(values, &orders(parameters, correlated, &mut random));
         ends.push([values[0], values[1]]);
-        for (terms, steps) in terms.iter_mut().zip(steps) {
-            terms.push(steps);
-        }
+        let pairs = terms.iter_mut().zip(steps);
+        pairs.for_each(|(terms, steps)| terms.push(steps));
     }
     let of = |[before, after, a, b]: &[f64; 4]| match correlated {
         true => (after - before) * (a - (after + before) / 2.0),
@@ -302,35 +274,19 @@ fn steps(values: &[f64], orders: &[Vec<usize>]) -> Vec<Vec<[f64; 4]>> {
     steps
 }
 
-/// An interval of numbers.
-#[derive(Clone, Copy)]
-struct Range(f64, f64);
+/// The least and the largest of some numbers.
+type Range = [f64; 2];
 
-impl Range {
-    fn minus(self, other: Self) -> Self {
-        Self(self.0 - other.1, self.1 - other.0)
-    }
+fn minus(a: Range, b: Range) -> Range {
+    [a[0] - b[1], a[1] - b[0]]
+}
 
-    fn plus(self, other: Self) -> Self {
-        Self(self.0 + other.0, self.1 + other.1)
-    }
-
-    fn times(self, other: Self) -> Self {
-        let products = [
-            self.0 * other.0,
-            self.0 * other.1,
-            self.1 * other.0,
-            self.1 * other.1,
-        ];
-        Self(
-            products.into_iter().fold(f64::INFINITY, f64::min),
-            products.into_iter().fold(f64::NEG_INFINITY, f64::max),
-        )
-    }
-
-    fn half(self) -> Self {
-        Self(self.0 / 2.0, self.1 / 2.0)
-    }
+fn times(a: Range, b: Range) -> Range {
+    let products = [a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]];
+    [
+        products.into_iter().fold(f64::INFINITY, f64::min),
+        products.into_iter().fold(f64::NEG_INFINITY, f64::max),
+    ]
 }
 
 /// Bounds of an effect, by interval arithmetic: wider than necessary.
@@ -340,39 +296,33 @@ fn bounds(
     correlated: bool,
     outputs: &[f64],
 ) -> Option<[f64; 2]> {
-    let known = || outputs.iter().copied().filter(|v| v.is_finite());
-    let (low, high) = (
-        known().fold(f64::INFINITY, f64::min),
-        known().fold(f64::NEG_INFINITY, f64::max),
-    );
-    let range = |value: f64| match value.is_finite() {
-        true => Range(value, value),
-        false => Range(low, high),
-    };
+    let any = crate::range(outputs)?;
+    let range = |value: f64| if value.is_finite() { [value; 2] } else { any };
     let term = |values: &[f64; 4]| {
         let [before, after, a, b] = values.map(range);
+        let (x, y) = (minus(a, after), minus(a, before));
         let other = match correlated {
-            true => a.minus(after).plus(a.minus(before)).half(),
-            false => a.minus(b).half(),
+            true => [x[0] + y[0], x[1] + y[1]],
+            false => minus(a, b),
         };
-        after.minus(before).times(other)
+        times(minus(after, before), other.map(|end| end / 2.0))
     };
-    let over = |end: fn(Range) -> f64| -> Parts {
+    let over = |end: usize| -> Parts {
         let mean = |steps: &Vec<[f64; 4]>| {
-            steps.iter().map(|step| end(term(step))).sum::<f64>() / steps.len() as f64
+            steps.iter().map(|step| term(step)[end]).sum::<f64>() / steps.len() as f64
         };
         Parts::of(steps.iter().map(mean))
     };
     let square = |end: fn(f64, f64) -> f64| -> Parts {
         Parts::of(ends.iter().map(|values| {
             let [a, b] = values.map(range);
-            let Range(least, most) = a.minus(b);
+            let [least, most] = minus(a, b);
             end(least, most).powi(2) / 2.0
         }))
     };
     let least = square(|low, high| low.max(-high).max(0.0));
     let most = square(|low, high| low.abs().max(high.abs()));
-    let (below, above) = (over(|range| range.0), over(|range| range.1));
+    let (below, above) = (over(0), over(1));
     let end = |over: &Parts, under: &Parts, sign: f64| {
         let ratio = ratio::ratio(over, under, |_| true);
         let half = ratio::half_width(over, under, ratio)?;
@@ -538,7 +488,7 @@ mod tests {
         let settled = settled(32, 5);
         let rows = Shapley.design(&space, &settled).unwrap();
         assert_eq!(rows.len() as u64, Shapley.runs(&space, 32));
-        let plain = Shapley.plain_sample(3, rows.len(), &settled);
+        let plain = Shapley.plain_sample(rows.len(), &settled);
         assert_eq!(plain[..4], [0, 1, 4, 5]);
         assert_eq!(plain.len(), 64);
         for (pair, rows) in pairs(3, 32, 5).unwrap().iter().zip(rows.chunks(4)) {
@@ -559,7 +509,7 @@ mod tests {
         };
         let runs = [1, 2, 3, 4, 5].map(|d| Shapley.runs(&correlated(d), 10));
         assert_eq!(runs, [20, 40, 80, 80, 100]);
-        assert!(Shapley.takes_correlations());
+        assert!(Shapley.facts().takes_correlations);
     }
 
     /// Two correlated parameters, with failed runs: effects, their intervals, and bounds by interval arithmetic, in numpy.

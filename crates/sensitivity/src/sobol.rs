@@ -7,7 +7,7 @@
 
 use crate::Estimate;
 use crate::lost::{self, Triple};
-use crate::method::{FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
+use crate::method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
 use crate::pairs::pairs;
 use crate::rare;
 use crate::ratio::{self, Parts};
@@ -20,24 +20,15 @@ use serde_json::json;
 pub struct Sobol;
 
 impl FromRuns for Sobol {
-    fn name(&self) -> &'static str {
-        "sobol"
-    }
-
-    fn option(&self) -> &'static str {
-        "base"
-    }
-
-    fn title(&self, size: u64) -> String {
-        format!("Sobol indices from {size} base points")
-    }
-
-    fn usual_size(&self) -> u64 {
-        256
-    }
-
-    fn tried_size(&self) -> u64 {
-        64
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "sobol",
+            option: "base",
+            words: ["Sobol indices from", "base points"],
+            usual_size: 256,
+            tried_size: 64,
+            takes_correlations: false,
+        }
     }
 
     fn runs(&self, space: &Space, size: u64) -> u64 {
@@ -50,18 +41,10 @@ impl FromRuns for Sobol {
     }
 
     /// The rows of A and B.
-    fn plain_sample(&self, parameters: usize, rows: usize, _: &Settled) -> Vec<usize> {
-        let width = parameters + 2;
-        (0..rows)
-            .filter(|k| k % width == 0 || k % width == width - 1)
-            .collect()
-    }
-
-    fn done(&self, parameters: usize, runs: usize, _settled: &Settled) -> String {
-        format!(
-            "Sobol indices from {} base points ({runs} runs); rank correlations and PAWN of their plain sample",
-            runs / (parameters + 2),
-        )
+    fn plain_sample(&self, rows: usize, settled: &Settled) -> Vec<usize> {
+        let width = rows / settled.size.max(1) as usize;
+        let is_plain = |k: &usize| k.is_multiple_of(width) || k % width == width - 1;
+        (0..rows).filter(is_plain).collect()
     }
 
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
@@ -70,10 +53,9 @@ impl FromRuns for Sobol {
         let growing = convergence(values, parameters, settled.estimator);
         let totals = |s: Indices| s.total.iter().map(|e| e.value).collect::<Vec<f64>>();
         let growing: Vec<_> = growing.into_iter().map(|(n, s)| (n, totals(s))).collect();
-        let [sobol, convergence] = [json!(found), json!(growing)];
         Told::from_iter([
-            ("sobol".to_owned(), sobol),
-            ("convergence".to_owned(), convergence),
+            ("sobol".to_owned(), json!(found)),
+            ("convergence".to_owned(), json!(growing)),
         ])
     }
 
@@ -165,9 +147,8 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
     };
     for i in 1..=parameters {
         let of = |term: fn(f64, f64, f64) -> f64| -> Vec<f64> {
-            let each = rows.iter();
-            each.map(|row| term(row[0], row[i], row[width - 1]))
-                .collect()
+            let terms = rows.iter().map(|row| term(row[0], row[i], row[width - 1]));
+            terms.collect()
         };
         let total = Parts::of(of(|a, ab, _| (a - ab).powi(2) / 2.0));
         let saltelli = || of(|a, ab, b| b * (ab - a));
@@ -189,9 +170,8 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
         result.used.push(total.used());
     }
     if failed > 0 {
-        let range = [f64::min as fn(f64, f64) -> f64, f64::max]
-            .map(|ends| finite.iter().copied().fold(finite[0], ends) - shift);
-        result.bound(&rows, range);
+        let range = crate::range(outputs)?;
+        result.bound(&rows, range.map(|end| end - shift));
     }
     Some(result)
 }
@@ -227,16 +207,11 @@ pub fn convergence(
 ) -> Vec<(usize, Indices)> {
     let width = parameters + 2;
     let n = outputs.len() / width;
-    let mut sizes: Vec<usize> =
-        std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2)).collect();
-    sizes.reverse();
-    sizes
-        .into_iter()
-        .filter_map(|m| {
-            let part = &outputs[..m * width];
-            Some((m, indices(part, parameters, estimator)?))
-        })
-        .collect()
+    let halves = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2));
+    let of_part = |m| Some((m, indices(&outputs[..m * width], parameters, estimator)?));
+    let mut found: Vec<(usize, Indices)> = halves.filter_map(of_part).collect();
+    found.reverse();
+    found
 }
 
 #[cfg(test)]
@@ -402,7 +377,7 @@ mod tests {
     /// The design has the rows A, A_B of each parameter, B: those of A and B are a sample of the parameters.
     #[test]
     fn the_plain_sample_is_a_and_b() {
-        assert_eq!(Sobol.plain_sample(3, 10, &settled(2, 1)), [0, 4, 5, 9]);
+        assert_eq!(Sobol.plain_sample(10, &settled(2, 1)), [0, 4, 5, 9]);
     }
 
     /// The way of a study: the design has A, A_B of each parameter, and B; what is told comes back when it is shown.

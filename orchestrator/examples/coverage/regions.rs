@@ -160,7 +160,7 @@ fn judged(
         stated,
         interval,
         truth,
-        holds: confirmed.holds(truth),
+        holds: confirmed.agrees([truth; 2]),
     })
 }
 

@@ -101,7 +101,7 @@ fn registered() -> [(&'static str, Vec<String>); 4] {
     let designs = Method::ALL.iter().map(|method| method.name());
     let statistics = Statistic::ALL.iter().map(|statistic| statistic.name());
     let metrics = Metric::ALL.iter().map(|metric| metric.name());
-    let sensitivity = RUNS.iter().map(|method| method.name().to_owned());
+    let sensitivity = RUNS.iter().map(|method| method.facts().name.to_owned());
     [
         ("/$defs/design/properties/method/enum", designs.collect()),
         ("/$defs/statistic/enum", statistics.collect()),

@@ -42,31 +42,27 @@ impl Acceptance {
         place[sample].add(1.0 - assessed.probability.unwrap_or(0.0));
     }
 
+    /// The points that each step accepts, from the widest guard band that accepts any.
+    fn accepted(&self) -> impl Iterator<Item = (usize, Moments)> + '_ {
+        let steps = self.within.iter().enumerate().rev();
+        let sums = steps.scan(Moments::default(), |sum, (step, moments)| {
+            sum.merge(Moments::total(moments));
+            Some((step, *sum))
+        });
+        sums.filter(|(_, sum)| sum.count > 0)
+    }
+
     /// The least step that keeps the probability of accepted points not to conform at or below a
     /// limit.
     pub fn least_step(&self, limit: f64) -> Option<usize> {
-        let mut accepted = Moments::default();
-        let mut least = None;
-        for (step, moments) in self.within.iter().enumerate().rev() {
-            accepted.merge(Moments::total(moments));
-            if accepted.count > 0 && accepted.mean() <= limit {
-                least = Some(step);
-            }
-        }
-        least
+        let low = self.accepted().filter(|(_, sum)| sum.mean() <= limit);
+        low.last().map(|(step, _)| step)
     }
 
     /// The least probability of accepted points not to conform that any guard band comes to.
     pub fn least_risk(&self) -> f64 {
-        let mut accepted = Moments::default();
-        let mut least = 1.0_f64;
-        for moments in self.within.iter().rev() {
-            accepted.merge(Moments::total(moments));
-            if accepted.count > 0 {
-                least = least.min(accepted.mean());
-            }
-        }
-        least
+        let risks = self.accepted().map(|(_, sum)| sum.mean());
+        risks.fold(1.0, f64::min)
     }
 
     /// The accepted and the rejected points of each sample, with the guard band of a step.
@@ -86,67 +82,43 @@ impl Acceptance {
         [accepted, rejected]
     }
 
-    /// The risks with the guard band of a step; none where the uncertainty is not known or there is no point.
-    pub fn risk(&self, from: usize) -> Option<Risk> {
-        let shares = self.shares(from)?;
-        Some(Risk {
-            intervals: Some(shares.intervals()),
-            ..shares.risk()
-        })
-    }
-
-    pub fn shares(&self, from: usize) -> Option<Shares> {
+    /// The probabilities of which the risks are means, with the guard band of a step: of each sample the consumer's, the
+    /// producer's, and those to conform over all points, and those not to conform over the accepted ones. None where the
+    /// uncertainty is not known or there is no point.
+    pub fn parts(&self, from: usize) -> Option<[Vec<Moments>; 4]> {
         let [accepted, rejected] = self.split(from);
         let pairs = || accepted.iter().zip(&rejected);
         if !self.known || pairs().all(|(a, r)| a.count + r.count == 0) {
             return None;
         }
-        let of_all = |of: &dyn Fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
-            pairs()
-                .map(|(a, r)| of(a, r).among(a.count + r.count))
-                .collect()
+        let of_all = |of: fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
+            let numbers = pairs().map(|(a, r)| of(a, r).among(a.count + r.count));
+            numbers.collect()
         };
-        Some(Shares {
-            consumer: of_all(&|accepted, _| *accepted),
-            producer: of_all(&|_, rejected| rejected.complement()),
-            conforming: of_all(&|accepted, rejected| {
-                let mut both = *accepted;
-                both.merge(*rejected);
-                both.complement()
-            }),
-            accepted,
-        })
-    }
-}
-
-/// What the risks are means of: numbers of each sample, over all of its points or over the accepted ones.
-pub(super) struct Shares {
-    consumer: Vec<Moments>,
-    producer: Vec<Moments>,
-    conforming: Vec<Moments>,
-    accepted: Vec<Moments>,
-}
-
-impl Shares {
-    pub fn risk(&self) -> Risk {
-        let mean = |parts: &[Moments]| Moments::total(parts).mean();
-        let any = Moments::total(&self.accepted).count > 0;
-        Risk {
-            consumer: mean(&self.consumer),
-            producer: mean(&self.producer),
-            conformance_probability: mean(&self.conforming),
-            not_conforming_given_accepted: any.then(|| mean(&self.accepted)),
-            intervals: None,
-        }
+        let consumer = of_all(|accepted, _| *accepted);
+        let producer = of_all(|_, rejected| rejected.complement());
+        let conforming =
+            of_all(|accepted, rejected| Moments::total(&[*accepted, *rejected]).complement());
+        Some([consumer, producer, conforming, accepted])
     }
 
-    fn intervals(&self) -> RiskIntervals {
+    /// The risks with the guard band of a step, with their intervals; none as above.
+    pub fn risk(&self, from: usize) -> Option<Risk> {
         const CONFIDENCE: f64 = 0.95;
-        RiskIntervals {
-            consumer: of_mean(&self.consumer, CONFIDENCE),
-            producer: of_mean(&self.producer, CONFIDENCE),
-            conformance_probability: of_mean(&self.conforming, CONFIDENCE),
-            not_conforming_given_accepted: of_part(&self.accepted, CONFIDENCE),
-        }
+        let [consumer, producer, conforming, accepted] = self.parts(from)?;
+        let mean = |parts: &[Moments]| Moments::total(parts).mean();
+        let any = Moments::total(&accepted).count > 0;
+        Some(Risk {
+            consumer: mean(&consumer),
+            producer: mean(&producer),
+            conformance_probability: mean(&conforming),
+            not_conforming_given_accepted: any.then(|| mean(&accepted)),
+            intervals: Some(RiskIntervals {
+                consumer: of_mean(&consumer, CONFIDENCE),
+                producer: of_mean(&producer, CONFIDENCE),
+                conformance_probability: of_mean(&conforming, CONFIDENCE),
+                not_conforming_given_accepted: of_part(&accepted, CONFIDENCE),
+            }),
+        })
     }
 }

@@ -84,7 +84,8 @@ fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3])
     let stated = [&tally.criteria[0], &tally.criteria[1], &tally.all];
     let mut accepted_wrongly = [0.0, 0.0];
     for (k, (stated, differences)) in stated.into_iter().zip(differences).enumerate() {
-        let stated = stated.shares(from).unwrap().risk();
+        let parts = stated.parts(from).unwrap();
+        let [consumer, producer, conforming, given] = parts.map(|p| Moments::total(&p).mean());
         let mut counts = [0.0; 4];
         for (point, assessed) in study.points.iter().zip(&assessed) {
             let (conforms, margin) = match k {
@@ -101,10 +102,9 @@ fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3])
             counts[3] += f64::from(u8::from(accepted));
         }
         let n = POINTS as f64;
-        let given = stated.not_conforming_given_accepted.unwrap_or(0.0);
-        differences[0].add(counts[0] - n * stated.consumer);
-        differences[1].add(counts[1] - n * stated.producer);
-        differences[2].add(counts[2] - n * stated.conformance_probability);
+        differences[0].add(counts[0] - n * consumer);
+        differences[1].add(counts[1] - n * producer);
+        differences[2].add(counts[2] - n * conforming);
         differences[3].add(counts[0] - counts[3] * given);
         accepted_wrongly = [counts[0], counts[3]];
     }

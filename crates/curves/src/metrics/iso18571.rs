@@ -9,7 +9,7 @@ mod magnitude;
 mod phase;
 mod slope;
 
-use super::{Compare, Kind, Pair};
+use super::Pair;
 
 /// The fewest samples: after the largest shift the slope's average over nine samples must fit.
 pub const LEAST: usize = 11;
@@ -64,15 +64,8 @@ fn part(error: f64, of: f64) -> f64 {
 }
 
 /// The overall rating.
-pub(super) struct Iso18571;
-
-impl Compare for Iso18571 {
-    const LABEL: &'static str = "ISO/TS 18571 rating";
-    const KIND: Kind = Kind::Rating;
-
-    fn compare(pair: &Pair<'_>) -> f64 {
-        rate(pair.reference, pair.model).overall()
-    }
+pub(super) fn iso18571(pair: &Pair<'_>) -> f64 {
+    rate(pair.reference, pair.model).overall()
 }
 
 #[cfg(test)]

@@ -1,16 +1,9 @@
 //! The root of the mean square of the deviations, divided by the reference's range or mean, or by a given value.
 
-use super::rmse::Rmse;
-use super::{Compare, Kind, Pair};
+use super::Pair;
+use super::rmse::rmse;
 
 /// The rmse divided by [`Pair::normaliser`].
-pub(super) struct Nrmse;
-
-impl Compare for Nrmse {
-    const LABEL: &'static str = "normalised rmse";
-    const KIND: Kind = Kind::Relative;
-
-    fn compare(pair: &Pair<'_>) -> f64 {
-        Rmse::compare(pair) / pair.normaliser
-    }
+pub(super) fn nrmse(pair: &Pair<'_>) -> f64 {
+    rmse(pair) / pair.normaliser
 }

@@ -12,13 +12,7 @@ use crate::table::PointTable;
 
 /// The Pareto front of a study's points: no other point is closer to the measurement in every criterion.
 pub fn unbeaten(table: &PointTable, candidates: &[usize]) -> Vec<bool> {
-    let deviations = |i: usize| -> Vec<f64> {
-        table
-            .criteria
-            .iter()
-            .map(|c| c.deviation(c.values[i]))
-            .collect()
-    };
+    let deviations = |i: usize| table.deviations(i).collect::<Vec<f64>>();
     let own: Vec<Vec<f64>> = candidates.iter().map(|&i| deviations(i)).collect();
     let mut unbeaten = vec![true; candidates.len()];
     for other in (0..table.len()).map(deviations) {

@@ -62,10 +62,7 @@ pub fn minimise<E>(
         let places = places(&now);
         let mut children = Vec::with_capacity(size + 1);
         while children.len() < size {
-            let (a, b) = (
-                tournament(&places, &mut random),
-                tournament(&places, &mut random),
-            );
+            let [a, b] = [(); 2].map(|()| tournament(&places, &mut random));
             for mut child in crossover(&now[a].x, &now[b].x, limits, &mut random) {
                 mutate(&mut child, limits, &mut random);
                 children.push(child);
@@ -146,16 +143,11 @@ fn survivors(points: Vec<Solution>, size: usize) -> Vec<Solution> {
     let places = places(&points);
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
-        places[a]
-            .0
-            .cmp(&places[b].0)
-            .then(places[b].1.total_cmp(&places[a].1))
+        let ((rank, room), (other_rank, other_room)) = (places[a], places[b]);
+        rank.cmp(&other_rank).then(other_room.total_cmp(&room))
     });
-    order
-        .into_iter()
-        .take(size)
-        .map(|i| points[i].clone())
-        .collect()
+    let kept = order.into_iter().take(size);
+    kept.map(|i| points[i].clone()).collect()
 }
 
 fn tournament(places: &[(usize, f64)], random: &mut Random) -> usize {

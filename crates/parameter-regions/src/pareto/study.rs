@@ -2,8 +2,8 @@
 //! nominal design lies.
 
 use super::{dominates, front};
-use crate::table::{CriterionColumn, PointTable};
-use sampling::statistics::moments::{mean, ranks};
+use crate::table::PointTable;
+use sampling::statistics::moments::{pearson, ranks};
 use serde::{Deserialize, Serialize};
 
 /// The trade-off between the criteria of a study.
@@ -52,12 +52,11 @@ pub struct Member {
 impl Member {
     /// A point of a table.
     pub fn of(table: &PointTable, point: usize) -> Self {
-        let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
         Self {
             point: None,
             parameters: table.parameters.iter().map(|p| p.values[point]).collect(),
-            deviations: deviations(&table.criteria, &values),
-            values,
+            values: table.criteria.iter().map(|c| c.values[point]).collect(),
+            deviations: table.deviations(point).collect(),
         }
     }
 
@@ -105,11 +104,6 @@ pub struct Conflict {
     pub correlation: f64,
 }
 
-fn deviations(criteria: &[CriterionColumn], values: &[f64]) -> Vec<f64> {
-    let pairs = criteria.iter().zip(values);
-    pairs.map(|(c, value)| c.deviation(*value)).collect()
-}
-
 /// The trade-off among the points of a table; `labelled` where they are those of `points.csv`.
 /// `None` where no point has values.
 ///
@@ -123,17 +117,13 @@ pub fn trade_off(
     method: String,
 ) -> Option<Pareto> {
     let completed: Vec<usize> = (0..table.len()).filter(|&i| table.completed(i)).collect();
-    let objectives: Vec<Vec<f64>> = completed
-        .iter()
-        .map(|&i| Member::of(table, i).deviations)
-        .collect();
-    let mut chosen: Vec<Member> = front(&objectives)
-        .into_iter()
-        .map(|k| Member {
-            point: labelled.then(|| table.ids[completed[k]]),
-            ..Member::of(table, completed[k])
-        })
-        .collect();
+    let objectives = completed.iter().map(|&i| table.deviations(i).collect());
+    let unbeaten = front(&objectives.collect::<Vec<_>>()).into_iter();
+    let member = |k: usize| Member {
+        point: labelled.then(|| table.ids[completed[k]]),
+        ..Member::of(table, completed[k])
+    };
+    let mut chosen: Vec<Member> = unbeaten.map(member).collect();
     chosen.sort_by(|a, b| a.largest().total_cmp(&b.largest()));
     let by_distance =
         |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
@@ -196,37 +186,21 @@ fn conflicts(front: &[Member], criteria: usize) -> Vec<Conflict> {
     }
     let column = |k: usize| ranks(&front.iter().map(|m| m.deviations[k]).collect::<Vec<_>>());
     let columns: Vec<Vec<f64>> = (0..criteria).map(column).collect();
-    let mut found: Vec<Conflict> = (0..criteria)
-        .flat_map(|a| (a + 1..criteria).map(move |b| (a, b)))
-        .map(|(a, b)| Conflict {
-            a,
-            b,
-            correlation: correlation(&columns[a], &columns[b]),
-        })
-        .collect();
-    found.sort_by(|a, b| a.correlation.total_cmp(&b.correlation));
-    found
-}
-
-/// 0 where one of them does not vary.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let (ma, mb) = (mean(a), mean(b));
-    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-        let pairs = a.iter().zip(b);
-        pairs.map(|(x, y)| f(x - ma, y - mb)).sum()
+    let pairs = (0..criteria).flat_map(|a| (a + 1..criteria).map(move |b| (a, b)));
+    let conflict = |(a, b): (usize, usize)| Conflict {
+        a,
+        b,
+        correlation: pearson(&columns[a], &columns[b]),
     };
-    let scale = (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt();
-    if scale > 0.0 {
-        sum(&|x, y| x * y) / scale
-    } else {
-        0.0
-    }
+    let mut conflicts: Vec<Conflict> = pairs.map(conflict).collect();
+    conflicts.sort_by(|a, b| a.correlation.total_cmp(&b.correlation));
+    conflicts
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::ParameterColumn;
+    use crate::table::{CriterionColumn, ParameterColumn};
 
     /// Two criteria that pull a single parameter to 0 and to 1, with tolerances of 1 and 0.5.
     fn table(x: &[f64]) -> PointTable {

@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 use sampling::statistics::moments::{quantile, sorted};
 
-use super::region::{Domain, Region, Sample, Sides};
+use super::region::{Domain, Region, Sample, Sides, within};
 
 /// The part that is peeled off at a time.
 const PEEL: f64 = 0.03;
@@ -31,11 +31,8 @@ impl Sample<'_> {
     }
 
     fn inside(&self, limits: &Limits) -> Vec<usize> {
-        let holds = |j: &usize| {
-            let sides = self.points[*j].iter().zip(limits);
-            sides.into_iter().all(|(v, [l, h])| v >= l && v <= h)
-        };
-        (0..self.points.len()).filter(holds).collect()
+        let inside = |j: &usize| within(&self.points[*j], limits);
+        (0..self.points.len()).filter(inside).collect()
     }
 }
 
@@ -170,12 +167,10 @@ fn spread(mut seeds: Vec<Seed>) -> Vec<Seed> {
     let mut nearest = vec![f64::INFINITY; seeds.len()];
     let mut chosen: Vec<Seed> = Vec::new();
     while chosen.len() < KEPT && !seeds.is_empty() {
-        let farthest = (0..seeds.len()).fold(
-            0,
-            |best, k| {
-                if nearest[k] > nearest[best] { k } else { best }
-            },
-        );
+        // Of several the first.
+        let places = (0..seeds.len()).rev();
+        let farthest = places.max_by(|&a, &b| nearest[a].total_cmp(&nearest[b]));
+        let farthest = farthest.expect("a seed is left");
         nearest.swap_remove(farthest);
         let next = seeds.swap_remove(farthest);
         for (nearest, seed) in nearest.iter_mut().zip(&seeds) {

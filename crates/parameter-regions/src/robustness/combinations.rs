@@ -2,7 +2,7 @@
 //! of verification, whatever the others are.
 
 use super::Stand;
-use super::region::Confirmed;
+use super::region::{Confirmed, Sample};
 use sampling::statistics::moments::{mean, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
@@ -63,12 +63,6 @@ impl Combination {
     }
 }
 
-/// A sample of the space with its probabilities of verification.
-pub(super) struct Cloud<'a> {
-    pub points: &'a [Vec<f64>],
-    pub verdicts: &'a [f64],
-}
-
 /// The slices of all parameters: their edges, and each point's.
 struct Slices {
     edges: Vec<Vec<f64>>,
@@ -77,23 +71,20 @@ struct Slices {
 
 impl Slices {
     fn new(points: &[Vec<f64>], d: usize) -> Self {
-        let edges: Vec<Vec<f64>> = (0..d)
-            .map(|k| {
-                let column = sorted(points.iter().map(|x| x[k]).collect());
-                (1..SLICES)
-                    .map(|s| quantile(&column, s as f64 / SLICES as f64))
-                    .collect()
-            })
-            .collect();
-        let of = edges
-            .iter()
-            .enumerate()
-            .map(|(k, edges)| {
-                let slice = |x: &Vec<f64>| edges.partition_point(|e| *e <= x[k]);
-                points.iter().map(slice).collect()
-            })
-            .collect();
-        Self { edges, of }
+        let edges = |k: usize| -> Vec<f64> {
+            let column = sorted(points.iter().map(|x| x[k]).collect());
+            let edge = |s| quantile(&column, s as f64 / SLICES as f64);
+            (1..SLICES).map(edge).collect()
+        };
+        let edges: Vec<Vec<f64>> = (0..d).map(edges).collect();
+        let of = |k: usize| {
+            let slice = |x: &Vec<f64>| edges[k].partition_point(|e| *e <= x[k]);
+            points.iter().map(slice).collect()
+        };
+        Self {
+            of: (0..d).map(of).collect(),
+            edges,
+        }
     }
 
     /// The bound of the first (or last) `count` slices.
@@ -117,7 +108,7 @@ impl Slices {
 /// largest first.
 pub(super) fn combinations(
     stand: &Stand,
-    cloud: &Cloud<'_>,
+    cloud: &Sample<'_>,
     own: &[Vec<f64>],
     verified: &[bool],
 ) -> Vec<Combination> {
@@ -156,7 +147,7 @@ pub(super) fn combinations(
 }
 
 /// The longest unsafe range of a parameter from one of its ends.
-fn range(cloud: &Cloud<'_>, slices: &Slices, parameter: usize, below: bool) -> Option<Bound> {
+fn range(cloud: &Sample<'_>, slices: &Slices, parameter: usize, below: bool) -> Option<Bound> {
     let (mut n, mut sum) = ([0usize; SLICES], [0.0; SLICES]);
     for (j, verdict) in cloud.verdicts.iter().enumerate() {
         let slice = slices.place(parameter, below, j);
@@ -176,7 +167,7 @@ fn range(cloud: &Cloud<'_>, slices: &Slices, parameter: usize, below: bool) -> O
 
 /// The unsafe corner of two parameters that holds most of the points.
 fn corner(
-    cloud: &Cloud<'_>,
+    cloud: &Sample<'_>,
     slices: &Slices,
     open: &[usize],
     sides: [(usize, bool); 2],
@@ -213,30 +204,22 @@ fn corner(
     Some([slices.bound(x, x_below, a), slices.bound(y, y_below, b)])
 }
 
-fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Cloud<'_>, open: &[usize]) -> Combination {
+fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Sample<'_>, open: &[usize]) -> Combination {
     /// Points that are enough to tell which criterion is lost.
     const ENOUGH: usize = 500;
-    let mut region = Combination {
-        bounds,
-        share: 0.0,
-        whole: None,
-        probability: 0.0,
-        lost: String::new(),
-        confirmed: Confirmed::default(),
-    };
-    let inside = |j: &usize| region.contains(&cloud.points[*j]);
+    let contains = |x: &[f64]| bounds.iter().all(|bound| bound.holds(x));
+    let inside = |j: &usize| contains(&cloud.points[*j]);
     let inside: Vec<usize> = open.iter().copied().filter(inside).collect();
     let some = inside.iter().take(ENOUGH).map(|&j| &cloud.points[j]);
-    region.lost = stand.least_met(some);
+    let verdicts: Vec<f64> = inside.iter().map(|&j| cloud.verdicts[j]).collect();
     let n = cloud.points.len() as f64;
-    let within = cloud.points.iter().filter(|x| region.contains(x)).count();
-    region.whole = Some(within as f64 / n);
-    region.share = inside.len() as f64 / n;
-    region.probability = mean(
-        &inside
-            .iter()
-            .map(|&j| cloud.verdicts[j])
-            .collect::<Vec<_>>(),
-    );
-    region
+    let whole = cloud.points.iter().filter(|x| contains(x)).count();
+    Combination {
+        share: inside.len() as f64 / n,
+        whole: Some(whole as f64 / n),
+        probability: mean(&verdicts),
+        lost: stand.least_met(some),
+        confirmed: Confirmed::default(),
+        bounds,
+    }
 }

@@ -31,66 +31,49 @@ pub struct Map {
 impl Map {
     /// Least and greatest probability over the map.
     pub fn extremes(&self) -> [f64; 2] {
-        self.probability
-            .iter()
-            .fold([1.0, 0.0], |[l, h], p| [l.min(*p), h.max(*p)])
+        let probabilities = self.probability.iter();
+        probabilities.fold([1.0, 0.0], |[l, h], p| [l.min(*p), h.max(*p)])
     }
 }
 
 /// All pairs.
 pub fn maps(table: &PointTable, stand: &Stand, inputs: &[Vec<f64>]) -> Vec<Map> {
     let d = table.parameters.len();
-    let columns: Vec<Vec<f64>> = table
-        .parameters
-        .iter()
-        .map(|p| sorted(p.values.clone()))
-        .collect();
+    let columns = table.parameters.iter().map(|p| sorted(p.values.clone()));
+    let columns: Vec<Vec<f64>> = columns.collect();
     let medians: Vec<f64> = columns.iter().map(|c| quantile(c, 0.5)).collect();
-    let ranges: Vec<[f64; 2]> = columns
-        .iter()
-        .map(|c| [quantile(c, 0.01), quantile(c, 0.99)])
-        .collect();
-    let others: Vec<&Vec<f64>> = inputs
-        .iter()
-        .step_by(inputs.len().div_ceil(OTHERS).max(1))
-        .collect();
+    let range = |k: usize| [0.01, 0.99].map(|part| quantile(&columns[k], part));
+    let every = inputs.len().div_ceil(OTHERS).max(1);
+    let others: Vec<&Vec<f64>> = inputs.iter().step_by(every).collect();
+    let map = |(x, y): (usize, usize)| {
+        let (x_range, y_range) = (range(x), range(y));
+        let place = |k: usize, range: [f64; 2]| {
+            range[0] + (range[1] - range[0]) * (k as f64 + 0.5) / CELLS as f64
+        };
+        let at = |base: &[f64], cell: usize| {
+            let mut point = base.to_vec();
+            point[x] = place(cell % CELLS, x_range);
+            point[y] = place(cell / CELLS, y_range);
+            point
+        };
+        let cells = 0..CELLS * CELLS;
+        let of_criterion = |c: usize| {
+            let value = |cell| stand.value(c, &at(&medians, cell));
+            cells.clone().map(value).collect()
+        };
+        let probability = |cell: usize| {
+            let each = others.iter().map(|o| stand.probability(&at(o, cell)));
+            each.sum::<f64>() / others.len() as f64
+        };
+        Map {
+            x,
+            y,
+            x_range,
+            y_range,
+            criteria: (0..table.criteria.len()).map(of_criterion).collect(),
+            probability: cells.clone().map(probability).collect(),
+        }
+    };
     let pairs = (0..d).flat_map(|x| (x + 1..d).map(move |y| (x, y)));
-    pairs
-        .map(|(x, y)| {
-            let place = |k: usize, range: [f64; 2]| {
-                range[0] + (range[1] - range[0]) * (k as f64 + 0.5) / CELLS as f64
-            };
-            let cells = || {
-                (0..CELLS * CELLS)
-                    .map(|k| (place(k % CELLS, ranges[x]), place(k / CELLS, ranges[y])))
-            };
-            let at = |base: &[f64], (a, b): (f64, f64)| {
-                let mut point = base.to_vec();
-                (point[x], point[y]) = (a, b);
-                point
-            };
-            Map {
-                x,
-                y,
-                x_range: ranges[x],
-                y_range: ranges[y],
-                criteria: (0..table.criteria.len())
-                    .map(|c| {
-                        cells()
-                            .map(|cell| stand.value(c, &at(&medians, cell)))
-                            .collect()
-                    })
-                    .collect(),
-                probability: cells()
-                    .map(|cell| {
-                        others
-                            .iter()
-                            .map(|o| stand.probability(&at(o, cell)))
-                            .sum::<f64>()
-                            / others.len() as f64
-                    })
-                    .collect(),
-            }
-        })
-        .collect()
+    pairs.map(map).collect()
 }

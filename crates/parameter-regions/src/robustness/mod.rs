@@ -106,43 +106,42 @@ struct Part {
 impl Part {
     /// Fits the value and its transform, and keeps what errs less near the measurement.
     fn fit(criterion: &CriterionColumn, inputs: &[Vec<f64>]) -> Option<Self> {
-        let bare = || CriterionColumn {
-            values: vec![],
-            ok: vec![],
-            ..criterion.clone()
-        };
         let plain = Surrogate::fit(inputs, &criterion.values)?;
-        let plain = Self {
-            criterion: bare(),
-            scale: None,
-            quality: plain.quality,
-            left_out: plain.left_out(inputs, &criterion.values),
-            surrogate: plain,
-        };
         let room = (criterion.upper - criterion.nominal).min(criterion.nominal - criterion.lower);
-        if !(room.is_finite() && room > 0.0) || plain.quality.predicted >= 1.0 {
-            return Some(plain);
-        }
-        let bent: Vec<f64> = criterion
-            .values
-            .iter()
-            .map(|v| ((v - criterion.nominal) / room).asinh())
-            .collect();
-        match Surrogate::fit(inputs, &bent) {
-            Some(surrogate) if surrogate.quality.error * room < plain.quality.error => {
-                let quality = Quality {
-                    error: surrogate.quality.error * room,
-                    ..surrogate.quality
-                };
-                Some(Self {
-                    criterion: bare(),
-                    scale: Some(room),
-                    quality,
-                    left_out: surrogate.left_out(inputs, &bent),
-                    surrogate,
-                })
+        let exact = plain.quality.predicted >= 1.0;
+        if room.is_finite() && room > 0.0 && !exact {
+            let values = criterion.values.iter();
+            let bent = values.map(|v| ((v - criterion.nominal) / room).asinh());
+            let bent: Vec<f64> = bent.collect();
+            let better = |fit: &Surrogate| fit.quality.error * room < plain.quality.error;
+            if let Some(fit) = Surrogate::fit(inputs, &bent).filter(better) {
+                return Some(Self::new(criterion, fit, Some(room), inputs, &bent));
             }
-            _ => Some(plain),
+        }
+        let output = &criterion.values;
+        Some(Self::new(criterion, plain, None, inputs, output))
+    }
+
+    fn new(
+        criterion: &CriterionColumn,
+        surrogate: Surrogate,
+        scale: Option<f64>,
+        inputs: &[Vec<f64>],
+        output: &[f64],
+    ) -> Self {
+        Self {
+            criterion: CriterionColumn {
+                values: vec![],
+                ok: vec![],
+                ..criterion.clone()
+            },
+            scale,
+            quality: Quality {
+                error: surrogate.quality.error * scale.unwrap_or(1.0),
+                ..surrogate.quality
+            },
+            left_out: surrogate.left_out(inputs, output),
+            surrogate,
         }
     }
 
@@ -163,15 +162,11 @@ impl Part {
     fn probability_of(&self, value: f64) -> f64 {
         let c = &self.criterion;
         let bend = |limit: f64| {
-            self.scale
-                .map_or(limit, |scale| ((limit - c.nominal) / scale).asinh())
+            let bent = |scale: f64| ((limit - c.nominal) / scale).asinh();
+            self.scale.map_or(limit, bent)
         };
-        let error = self
-            .surrogate
-            .quality
-            .error
-            .max(1e-12 * c.nominal.abs())
-            .max(f64::MIN_POSITIVE);
+        let least = (1e-12 * c.nominal.abs()).max(f64::MIN_POSITIVE);
+        let error = self.surrogate.quality.error.max(least);
         let normal = Normal::standard();
         normal.cdf((bend(c.upper) - value) / error) - normal.cdf((bend(c.lower) - value) / error)
     }
@@ -206,19 +201,16 @@ impl Stand {
 
     /// The probability that all criteria are met at a point, given the surrogates' errors.
     pub fn probability(&self, x: &[f64]) -> f64 {
-        self.criteria
-            .iter()
-            .map(|part| part.probability(x))
-            .product()
+        let parts = self.criteria.iter();
+        parts.map(|part| part.probability(x)).product()
     }
 
     /// The probability that all criteria are met at each of the first points that were fitted, by surrogates without it.
     fn foretold(&self, points: usize) -> Vec<f64> {
         let one = |i: usize| {
             let parts = self.criteria.iter();
-            parts
-                .map(|part| part.probability_of(part.left_out[i]))
-                .product()
+            let each = parts.map(|part| part.probability_of(part.left_out[i]));
+            each.product()
         };
         (0..points).map(one).collect()
     }
@@ -254,21 +246,17 @@ pub fn refined(
     let varying: Vec<usize> = (0..table.parameters.len())
         .filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1]))
         .collect();
+    let parameter = |table: &PointTable, k: &usize| table.parameters[*k].clone();
     let only = |table: &PointTable| PointTable {
-        parameters: varying
-            .iter()
-            .map(|&k| table.parameters[k].clone())
-            .collect(),
+        parameters: varying.iter().map(|k| parameter(table, k)).collect(),
         ..table.clone()
     };
     let stand = Stand::fit(&only(fitted))?;
     let table = &only(table);
     let inputs = rows(table);
     let best = table.ranking().first()?.point;
-    let cloud: Vec<Vec<f64>> = cloud
-        .iter()
-        .map(|x| varying.iter().map(|&k| x[k]).collect())
-        .collect();
+    let places = |x: &Vec<f64>| varying.iter().map(|&k| x[k]).collect();
+    let cloud: Vec<Vec<f64>> = cloud.iter().map(places).collect();
     let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
     // A part to search with, the rest to state what was found: a search flatters its own sample.
     let part = cloud.len() / SEARCHED;
@@ -283,14 +271,11 @@ pub fn refined(
         verified: &table.verified,
         foretold: &stand.foretold(table.len()),
     };
+    let quality = |part: &Part| (part.criterion.name.clone(), part.quality);
     let mut result = Robustness {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
-        criteria: stand
-            .criteria
-            .iter()
-            .map(|p| (p.criterion.name.clone(), p.quality))
-            .collect(),
+        criteria: stand.criteria.iter().map(quality).collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
         further_runs: fitted.len().saturating_sub(table.len()),
@@ -310,25 +295,15 @@ pub fn refined(
         ),
         unsafe_combinations: combinations::combinations(
             &stand,
-            &combinations::Cloud {
-                points: &cloud,
-                verdicts: &verdicts,
-            },
+            &sample(0..cloud.len()),
             &inputs,
             &table.verified,
         ),
         margins: margins::margins(table, &stand, &inputs[best]),
         warnings: vec![],
     };
-    if let Some(region) = &mut result.region {
-        region.confirmed = region.confirm(&inputs, &table.verified);
-    }
-    if let Some(ellipsoid) = &mut result.ellipsoid {
-        ellipsoid.confirmed = ellipsoid.confirm(&inputs, &table.verified);
-    }
-    result
-        .warnings
-        .extend(unseen_failures(table, &inputs, result.region.as_ref()));
+    let failures = unseen_failures(table, &inputs, result.region.as_ref());
+    result.warnings.extend(failures);
     for (name, quality) in &result.criteria {
         if quality.predicted < TRUSTED {
             result.warnings.push(format!(
@@ -338,9 +313,7 @@ pub fn refined(
         }
     }
     result.answer = answer::Answer::new(&result, &stand, &cloud, &verdicts, &table.verified);
-    if let Some(warning) = result.answer.warning(level) {
-        result.warnings.push(warning);
-    }
+    result.warnings.extend(result.answer.warning(level));
     Some(result)
 }
 
@@ -350,10 +323,8 @@ fn unseen_failures(
     inputs: &[Vec<f64>],
     region: Option<&Region>,
 ) -> Option<String> {
-    let failed: Vec<&Vec<f64>> = (0..table.len())
-        .filter(|&i| !table.completed(i))
-        .map(|i| &inputs[i])
-        .collect();
+    let failed = (0..table.len()).filter(|&i| !table.completed(i));
+    let failed: Vec<&Vec<f64>> = failed.map(|i| &inputs[i]).collect();
     if failed.is_empty() {
         return None;
     }
@@ -371,22 +342,27 @@ fn unseen_failures(
 }
 
 /// Searches until the lower limit of what is stated is no less than the level: where it is less, the search asks for so
-/// much more. Where no search comes to that, the first region whose probability alone is no less.
+/// much more. Where no search comes to that, the first region whose probability alone is no less. It is checked against the
+/// study's own points.
 fn firm<S: Shape + Clone>(
     level: f64,
     search: impl Fn(f64, Option<&Domain<S>>) -> Option<Domain<S>>,
     evidence: &Evidence<'_>,
 ) -> Option<Domain<S>> {
     const TRIES: usize = 12;
-    let (mut target, mut before, mut likely) = (level, None, None);
+    let (mut target, mut before, mut likely) = (level, None, None::<Domain<S>>);
     for _ in 0..TRIES {
         let Some(mut region) = search(target, before.as_ref()) else {
             break;
         };
         let statement = evidence.of(|x| region.contains(x));
         region.note(statement);
-        if statement.interval[0] >= level {
-            return Some(region);
+        let is_firm = statement.interval[0] >= level;
+        if is_firm || likely.is_none() && statement.probability >= level {
+            likely = Some(region.clone());
+        }
+        if is_firm {
+            break;
         }
         // Not a number where the other sample has no point inside: too small to be told.
         let missing = if statement.probability.is_finite() {
@@ -395,12 +371,13 @@ fn firm<S: Shape + Clone>(
             1.0
         };
         target = (target + 1.2 * missing).min(0.5 * (target + 1.0));
-        if likely.is_none() && statement.probability >= level {
-            likely = Some(region.clone());
-        }
         before = Some(region);
     }
-    likely
+    let checked = |mut region: Domain<S>| {
+        region.confirmed = region.confirm(evidence.points, evidence.verified);
+        region
+    };
+    likely.map(checked)
 }
 
 #[cfg(test)]

@@ -20,11 +20,6 @@ pub struct Confirmed {
 }
 
 impl Confirmed {
-    /// Whether the interval holds a stated probability.
-    pub fn holds(&self, stated: f64) -> bool {
-        self.interval[0] <= stated && stated <= self.interval[1]
-    }
-
     /// Whether the interval meets a stated one.
     pub fn agrees(&self, [low, high]: [f64; 2]) -> bool {
         self.interval[0] <= high && low <= self.interval[1]
@@ -170,10 +165,14 @@ pub struct Sides {
 
 impl Shape for Sides {
     fn contains(&self, x: &[f64]) -> bool {
-        x.iter()
-            .zip(&self.limits)
-            .all(|(v, [low, high])| v >= low && v <= high)
+        within(x, &self.limits)
     }
+}
+
+/// Whether a point lies between limits of each parameter.
+pub(super) fn within(x: &[f64], limits: &[[f64; 2]]) -> bool {
+    let mut sides = x.iter().zip(limits);
+    sides.all(|(v, [low, high])| v >= low && v <= high)
 }
 
 /// The points with (x - centre)' shape (x - centre) <= 1.

@@ -23,14 +23,20 @@ pub struct Quality {
     pub predicted: f64,
 }
 
-/// A fitted polynomial.
+/// The terms of a polynomial of standardised parameters.
 #[derive(Clone, Debug)]
-pub struct Surrogate {
+struct Basis {
     centre: Vec<f64>,
     scale: Vec<f64>,
     terms: Vec<Vec<u8>>,
-    coefficients: Vec<f64>,
     degree: usize,
+}
+
+/// A fitted polynomial.
+#[derive(Clone, Debug)]
+pub struct Surrogate {
+    basis: Basis,
+    coefficients: Vec<f64>,
     /// The rows that were fitted.
     rows: Vec<usize>,
     /// Leave-one-out errors of the points fitted, in their order.
@@ -66,11 +72,8 @@ impl Surrogate {
         let kept: Vec<usize> = (0..output.len())
             .filter(|&j| output[j].is_finite() && inputs[j].iter().all(|v| v.is_finite()))
             .collect();
-        let kept: Vec<usize> = kept
-            .iter()
-            .copied()
-            .step_by(kept.len().div_ceil(MOST_POINTS).max(1))
-            .collect();
+        let every = kept.len().div_ceil(MOST_POINTS).max(1);
+        let kept: Vec<usize> = kept.into_iter().step_by(every).collect();
         let d = inputs.first()?.len();
         let column = |k: usize| kept.iter().map(move |&j| inputs[j][k]);
         let n = kept.len() as f64;
@@ -87,38 +90,39 @@ impl Surrogate {
             if terms.len() as f64 * POINTS_A_TERM > n || best.as_ref().is_some_and(exact) {
                 break;
             }
-            let candidate = Self {
+            let basis = Basis {
                 centre: centre.clone(),
                 scale: scale.clone(),
                 terms,
-                coefficients: vec![],
-                rows: vec![],
-                errors: vec![],
                 degree,
-                quality: NONE,
             };
-            let Some(fitted) = candidate.solve(inputs, &kept, &y) else {
-                continue;
+            let is_better = |fit: &Self| {
+                let before = best.as_ref().map(|best| best.quality.error);
+                before.is_none_or(|before| fit.quality.error < before)
             };
-            if best
-                .as_ref()
-                .is_none_or(|b| fitted.quality.error < b.quality.error)
-            {
-                best = Some(fitted);
-            }
+            let fit = Self::solve(basis, inputs, &kept, &y).filter(is_better);
+            best = fit.or(best);
         }
         best
     }
 
-    fn solve(mut self, inputs: &[Vec<f64>], kept: &[usize], y: &DVector<f64>) -> Option<Self> {
-        let rows: Vec<Vec<f64>> = kept.iter().map(|&j| self.basis(&inputs[j])).collect();
-        let mut matrix = DMatrix::from_fn(rows.len(), self.terms.len(), |r, c| rows[r][c]);
+    fn solve(
+        mut basis: Basis,
+        inputs: &[Vec<f64>],
+        kept: &[usize],
+        y: &DVector<f64>,
+    ) -> Option<Self> {
+        let rows: Vec<Vec<f64>> = kept
+            .iter()
+            .map(|&j| basis.values(&inputs[j]).collect())
+            .collect();
+        let mut matrix = DMatrix::from_fn(rows.len(), basis.terms.len(), |r, c| rows[r][c]);
         let mut dependent = dependent(&matrix);
         if !dependent.is_empty() {
             // Parameters that stay in a relation, as those from a sample may: the other terms say the same.
             matrix = matrix.remove_columns_at(&dependent);
             while let Some(last) = dependent.pop() {
-                self.terms.remove(last);
+                basis.terms.remove(last);
             }
             if !self::dependent(&matrix).is_empty() {
                 return None;
@@ -133,46 +137,35 @@ impl Surrogate {
             let leverage = q.row(j).iter().map(|v| v * v).sum::<f64>();
             (y[j] - fitted[j]) / (1.0 - leverage).max(1e-9)
         });
-        self.errors = errors.collect();
-        let mean_square = self.errors.iter().map(|e| e * e).sum::<f64>() / y.len() as f64;
+        let errors: Vec<f64> = errors.collect();
+        let mean_square = errors.iter().map(|e| e * e).sum::<f64>() / y.len() as f64;
         let variance = y.variance();
-        self.quality = Quality {
-            degree: self.degree,
-            terms: self.terms.len(),
-            points: y.len(),
-            error: mean_square.sqrt(),
-            predicted: if variance > 0.0 {
-                1.0 - mean_square / variance
-            } else {
-                1.0
-            },
+        let left = if variance > 0.0 {
+            mean_square / variance
+        } else {
+            0.0
         };
-        self.coefficients = coefficients.iter().copied().collect();
-        self.rows = kept.to_vec();
-        Some(self)
-    }
-
-    /// The polynomials of each parameter, by degree.
-    fn powers(&self, x: &[f64]) -> Vec<Vec<f64>> {
-        let standard = x.iter().zip(&self.centre).zip(&self.scale);
-        let standard = standard.map(|((v, centre), scale)| (v - centre) / scale);
-        standard.map(|z| hermite(z, self.degree)).collect()
-    }
-
-    fn basis(&self, x: &[f64]) -> Vec<f64> {
-        let powers = self.powers(x);
-        self.terms.iter().map(|term| value(term, &powers)).collect()
+        Some(Self {
+            quality: Quality {
+                degree: basis.degree,
+                terms: basis.terms.len(),
+                points: y.len(),
+                error: mean_square.sqrt(),
+                predicted: 1.0 - left,
+            },
+            coefficients: coefficients.iter().copied().collect(),
+            rows: kept.to_vec(),
+            errors,
+            basis,
+        })
     }
 
     /// The predicted output.
     pub fn at(&self, x: &[f64]) -> f64 {
-        let powers = self.powers(x);
-        let terms = self.terms.iter().zip(&self.coefficients);
-        terms.map(|(term, c)| value(term, &powers) * c).sum()
+        let values = self.basis.values(x).zip(&self.coefficients);
+        values.map(|(value, c)| value * c).sum()
     }
-}
 
-impl Surrogate {
     /// What a fit without it predicts at each row of the inputs.
     pub fn left_out(&self, inputs: &[Vec<f64>], output: &[f64]) -> Vec<f64> {
         let mut predicted: Vec<f64> = inputs.iter().map(|x| self.at(x)).collect();
@@ -183,10 +176,17 @@ impl Surrogate {
     }
 }
 
-/// The product of one term's polynomials.
-fn value(term: &[u8], powers: &[Vec<f64>]) -> f64 {
-    let pairs = term.iter().zip(powers).filter(|(p, _)| **p > 0);
-    pairs.map(|(p, powers)| powers[usize::from(*p)]).product()
+impl Basis {
+    /// The values of the terms: products of the parameters' polynomials.
+    fn values(&self, x: &[f64]) -> impl Iterator<Item = f64> + '_ {
+        let standard = x.iter().zip(&self.centre).zip(&self.scale);
+        let standard = standard.map(|((v, centre), scale)| (v - centre) / scale);
+        let powers: Vec<Vec<f64>> = standard.map(|z| hermite(z, self.degree)).collect();
+        self.terms.iter().map(move |term| {
+            let pairs = term.iter().zip(&powers).filter(|(p, _)| **p > 0);
+            pairs.map(|(p, powers)| powers[usize::from(*p)]).product()
+        })
+    }
 }
 
 /// The columns that depend on those before them.
@@ -197,14 +197,6 @@ fn dependent(matrix: &DMatrix<f64>) -> Vec<usize> {
     let depends = |&k: &usize| r[(k, k)].abs() < NONE_LEFT * size;
     (0..matrix.ncols()).filter(depends).collect()
 }
-
-const NONE: Quality = Quality {
-    degree: 0,
-    terms: 0,
-    points: 0,
-    error: f64::INFINITY,
-    predicted: 0.0,
-};
 
 /// Orthonormal Hermite polynomials of degree 0 to `degree` (probabilists').
 fn hermite(z: f64, degree: usize) -> Vec<f64> {
@@ -222,10 +214,7 @@ fn terms(d: usize, degree: usize) -> Vec<Vec<u8>> {
     for _ in 0..d {
         found = found
             .iter()
-            .flat_map(|head: &Vec<u8>| {
-                (0..=degree as u8)
-                    .map(move |p| head.iter().copied().chain([p]).collect::<Vec<u8>>())
-            })
+            .flat_map(|head: &Vec<u8>| (0..=degree as u8).map(|p| [&head[..], &[p]].concat()))
             .filter(|t| t.iter().map(|p| f64::from(*p).powf(NORM)).sum::<f64>() <= limit)
             .collect();
     }

@@ -13,9 +13,9 @@ pub mod stated;
 #[cfg(test)]
 mod tests;
 
-use conformity::interval::wilson;
 use sampling::design::{Design, Joint, cube};
 use sampling::distribution::Distribution;
+use sampling::statistics::share::wilson;
 
 pub use sample::{Estimate, Sample};
 
@@ -99,10 +99,8 @@ pub fn widest<E>(
     };
     let mut scales = problem.least_cost(&sample, ones);
     while rounds < MOST_ROUNDS && !problem.settled(&sample, &scales) {
-        let near: Vec<f64> = scales
-            .iter()
-            .map(|scale| (WIDER * scale).min(problem.limit))
-            .collect();
+        let near = scales.iter().map(|s| (WIDER * s).min(problem.limit));
+        let near: Vec<f64> = near.collect();
         let (points, goods) = draw(&near, &mut rounds)?;
         sample.extend(&near, points, goods);
         scales = problem.least_cost(&sample, scales);
@@ -124,16 +122,10 @@ pub fn widest<E>(
 impl Problem {
     /// Points of the parameters' distributions with these tolerances.
     pub fn draw(&self, scales: &[f64], seed: u64) -> Vec<Vec<f64>> {
-        let scaled: Vec<Distribution> = self
-            .distributions
-            .iter()
-            .zip(scales)
-            .map(|(distribution, &scale)| distribution.scaled(scale))
-            .collect();
+        let scaled = scaled(&self.distributions, scales);
         let net = self.net(seed).expect("`check` has made such a net");
-        (0..self.points)
-            .map(|index| self.point(&scaled, &net.point(index)))
-            .collect()
+        let point = |index| self.point(&scaled, &net.point(index));
+        (0..self.points).map(point).collect()
     }
 
     /// Says what is wrong with the number of points or parameters, if anything is.
@@ -230,9 +222,8 @@ impl Problem {
         loop {
             let scales = self.at(sample, proportions, length);
             let found = sample.estimate(&scales);
-            let is_larger = most
-                .as_ref()
-                .is_none_or(|(_, best)| found.share > best.share);
+            let best = most.as_ref().map(|(_, best)| best.share);
+            let is_larger = best.is_none_or(|best| found.share > best);
             let is_narrowest = scales.iter().all(|scale| *scale <= NARROWEST);
             if is_known(found) && is_larger {
                 most = Some((scales, found));
@@ -247,36 +238,30 @@ impl Problem {
     /// Tolerances of a length in given proportions, but none wider than what was drawn.
     fn at(&self, sample: &Sample, proportions: &[f64], length: f64) -> Vec<f64> {
         let pairs = proportions.iter().zip(sample.reach());
-        pairs
-            .map(|(p, reach)| (length * p).clamp(NARROWEST, reach.min(self.limit)))
-            .collect()
+        let scale = |(p, reach): (&f64, &f64)| (length * p).clamp(NARROWEST, reach.min(self.limit));
+        pairs.map(scale).collect()
     }
 
     /// The length at which the last of the tolerances is as wide as what was drawn.
     fn longest(&self, sample: &Sample, proportions: &[f64]) -> f64 {
         let pairs = proportions.iter().zip(sample.reach());
-        pairs
-            .map(|(p, reach)| reach.min(self.limit) / p)
-            .fold(0.0, f64::max)
+        let lengths = pairs.map(|(p, reach)| reach.min(self.limit) / p);
+        lengths.fold(0.0, f64::max)
     }
 
     /// The cost of tolerances.
     fn cost(&self, scales: &[f64]) -> f64 {
-        self.costs
-            .iter()
-            .zip(scales)
-            .map(|(cost, scale)| cost / scale)
-            .sum()
+        let pairs = self.costs.iter().zip(scales);
+        pairs.map(|(cost, scale)| cost / scale).sum()
     }
 
     /// Whether the points tell enough about these tolerances: many effective ones, and some drawn at wider tolerances,
     /// unless these are the widest that are looked at.
     fn settled(&self, sample: &Sample, scales: &[f64]) -> bool {
         let enough = FEWEST.max(0.25 * self.points as f64);
-        let inside = scales
-            .iter()
-            .zip(sample.reach())
-            .all(|(&scale, &reach)| scale < 0.999 * reach || reach >= 0.999 * self.limit);
+        let mut pairs = scales.iter().zip(sample.reach());
+        let inside =
+            pairs.all(|(&scale, &reach)| scale < 0.999 * reach || reach >= 0.999 * self.limit);
         inside && sample.estimate(scales).effective >= enough
     }
 
@@ -302,12 +287,9 @@ impl Problem {
             let ratios: Vec<f64> = wanted.zip(&scales).map(|(w, s)| (w / s).ln()).collect();
             // The common factor is found along the ray.
             let common = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-            let moved: Vec<f64> = scales
-                .iter()
-                .zip(&ratios)
-                .map(|(scale, ratio)| scale * ((ratio - common) / 3.0).min(1.0).exp())
-                .collect();
-            let next = self.along(sample, &moved);
+            let pairs = scales.iter().zip(&ratios);
+            let moved = pairs.map(|(scale, r)| scale * ((r - common) / 3.0).min(1.0).exp());
+            let next = self.along(sample, &moved.collect::<Vec<f64>>());
             let change = next.iter().zip(&scales).map(|(a, b)| (a / b).ln().abs());
             let change = change.fold(0.0, f64::max);
             scales = next;
@@ -343,9 +325,8 @@ impl Problem {
 
     /// The widest tolerances in given proportions at which the share is the wanted one.
     fn along(&self, sample: &Sample, proportions: &[f64]) -> Vec<f64> {
-        self.ray(sample, proportions, |estimate| {
-            estimate.share >= self.target
-        })
+        let holds = |estimate: Estimate| estimate.share >= self.target;
+        self.ray(sample, proportions, holds)
     }
 
     /// The widest tolerances in given proportions at which a condition holds, but none wider than what was drawn, and none
@@ -398,6 +379,11 @@ impl Problem {
         let trials = 1.0 / (1.0 / estimate.trials.max(1.0) + 1.0 / self.confirm as f64);
         wilson(estimate.share, trials, PROBABILITY)
     }
+}
+
+fn scaled(distributions: &[Distribution], scales: &[f64]) -> Vec<Distribution> {
+    let pairs = distributions.iter().zip(scales);
+    pairs.map(|(own, &scale)| own.scaled(scale)).collect()
 }
 
 /// Whether the points tell enough about the tolerances of an estimate to search there.

@@ -2,6 +2,8 @@
 
 use sampling::distribution::{Distribution, ln_sum};
 
+use super::scaled;
+
 /// Points of which each knows how good it is, and how probable it was to be drawn.
 #[derive(Clone, Debug)]
 pub struct Sample {
@@ -53,15 +55,14 @@ impl Sample {
             *reach = reach.max(*scale);
         }
         let all = self.points.len() as f64;
-        let rounds: Vec<(Vec<Distribution>, f64)> = self
-            .drawn
-            .iter()
-            .map(|(scales, count)| (self.scaled(scales), (*count as f64 / all).ln()))
-            .collect();
+        let round = |(scales, count): &(Vec<f64>, usize)| {
+            let ln_share = (*count as f64 / all).ln();
+            (scaled(&self.distributions, scales), ln_share)
+        };
+        let rounds: Vec<(Vec<Distribution>, f64)> = self.drawn.iter().map(round).collect();
         let mixture = |point: &Vec<f64>| {
-            let terms = rounds
-                .iter()
-                .map(|(scaled, ln_share)| ln_share + ln_density(scaled, point));
+            let rounds = rounds.iter();
+            let terms = rounds.map(|(scaled, ln_share)| ln_share + ln_density(scaled, point));
             ln_sum(&terms.collect::<Vec<f64>>())
         };
         self.ln_mixture = self.points.iter().map(mixture).collect();
@@ -82,16 +83,9 @@ impl Sample {
         &self.reach
     }
 
-    fn scaled(&self, scales: &[f64]) -> Vec<Distribution> {
-        let pairs = self.distributions.iter().zip(scales);
-        pairs
-            .map(|(distribution, &scale)| distribution.scaled(scale))
-            .collect()
-    }
-
     /// The share at these tolerances.
     pub fn estimate(&self, scales: &[f64]) -> Estimate {
-        let scaled = self.scaled(scales);
+        let scaled = scaled(&self.distributions, scales);
         let pairs = self.points.iter().zip(&self.ln_mixture);
         let weights: Vec<f64> = pairs
             .map(|(point, ln_mixture)| (ln_density(&scaled, point) - ln_mixture).exp())
@@ -119,9 +113,6 @@ impl Sample {
 }
 
 fn ln_density(scaled: &[Distribution], point: &[f64]) -> f64 {
-    scaled
-        .iter()
-        .zip(point)
-        .map(|(distribution, &x)| distribution.ln_density(x))
-        .sum()
+    let pairs = scaled.iter().zip(point);
+    pairs.map(|(own, &x)| own.ln_density(x)).sum()
 }

@@ -52,14 +52,10 @@ impl Correlation {
         let mut free: Vec<f64> = Vec::with_capacity(values.len());
         let mut sum = 0.0;
         for (row, score) in self.rows.iter().zip(inputs.iter().zip(values).map(score)) {
-            let own = row[free.len()];
-            let known: f64 = row
-                .iter()
-                .zip(&free)
-                .map(|(weight, free)| weight * free)
-                .sum();
-            let rest = (score - known) / own;
-            sum += 0.5 * (score * score - rest * rest) - own.ln();
+            let diagonal = row[free.len()];
+            let known = mixed(row, &free);
+            let rest = (score - known) / diagonal;
+            sum += 0.5 * (score * score - rest * rest) - diagonal.ln();
             free.push(rest);
         }
         sum
@@ -67,20 +63,16 @@ impl Correlation {
 
     /// The matrix of the coefficients of some of the inputs.
     pub(super) fn among(&self, inputs: &[usize]) -> DMatrix<f64> {
-        let coefficient = |a: usize, b: usize| -> f64 {
-            let pairs = self.rows[inputs[a]].iter().zip(&self.rows[inputs[b]]);
-            pairs.map(|(x, y)| x * y).sum()
-        };
-        DMatrix::from_fn(inputs.len(), inputs.len(), coefficient)
+        DMatrix::from_fn(inputs.len(), inputs.len(), |a, b| {
+            self.coefficient(inputs[a], inputs[b])
+        })
     }
 
     /// The inputs' values from independent standard normal scores, one for each input.
     pub fn at_scores(&self, scores: &[f64], inputs: &[Distribution]) -> Vec<f64> {
-        let mixed = |row: &Vec<f64>| row.iter().zip(scores).map(|(w, s)| w * s).sum();
         let pairs = self.rows.iter().zip(inputs);
-        pairs
-            .map(|(row, input)| input.at_score(mixed(row)))
-            .collect()
+        let values = pairs.map(|(row, input)| input.at_score(mixed(row, scores)));
+        values.collect()
     }
 
     /// The inputs' values from independent numbers in (0, 1), one for each input.
@@ -91,20 +83,16 @@ impl Correlation {
             if row[..i].iter().all(|&weight| weight == 0.0) {
                 return input.quantile(uniform[i]);
             }
-            let score = row
-                .iter()
-                .zip(&scores)
-                .map(|(weight, score)| weight * score)
-                .sum();
-            input.at_score(score)
+            input.at_score(mixed(row, &scores))
         };
-        self.rows
-            .iter()
-            .zip(inputs)
-            .enumerate()
-            .map(value)
-            .collect()
+        let pairs = self.rows.iter().zip(inputs);
+        pairs.enumerate().map(value).collect()
     }
+}
+
+fn mixed(row: &[f64], scores: &[f64]) -> f64 {
+    let pairs = row.iter().zip(scores);
+    pairs.map(|(weight, score)| weight * score).sum()
 }
 
 #[cfg(test)]

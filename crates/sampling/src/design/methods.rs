@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::rule::{self, Inputs, Numbers, Rule};
+use super::rule::{self, Inputs, Rule};
+use super::sampling::Sampling;
 use super::{factorial, halton, hypercube, monte_carlo, optimised, sobol};
 
 /// Makes the choice of the designs from lines of name, type and meaning.
@@ -53,9 +54,9 @@ macro_rules! methods {
             }
 
             /// The rule for the points of a study.
-            pub(super) fn rule(self, numbers: &Numbers, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
+            pub(super) fn rule(self, sampling: &Sampling, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
                 Ok(match self {
-                    $(Self::$method => Arc::new(<$rule as rule::Registered>::new(numbers, inputs)?),)*
+                    $(Self::$method => Arc::new(<$rule as rule::Registered>::new(sampling, inputs)?),)*
                 })
             }
         }
@@ -74,19 +75,13 @@ methods! {
 impl Method {
     /// Its name in a study.
     pub fn name(self) -> String {
-        let name = serde_json::to_value(self).expect("a method is written as a word");
-        name.as_str()
-            .expect("a method is written as a word")
-            .to_owned()
+        crate::word(&self)
     }
 
     /// The names of those that have a property, for a sentence: `a, b or c`.
     pub fn named(has: impl Fn(Self) -> bool) -> String {
-        let names: Vec<String> = Self::ALL
-            .iter()
-            .filter(|method| has(**method))
-            .map(|method| method.name())
-            .collect();
+        let having = Self::ALL.iter().filter(|method| has(**method));
+        let names: Vec<String> = having.map(|method| method.name()).collect();
         match names.split_last() {
             Some((last, [])) => last.clone(),
             Some((last, others)) => format!("{} or {last}", others.join(", ")),

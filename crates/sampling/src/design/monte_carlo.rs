@@ -1,6 +1,7 @@
 //! Independent random points.
 
-use super::rule::{Inputs, Numbers, Registered, Rule};
+use super::rule::{Inputs, Registered, Rule};
+use super::sampling::Sampling;
 use crate::random::{Purpose, uniform};
 
 /// Independent points.
@@ -12,8 +13,7 @@ pub(crate) struct Independent {
 impl Registered for Independent {
     const EXTENSIBLE: bool = true;
 
-    fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
-        let seed = numbers.seed;
+    fn new(&Sampling { seed, .. }: &Sampling, _: &Inputs) -> Result<Self, String> {
         Ok(Self { seed })
     }
 }

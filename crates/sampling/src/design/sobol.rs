@@ -4,7 +4,8 @@
 
 use ::sobol::params::JoeKuoD6;
 
-use super::rule::{Inputs, Numbers, Registered, Rule};
+use super::rule::{Inputs, Registered, Rule};
+use super::sampling::Sampling;
 use crate::random::{self, Purpose, mix};
 
 const BITS: u32 = 32;
@@ -23,8 +24,8 @@ impl Registered for Nets {
     const EXTENSIBLE: bool = true;
     const REPLICATES: bool = true;
 
-    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(numbers, inputs.dimensions())
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(sampling, inputs.dimensions())
     }
 }
 
@@ -40,8 +41,8 @@ impl Rule for Nets {
 }
 
 impl Nets {
-    pub(super) fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
-        if numbers.points / numbers.replicates > 1 << BITS {
+    pub(super) fn of(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
+        if sampling.points / sampling.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }
         let parameters = JoeKuoD6::minimal();
@@ -58,8 +59,8 @@ impl Nets {
             .take(dimensions)
             .collect();
         Ok(Self {
-            seed: numbers.seed,
-            replicates: numbers.replicates,
+            seed: sampling.seed,
+            replicates: sampling.replicates,
             directions,
         })
     }
@@ -159,12 +160,13 @@ mod tests {
     }
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
-        let numbers = Numbers {
+        let sampling = Sampling {
             points,
             seed: 11,
             replicates,
+            ..Sampling::default()
         };
-        Nets::of(&numbers, dimensions)
+        Nets::of(&sampling, dimensions)
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Distribution, normal_cdf};
+use super::{Distribution, limits, normal_cdf};
 
 fn ln_normal(value: f64, mean: f64, deviation: f64) -> f64 {
     let z = (value - mean) / deviation;
@@ -66,7 +66,8 @@ impl Distribution {
                 min,
                 max,
             } => {
-                if min.is_some_and(|min| value < min) || max.is_some_and(|max| value > max) {
+                let [least, most] = limits(min, max);
+                if value < least || value > most {
                     return f64::NEG_INFINITY;
                 }
                 let [low, high] = self.cut();
@@ -100,9 +101,10 @@ impl Distribution {
     pub fn centre(&self) -> f64 {
         match *self {
             Self::Normal { mean, .. } | Self::Lognormal { mean, .. } => mean,
-            Self::TruncatedNormal { mean, min, max, .. } => mean
-                .max(min.unwrap_or(f64::NEG_INFINITY))
-                .min(max.unwrap_or(f64::INFINITY)),
+            Self::TruncatedNormal { mean, min, max, .. } => {
+                let [least, most] = limits(min, max);
+                mean.max(least).min(most)
+            }
             Self::Uniform { min, max } => 0.5 * (min + max),
             Self::Triangular { mode, .. } => mode,
             Self::Sample { .. } => self.median(),

@@ -34,29 +34,18 @@ pub(super) struct Population {
     change: f64,
 }
 
-/// What a search has found.
-#[derive(Debug, Default)]
-pub(super) struct Found {
-    /// Regions in which the event happens.
-    pub(super) regions: Vec<Population>,
-    /// The levels on the way, each with the share of the space that reaches it.
-    pub(super) levels: Vec<(f64, f64)>,
-    /// Whether a region was given up because its level does not change, or because the runs were used up.
-    pub(super) given_up: bool,
-}
-
-/// Goes down from plain points, whose levels are known, with populations of so many points and at most so many runs.
-/// Without `apart`, the population stays one.
+/// The regions in which the event happens: goes down from plain points, whose levels are known, with populations of so
+/// many points and at most so many runs. Notes the levels on the way, each with the share of the space that reaches it.
 pub(super) fn explore<E>(
     plain: (Vec<Vec<f64>>, Vec<f64>),
     most_runs: u64,
-    apart: bool,
     runs: &mut Runs<'_, E>,
     random: &mut Random,
-) -> Result<Found, E> {
+    levels: &mut Vec<(f64, f64)>,
+) -> Result<Vec<Population>, E> {
     let size = plain.0.len();
     let end = runs.made + most_runs;
-    let mut found = Found::default();
+    let mut regions = Vec::new();
     let mut open = vec![Population {
         points: plain.0,
         levels: plain.1,
@@ -66,45 +55,41 @@ pub(super) fn explore<E>(
         change: 1.0,
     }];
     for _ in 0..MOST_LEVELS {
-        let regions = open.len() + found.regions.len();
-        let size = (size / regions).max(SMALLEST.min(size));
+        let size = (size / (open.len() + regions.len())).max(SMALLEST.min(size));
         let mut next = Vec::new();
         let mut level = (f64::NEG_INFINITY, 0.0);
         for population in &open {
+            // A region is given up when the runs are used up, or its level does not change.
             if runs.made + size as u64 > end.min(runs.most) {
-                found.given_up = true;
                 continue;
             }
             let Some(deeper) = population.deeper(size, runs, random)? else {
-                found.given_up = true;
                 continue;
             };
             level = (deeper.reached.max(level.0), level.1 + deeper.share);
-            let now = open.len() + next.len() + found.regions.len();
-            let split = if apart && now < MOST_REGIONS {
+            let split = if open.len() + next.len() + regions.len() < MOST_REGIONS {
                 parts(&deeper.points, deeper.reached, runs, random)?
             } else {
                 vec![0; deeper.points.len()]
             };
             for part in deeper.split(&split) {
                 if part.reached == f64::NEG_INFINITY {
-                    found.regions.push(part);
+                    regions.push(part);
                 } else {
                     next.push(part);
                 }
             }
         }
         if level.1 > 0.0 && level.0 > f64::NEG_INFINITY {
-            let done: f64 = found.regions.iter().map(|region| region.share).sum();
-            found.levels.push((level.0, level.1.max(done)));
+            let done: f64 = regions.iter().map(|region: &Population| region.share).sum();
+            levels.push((level.0, level.1.max(done)));
         }
         open = next;
         if open.is_empty() {
             break;
         }
     }
-    found.given_up |= !open.is_empty();
-    Ok(found)
+    Ok(regions)
 }
 
 impl Population {

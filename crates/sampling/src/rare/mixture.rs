@@ -117,32 +117,28 @@ impl Mixture {
         let mut parts = beginning(count, points, weights, random);
         let mut last = f64::NEG_INFINITY;
         for _ in 0..STEPS {
-            let mut mixture = Self::default();
-            for part in &parts {
-                if effective(part) < fewest(points) {
-                    return None;
-                }
-                mixture.parts.push(Component::fit(points, part));
-                mixture.weights.push(part.iter().sum());
-                mixture.regions.push(0);
-            }
-            mixture.normalise();
+            let mixture = Self::of_parts(points, &parts)?;
             let (next, fit) = mixture.shares(points, weights);
             if fit - last < 1e-4 {
                 return Some(mixture);
             }
             (parts, last) = (next, fit);
         }
-        let enough = parts.iter().all(|part| effective(part) >= fewest(points));
-        enough.then(|| {
-            let mut mixture = Self {
-                parts: parts.iter().map(|p| Component::fit(points, p)).collect(),
-                weights: parts.iter().map(|p| p.iter().sum()).collect(),
-                regions: vec![0; count],
-            };
-            mixture.normalise();
-            mixture
-        })
+        Self::of_parts(points, &parts)
+    }
+
+    /// A component for each part of the points' weights; none where one of them rests on too few points.
+    fn of_parts(points: &[Vec<f64>], parts: &[Vec<f64>]) -> Option<Self> {
+        if parts.iter().any(|part| effective(part) < fewest(points)) {
+            return None;
+        }
+        let mut mixture = Self {
+            parts: parts.iter().map(|p| Component::fit(points, p)).collect(),
+            weights: parts.iter().map(|p| p.iter().sum()).collect(),
+            regions: vec![0; parts.len()],
+        };
+        mixture.normalise();
+        Some(mixture)
     }
 
     /// Fits the components to weighted points, beginning from what they are; none gets lost.

@@ -8,7 +8,7 @@
 //!    whether the event happens, by points drawn wider (`widen`).
 //! 3. A mixture of normal distributions is fitted to what was found, and its independent draws give the share with its
 //!    interval (`weigh`).
-//! 4. Where no mixture follows the shape of the event, independent searches give it (`repeat`).
+//! 4. All this is done twice (`twice`): searches that know nothing of each other have to agree.
 //!
 //! A region that no chain has reached is not counted, and nothing can tell that there is none.
 
@@ -25,7 +25,7 @@ mod weigh;
 mod widen;
 
 use crate::random::{Purpose, Random};
-use explore::{Found, explore};
+use explore::{Population, explore};
 use runs::Runs;
 
 /// The result of a run.
@@ -174,34 +174,32 @@ fn search_once<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     if is_frequent(answer.plain) {
         return counted(search, answer, runs, &mut random);
     }
-    let found = if search.is_binary {
-        widen::widen(
-            search.dimensions,
-            size,
-            &mut runs,
-            &mut random,
-            &mut answer.wider,
-        )?
+    let regions = if search.is_binary {
+        let (dimensions, wider) = (search.dimensions, &mut answer.wider);
+        let region = widen::widen(dimensions, size, &mut runs, &mut random, wider)?;
+        region.into_iter().collect()
     } else {
-        let ranks = results.iter().map(Judged::rank).collect();
+        let ranked = (points, results.iter().map(Judged::rank).collect());
         // What is left must do for the draws.
         let most = search.runs / 2;
-        explore((points, ranks), most, true, &mut runs, &mut random)?
+        explore(ranked, most, &mut runs, &mut random, &mut answer.levels)?
     };
-    answer.levels.clone_from(&found.levels);
-    let rough: f64 = found.regions.iter().map(|region| region.share).sum();
     // Where no way leads to the event, as over flat outputs, the runs that are left tell at least how large its share may be.
-    if rough >= FREQUENT || found.regions.is_empty() {
+    if rough(&regions) >= FREQUENT || regions.is_empty() {
         return counted(search, answer, runs, &mut random);
     }
-    answer.rough = Some(rough);
-    measured(search, &found, size, answer, runs, &mut random)
+    measured(search, &regions, size, answer, runs, &mut random)
 }
 
-/// The share by draws from a mixture, where it follows the event.
+/// The share of all regions, as the sizes of the populations say.
+fn rough(regions: &[Population]) -> f64 {
+    regions.iter().map(|region| region.share).sum()
+}
+
+/// The share by draws from a mixture, where it follows the event; a rough one where it does not.
 fn measured<E>(
     search: &Search,
-    found: &Found,
+    regions: &[Population],
     size: u64,
     mut answer: Answer,
     mut runs: Runs<'_, E>,
@@ -211,26 +209,14 @@ fn measured<E>(
     const LARGE: f64 = 0.1;
     /// The search errs by less than this factor.
     const FAR: f64 = 5.0;
-    let rough: f64 = found.regions.iter().map(|region| region.share).sum();
-    let proposal = weigh::propose(&found.regions, size, &mut runs, random)?;
+    let proposal = weigh::propose(regions, size, &mut runs, random)?;
     let trusted = proposal.filter(|proposal| {
-        let agrees = search.is_binary || proposal.share > rough / FAR;
+        let agrees = search.is_binary || proposal.share > rough(regions) / FAR;
         agrees && proposal.expected_error(runs.left()) <= LARGE
     });
-    if let Some(proposal) = trusted {
-        let measured = proposal.measure(search.confidence, &mut runs, random)?;
-        answer.share = Some(Share {
-            value: measured.share,
-            interval: Some(measured.interval),
-            error: measured.error,
-            effective: measured.effective,
-            method: Method::Weighted,
-        });
-        answer.regions = measured.regions;
-        answer.sample = measured.sample;
-    }
-    if answer.share.is_some() {
-        answer.rough = None;
+    match trusted {
+        Some(proposal) => proposal.measure(search.confidence, &mut runs, random, &mut answer)?,
+        None => answer.rough = Some(rough(regions)),
     }
     answer.runs = runs.made;
     Ok(answer)
@@ -264,10 +250,8 @@ fn counted<E>(
             effective: met as f64,
             method: Method::Counted,
         });
-        answer
-            .sample
-            .iter_mut()
-            .for_each(|point| point.weight = 1.0 / all as f64);
+        let sample = answer.sample.iter_mut();
+        sample.for_each(|point| point.weight = 1.0 / all as f64);
     }
     Ok(answer)
 }

@@ -22,13 +22,12 @@ pub(super) fn twice<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
 }
 
 /// What both searches say together.
-fn joined(mut first: Answer, second: Answer) -> Answer {
+fn joined(mut first: Answer, mut second: Answer) -> Answer {
     first.runs += second.runs;
     first.plain = sum(first.plain, second.plain);
     first.wider = sum(first.wider, second.wider);
-    let found = (first.share.take(), second.share);
-    match found {
-        (Some(one), Some(other)) => join(&mut first, one, other, second.regions, second.sample),
+    match (first.share.take(), second.share.take()) {
+        (Some(one), Some(other)) => join(&mut first, one, other, second),
         (None, None) => {
             first.rough = first.rough.into_iter().chain(second.rough).reduce(f64::max);
         }
@@ -41,13 +40,7 @@ fn joined(mut first: Answer, second: Answer) -> Answer {
     first
 }
 
-fn join(
-    answer: &mut Answer,
-    one: Share,
-    other: Share,
-    regions: Vec<super::RegionShare>,
-    sample: Vec<Weighted>,
-) {
+fn join(answer: &mut Answer, one: Share, other: Share, second: Answer) {
     let ends = |share: &Share| share.interval.unwrap_or([share.value; 2]);
     let ([low, high], [other_low, other_high]) = (ends(&one), ends(&other));
     if low > other_high || other_low > high {
@@ -59,7 +52,7 @@ fn join(
     let effective = one.effective + other.effective;
     let part = one.effective / effective;
     if other.effective > one.effective {
-        answer.regions = regions;
+        answer.regions = second.regions;
     }
     let scaled = |points: Vec<Weighted>, by: f64| {
         points.into_iter().map(move |point| Weighted {
@@ -67,9 +60,9 @@ fn join(
             ..point
         })
     };
-    let own = std::mem::take(&mut answer.sample);
-    answer.sample = scaled(own, part)
-        .chain(scaled(sample, 1.0 - part))
+    let more = scaled(second.sample, 1.0 - part);
+    answer.sample = scaled(std::mem::take(&mut answer.sample), part)
+        .chain(more)
         .collect();
     answer.rough = None;
     answer.share = Some(Share {

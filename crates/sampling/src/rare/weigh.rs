@@ -11,7 +11,7 @@ use super::explore::Population;
 use super::mixture::{Mixture, ln_standard};
 use super::runs::Runs;
 use super::scatter::effective;
-use super::{RegionShare, Weighted};
+use super::{Answer, Method, RegionShare, Share, Weighted, rough};
 use crate::random::Random;
 
 /// Components for one region.
@@ -94,7 +94,7 @@ pub(super) fn propose<E>(
     runs: &mut Runs<'_, E>,
     random: &mut Random,
 ) -> Result<Option<Proposal>, E> {
-    let all: f64 = regions.iter().map(|region| region.share).sum();
+    let all = rough(regions);
     // What a population's size says of its region is rough: no region begins with less than half of its turn.
     let least = 0.5 / regions.len() as f64;
     let mut mixture = Mixture::default();
@@ -143,30 +143,20 @@ fn cap(weights: &mut [f64]) {
     weights.iter_mut().for_each(|w| *w = w.min(most));
 }
 
-/// The share with its interval, and what it rests on.
-#[derive(Debug)]
-pub(super) struct Measured {
-    pub(super) share: f64,
-    pub(super) interval: [f64; 2],
-    pub(super) error: f64,
-    pub(super) effective: f64,
-    pub(super) regions: Vec<RegionShare>,
-    pub(super) sample: Vec<Weighted>,
-}
-
 impl Proposal {
     /// The relative standard error that so many draws would leave.
     pub(super) fn expected_error(&self, draws: u64) -> f64 {
         (self.scatter / draws.max(1) as f64).sqrt()
     }
 
-    /// Makes the last draws, as many as are left at most.
+    /// Makes the last draws, as many as are left at most, and answers with the share and what it rests on.
     pub(super) fn measure<E>(
         &self,
         confidence: f64,
         runs: &mut Runs<'_, E>,
         random: &mut Random,
-    ) -> Result<Measured, E> {
+        answer: &mut Answer,
+    ) -> Result<(), E> {
         let wanted = (RESERVE * self.scatter / (ENOUGH * ENOUGH)).ceil() as u64;
         let count = wanted.max(FEWEST_DRAWS).min(runs.left());
         let drawn = draw(&self.mixture, count, runs, random)?;
@@ -205,13 +195,14 @@ impl Proposal {
         });
         let normal = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
         let half = DRAWN_OUT * normal * error;
-        Ok(Measured {
-            share,
-            interval: [share * (-half).exp(), (share * half.exp()).min(1.0)],
+        (answer.regions, answer.sample) = (regions, sample.collect());
+        answer.share = Some(Share {
+            value: share,
+            interval: Some([share * (-half).exp(), (share * half.exp()).min(1.0)]),
             error,
             effective,
-            regions,
-            sample: sample.collect(),
-        })
+            method: Method::Weighted,
+        });
+        Ok(())
     }
 }

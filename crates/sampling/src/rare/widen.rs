@@ -2,7 +2,7 @@
 //! the parameters' own distribution (sequential importance sampling; Papaioannou, Papadimitriou and Straub 2016).
 
 use super::Plain;
-use super::explore::{Found, Population};
+use super::explore::Population;
 use super::moves::Moves;
 use super::runs::Runs;
 use super::scatter::effective;
@@ -27,12 +27,10 @@ pub(super) fn widen<E>(
     runs: &mut Runs<'_, E>,
     random: &mut Random,
     wider: &mut Plain,
-) -> Result<Found, E> {
-    let mut found = Found::default();
+) -> Result<Option<Population>, E> {
     for scale in WIDER {
         if runs.left() < 2 * size {
-            found.given_up = true;
-            return Ok(found);
+            return Ok(None);
         }
         let draw = |_| -> Vec<f64> {
             let scores = random.normals(dimensions);
@@ -50,7 +48,7 @@ pub(super) fn widen<E>(
             return back(hits, share, scale, size.min(CHAINS), runs, random);
         }
     }
-    Ok(found)
+    Ok(None)
 }
 
 /// The way back from points that meet the event among those drawn wider, of which they are a share.
@@ -61,14 +59,12 @@ fn back<E>(
     size: u64,
     runs: &mut Runs<'_, E>,
     random: &mut Random,
-) -> Result<Found, E> {
+) -> Result<Option<Population>, E> {
     let size = usize::try_from(size).expect("a population has 2,000 points at most");
-    let mut found = Found::default();
     let mut width = 0.6;
     for _ in 0..MOST_STEPS {
         if runs.left() < 2 * (size * MOVES) as u64 {
-            found.given_up = true;
-            return Ok(found);
+            return Ok(None);
         }
         let next = narrower(&points, scale);
         let weights = weights(&points, scale, next);
@@ -94,12 +90,10 @@ fn back<E>(
         }
         width = moves.width;
         if scale <= 1.0 {
-            found.regions.push(Population::at_the_event(points, share));
-            return Ok(found);
+            return Ok(Some(Population::at_the_event(points, share)));
         }
     }
-    found.given_up = true;
-    Ok(found)
+    Ok(None)
 }
 
 /// The ratios of the densities of two normal distributions about 0.

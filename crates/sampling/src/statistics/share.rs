@@ -1,29 +1,25 @@
 //! Counted shares with their uncertainty.
 
-/// The two-sided 95 % point of the standard normal distribution.
-pub const Z95: f64 = 1.959_963_984_540_054;
+use crate::distribution::normal_quantile;
 
-/// The 95 % interval of a probability of which `hits` of `total` trials are known: the score interval of Wilson
-/// (1927), "Probable inference, the law of succession, and statistical inference", J. Am. Stat. Assoc. 22. Of no
-/// trials at all the interval is 0 to 1.
-pub fn wilson(hits: u64, total: u64) -> [f64; 2] {
-    if total == 0 {
+/// The interval of a probability that was seen in a share of independent trials, of which there may be any number: the
+/// score interval of Wilson (1927), "Probable inference, the law of succession, and statistical inference", J. Am. Stat.
+/// Assoc. 22. Of no trials at all the interval is 0 to 1.
+pub fn wilson(share: f64, trials: f64, confidence: f64) -> [f64; 2] {
+    score(share, trials, normal_quantile(0.5 + 0.5 * confidence))
+}
+
+fn score(p: f64, n: f64, z: f64) -> [f64; 2] {
+    if n <= 0.0 {
         return [0.0, 1.0];
     }
-    let (n, p, z2) = (total as f64, hits as f64 / total as f64, Z95 * Z95);
+    let z2 = z * z;
     let centre = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);
-    let half = Z95 / (1.0 + z2 / n) * (p * (1.0 - p) / n + z2 / (4.0 * n * n)).sqrt();
-    let low = if hits == 0 {
-        0.0
-    } else {
-        (centre - half).max(0.0)
-    };
-    let high = if hits == total {
-        1.0
-    } else {
-        (centre + half).min(1.0)
-    };
-    [low, high]
+    let half = z / (1.0 + z2 / n) * (p * (1.0 - p) / n + z2 / (4.0 * n * n)).sqrt();
+    // At the ends rounding must not leave a rest.
+    let low = if p <= 0.0 { 0.0 } else { centre - half };
+    let high = if p >= 1.0 { 1.0 } else { centre + half };
+    [low.max(0.0), high.min(1.0)]
 }
 
 /// A counted fraction with its 95 % interval.
@@ -42,7 +38,9 @@ pub struct Fraction {
 impl Fraction {
     /// A fraction of independent trials, with [Wilson's interval](wilson).
     pub fn wilson(count: usize, of: usize) -> Self {
-        let [low, high] = wilson(count as u64, of as u64);
+        // The two-sided 95 % point of the standard normal distribution.
+        const Z95: f64 = 1.959_963_984_540_054;
+        let [low, high] = score(count as f64 / of as f64, of as f64, Z95);
         Self {
             count,
             of,

@@ -159,7 +159,7 @@ impl Asked {
         let usual = in_study.unwrap_or(RUNS[0]);
         let (method, size) = match asked {
             // The study's size is that of its own method.
-            (Some(method), size) if method.name() != usual.name() => (method, size),
+            (Some(method), size) if method.facts().name != usual.facts().name => (method, size),
             (_, Some(size)) => (usual, Some(size)),
             (_, None) => {
                 if let Some(size) = &said.size {
@@ -168,13 +168,13 @@ impl Asked {
                 (usual, said.size.as_ref().map(|size| *size.as_ref()))
             }
         };
-        if options.estimator.is_some() && method.name() != RUNS[0].name() {
-            let message = format!("{} has no estimators to choose from", method.name());
+        if options.estimator.is_some() && method.facts().name != RUNS[0].facts().name {
+            let message = format!("{} has no estimators to choose from", method.facts().name);
             return Err(CommandError::option("estimator", message));
         }
         Ok(Self {
-            method: method.name().to_owned(),
-            size: size.unwrap_or(method.usual_size()),
+            method: method.facts().name.to_owned(),
+            size: size.unwrap_or(method.facts().usual_size),
             estimator: match options.estimator {
                 Some(estimator) => estimator,
                 None => estimator.transpose()?.unwrap_or_default(),
@@ -233,7 +233,7 @@ impl Analysis for Asked {
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
         let takes = Takes {
-            correlations: self.method()?.takes_correlations(),
+            correlations: self.method()?.facts().takes_correlations,
             samples: false,
         };
         asking::session(request, takes)
@@ -241,7 +241,7 @@ impl Analysis for Asked {
 
     fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
         let method = self.method()?;
-        enough(self.size).map_err(|message| CommandError::option(method.option(), message))?;
+        enough(self.size).map_err(|message| CommandError::option(method.facts().option, message))?;
         Ok(PointSet {
             seed: self.seed,
             points: Some(method.runs(&space(&session.plan), self.size)),
@@ -259,7 +259,7 @@ impl Analysis for Asked {
         let method = self.method()?;
         let design = method
             .design(&space(&session.plan), &self.settled())
-            .map_err(|message| CommandError::option(method.option(), message))?;
+            .map_err(|message| CommandError::option(method.facts().option, message))?;
         let rows = simulate(session, pipeline, &design)?;
         keep_runs(folder, &rows)?;
         let mut result = from_runs(method, &design, &rows, &self.settled());

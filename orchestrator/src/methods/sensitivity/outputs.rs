@@ -155,8 +155,7 @@ pub fn from_runs(
     rows: &PointTable,
     settled: &Settled,
 ) -> Sensitivity {
-    let parameters = rows.parameters.len();
-    let plain = method.plain_sample(parameters, rows.len(), settled);
+    let plain = method.plain_sample(rows.len(), settled);
     let outputs = outputs(rows);
     let values = |(name, values): &(String, Vec<f64>)| {
         let plain = plain.iter().map(|&k| values[k]);
@@ -173,14 +172,14 @@ pub fn from_runs(
     result.runs = rows.len();
     result.failed = failures::failed(rows);
     result.warnings = failures::warnings(rows, Some(method));
-    if settled.size < method.tried_size() {
+    let tried = method.facts().tried_size;
+    if settled.size < tried {
         result.warnings.push(format!(
-            "{}: the intervals were tried from {} on; with so few they may be too narrow",
-            method.title(settled.size),
-            method.tried_size()
+            "{}: the intervals were tried from {tried} on; with so few they may be too narrow",
+            method.title(settled.size)
         ));
     }
-    result.method = method.done(parameters, rows.len(), settled);
+    result.method = method.done(rows.len(), settled);
     result
 }
 
