@@ -23,10 +23,8 @@ pub struct Unknown {
 impl Unknown {
     /// The discrepancy of one of the quantities.
     pub fn of(problem: &Problem, quantity: usize) -> Self {
-        let squares = problem
-            .cases
-            .iter()
-            .map(|case| case.measured[quantity].accuracy.powi(2));
+        let cases = problem.cases.iter();
+        let squares = cases.map(|case| case.measured[quantity].accuracy.powi(2));
         let mean = squares.sum::<f64>() / problem.cases.len().max(1) as f64;
         Self {
             quantity,
@@ -127,10 +125,8 @@ impl Discrepancy {
         let steps = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
         let deviations = steps.map(|step| unknown.scale * (reach * step).sinh());
         let best = deviations.map(|deviation| (at(deviation), deviation));
-        let best = best.fold(
-            (f64::NEG_INFINITY, 0.0),
-            |a, b| if b.0 > a.0 { b } else { a },
-        );
+        let greater = |a: (f64, f64), b: (f64, f64)| if b.0 > a.0 { b } else { a };
+        let best = best.fold((f64::NEG_INFINITY, 0.0), greater);
         let quantity = &problem.quantities[unknown.quantity];
         Self {
             quantity: quantity.name.clone(),
@@ -146,38 +142,24 @@ impl Discrepancy {
 
 /// The problem with discrepancies added to its accuracies.
 pub fn widened(problem: &Problem, unknown: &[Unknown], deviations: &[f64]) -> Problem {
-    let mut problem = problem.clone();
-    for (unknown, deviation) in unknown.iter().zip(deviations) {
-        for case in &mut problem.cases {
-            let measured = &mut case.measured[unknown.quantity];
-            measured.accuracy = measured.accuracy.hypot(*deviation);
-        }
-    }
-    problem
+    problem.widened(|_, quantity| {
+        let mut pairs = unknown.iter().zip(deviations);
+        let own = pairs.find(|(unknown, _)| unknown.quantity == quantity);
+        own.map_or(0.0, |(_, deviation)| *deviation)
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::problem::{Case, Measured, Quantity};
+    use super::super::testing::{self, measured};
     use super::*;
     use rand::rngs::StdRng;
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 
     fn problem(misfits: &[f64], accuracy: f64) -> (Problem, Vec<Vec<f64>>) {
-        let case = |(index, &value): (usize, &f64)| Case {
-            label: (index + 1).to_string(),
-            latents: Vec::new(),
-            measured: vec![Measured { value, accuracy }],
-        };
-        let problem = Problem {
-            quantities: vec![Quantity {
-                name: "Y".to_owned(),
-                unit: None,
-            }],
-            cases: misfits.iter().enumerate().map(case).collect(),
-            ..Problem::default()
-        };
+        let cases = misfits.iter().map(|&value| measured(&[value], accuracy));
+        let problem = testing::problem(Vec::new(), cases.collect());
         (problem, vec![vec![0.0]; misfits.len()])
     }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::digits::Digits;
+use super::digits::{Digits, shown};
 use super::problem::Problem;
 
 /// The places that were asked for, and those of them at which a run failed.
@@ -31,6 +31,11 @@ impl Failures {
             *low = low.min(*place);
             *high = high.max(*place);
         }
+    }
+
+    /// The smallest box that holds all places at which a run failed.
+    pub fn ranges(&self, problem: &Problem) -> Vec<Range> {
+        Range::all(problem, &self.reach)
     }
 }
 
@@ -74,29 +79,30 @@ impl Excluded {
                 screened.clone().count(),
                 screened.filter(|ended| !ended).count(),
             ],
-            within: ranges(problem, failures),
+            within: failures.ranges(problem),
             message: failures.message.clone(),
         })
     }
 }
 
-/// The smallest box that holds all places at which a run failed.
-pub fn ranges(problem: &Problem, failures: &Failures) -> Vec<Range> {
-    let pairs = problem.free.iter().zip(&failures.reach);
-    let range = pairs.map(|(free, ends)| Range {
-        name: free.name.clone(),
-        unit: free.unit.clone(),
-        range: ends.map(|place| free.value(place)),
-    });
-    range.collect()
+impl Range {
+    /// The sides of a box, given the places of its ends.
+    pub fn all(problem: &Problem, ends: &[[f64; 2]]) -> Vec<Self> {
+        let pairs = problem.free.iter().zip(ends);
+        let ranges = pairs.map(|(free, ends)| Self {
+            name: free.name.clone(),
+            unit: free.unit.clone(),
+            range: ends.map(|place| free.value(place)),
+        });
+        ranges.collect()
+    }
 }
 
 /// A box in words.
 pub fn words(within: &[Range]) -> String {
     let range = |own: &Range| {
-        let unit = own.unit.as_deref().filter(|unit| *unit != "1");
         let [low, high] = own.range.map(|end| Digits::of(end, 4));
-        let words = format!("{} {low} .. {high} {}", own.name, unit.unwrap_or_default());
+        let words = format!("{} {low} .. {high} {}", own.name, shown(&own.unit));
         words.trim_end().to_owned()
     };
     within.iter().map(range).collect::<Vec<_>>().join(", ")

@@ -36,6 +36,8 @@ pub mod rounds;
 pub mod sample;
 pub mod search;
 pub mod surrogate;
+#[cfg(test)]
+mod testing;
 pub mod text;
 
 /// The README's example, as a test.

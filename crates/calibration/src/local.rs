@@ -4,7 +4,7 @@
 //! 2004, Methods for Non-Linear Least Squares Problems, section 3.2). Bounds enter each step as an
 //! active set: an unknown that the step would push out stays on its bound, and the others are solved for again.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DVector};
 use std::time::Instant;
 
 use super::objective::{Differences, Linear, Misfit, Objective};
@@ -50,6 +50,11 @@ pub struct Minimum {
     pub surrounded: Vec<usize>,
 }
 
+/// Whether time is up.
+pub(crate) fn is_over(deadline: Option<Instant>) -> bool {
+    deadline.is_some_and(|deadline| Instant::now() >= deadline)
+}
+
 /// Looks for the minimum nearest to a start. Unknowns that are `held` stay where they are, as do those on both sides of
 /// which runs fail.
 ///
@@ -72,10 +77,7 @@ pub fn minimise(
     };
     let mut damping = Damping::default();
     for _ in 0..limits.iterations {
-        if limits
-            .deadline
-            .is_some_and(|deadline| Instant::now() >= deadline)
-        {
+        if is_over(limits.deadline) {
             at.end = End::Time;
             break;
         }
@@ -110,24 +112,23 @@ fn goes_on(
     if !at.surrounded.is_empty() {
         return Ok(true);
     }
-    let size = linear.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
-    for index in 0..at.places.len() {
-        linear.curvature[(index, index)] += 1e-9 * size;
-    }
+    let linear = linear.damped(1e-9);
     let step = bounded_step(&linear, &at.places, held);
-    let expected = -(2.0 * linear.gradient.dot(&step) + (&linear.curvature * &step).dot(&step));
-    if expected < LITTLE {
+    if linear.fall(&step) < LITTLE {
         return Ok(false);
     }
-    let places = at.places.iter().zip(&step);
-    let places: Vec<f64> = places
-        .map(|(place, step)| (place + step).clamp(0.0, 1.0))
-        .collect();
-    match objective.misfit(&places) {
+    match objective.misfit(&moved(&at.places, &step)) {
         Ok(_) => Ok(false),
         Err(NoPrediction::Here(_)) => Ok(true),
         Err(NoPrediction::Stopped) => Err(NoPrediction::Stopped),
     }
+}
+
+/// Places after a step, between the bounds.
+fn moved(places: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    let pairs = places.iter().zip(step);
+    let moved = pairs.map(|(place, step)| (place + step).clamp(0.0, 1.0));
+    moved.collect()
 }
 
 /// Levenberg's damping after Nielsen: little where the linearised problem predicts well.
@@ -170,27 +171,16 @@ fn descend(
     damping: &mut Damping,
     at: &mut Minimum,
 ) -> Result<bool, NoPrediction> {
-    let size = linear.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
     while damping.value < Damping::MOST {
-        let mut damped = linear.clone();
-        for index in 0..at.places.len() {
-            damped.curvature[(index, index)] += damping.value * size;
-        }
-        let step = bounded_step(&damped, &at.places, held);
+        let step = bounded_step(&linear.damped(damping.value), &at.places, held);
         if step.amax() < 1e-10 {
             return Ok(false);
         }
-        let expected = -(2.0 * linear.gradient.dot(&step) + (&linear.curvature * &step).dot(&step));
-        let places: Vec<f64> = at
-            .places
-            .iter()
-            .zip(&step)
-            .map(|(place, step)| (place + step).clamp(0.0, 1.0))
-            .collect();
+        let places = moved(&at.places, &step);
         match objective.misfit(&places) {
             Ok(misfit) if misfit.cost() < at.misfit.cost() => {
                 let decrease = at.misfit.cost() - misfit.cost();
-                damping.accept(decrease / expected.max(f64::MIN_POSITIVE));
+                damping.accept(decrease / linear.fall(&step).max(f64::MIN_POSITIVE));
                 at.places = places;
                 at.misfit = misfit;
                 return Ok(true);
@@ -212,10 +202,7 @@ fn descend(
 fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64> {
     let n = places.len();
     let mut step = DVector::zeros(n);
-    let mut fixed = vec![false; n];
-    for &index in held {
-        fixed[index] = true;
-    }
+    let mut fixed: Vec<bool> = (0..n).map(|index| held.contains(&index)).collect();
     // Each pass fixes at least one unknown, so this ends.
     loop {
         let open: Vec<usize> = (0..n).filter(|&index| !fixed[index]).collect();
@@ -223,13 +210,9 @@ fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64>
             return step;
         }
         let pull = &linear.curvature * &step + &linear.gradient;
-        let matrix = DMatrix::from_fn(open.len(), open.len(), |i, j| {
-            linear.curvature[(open[i], open[j])]
-        });
-        let right = DVector::from_fn(open.len(), |i, _| {
-            // Contribution of the unknowns at their bounds; the free ones are still zero.
-            -pull[open[i]]
-        });
+        let matrix = linear.curvature.select_rows(&open).select_columns(&open);
+        // Contribution of the unknowns at their bounds; the free ones are still zero.
+        let right = -pull.select_rows(&open);
         let Some(solution) = Cholesky::new(matrix).map(|factor| factor.solve(&right)) else {
             return DVector::zeros(n);
         };
@@ -253,52 +236,23 @@ fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64>
 
 #[cfg(test)]
 mod tests {
-    use super::super::problem::{Case, Free, Measured, Problem, Quantity};
+    use super::super::testing::{limits, one_case};
     use super::*;
-    use crate::problem::Spacing;
-
-    fn problem(bounds: &[(f64, f64)], measured: &[f64]) -> Problem {
-        let free = bounds.iter().enumerate().map(|(index, &(min, max))| Free {
-            name: format!("p{index}"),
-            unit: None,
-            scale: Spacing::Linear,
-            min,
-            max,
-            prior: None,
-        });
-        let quantity = |index| Quantity {
-            name: format!("y{index}"),
-            unit: None,
-        };
-        let value = |&value| Measured {
-            value,
-            accuracy: 1.0,
-        };
-        Problem {
-            free: free.collect(),
-            latents: Vec::new(),
-            quantities: (0..measured.len()).map(quantity).collect(),
-            cases: vec![Case {
-                label: "1".to_owned(),
-                latents: Vec::new(),
-                measured: measured.iter().map(value).collect(),
-            }],
-        }
-    }
-
-    const LIMITS: Limits = Limits {
-        iterations: 200,
-        decrease: 1e-12,
-        deadline: None,
-    };
 
     #[test]
     fn finds_the_bottom_of_rosenbrocks_valley() {
-        let problem = problem(&[(-2.0, 2.0), (-2.0, 2.0)], &[0.0, 1.0]);
+        let problem = one_case(&[(-2.0, 2.0), (-2.0, 2.0)], &[(0.0, 1.0), (1.0, 1.0)]);
         let valley = |_: usize, p: &[f64], _: &[f64]| Ok(vec![10.0 * (p[1] - p[0] * p[0]), p[0]]);
         let objective = Objective::new(&problem, &valley, 1e-6);
         let start = vec![0.2, 0.9];
-        let minimum = minimise(&objective, start, &[], Differences::Central, &LIMITS).unwrap();
+        let minimum = minimise(
+            &objective,
+            start,
+            &[],
+            Differences::Central,
+            &limits(200, 1e-12),
+        )
+        .unwrap();
         let found = problem.free_values(&minimum.places);
         assert!(
             (found[0] - 1.0).abs() < 1e-6 && (found[1] - 1.0).abs() < 1e-6,
@@ -309,11 +263,18 @@ mod tests {
     #[test]
     fn a_minimum_outside_is_found_on_the_bound() {
         // The least of (x + y - 3)^2 + (x - y)^2 + ... lies at x = y = 1.5; x may go to 1 only.
-        let problem = problem(&[(0.0, 1.0), (0.0, 4.0)], &[3.0, 0.0]);
+        let problem = one_case(&[(0.0, 1.0), (0.0, 4.0)], &[(3.0, 1.0), (0.0, 1.0)]);
         let plane = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + p[1], p[0] - p[1]]);
         let objective = Objective::new(&problem, &plane, 1e-4);
         let start = vec![0.3, 0.3];
-        let minimum = minimise(&objective, start, &[], Differences::Forward, &LIMITS).unwrap();
+        let minimum = minimise(
+            &objective,
+            start,
+            &[],
+            Differences::Forward,
+            &limits(200, 1e-12),
+        )
+        .unwrap();
         let found = problem.free_values(&minimum.places);
         // With x = 1: (y - 2)^2 + (1 - y)^2 is least at y = 1.5.
         assert!(
@@ -324,7 +285,7 @@ mod tests {
 
     #[test]
     fn keeps_away_from_where_the_simulation_fails() {
-        let problem = problem(&[(0.0, 10.0)], &[2.0]);
+        let problem = one_case(&[(0.0, 10.0)], &[(2.0, 1.0)]);
         let fragile = |_: usize, p: &[f64], _: &[f64]| {
             if p[0] < 1.0 {
                 Err("too thin".to_owned())
@@ -333,7 +294,14 @@ mod tests {
             }
         };
         let objective = Objective::new(&problem, &fragile, 1e-5);
-        let minimum = minimise(&objective, vec![0.95], &[], Differences::Central, &LIMITS).unwrap();
+        let minimum = minimise(
+            &objective,
+            vec![0.95],
+            &[],
+            Differences::Central,
+            &limits(200, 1e-12),
+        )
+        .unwrap();
         let found = problem.free_values(&minimum.places);
         assert!((found[0] - (2.0_f64 / 3.0).exp()).abs() < 1e-5, "{found:?}");
         assert!(!minimum.blocked);
@@ -341,13 +309,20 @@ mod tests {
 
     #[test]
     fn says_where_failing_simulations_end_the_way_down() {
-        let problem = problem(&[(0.0, 10.0)], &[2.0]);
+        let problem = one_case(&[(0.0, 10.0)], &[(2.0, 1.0)]);
         let fragile = |_: usize, p: &[f64], _: &[f64]| match p[0] < 3.0 {
             true => Err("too thin".to_owned()),
             false => Ok(vec![p[0]]),
         };
         let objective = Objective::new(&problem, &fragile, 1e-5);
-        let minimum = minimise(&objective, vec![0.9], &[], Differences::Central, &LIMITS).unwrap();
+        let minimum = minimise(
+            &objective,
+            vec![0.9],
+            &[],
+            Differences::Central,
+            &limits(200, 1e-12),
+        )
+        .unwrap();
         let found = problem.free_values(&minimum.places);
         assert!(
             minimum.blocked && found[0] >= 3.0 && found[0] < 3.1,

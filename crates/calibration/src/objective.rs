@@ -11,7 +11,6 @@ use std::cell::RefCell;
 use nalgebra::{DMatrix, DVector};
 
 use super::failures::Failures;
-
 use super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
 
 /// How derivatives are taken.
@@ -61,6 +60,23 @@ pub struct Linear {
     pub surrounded: Vec<usize>,
 }
 
+impl Linear {
+    /// By how much the sum of squares falls with a step.
+    pub fn fall(&self, step: &DVector<f64>) -> f64 {
+        -(2.0 * self.gradient.dot(step) + (&self.curvature * step).dot(step))
+    }
+
+    /// The same with a part of the largest curvature added to that of all unknowns.
+    pub fn damped(&self, part: f64) -> Self {
+        let mut damped = self.clone();
+        let largest = self.curvature.diagonal().amax().max(f64::MIN_POSITIVE);
+        for index in 0..self.gradient.len() {
+            damped.curvature[(index, index)] += part * largest;
+        }
+        damped
+    }
+}
+
 /// One simulation for a derivative: the case, the unknown, and its displaced place.
 struct Displaced {
     case: usize,
@@ -100,13 +116,6 @@ impl<'a> Objective<'a> {
             queries.len(),
             "each query has its prediction"
         );
-        let finite = |prediction: Prediction| {
-            let predicted = prediction?;
-            match predicted.iter().find(|value| !value.is_finite()) {
-                Some(value) => Err(format!("a prediction is {value}")),
-                None => Ok(predicted),
-            }
-        };
         Ok(predictions.into_iter().map(finite).collect())
     }
 
@@ -138,12 +147,16 @@ impl<'a> Objective<'a> {
         let misfits = sets.iter().map(|places| {
             let own: Vec<Prediction> = predictions.by_ref().take(cases).collect();
             let predicted: Result<_, String> = own.into_iter().collect();
-            let failure = predicted.as_ref().err().map(String::as_str);
-            let mut failures = self.failures.borrow_mut();
-            failures.note(self.problem, places.as_ref(), failure);
+            self.note(places.as_ref(), &predicted);
             Ok(self.of_predicted(places.as_ref(), predicted?))
         });
         Ok(misfits.collect())
+    }
+
+    fn note<T>(&self, places: &[f64], predicted: &Result<T, String>) {
+        let failure = predicted.as_ref().err().map(String::as_str);
+        let mut failures = self.failures.borrow_mut();
+        failures.note(self.problem, places, failure);
     }
 
     fn of_predicted(&self, places: &[f64], predicted: Vec<Vec<f64>>) -> Misfit {
@@ -187,11 +200,8 @@ impl<'a> Objective<'a> {
         };
         let quantities = self.problem.quantities.len();
         let per_case = self.problem.free.len() + self.problem.latents.len();
-        for (case, (jobs, columns)) in jobs
-            .chunks(per_case)
-            .zip(columns.chunks(per_case))
-            .enumerate()
-        {
+        let cases = jobs.chunks(per_case).zip(columns.chunks(per_case));
+        for (case, (jobs, columns)) in cases.enumerate() {
             let residuals = misfit.residuals.rows(case * quantities, quantities);
             // A place counts only where the runs of all cases end, so one that fails hides the others' slopes, too.
             let known = jobs.iter().zip(columns);
@@ -217,17 +227,13 @@ impl<'a> Objective<'a> {
 
     /// All simulations for derivatives, case by case. Towards the middle, where there is room.
     fn displacements(&self, places: &[f64]) -> Vec<Displaced> {
+        let sign = |place: f64| if place > 0.5 { -1.0 } else { 1.0 };
         let displaced = |case| {
             let unknowns = (0..self.problem.free.len()).chain(self.problem.latents_of(case));
             unknowns.map(move |unknown| Displaced {
                 case,
                 unknown,
-                place: places[unknown]
-                    + if places[unknown] > 0.5 {
-                        -self.difference
-                    } else {
-                        self.difference
-                    },
+                place: places[unknown] + sign(places[unknown]) * self.difference,
             })
         };
         (0..self.problem.cases.len()).flat_map(displaced).collect()
@@ -241,21 +247,18 @@ impl<'a> Objective<'a> {
         misfit: &Misfit,
         differences: Differences,
     ) -> Result<Vec<Option<DVector<f64>>>, NoPrediction> {
-        let at = |job: &Displaced, place: f64| {
+        let moved = |job: &Displaced, place: f64| {
             let mut places = places.to_vec();
             places[job.unknown] = place;
-            self.query(job.case, &places)
+            places
         };
+        let at = |job: &Displaced, place: f64| self.query(job.case, &moved(job, place));
         let mirrored = |job: &Displaced| 2.0 * places[job.unknown] - job.place;
         let inside = |job: &&Displaced| (0.0..=1.0).contains(&mirrored(job));
         let there: Vec<Query> = jobs.iter().map(|job| at(job, job.place)).collect();
         let there = self.predict(&there)?;
         for (job, there) in jobs.iter().zip(&there) {
-            let mut displaced = places.to_vec();
-            displaced[job.unknown] = job.place;
-            let failure = there.as_ref().err().map(String::as_str);
-            let mut failures = self.failures.borrow_mut();
-            failures.note(self.problem, &displaced, failure);
+            self.note(&moved(job, job.place), there);
         }
         // Where both sides are wanted from the start, and where the first one failed.
         let wanted = |(job, there): &(&Displaced, &Prediction)| {
@@ -264,14 +267,13 @@ impl<'a> Objective<'a> {
         let pairs = jobs.iter().zip(&there).filter(wanted);
         let opposite: Vec<Query> = pairs.map(|(job, _)| at(job, mirrored(job))).collect();
         let mut opposite = self.predict(&opposite)?.into_iter();
-        let mut columns = Vec::with_capacity(jobs.len());
-        for (job, there) in jobs.iter().zip(&there) {
+        let columns = jobs.iter().zip(&there).map(|(job, there)| {
             let opposite = wanted(&(job, there)).then(|| opposite.next()).flatten();
             let here = &misfit.predicted[job.case];
             let distance = job.place - places[job.unknown];
-            columns.push(self.derivative(job, here, there, opposite.as_ref(), distance));
-        }
-        Ok(columns)
+            self.derivative(job, here, there, opposite.as_ref(), distance)
+        });
+        Ok(columns.collect())
     }
 
     /// Derivatives of a case's weighted misfits over the place of one unknown, from the predictions `here`, at
@@ -294,6 +296,15 @@ impl<'a> Objective<'a> {
         let slopes = ahead.iter().zip(behind).zip(measured);
         let slopes = slopes.map(|((a, b), measured)| (a - b) / distance / measured.accuracy);
         Some(DVector::from_iterator(measured.len(), slopes))
+    }
+}
+
+/// The prediction, where its values are finite.
+pub(super) fn finite(prediction: Prediction) -> Prediction {
+    let predicted = prediction?;
+    match predicted.iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(format!("a prediction is {value}")),
+        None => Ok(predicted),
     }
 }
 

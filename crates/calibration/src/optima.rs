@@ -161,8 +161,7 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// The minimum that a place belongs to.
     fn same(&self, end: Place<'_>) -> Result<Option<usize>, NoPrediction> {
         let distance = |own: &Optimum| own.posterior.distance(&own.minimum.places, end.places);
-        let distances = self.found.iter().map(distance).enumerate();
-        let mut order: Vec<(usize, f64)> = distances.collect();
+        let mut order: Vec<(usize, f64)> = self.found.iter().map(distance).enumerate().collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1));
         for (index, distance) in order {
             let own = Place::from(&self.found[index].minimum);
@@ -180,10 +179,8 @@ impl<'a, 'b> Optima<'a, 'b> {
             let pairs = a.places.iter().zip(b.places);
             pairs.map(|(a, b)| a + part * (b - a)).collect()
         };
-        let line: Vec<Vec<f64>> = (1..=BETWEEN)
-            .map(|k| at(k as f64 / (BETWEEN + 1) as f64))
-            .collect();
-        let misfits = self.objective.misfits(&line)?;
+        let line = (1..=BETWEEN).map(|k| at(k as f64 / (BETWEEN + 1) as f64));
+        let misfits = self.objective.misfits(&line.collect::<Vec<_>>())?;
         let low = |misfit: &Result<Misfit, String>| {
             misfit.as_ref().is_ok_and(|misfit| misfit.cost() <= most)
         };
@@ -198,8 +195,7 @@ impl<'a, 'b> Optima<'a, 'b> {
             decrease: 1e-4,
             ..self.limits
         };
-        let middle = minimise(self.objective, at(0.5), &[], Differences::Forward, &limits);
-        let middle = match middle {
+        let middle = match minimise(self.objective, at(0.5), &[], Differences::Forward, &limits) {
             Ok(middle) => middle,
             Err(NoPrediction::Here(_)) => return Ok(false),
             Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
@@ -239,7 +235,8 @@ fn between(a: &[f64], middle: &[f64], b: &[f64]) -> bool {
         squares.sum::<f64>().sqrt()
     };
     let way = distance(a, b);
-    [distance(a, middle), distance(middle, b)]
+    let parts = [distance(a, middle), distance(middle, b)];
+    parts
         .iter()
         .all(|part| (AT_AN_END * way..way).contains(part))
 }

@@ -3,57 +3,16 @@
 use super::objective::Objective;
 use super::optima::Optimum;
 use super::outcome::IdentificationOutcome;
-use super::problem::{Case, Free, Measured, Problem, Quantity, Simulate};
-use super::search::{Effort, search};
+use super::problem::{Problem, Simulate};
+use super::search::search;
+use super::testing::{effort, one_case, starts};
 use super::text;
-use crate::problem::Spacing;
-
-fn problem(bounds: &[(f64, f64)], measured: &[(f64, f64)]) -> Problem {
-    let free = bounds.iter().enumerate().map(|(index, &(min, max))| Free {
-        name: format!("p{index}"),
-        unit: None,
-        scale: Spacing::Linear,
-        min,
-        max,
-        prior: None,
-    });
-    let quantity = |index| Quantity {
-        name: format!("y{index}"),
-        unit: None,
-    };
-    let value = |&(value, accuracy): &(f64, f64)| Measured { value, accuracy };
-    Problem {
-        free: free.collect(),
-        latents: Vec::new(),
-        quantities: (0..measured.len()).map(quantity).collect(),
-        cases: vec![Case {
-            label: "1".to_owned(),
-            latents: Vec::new(),
-            measured: measured.iter().map(value).collect(),
-        }],
-    }
-}
-
-const EFFORT: Effort = Effort {
-    descents: 8,
-    iterations: 60,
-    deadline: None,
-};
-
-/// Starts on a diagonal lattice (Kronecker's, with the powers of an irrational number).
-fn starts(dimensions: usize, count: usize) -> Vec<Vec<f64>> {
-    let place =
-        |i: usize, d: usize| ((i + 1) as f64 * 0.754_877_666_f64.powi(d as i32 + 1)).fract();
-    (0..count)
-        .map(|i| (0..dimensions).map(|d| place(i, d)).collect())
-        .collect()
-}
 
 /// The optima in the order of the first parameter, and the outcome.
 fn found(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, IdentificationOutcome) {
     let objective = Objective::new(problem, model, 1e-4);
     let starts = starts(problem.free.len(), 64);
-    let (mut optima, progress) = search(&objective, &starts, &EFFORT, &|_| ()).unwrap();
+    let (mut optima, progress) = search(&objective, &starts, &effort(8, 60), &|_| ()).unwrap();
     let outcome = IdentificationOutcome::new(problem, &optima, &progress);
     optima.sort_by(|a, b| a.minimum.places[0].total_cmp(&b.minimum.places[0]));
     (optima, outcome)
@@ -63,7 +22,7 @@ fn found(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, Identificati
 fn all_six_solutions_of_a_wave_are_found_with_their_parts() {
     // sin(6 x) + 0.3 x = 0.5 +- 0.02 on [0.1, 3.1]. Where a solution is sharp, its part of the posterior is
     // proportional to the width of its valley, 1 / |6 cos(6 x) + 0.3|.
-    let problem = problem(&[(0.1, 3.1)], &[(0.5, 0.02)]);
+    let problem = one_case(&[(0.1, 3.1)], &[(0.5, 0.02)]);
     let wave = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(6.0 * p[0]).sin() + 0.3 * p[0]]);
     let (optima, outcome) = found(&problem, &wave);
     let slope = |x: f64| (6.0 * (6.0 * x).cos() + 0.3).abs();
@@ -122,7 +81,7 @@ fn root(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
 #[test]
 fn a_curved_valley_is_one_optimum_that_is_not_determined() {
     // Only the product is measured: its solutions are one connected curve, whose ends are far apart.
-    let problem = problem(&[(0.1, 2.0), (0.1, 2.0)], &[(0.5, 0.005)]);
+    let problem = one_case(&[(0.1, 2.0), (0.1, 2.0)], &[(0.5, 0.005)]);
     let product = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[1]]);
     let (optima, outcome) = found(&problem, &product);
     assert_eq!(optima.len(), 1, "{optima:?}");
@@ -132,7 +91,7 @@ fn a_curved_valley_is_one_optimum_that_is_not_determined() {
 #[test]
 fn the_parts_of_two_optima_are_those_of_the_integral() {
     // The distance from two places: 4 times as sharp at the one as at the other.
-    let problem = problem(&[(-2.0, 2.0), (-1.0, 1.0)], &[(0.0, 1.0), (0.0, 1.0)]);
+    let problem = one_case(&[(-2.0, 2.0), (-1.0, 1.0)], &[(0.0, 1.0), (0.0, 1.0)]);
     let model = |_: usize, p: &[f64], _: &[f64]| {
         let [x, y] = [p[0], p[1]];
         Ok(if x < 0.0 {
@@ -153,14 +112,14 @@ fn the_parts_of_two_optima_are_those_of_the_integral() {
 #[test]
 fn a_minimum_that_is_too_improbable_is_no_solution() {
     // x^2 - 0.02 x is 1 near -0.99 and near 1.01; a second result leaves one of them.
-    let one = problem(&[(-2.0, 2.0)], &[(1.0, 0.01), (1.0, 0.1)]);
+    let one = one_case(&[(-2.0, 2.0)], &[(1.0, 0.01), (1.0, 0.1)]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[0] - 0.02 * p[0], p[0]]);
     let (optima, outcome) = found(&one, &model);
     assert_eq!(optima.len(), 1);
     assert!((outcome.free[0].value - 1.01).abs() < 0.01 && !outcome.ambiguous);
     assert!(text::summary(&outcome).contains("The data determine every parameter."));
     // Without it both are.
-    let both = problem(&[(-2.0, 2.0)], &[(1.0, 0.01)]);
+    let both = one_case(&[(-2.0, 2.0)], &[(1.0, 0.01)]);
     let (optima, _) = found(&both, &|_: usize, p: &[f64], _: &[f64]| {
         Ok(vec![p[0] * p[0] - 0.02 * p[0]])
     });
@@ -170,7 +129,7 @@ fn a_minimum_that_is_too_improbable_is_no_solution() {
 /// Runs end on a grid of single places only: nothing is known around the best of them.
 #[test]
 fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
-    let problem = problem(&[(0.0, 1.0), (0.0, 1.0)], &[(0.4, 0.1), (0.5, 0.1)]);
+    let problem = one_case(&[(0.0, 1.0), (0.0, 1.0)], &[(0.4, 0.1), (0.5, 0.1)]);
     let stripes = |_: usize, p: &[f64], _: &[f64]| match (p[0] * 1e3).fract() {
         0.2..0.8 => Err("too thin".to_owned()),
         _ => Ok(vec![p[0], p[1]]),
@@ -178,7 +137,7 @@ fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
     let starts = starts(2, 64);
     // The starts of which a run ends have failing runs at this distance of a derivative.
     let objective = Objective::new(&problem, &stripes, 5e-4);
-    let (optima, progress) = search(&objective, &starts, &EFFORT, &|_| ()).unwrap();
+    let (optima, progress) = search(&objective, &starts, &effort(8, 60), &|_| ()).unwrap();
     assert!(
         optima
             .iter()

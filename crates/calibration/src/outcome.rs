@@ -1,5 +1,6 @@
 //! The result of an identification: plain data that becomes JSON.
 
+use sampling::statistics::moments::sorted;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -9,7 +10,7 @@ use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, Posterior, UNDETERMINED};
-use super::problem::{Interval, Latent, Problem};
+use super::problem::Problem;
 use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
 use super::surrogate::outcome::SurrogateOutcome;
@@ -198,34 +199,26 @@ impl IdentificationOutcome {
         let values = problem.values();
         let cost = minimum.misfit.cost();
         let data_cost = minimum.misfit.residuals.rows(0, values).norm_squared();
-        let inside = minimum
-            .places
-            .iter()
-            .filter(|&&place| bound(place).is_none())
-            .count();
+        let places = minimum.places.iter();
+        let inside = places.filter(|&&place| bound(place).is_none()).count();
         let degrees_of_freedom = minimum.misfit.residuals.len().saturating_sub(inside);
         let probability = ChiSquared::new(degrees_of_freedom as f64).ok();
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
+        let directions = posterior.directions.iter();
+        let outcomes: Vec<_> = optima.iter().map(|own| optimum(problem, own)).collect();
+        let OptimumOutcome { free, latents, .. } = &outcomes[0];
+        let case = |(index, latents): (usize, &Vec<_>)| case(problem, minimum, latents, index);
         Self {
             ambiguous: optima.len() > 1,
-            optima: optima.iter().map(|own| optimum(problem, own)).collect(),
             end: minimum.end,
             cost,
             data_cost,
             degrees_of_freedom,
             probability: probability.map(|distribution| distribution.sf(cost)),
-            free: (0..n)
-                .map(|index| free(problem, minimum, posterior, index))
-                .collect(),
+            free: free.clone(),
             correlations: (0..n).map(correlation).collect(),
-            directions: posterior
-                .directions
-                .iter()
-                .map(|d| direction(problem, d))
-                .collect(),
-            cases: (0..problem.cases.len())
-                .map(|c| case(problem, minimum, posterior, c))
-                .collect(),
+            directions: directions.map(|d| direction(problem, d)).collect(),
+            cases: latents.iter().enumerate().map(case).collect(),
             worst: (0..problem.quantities.len())
                 .map(|q| worst(problem, minimum, q))
                 .collect(),
@@ -239,6 +232,7 @@ impl IdentificationOutcome {
             cross_validation: None,
             surrogate: None,
             posterior: None,
+            optima: outcomes,
         }
     }
 }
@@ -305,31 +299,30 @@ fn direction(problem: &Problem, direction: &Direction) -> DirectionOutcome {
     }
 }
 
-fn case(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usize) -> CaseOutcome {
+fn case(
+    problem: &Problem,
+    minimum: &Minimum,
+    latents: &[LatentOutcome],
+    index: usize,
+) -> CaseOutcome {
     let case = &problem.cases[index];
-    let residual = |((quantity, measured), &predicted): (
-        (&super::problem::Quantity, &super::problem::Measured),
-        &f64,
-    )| {
+    let residual = |quantity: usize| {
+        let (measured, predicted) = (
+            case.measured[quantity],
+            minimum.misfit.predicted[index][quantity],
+        );
         Residual {
-            quantity: quantity.name.clone(),
+            quantity: problem.quantities[quantity].name.clone(),
             measured: measured.value,
             predicted,
             difference: predicted - measured.value,
             accuracy: measured.accuracy,
         }
     };
-    let predicted = &minimum.misfit.predicted[index];
     CaseOutcome {
         label: case.label.clone(),
-        latents: latents(problem, minimum, posterior, index),
-        residuals: problem
-            .quantities
-            .iter()
-            .zip(&case.measured)
-            .zip(predicted)
-            .map(residual)
-            .collect(),
+        latents: latents.to_vec(),
+        residuals: (0..problem.quantities.len()).map(residual).collect(),
     }
 }
 
@@ -339,33 +332,26 @@ fn latents(
     posterior: &Posterior,
     index: usize,
 ) -> Vec<LatentOutcome> {
-    let intervals = problem.latents.iter().zip(&problem.cases[index].latents);
-    let latent = |((latent, interval), unknown): ((&Latent, &Interval), usize)| LatentOutcome {
-        name: latent.name.clone(),
-        value: interval.value(minimum.places[unknown]),
-        deviation: posterior.deviation(unknown) * (interval.max - interval.min),
-        interval: [interval.min, interval.max],
-    };
-    intervals
-        .zip(problem.latents_of(index))
-        .map(latent)
-        .collect()
+    let unknowns = problem.latents_of(index);
+    let latents = problem.latents.iter().zip(&problem.cases[index].latents);
+    let latents = latents
+        .zip(unknowns)
+        .map(|((latent, interval), unknown)| LatentOutcome {
+            name: latent.name.clone(),
+            value: interval.value(minimum.places[unknown]),
+            deviation: posterior.deviation(unknown) * (interval.max - interval.min),
+            interval: [interval.min, interval.max],
+        });
+    latents.collect()
 }
 
 fn worst(problem: &Problem, minimum: &Minimum, quantity: usize) -> WorstOutcome {
-    let differences =
-        problem
-            .cases
-            .iter()
-            .zip(&minimum.misfit.predicted)
-            .map(|(case, predicted)| {
-                let measured = case.measured[quantity].value;
-                ((predicted[quantity] - measured).abs(), measured.abs())
-            });
     let (mut difference, mut relative) = (0.0_f64, 0.0_f64);
-    for (misfit, measured) in differences {
+    for (case, predicted) in problem.cases.iter().zip(&minimum.misfit.predicted) {
+        let measured = case.measured[quantity].value;
+        let misfit = (predicted[quantity] - measured).abs();
         difference = difference.max(misfit);
-        relative = relative.max(misfit / measured);
+        relative = relative.max(misfit / measured.abs());
     }
     WorstOutcome {
         quantity: problem.quantities[quantity].name.clone(),
@@ -376,19 +362,11 @@ fn worst(problem: &Problem, minimum: &Minimum, quantity: usize) -> WorstOutcome 
 }
 
 fn searches(progress: &Progress) -> SearchOutcome {
-    let found = progress
-        .descents
-        .iter()
-        .filter_map(|descent| descent.found.as_ref());
-    let mut minima: Vec<f64> = found.map(|found| found.cost).collect();
-    minima.sort_by(f64::total_cmp);
+    let ended = progress.descents.iter().flatten();
+    let screened = progress.screened.iter();
     SearchOutcome {
         screened: progress.screened.len(),
-        failed: progress
-            .screened
-            .iter()
-            .filter(|cost| cost.is_none())
-            .count(),
-        minima,
+        failed: screened.filter(|cost| cost.is_none()).count(),
+        minima: sorted(ended.map(|descent| descent.cost).collect()),
     }
 }

@@ -7,7 +7,6 @@
 //! (Spantini et al. 2015, SIAM J. Sci. Comput. 37, A2451-A2487, section 2).
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use serde::Serialize;
 
 use super::local::Minimum;
 use super::objective::{Differences, Objective};
@@ -37,7 +36,7 @@ pub struct Posterior {
 }
 
 /// A combination of free parameters that the data determine apart from all others.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Direction {
     /// Posterior over prior standard deviation: 1 where the data say nothing.
     pub left: f64,
@@ -116,13 +115,6 @@ impl Posterior {
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         self.covariance[(a, b)] / (self.deviation(a) * self.deviation(b))
     }
-
-    /// The directions in which the data leave more than half of the prior's uncertainty.
-    pub fn undetermined(&self) -> impl Iterator<Item = &Direction> {
-        self.directions
-            .iter()
-            .filter(|direction| direction.left > UNDETERMINED)
-    }
 }
 
 fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {
@@ -133,13 +125,10 @@ fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {
     let eigen = scaled.symmetric_eigen();
     let direction = |index: usize| {
         let vector = eigen.eigenvectors.column(index);
-        let strongest = vector[vector.icamax()];
+        let sign = vector[vector.icamax()].signum();
         Direction {
             left: eigen.eigenvalues[index].max(0.0).sqrt(),
-            weights: vector
-                .iter()
-                .map(|weight| weight * strongest.signum())
-                .collect(),
+            weights: vector.iter().map(|weight| weight * sign).collect(),
         }
     };
     let mut directions: Vec<Direction> = (0..n).map(direction).collect();

@@ -149,23 +149,20 @@ pub struct Measured {
     pub accuracy: f64,
 }
 
-/// A measured quantity.
+/// A quantity's name and unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Quantity {
+pub struct Named {
     /// Its name.
     pub name: String,
     /// The unit of its numbers.
     pub unit: Option<String>,
 }
 
+/// A measured quantity.
+pub type Quantity = Named;
+
 /// A parameter that no case knows better than an interval.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Latent {
-    /// Its name.
-    pub name: String,
-    /// The unit of its numbers.
-    pub unit: Option<String>,
-}
+pub type Latent = Named;
 
 /// A measured case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -210,21 +207,26 @@ impl Problem {
 
     /// The free parameters' values at given places.
     pub fn free_values(&self, places: &[f64]) -> Vec<f64> {
-        self.free
-            .iter()
-            .zip(places)
-            .map(|(free, &place)| free.value(place))
-            .collect()
+        let pairs = self.free.iter().zip(places);
+        pairs.map(|(free, &place)| free.value(place)).collect()
     }
 
     /// A case's latent values at given places of all unknowns.
     pub fn latent_values(&self, case: usize, places: &[f64]) -> Vec<f64> {
-        let intervals = self.cases[case].latents.iter();
         let places = &places[self.latents_of(case)];
-        intervals
-            .zip(places)
-            .map(|(interval, &place)| interval.value(place))
-            .collect()
+        let pairs = self.cases[case].latents.iter().zip(places);
+        pairs.map(|(own, &place)| own.value(place)).collect()
+    }
+
+    /// The problem with further standard uncertainties of the values, by case and quantity.
+    pub fn widened(&self, more: impl Fn(usize, usize) -> f64) -> Self {
+        let mut problem = self.clone();
+        for (case, own) in problem.cases.iter_mut().enumerate() {
+            for (quantity, measured) in own.measured.iter_mut().enumerate() {
+                measured.accuracy = measured.accuracy.hypot(more(case, quantity));
+            }
+        }
+        problem
     }
 }
 
@@ -267,9 +269,7 @@ where
     F: Fn(usize, &[f64], &[f64]) -> Prediction,
 {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        let queries = queries.iter();
-        Ok(queries
-            .map(|query| self(query.case, &query.free, &query.latents))
-            .collect())
+        let ask = |query: &Query| self(query.case, &query.free, &query.latents);
+        Ok(queries.iter().map(ask).collect())
     }
 }

@@ -7,13 +7,12 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use super::local::Minimum;
 use super::objective::Objective;
 use super::optima::Optimum;
-use super::posterior::Posterior;
+use super::posterior::{Direction, Posterior, UNDETERMINED};
 use super::problem::{
-    Case, Free, Interval, Latent, Measured, NoPrediction, Prediction, Problem, Quantity, Query,
-    Simulate,
+    Case, Interval, Measured, NoPrediction, Prediction, Problem, Query, Simulate, Spacing,
 };
-use super::search::{Effort, SearchError, search};
-use crate::problem::Spacing;
+use super::search::{SearchError, search};
+use super::testing::{effort, free, named, starts};
 
 /// Independent standard normal numbers by the splitmix64 sequence (Steele, Lea, Flood 2014).
 struct Noise(u64);
@@ -29,17 +28,6 @@ impl Noise {
 
     fn normal(&mut self) -> f64 {
         Normal::standard().inverse_cdf(self.uniform())
-    }
-}
-
-fn free(name: &str, scale: Spacing, min: f64, max: f64) -> Free {
-    Free {
-        name: name.to_owned(),
-        unit: None,
-        scale,
-        min,
-        max,
-        prior: None,
     }
 }
 
@@ -64,21 +52,14 @@ const ACCURACY: [f64; 3] = [0.05, 0.03, 30.0];
 
 fn synthetic(seed: u64) -> (Problem, Vec<f64>) {
     let mut noise = Noise(seed);
-    let quantity = |name: &str| Quantity {
-        name: name.to_owned(),
-        unit: None,
-    };
     let mut problem = Problem {
         free: vec![
             free("scale", Spacing::Log, 0.1, 100.0),
             free("conductance", Spacing::Log, 0.1, 100.0),
             free("thinning", Spacing::Linear, 0.0, 0.3),
         ],
-        latents: vec![Latent {
-            name: "clearance".to_owned(),
-            unit: None,
-        }],
-        quantities: ["heat", "rise", "gap"].map(quantity).to_vec(),
+        latents: vec![named("clearance")],
+        quantities: ["heat", "rise", "gap"].map(named).to_vec(),
         cases: Vec::new(),
     };
     for case in 0..8 {
@@ -110,26 +91,18 @@ fn synthetic(seed: u64) -> (Problem, Vec<f64>) {
     (problem, truth)
 }
 
-/// Starts on a diagonal lattice (Kronecker's, with the powers of an irrational number).
-fn starts(dimensions: usize, count: usize) -> Vec<Vec<f64>> {
-    let place =
-        |i: usize, d: usize| ((i + 1) as f64 * 0.754_877_666_f64.powi(d as i32 + 1)).fract();
-    (0..count)
-        .map(|i| (0..dimensions).map(|d| place(i, d)).collect())
-        .collect()
-}
-
 fn identify(objective: &Objective<'_>) -> (Minimum, Posterior) {
-    let settings = Effort {
-        descents: 4,
-        iterations: 60,
-        deadline: None,
-    };
     let starts = starts(objective.problem.free.len(), 32);
-    let (mut optima, _) = search(objective, &starts, &settings, &|_| ()).unwrap();
+    let (mut optima, _) = search(objective, &starts, &effort(4, 60), &|_| ()).unwrap();
     assert_eq!(optima.len(), 1, "there is one minimum");
     let only = optima.remove(0);
     (only.minimum, only.posterior)
+}
+
+/// The directions of which the data tell little.
+fn undetermined(posterior: &Posterior) -> Vec<&Direction> {
+    let directions = posterior.directions.iter();
+    directions.filter(|own| own.left > UNDETERMINED).collect()
 }
 
 #[test]
@@ -142,7 +115,7 @@ fn known_parameters_are_recovered_within_the_stated_uncertainty() {
         for (index, truth) in truth.iter().enumerate() {
             pulls.push((minimum.places[index] - truth) / posterior.deviation(index));
         }
-        assert!(posterior.undetermined().next().is_none(), "seed {seed}");
+        assert!(undetermined(&posterior).is_empty(), "seed {seed}");
     }
     // Sixty pulls: none beyond 3.5 standard deviations, and their mean square near one (too small a
     // value would mean that the stated uncertainty is too large).
@@ -163,7 +136,7 @@ fn two_parameters_that_only_act_together_are_reported() {
         |case: usize, p: &[f64], latent: &[f64]| bearing(case, &[p[0] * p[3], p[1], p[2]], latent);
     let objective = Objective::new(&problem, &split, 1e-4);
     let (_, posterior) = identify(&objective);
-    let undetermined: Vec<_> = posterior.undetermined().collect();
+    let undetermined = undetermined(&posterior);
     assert_eq!(undetermined.len(), 1, "{undetermined:?}");
     let weights = &undetermined[0].weights;
     assert!(undetermined[0].left > 0.95);
@@ -184,7 +157,7 @@ fn a_parameter_without_effect_is_reported() {
     problem.free.push(free("idle", Spacing::Linear, 0.0, 1.0));
     let objective = Objective::new(&problem, &bearing, 1e-4);
     let (_, posterior) = identify(&objective);
-    let undetermined: Vec<_> = posterior.undetermined().collect();
+    let undetermined = undetermined(&posterior);
     assert_eq!(undetermined.len(), 1);
     assert!(undetermined[0].weights[3] > 0.999, "{undetermined:?}");
 }
@@ -219,11 +192,7 @@ impl Simulate for Remembering<'_> {
 #[test]
 fn a_search_asks_for_the_same_points_again_and_goes_on_where_it_stopped() {
     let (problem, _) = synthetic(7);
-    let settings = Effort {
-        descents: 3,
-        iterations: 60,
-        deadline: None,
-    };
+    let settings = effort(3, 60);
     let starts = starts(3, 8);
     let objective = Objective::new(&problem, &bearing, 1e-4);
     let (whole, _) = search(&objective, &starts, &settings, &|_| ()).unwrap();

@@ -94,50 +94,24 @@ pub fn searched(
 
 #[cfg(test)]
 mod tests {
-    use super::super::problem::{Case, Free, Measured, Quantity};
+    use super::super::problem::{Measured, Spacing};
+    use super::super::testing::{effort, free, problem};
     use super::super::text;
     use super::*;
-    use crate::problem::Spacing;
 
     /// One unknown is both quantities, of which 20 cases say 10 with an accuracy, and 0 with 4. The first one's discrepancy is
     /// unknown: the larger it is, the nearer to 0 is the fit, which misses the first one the more.
     fn outcome(accuracy: f64) -> IdentificationOutcome {
         let measured = [(10.0, accuracy), (0.0, 4.0)];
         let measured = measured.map(|(value, accuracy)| Measured { value, accuracy });
-        let problem = Problem {
-            free: vec![Free {
-                name: "p".to_owned(),
-                unit: None,
-                scale: Spacing::Linear,
-                min: -5.0,
-                max: 15.0,
-                prior: None,
-            }],
-            latents: Vec::new(),
-            quantities: ["a", "b"]
-                .map(|name| Quantity {
-                    name: name.to_owned(),
-                    unit: None,
-                })
-                .into(),
-            cases: (1..=20)
-                .map(|label| Case {
-                    label: label.to_string(),
-                    latents: Vec::new(),
-                    measured: measured.into(),
-                })
-                .collect(),
-        };
+        let free = free("p", Spacing::Linear, -5.0, 15.0);
+        let problem = problem(vec![free], vec![measured.into(); 20]);
         let task = Task {
             problem: &problem,
             unknown: &[Unknown::of(&problem, 0)],
             difference: 1e-4,
             starts: &[vec![0.2], vec![0.7]],
-            effort: Effort {
-                descents: 2,
-                iterations: 40,
-                deadline: None,
-            },
+            effort: effort(2, 40),
         };
         let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0], p[0]]);
         searched(&task, &model, &|_| ()).unwrap().outcome()

@@ -11,7 +11,7 @@ use std::time::Instant;
 use statrs::function::gamma::ln_gamma;
 
 use super::failures::Failures;
-use super::local::{End, Limits, Minimum, minimise};
+use super::local::{End, Limits, Minimum, is_over, minimise};
 use super::objective::{Differences, Objective};
 use super::optima::{Optima, Optimum};
 use super::problem::NoPrediction;
@@ -27,18 +27,9 @@ pub struct Effort {
     pub deadline: Option<Instant>,
 }
 
-/// A local search that ended.
-#[derive(Clone, Debug)]
-pub struct Descent {
-    /// The number of its start.
-    pub start: usize,
-    /// Where it ended; `None` where simulations failed.
-    pub found: Option<Found>,
-}
-
 /// Where a local search ended.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct Descent {
     /// The unknowns, as places between their bounds.
     pub places: Vec<f64>,
     /// The sum of squares.
@@ -52,20 +43,17 @@ pub struct Found {
 pub struct Progress {
     /// The sum of squares at each start; `None` where a simulation failed.
     pub screened: Vec<Option<f64>>,
-    /// The local searches.
-    pub descents: Vec<Descent>,
+    /// The local searches; `None` where simulations failed.
+    pub descents: Vec<Option<Descent>>,
     /// The places at which runs failed.
     pub failures: Failures,
 }
 
 impl Progress {
     /// The deepest place so far.
-    pub fn best(&self) -> Option<&Found> {
-        let found = self
-            .descents
-            .iter()
-            .filter_map(|descent| descent.found.as_ref());
-        found.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    pub fn best(&self) -> Option<&Descent> {
+        let ended = self.descents.iter().flatten();
+        ended.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 }
 
@@ -115,23 +103,16 @@ pub fn search(
     settings: &Effort,
     observe: &dyn Fn(&Progress),
 ) -> Result<(Vec<Optimum>, Progress), SearchError> {
-    let in_time = || {
-        settings
-            .deadline
-            .is_none_or(|deadline| Instant::now() < deadline)
-    };
     let mut progress = Progress::default();
     let mut last_error = String::new();
     for starts in starts.chunks(TOGETHER.div_ceil(objective.problem.cases.len().max(1))) {
-        if !in_time() {
+        if is_over(settings.deadline) {
             break;
         }
         let sets = starts.iter().map(|start| unknowns(objective, start));
         for misfit in objective.misfits(&sets.collect::<Vec<_>>())? {
-            let cost = misfit.map(|misfit| misfit.cost());
-            progress
-                .screened
-                .push(cost.map_err(|error| last_error = error).ok());
+            let misfit = misfit.map_err(|error| last_error = error);
+            progress.screened.push(misfit.ok().map(|own| own.cost()));
         }
         observe(&progress);
     }
@@ -153,7 +134,7 @@ pub fn search(
     while progress.descents.len() < settings.descents * optima.count().max(1) {
         let quota = settings.descents * optima.count().max(1) - progress.descents.len();
         let batch: Vec<usize> = queue.by_ref().take(quota).collect();
-        if batch.is_empty() || !in_time() {
+        if batch.is_empty() || is_over(settings.deadline) {
             break;
         }
         let ends = descend(objective, starts, &batch, settings, &mut progress, observe)?;
@@ -176,7 +157,7 @@ pub fn search(
         }
     }
     progress.failures = objective.failures();
-    if !in_time() {
+    if is_over(settings.deadline) {
         // Further minima may have been missed.
         found.iter_mut().for_each(|own| own.minimum.end = End::Time);
     }
@@ -191,13 +172,13 @@ fn descend(
     settings: &Effort,
     progress: &mut Progress,
     observe: &dyn Fn(&Progress),
-) -> Result<Vec<Found>, SearchError> {
+) -> Result<Vec<Descent>, SearchError> {
     let limits = Limits {
         iterations: settings.iterations,
         decrease: 1e-4,
         deadline: settings.deadline,
     };
-    let mut ends: Vec<Found> = Vec::new();
+    let mut ends: Vec<Descent> = Vec::new();
     for &start in batch {
         let from = unknowns(objective, &starts[start]);
         let minimum = match minimise(objective, from, &[], Differences::Forward, &limits) {
@@ -209,13 +190,13 @@ fn descend(
         if minimum.as_ref().is_some_and(cut) && progress.best().is_some() {
             break;
         }
-        let found = minimum.map(|minimum| Found {
+        let descent = minimum.map(|minimum| Descent {
             cost: minimum.misfit.cost(),
             places: minimum.places,
             end: minimum.end,
         });
-        ends.extend(found.clone());
-        progress.descents.push(Descent { start, found });
+        ends.extend(descent.clone());
+        progress.descents.push(descent);
         observe(progress);
     }
     ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -243,11 +224,8 @@ fn order(starts: &[Vec<f64>], screened: &[Option<f64>]) -> Vec<usize> {
         pairs.map(|(a, b)| (a - b).powi(2)).sum()
     };
     let leads = |place: usize| {
-        let better = &ranked[..place];
-        let own = ranked[place].0;
-        better
-            .iter()
-            .all(|&(other, _)| square(own, other) > near * near)
+        let mut better = ranked[..place].iter();
+        better.all(|&(other, _)| square(ranked[place].0, other) > near * near)
     };
     let places = 0..ranked.len();
     let (first, later): (Vec<usize>, Vec<usize>) = places.partition(|&place| leads(place));

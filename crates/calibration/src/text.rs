@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::digits::shown;
 pub use super::digits::{Digits, digits};
 use super::failures::words;
 use super::local::End;
@@ -20,9 +21,9 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome)
     };
     for free in outcome.optima.get(place).iter().flat_map(|own| &own.free) {
         let number = digits(free.value);
-        let _ = match &free.unit {
-            Some(unit) if unit != "1" => writeln!(text, "\"{}\" = \"{number} {unit}\"", free.name),
-            _ => writeln!(text, "\"{}\" = {number}", free.name),
+        let _ = match shown(&free.unit) {
+            "" => writeln!(text, "\"{}\" = {number}", free.name),
+            unit => writeln!(text, "\"{}\" = \"{number} {unit}\"", free.name),
         };
     }
     text
@@ -94,11 +95,7 @@ fn parameters(text: &mut String, parameters: &[FreeOutcome], on_ridges: &[&str])
         "parameter", "value"
     );
     for free in parameters {
-        let unit = free
-            .unit
-            .as_deref()
-            .filter(|unit| *unit != "1")
-            .unwrap_or("");
+        let unit = shown(&free.unit);
         let [low, high] = free.interval.map(digits);
         let _ = writeln!(
             text,
@@ -228,8 +225,10 @@ fn excluded(text: &mut String, outcome: &IdentificationOutcome) {
 /// What the data say of the model's discrepancies.
 fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
     for own in &outcome.discrepancies {
-        let unit = own.unit.as_deref().filter(|unit| *unit != "1");
-        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let unit = match shown(&own.unit) {
+            "" => String::new(),
+            unit => format!(" {unit}"),
+        };
         let name = &own.quantity;
         let found = Digits(own.deviation, 3);
         let sampled = own.sampled.map_or_else(String::new, |(_, [low, high])| {
@@ -310,11 +309,7 @@ fn residuals(text: &mut String, outcome: &IdentificationOutcome) {
     }
     let _ = writeln!(text);
     for worst in &outcome.worst {
-        let unit = worst
-            .unit
-            .as_deref()
-            .filter(|unit| *unit != "1")
-            .unwrap_or("");
+        let unit = shown(&worst.unit);
         // A measured value of 0 has no percentage.
         let relative = worst.relative.is_finite().then_some(100.0 * worst.relative);
         let percent = relative.map_or_else(String::new, |percent| format!(" ({percent:.2} %)"));

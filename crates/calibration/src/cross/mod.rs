@@ -10,7 +10,7 @@
 //! the latent values that it needs, and whether they lie within the interval.
 
 pub mod outcome;
-pub mod regression;
+mod regression;
 #[cfg(test)]
 mod tests;
 pub mod text;
@@ -20,8 +20,9 @@ use std::time::Instant;
 use sampling::statistics::moments::{mean, variance};
 
 use super::local::{End, Limits, Minimum, minimise};
-use super::objective::{Differences, Objective};
+use super::objective::{Differences, Objective, finite};
 use super::problem::{Case, Interval, NoPrediction, Prediction, Problem, Query, Simulate};
+use outcome::CrossValidation;
 
 /// Points over the intervals of latent parameters that a prediction is averaged over.
 const POINTS: usize = 16;
@@ -40,47 +41,57 @@ pub struct Whole<'a> {
     pub difference: f64,
     /// The fit to all cases: where each search begins.
     pub minimum: &'a Minimum,
+    /// The cases' known parameters: a linear regression predicts from them.
+    pub known: &'a [Vec<f64>],
     /// The most iterations of a search.
     pub iterations: usize,
     /// When time is up.
     pub deadline: Option<Instant>,
 }
 
+impl Whole<'_> {
+    fn limits(&self, decrease: f64) -> Limits {
+        Limits {
+            iterations: self.iterations,
+            decrease,
+            deadline: self.deadline,
+        }
+    }
+}
+
 /// A case that was left out.
 #[derive(Clone, Debug)]
-pub struct Fold {
+struct Fold {
     /// Why the search over the other cases ended.
-    pub end: End,
+    end: End,
     /// The free parameters from the other cases.
-    pub free: Vec<f64>,
+    free: Vec<f64>,
     /// The prediction of the case.
-    pub forecast: Forecast,
+    forecast: Forecast,
     /// What the case says of its own latent parameters; `None` where it has none.
-    pub own: Option<Own>,
+    own: Option<Own>,
 }
 
 /// A prediction over all values that latent parameters may have.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Forecast {
+struct Forecast {
     /// Means, one a quantity.
-    pub mean: Vec<f64>,
+    mean: Vec<f64>,
     /// Standard deviations, one a quantity: 0 without latent parameters.
-    pub deviation: Vec<f64>,
+    deviation: Vec<f64>,
     /// How many of the simulations over the intervals failed; they are left out.
-    pub failed: usize,
+    failed: usize,
 }
 
 /// The latent parameters that fit a case best, with free parameters from the others.
 #[derive(Clone, Debug)]
-pub struct Own {
-    /// The most probable values within the intervals.
-    pub within: Vec<f64>,
-    /// Predictions there.
-    pub predicted: Vec<f64>,
+struct Own {
+    /// Predictions with the most probable values within the intervals.
+    predicted: Vec<f64>,
     /// The most probable values when each interval is twice as wide.
-    pub needed: Vec<f64>,
+    needed: Vec<f64>,
     /// The case's sums of squares: within the intervals, and with the values needed.
-    pub squares: [f64; 2],
+    squares: [f64; 2],
 }
 
 /// Leaves each case out in turn, and tells which one is at work. A case that cannot be predicted has a message instead.
@@ -90,17 +101,17 @@ pub struct Own {
 pub fn cross_validate(
     whole: &Whole<'_>,
     observe: &dyn Fn(usize),
-) -> Result<Vec<Result<Fold, String>>, NoPrediction> {
+) -> Result<CrossValidation, NoPrediction> {
     let cases = 0..whole.problem.cases.len();
     let fold = |case| {
         observe(case);
         match fold(whole, case) {
-            Ok(fold) => Ok(Ok(fold)),
             Err(NoPrediction::Here(message)) => Ok(Err(message)),
-            Err(NoPrediction::Stopped) => Err(NoPrediction::Stopped),
+            fold => fold.map(Ok),
         }
     };
-    cases.map(fold).collect()
+    let folds: Vec<_> = cases.map(fold).collect::<Result<_, _>>()?;
+    Ok(CrossValidation::new(whole, &folds))
 }
 
 fn fold(whole: &Whole<'_>, case: usize) -> Result<Fold, NoPrediction> {
@@ -145,32 +156,22 @@ fn without(whole: &Whole<'_>, left_out: usize) -> Result<Minimum, NoPrediction> 
         .collect();
     let mut places = whole.minimum.places.clone();
     places.drain(whole.problem.latents_of(left_out));
-    let problem = part(whole.problem, &cases);
+    let some = cases.iter().map(|&case| whole.problem.cases[case].clone());
+    let problem = with_cases(whole.problem, some.collect());
     let model = Part {
         model: whole.model,
         cases,
     };
     let objective = Objective::new(&problem, &model, whole.difference);
-    let limits = Limits {
-        iterations: whole.iterations,
-        decrease: 1e-4,
-        deadline: whole.deadline,
-    };
-    let near = minimise(&objective, places, &[], Differences::Forward, &limits)?;
-    let limits = Limits {
-        decrease: 1e-7,
-        ..limits
-    };
-    minimise(&objective, near.places, &[], Differences::Central, &limits)
+    let [rough, fine] = [1e-4, 1e-7].map(|decrease| whole.limits(decrease));
+    let near = minimise(&objective, places, &[], Differences::Forward, &rough)?;
+    minimise(&objective, near.places, &[], Differences::Central, &fine)
 }
 
-/// The problem with some of its cases.
-fn part(problem: &Problem, cases: &[usize]) -> Problem {
+/// The problem with other cases.
+fn with_cases(problem: &Problem, cases: Vec<Case>) -> Problem {
     Problem {
-        cases: cases
-            .iter()
-            .map(|&case| problem.cases[case].clone())
-            .collect(),
+        cases,
         ..problem.clone()
     }
 }
@@ -178,42 +179,33 @@ fn part(problem: &Problem, cases: &[usize]) -> Problem {
 /// The prediction of a case: the mean over all values that its latent parameters may have.
 fn forecast(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Forecast, NoPrediction> {
     let intervals = &whole.problem.cases[case].latents;
-    let queries: Vec<Query> = lattice(intervals.len())
-        .iter()
-        .map(|places| Query {
+    let query = |places: Vec<f64>| {
+        let pairs = intervals.iter().zip(places);
+        Query {
             case,
             free: free.to_vec(),
-            latents: values(intervals, places),
-        })
-        .collect();
-    let mut found = Vec::new();
+            latents: pairs.map(|(own, place)| own.value(place)).collect(),
+        }
+    };
+    let queries: Vec<Query> = lattice(intervals.len()).into_iter().map(query).collect();
+    let mut rows = Vec::new();
     let mut message = String::new();
     for prediction in whole.model.simulate(&queries)? {
-        match prediction {
-            Ok(predicted) if predicted.iter().all(|value| value.is_finite()) => {
-                found.push(predicted);
-            }
-            Ok(_) => message = "a prediction is not a finite number".to_owned(),
+        match finite(prediction) {
+            Ok(predicted) => rows.push(predicted),
             Err(error) => message = error,
         }
     }
-    if found.is_empty() {
+    if rows.is_empty() {
         return Err(NoPrediction::Here(message));
     }
-    let column = |k: usize| found.iter().map(|row| row[k]).collect();
+    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
     let columns: Vec<Vec<f64>> = (0..whole.problem.quantities.len()).map(column).collect();
     Ok(Forecast {
         deviation: columns.iter().map(|own| variance(own, 0).sqrt()).collect(),
         mean: columns.iter().map(|own| mean(own)).collect(),
-        failed: queries.len() - found.len(),
+        failed: queries.len() - rows.len(),
     })
-}
-
-fn values(intervals: &[Interval], places: &[f64]) -> Vec<f64> {
-    let pairs = intervals.iter().zip(places);
-    pairs
-        .map(|(interval, &place)| interval.value(place))
-        .collect()
 }
 
 /// Evenly spread places between the ends of intervals: the midpoint rule for one of them, and beside it a lattice with
@@ -238,27 +230,18 @@ fn own(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Option<Own>, NoPr
     if alone.latents.is_empty() {
         return Ok(None);
     }
-    let held = |intervals: Vec<Interval>| {
-        let problem = Problem {
-            cases: vec![Case {
-                latents: intervals,
-                ..alone.clone()
-            }],
-            ..whole.problem.clone()
-        };
-        latents(whole, case, &problem, free).map(|minimum| (problem, minimum))
-    };
-    let (narrow, within) = held(alone.latents.clone())?;
-    let (wide, needed) = held(alone.latents.iter().map(widened).collect())?;
+    let wide: Vec<Interval> = alone.latents.iter().map(widened).collect();
+    let within = latents(whole, case, &alone.latents, free)?;
+    let needed = latents(whole, case, &wide, free)?;
     let squares = |minimum: &Minimum| {
         let data = minimum.misfit.residuals.rows(0, alone.measured.len());
         data.norm_squared()
     };
+    let values = wide.iter().zip(&needed.places[free.len()..]);
     Ok(Some(Own {
-        within: narrow.latent_values(0, &within.places),
-        needed: wide.latent_values(0, &needed.places),
         squares: [squares(&within), squares(&needed)],
         predicted: within.misfit.predicted.into_iter().flatten().collect(),
+        needed: values.map(|(own, &place)| own.value(place)).collect(),
     }))
 }
 
@@ -270,25 +253,26 @@ fn widened(interval: &Interval) -> Interval {
     }
 }
 
-/// The latent parameters of a problem of one case, its free parameters held.
+/// The latent parameters of a case within intervals, the free parameters held.
 fn latents(
     whole: &Whole<'_>,
     case: usize,
-    problem: &Problem,
+    intervals: &[Interval],
     free: &[f64],
 ) -> Result<Minimum, NoPrediction> {
+    let alone = Case {
+        latents: intervals.to_vec(),
+        ..whole.problem.cases[case].clone()
+    };
+    let problem = with_cases(whole.problem, vec![alone]);
     let model = Part {
         model: whole.model,
         cases: vec![case],
     };
-    let objective = Objective::new(problem, &model, whole.difference);
+    let objective = Objective::new(&problem, &model, whole.difference);
     let mut places = free.to_vec();
     places.resize(problem.unknowns(), 0.5);
     let held: Vec<usize> = (0..free.len()).collect();
-    let limits = Limits {
-        iterations: whole.iterations,
-        decrease: 1e-6,
-        deadline: whole.deadline,
-    };
+    let limits = whole.limits(1e-6);
     minimise(&objective, places, &held, Differences::Central, &limits)
 }

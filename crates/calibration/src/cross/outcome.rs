@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::super::local::End;
 use super::super::problem::{Case, Interval, Problem};
 use super::regression::leave_one_out;
-use super::{Fold, Own};
+use super::{Fold, Whole};
 
 /// A cross-validation.
 #[derive(Clone, Debug, Serialize)]
@@ -122,38 +122,23 @@ pub struct Needed {
     pub outside: bool,
 }
 
-/// What the outcome is gathered from.
-#[derive(Clone, Copy, Debug)]
-pub struct Found<'a> {
-    /// The problem with all cases.
-    pub problem: &'a Problem,
-    /// The free parameters' values from all cases.
-    pub free: &'a [f64],
-    /// The predictions of the fit to all cases.
-    pub fitted: &'a [Vec<f64>],
-    /// The cases' known parameters.
-    pub known: &'a [Vec<f64>],
-    /// The cases that were left out.
-    pub folds: &'a [Result<Fold, String>],
-}
-
 impl CrossValidation {
-    /// Gathers what was found.
-    pub fn new(found: &Found<'_>) -> Self {
-        let Found { problem, .. } = found;
-        let rows: Vec<Vec<f64>> = found.known.iter().zip(&problem.cases).map(row).collect();
+    /// Gathers what leaving out the cases has told.
+    pub(super) fn new(whole: &Whole<'_>, folds: &[Result<Fold, String>]) -> Self {
+        let problem = whole.problem;
+        let rows: Vec<Vec<f64>> = whole.known.iter().zip(&problem.cases).map(row).collect();
         let columns: Vec<Column> = (0..problem.quantities.len())
-            .map(|quantity| Column::new(found, &rows, quantity))
+            .map(|quantity| Column::new(problem, &rows, quantity))
             .collect();
         Self {
             quantities: (columns.iter().enumerate())
-                .map(|(quantity, column)| errors(found, column, quantity))
+                .map(|(quantity, column)| errors(whole, folds, column, quantity))
                 .collect(),
             free: (0..problem.free.len())
-                .map(|index| moves(found, index))
+                .map(|index| moves(whole, folds, index))
                 .collect(),
-            cases: (0..problem.cases.len())
-                .map(|case| held_out(found, &columns, case))
+            cases: (folds.iter().enumerate())
+                .map(|(case, fold)| held_out(whole, fold.as_ref(), &columns, case))
                 .collect(),
         }
     }
@@ -174,8 +159,8 @@ struct Column {
 }
 
 impl Column {
-    fn new(found: &Found<'_>, rows: &[Vec<f64>], quantity: usize) -> Self {
-        let cases = found.problem.cases.iter();
+    fn new(problem: &Problem, rows: &[Vec<f64>], quantity: usize) -> Self {
+        let cases = problem.cases.iter();
         let measured: Vec<f64> = cases.map(|case| case.measured[quantity].value).collect();
         let none = vec![Vec::new(); rows.len()];
         let bare = rows.iter().all(Vec::is_empty);
@@ -191,34 +176,51 @@ impl Column {
     }
 }
 
-fn errors(found: &Found<'_>, column: &Column, quantity: usize) -> QuantityErrors {
-    let folds = || found.folds.iter().map(|fold| fold.as_ref().ok());
-    let size = |values: Vec<Option<f64>>| size(found, &column.measured, &values);
-    let own = |fold: &Fold| fold.own.as_ref().map(|own| own.predicted[quantity]);
-    let named = &found.problem.quantities[quantity];
+fn errors(
+    whole: &Whole<'_>,
+    folds: &[Result<Fold, String>],
+    column: &Column,
+    quantity: usize,
+) -> QuantityErrors {
+    let of_all = |value: &dyn Fn(&Fold) -> Option<f64>| {
+        let values = folds.iter().map(|fold| value(fold.as_ref().ok()?));
+        size(whole.problem, folds, &column.measured, values)
+    };
+    let of = |values: &[Option<f64>]| {
+        size(
+            whole.problem,
+            folds,
+            &column.measured,
+            values.iter().copied(),
+        )
+    };
+    let fitted = whole.minimum.misfit.predicted.iter();
+    let fitted: Vec<_> = fitted.map(|row| Some(row[quantity])).collect();
+    let named = &whole.problem.quantities[quantity];
     QuantityErrors {
         quantity: named.name.clone(),
         unit: named.unit.clone(),
-        fitted: size(found.fitted.iter().map(|row| Some(row[quantity])).collect()),
-        predicted: size(
-            folds()
-                .map(|fold| Some(fold?.forecast.mean[quantity]))
-                .collect(),
-        ),
-        own: size(folds().map(|fold| own(fold?)).collect()),
-        linear: size(column.linear.clone()),
-        mean: size(column.mean.clone()),
+        fitted: of(&fitted),
+        predicted: of_all(&|fold| Some(fold.forecast.mean[quantity])),
+        own: of_all(&|fold| Some(fold.own.as_ref()?.predicted[quantity])),
+        linear: of(&column.linear),
+        mean: of(&column.mean),
     }
 }
 
 /// The size of the errors over all cases that were predicted; `None` where one of these has no value.
-fn size(found: &Found<'_>, measured: &[f64], values: &[Option<f64>]) -> Option<ErrorSize> {
+fn size(
+    problem: &Problem,
+    folds: &[Result<Fold, String>],
+    measured: &[f64],
+    values: impl Iterator<Item = Option<f64>>,
+) -> Option<ErrorSize> {
     let (mut count, mut squares, mut largest) = (0, 0.0, None);
-    for (case, (value, measured)) in values.iter().zip(measured).enumerate() {
-        if found.folds[case].is_err() {
+    for (case, (value, measured)) in values.zip(measured).enumerate() {
+        if folds[case].is_err() {
             continue;
         }
-        let error = ((*value)? - measured).abs();
+        let error = (value? - measured).abs();
         count += 1;
         squares += error * error;
         if largest.is_none_or(|(most, _)| error > most) {
@@ -229,65 +231,66 @@ fn size(found: &Found<'_>, measured: &[f64], values: &[Option<f64>]) -> Option<E
     Some(ErrorSize {
         rms: (squares / f64::from(count)).sqrt(),
         largest,
-        case: found.problem.cases[case].label.clone(),
+        case: problem.cases[case].label.clone(),
     })
 }
 
-fn moves(found: &Found<'_>, index: usize) -> Moves {
-    let pairs = found.folds.iter().zip(&found.problem.cases);
+fn moves(whole: &Whole<'_>, folds: &[Result<Fold, String>], index: usize) -> Moves {
+    let pairs = folds.iter().zip(&whole.problem.cases);
     let values: Vec<(f64, String)> = pairs
         .filter_map(|(fold, case)| Some((fold.as_ref().ok()?.free[index], case.label.clone())))
         .collect();
     let order = |a: &&(f64, String), b: &&(f64, String)| a.0.total_cmp(&b.0);
-    let free = &found.problem.free[index];
+    let free = &whole.problem.free[index];
     Moves {
         name: free.name.clone(),
         unit: free.unit.clone(),
-        value: found.free[index],
+        value: free.value(whole.minimum.places[index]),
         least: values.iter().min_by(order).cloned(),
         greatest: values.iter().max_by(order).cloned(),
     }
 }
 
-fn held_out(found: &Found<'_>, columns: &[Column], case: usize) -> HeldOut {
-    let fold = found.folds[case].as_ref();
+fn held_out(
+    whole: &Whole<'_>,
+    fold: Result<&Fold, &String>,
+    columns: &[Column],
+    case: usize,
+) -> HeldOut {
+    let Case {
+        label,
+        latents,
+        measured,
+    } = &whole.problem.cases[case];
     let own = fold.ok().and_then(|fold| fold.own.as_ref());
-    let result = |quantity: usize| {
-        let measured = found.problem.cases[case].measured[quantity];
-        let forecast = fold.ok().map(|fold| &fold.forecast);
-        HeldOutResult {
-            quantity: found.problem.quantities[quantity].name.clone(),
-            measured: measured.value,
-            accuracy: measured.accuracy,
-            fitted: found.fitted[case][quantity],
-            predicted: forecast.map(|forecast| forecast.mean[quantity]),
-            spread: forecast.map(|forecast| forecast.deviation[quantity]),
-            own: own.map(|own| own.predicted[quantity]),
-            linear: columns[quantity].linear[case],
-            mean: columns[quantity].mean[case],
-        }
+    let forecast = fold.ok().map(|fold| &fold.forecast);
+    let result = |(quantity, column): (usize, &Column)| HeldOutResult {
+        quantity: whole.problem.quantities[quantity].name.clone(),
+        measured: measured[quantity].value,
+        accuracy: measured[quantity].accuracy,
+        fitted: whole.minimum.misfit.predicted[case][quantity],
+        predicted: forecast.map(|forecast| forecast.mean[quantity]),
+        spread: forecast.map(|forecast| forecast.deviation[quantity]),
+        own: own.map(|own| own.predicted[quantity]),
+        linear: column.linear[case],
+        mean: column.mean[case],
     };
+    let needed = own.iter().flat_map(|own| &own.needed);
+    let needed = whole.problem.latents.iter().zip(latents).zip(needed);
+    let needed = needed.map(|((latent, &Interval { min, max }), &value)| Needed {
+        name: latent.name.clone(),
+        interval: [min, max],
+        value,
+        outside: !(min..=max).contains(&value),
+    });
     HeldOut {
-        label: found.problem.cases[case].label.clone(),
+        label: label.clone(),
         end: fold.ok().map(|fold| fold.end),
         failure: fold.err().cloned(),
-        failed_simulations: fold.map_or(0, |fold| fold.forecast.failed),
+        failed_simulations: forecast.map_or(0, |forecast| forecast.failed),
         free: fold.map_or_else(|_| Vec::new(), |fold| fold.free.clone()),
-        results: (0..columns.len()).map(result).collect(),
-        latents: own.map_or_else(Vec::new, |own| needed(found.problem, case, own)),
+        results: columns.iter().enumerate().map(result).collect(),
+        latents: needed.collect(),
         squares: own.map(|own| own.squares),
     }
-}
-
-fn needed(problem: &Problem, case: usize, own: &Own) -> Vec<Needed> {
-    let intervals = problem.cases[case].latents.iter();
-    let named = problem.latents.iter().zip(intervals).zip(&own.needed);
-    named
-        .map(|((latent, interval), &value)| Needed {
-            name: latent.name.clone(),
-            interval: [interval.min, interval.max],
-            value,
-            outside: value < interval.min || value > interval.max,
-        })
-        .collect()
 }

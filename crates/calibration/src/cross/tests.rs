@@ -2,85 +2,60 @@
 
 use std::cell::Cell;
 
-use super::super::local::{End, Limits, Minimum, minimise};
+use super::super::local::{End, Minimum, minimise};
 use super::super::objective::{Differences, Objective};
 use super::super::problem::{
-    Case, Free, Interval, Latent, Measured, NoPrediction, Prediction, Problem, Quantity, Query,
-    Simulate,
+    Free, Interval, NoPrediction, Prediction, Problem, Query, Simulate, Spacing,
 };
-use super::outcome::{CrossValidation, Found};
+use super::super::testing::{self, limits, measured, named};
+use super::outcome::CrossValidation;
 use super::{Whole, cross_validate, text};
-use crate::problem::Spacing;
 
 const X: [f64; 6] = [1.0, 2.0, 4.0, 7.0, 8.0, 11.0];
 const Y: [f64; 6] = [0.3, 1.9, 2.5, 6.0, 5.5, 8.4];
 
 fn free(name: &str, min: f64, max: f64) -> Free {
-    Free {
-        name: name.to_owned(),
-        unit: None,
-        scale: Spacing::Linear,
-        min,
-        max,
-        prior: None,
-    }
+    testing::free(name, Spacing::Linear, min, max)
 }
 
-fn problem(free: Vec<Free>, latents: &[Interval], measured: &[f64]) -> Problem {
-    let case = |(index, &value): (usize, &f64)| Case {
-        label: format!("r{index}"),
-        latents: latents.get(index).copied().into_iter().collect(),
-        measured: vec![Measured {
-            value,
-            accuracy: 0.1,
-        }],
-    };
-    let latent = || Latent {
-        name: "gap".to_owned(),
-        unit: Some("mm".to_owned()),
-    };
-    Problem {
-        free,
-        latents: latents.first().map(|_| latent()).into_iter().collect(),
-        quantities: vec![Quantity {
-            name: "Y".to_owned(),
-            unit: Some("W".to_owned()),
-        }],
-        cases: measured.iter().enumerate().map(case).collect(),
+fn problem(free: Vec<Free>, values: &[f64]) -> Problem {
+    let cases = values.iter().map(|&value| measured(&[value], 0.1));
+    let mut problem = testing::problem(free, cases.collect());
+    for (index, case) in problem.cases.iter_mut().enumerate() {
+        case.label = format!("r{index}");
     }
+    problem
 }
-
-const LIMITS: Limits = Limits {
-    iterations: 100,
-    decrease: 1e-9,
-    deadline: None,
-};
 
 fn fit(problem: &Problem, model: &dyn Simulate) -> Minimum {
     let objective = Objective::new(problem, model, 1e-3);
     let start = vec![0.5; problem.unknowns()];
-    minimise(&objective, start, &[], Differences::Central, &LIMITS).unwrap()
+    let limits = limits(100, 1e-9);
+    minimise(&objective, start, &[], Differences::Central, &limits).unwrap()
+}
+
+fn whole<'a>(
+    problem: &'a Problem,
+    model: &'a dyn Simulate,
+    known: &'a [Vec<f64>],
+    minimum: &'a Minimum,
+) -> Whole<'a> {
+    Whole {
+        problem,
+        model,
+        difference: 1e-3,
+        minimum,
+        known,
+        iterations: 100,
+        deadline: None,
+    }
 }
 
 /// Fits all cases, leaves out each, and gathers it.
 fn validated(problem: &Problem, model: &dyn Simulate, known: &[Vec<f64>]) -> CrossValidation {
     let minimum = fit(problem, model);
-    let whole = Whole {
-        problem,
-        model,
-        difference: 1e-3,
-        minimum: &minimum,
-        iterations: 100,
-        deadline: None,
-    };
-    let folds = cross_validate(&whole, &|_| ()).unwrap();
-    CrossValidation::new(&Found {
-        problem,
-        free: &problem.free_values(&minimum.places),
-        fitted: &minimum.misfit.predicted,
-        known,
-        folds: &folds,
-    })
+    let whole = whole(problem, model, known, &minimum);
+    cross_validate(&whole, &|_| ()).unwrap()
 }
 
 fn line(case: usize, p: &[f64], _: &[f64]) -> Prediction {
@@ -88,11 +63,7 @@ fn line(case: usize, p: &[f64], _: &[f64]) -> Prediction {
 }
 
 fn straight() -> Problem {
-    problem(
-        vec![free("a", -10.0, 10.0), free("b", -10.0, 10.0)],
-        &[],
-        &Y,
-    )
+    problem(vec![free("a", -10.0, 10.0), free("b", -10.0, 10.0)], &Y)
 }
 
 fn known() -> Vec<Vec<f64>> {
@@ -146,11 +117,8 @@ fn a_model_that_is_right_beats_a_line() {
     let exact: Vec<f64> = (0..X.len())
         .map(|case| curve(case, &[8.0, 0.3], &[]).unwrap()[0])
         .collect();
-    let problem = problem(
-        vec![free("a", 1.0, 20.0), free("b", 0.05, 2.0)],
-        &[],
-        &exact,
-    );
+    let unknown = vec![free("a", 1.0, 20.0), free("b", 0.05, 2.0)];
+    let problem = problem(unknown, &exact);
     let found = validated(&problem, &curve, &known());
     let own = &found.quantities[0];
     let rms = |size: &Option<super::outcome::ErrorSize>| size.as_ref().unwrap().rms;
@@ -169,25 +137,17 @@ fn an_unknown_of_the_case_left_out_is_averaged_over_its_interval() {
     // y = a / gap with a = 6; the gap is known within +-0.5, and one case lies outside.
     let gaps = [1.8, 2.3, 2.9, 3.4, 4.2, 6.0];
     let middles = [2.0, 2.0, 3.0, 3.0, 4.0, 5.0];
-    let intervals: Vec<Interval> = middles
-        .iter()
-        .map(|middle| Interval {
+    let mut problem = problem(vec![free("a", 1.0, 20.0)], &gaps.map(|gap| 6.0 / gap));
+    problem.latents = vec![named("gap")];
+    // Another result that shows the gaps of the first five, so that `a` is determined.
+    problem.quantities.push(named("G"));
+    let pairs = middles.iter().zip(gaps);
+    for (case, (middle, gap)) in problem.cases.iter_mut().zip(pairs) {
+        case.latents = vec![Interval {
             min: middle - 0.5,
             max: middle + 0.5,
-        })
-        .collect();
-    let measured = gaps.map(|gap| 6.0 / gap);
-    let mut problem = problem(vec![free("a", 1.0, 20.0)], &intervals, &measured);
-    // Another result that shows the gaps of the first five, so that `a` is determined.
-    problem.quantities.push(Quantity {
-        name: "G".to_owned(),
-        unit: None,
-    });
-    for (case, gap) in problem.cases.iter_mut().zip(gaps) {
-        case.measured.push(Measured {
-            value: gap,
-            accuracy: 0.01,
-        });
+        }];
+        case.measured.extend(measured(&[gap], 0.01));
     }
     let model = |_: usize, p: &[f64], latent: &[f64]| Ok(vec![p[0] / latent[0], latent[0]]);
     let known = vec![Vec::new(); gaps.len()];
@@ -250,17 +210,14 @@ fn a_case_that_cannot_be_simulated_is_named_and_left_out_of_the_sums() {
 fn time_that_is_up_is_no_prediction() {
     let problem = straight();
     let minimum = fit(&problem, &line);
+    let known = known();
     let whole = Whole {
-        problem: &problem,
-        model: &line,
-        difference: 1e-3,
-        minimum: &minimum,
-        iterations: 100,
         deadline: Some(std::time::Instant::now()),
+        ..whole(&problem, &line, &known, &minimum)
     };
     assert_eq!(minimum.end, End::Converged);
-    for fold in cross_validate(&whole, &|_| ()).unwrap() {
-        assert!(fold.unwrap_err().contains("time limit"));
+    for case in cross_validate(&whole, &|_| ()).unwrap().cases {
+        assert!(case.failure.unwrap().contains("time limit"));
     }
 }
 
@@ -281,14 +238,8 @@ fn a_stop_ends_it() {
     let problem = straight();
     let minimum = fit(&problem, &line);
     let model = Stopping(Cell::new(9));
-    let whole = Whole {
-        problem: &problem,
-        model: &model,
-        difference: 1e-3,
-        minimum: &minimum,
-        iterations: 100,
-        deadline: None,
-    };
+    let known = known();
+    let whole = whole(&problem, &model, &known, &minimum);
     let stopped = cross_validate(&whole, &|_| ());
     assert_eq!(stopped.unwrap_err(), NoPrediction::Stopped);
 }

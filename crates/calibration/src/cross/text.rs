@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use super::super::digits::{Digits, digits, shown};
 use super::super::local::End;
-use super::super::text::{Digits, digits};
 use super::outcome::{CrossValidation, ErrorSize, HeldOut, Moves, QuantityErrors};
 
 /// A summary for people.
@@ -44,10 +44,7 @@ fn columns(found: &CrossValidation) -> Vec<(String, Vec<String>)> {
         ("linear regression", |q| q.linear.as_ref()),
         ("mean of the others", |q| q.mean.as_ref()),
     ];
-    let name = |q: &QuantityErrors| match plain(q.unit.as_deref()) {
-        Some(unit) => format!("{}, {unit}", q.quantity),
-        None => q.quantity.clone(),
-    };
+    let name = |q: &QuantityErrors| named(&q.quantity, &q.unit);
     let names = found.quantities.iter().map(name).collect();
     let mut columns = vec![("result".to_owned(), names)];
     for (head, pick) in picks {
@@ -71,9 +68,12 @@ fn columns(found: &CrossValidation) -> Vec<(String, Vec<String>)> {
     columns
 }
 
-/// A unit that is one.
-fn plain(unit: Option<&str>) -> Option<&str> {
-    unit.filter(|unit| *unit != "1" && !unit.is_empty())
+/// A name with its unit.
+fn named(name: &str, unit: &Option<String>) -> String {
+    match shown(unit) {
+        "" => name.to_owned(),
+        unit => format!("{name}, {unit}"),
+    }
 }
 
 fn explanation(text: &mut String, found: &CrossValidation) {
@@ -105,10 +105,7 @@ fn parameters(text: &mut String, found: &CrossValidation) {
     text.push_str(
         "\nparameters as cases are left out: all cases, least (without case), greatest\n",
     );
-    let name = |m: &Moves| match plain(m.unit.as_deref()) {
-        Some(unit) => format!("{}, {unit}", m.name),
-        None => m.name.clone(),
-    };
+    let name = |m: &Moves| named(&m.name, &m.unit);
     let width = found.free.iter().map(|m| name(m).len()).max().unwrap_or(0);
     for moves in &found.free {
         let end = |end: &Option<(f64, String)>| {

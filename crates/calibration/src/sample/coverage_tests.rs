@@ -5,47 +5,11 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
 use super::super::objective::Objective;
-use super::super::problem::{Case, Free, Measured, Problem, Quantity};
-use super::super::search::{Effort, search};
+use super::super::outcome::IdentificationOutcome;
+use super::super::search::search;
+use super::super::testing::{decay, effort, measured, problem, settings, unknown_decay};
 use super::outcome::PosteriorOutcome;
-use super::{Settings, sample};
-use crate::problem::Spacing;
-
-const TIMES: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
-
-fn decay(p: &[f64]) -> Vec<f64> {
-    TIMES.iter().map(|t| p[0] * (-p[1] * t).exp()).collect()
-}
-
-/// Amplitude and rate of a decay, with values measured to `accuracy`.
-fn problem(values: &[f64], accuracy: f64) -> Problem {
-    let free = |name: &str, min, max, scale| Free {
-        name: name.to_owned(),
-        unit: None,
-        scale,
-        min,
-        max,
-        prior: None,
-    };
-    let quantity = |index| Quantity {
-        name: format!("y{index}"),
-        unit: None,
-    };
-    let measured = |&value| Measured { value, accuracy };
-    Problem {
-        free: vec![
-            free("amplitude", 0.5, 2.0, Spacing::Linear),
-            free("rate", 0.1, 10.0, Spacing::Log),
-        ],
-        latents: Vec::new(),
-        quantities: (0..values.len()).map(quantity).collect(),
-        cases: vec![Case {
-            label: "1".to_owned(),
-            latents: Vec::new(),
-            measured: values.iter().map(measured).collect(),
-        }],
-    }
-}
+use super::sample;
 
 /// How many of 60 truths are in the intervals: of the normal approximation at the best optimum, and of the sample; for
 /// each parameter.
@@ -54,32 +18,21 @@ fn held(accuracy: f64, seed: u64) -> [[u32; 2]; 2] {
     let mut held = [[0; 2]; 2];
     for record in 0..60 {
         let places = [random.random::<f64>(), random.random()];
-        let truth = problem(&[], 1.0).free_values(&places);
+        let truth = problem(unknown_decay(), vec![]).free_values(&places);
         let noise = |value: f64, random: &mut StdRng| {
             value + accuracy * random.sample::<f64, _>(StandardNormal)
         };
         let exact = decay(&truth).into_iter();
         let values: Vec<f64> = exact.map(|value| noise(value, &mut random)).collect();
-        let problem = problem(&values, accuracy);
+        let problem = problem(unknown_decay(), vec![measured(&values, accuracy)]);
         let model = |_: usize, p: &[f64], _: &[f64]| Ok(decay(p));
         let objective = Objective::new(&problem, &model, 1e-4);
-        let effort = Effort {
-            descents: 8,
-            iterations: 40,
-            deadline: None,
-        };
         let starts: Vec<Vec<f64>> = (0..32)
             .map(|_| vec![random.random(), random.random()])
             .collect();
-        let (optima, progress) = search(&objective, &starts, &effort, &|_| ()).unwrap();
-        let outcome =
-            super::super::outcome::IdentificationOutcome::new(&problem, &optima, &progress);
-        let settings = Settings {
-            particles: 400,
-            seed: record,
-            deadline: None,
-            discrepancies: &[],
-        };
+        let (optima, progress) = search(&objective, &starts, &effort(8, 40), &|_| ()).unwrap();
+        let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
+        let settings = settings(400, record);
         let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
         let posterior = PosteriorOutcome::new(&objective, &optima, &sample);
         for k in 0..2 {

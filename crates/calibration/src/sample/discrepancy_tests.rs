@@ -6,12 +6,11 @@ use rand_distr::StandardNormal;
 
 use super::super::discrepancy::Unknown;
 use super::super::objective::Objective;
-use super::super::problem::{Case, Free, Measured, Problem, Quantity};
+use super::super::problem::{Problem, Spacing};
 use super::super::rounds::{Task, searched};
-use super::super::search::Effort;
+use super::super::testing::{self, effort, free, measured};
 use super::outcome::PosteriorOutcome;
 use super::{Settings, sample};
-use crate::problem::Spacing;
 
 const ACCURACY: f64 = 0.1;
 
@@ -41,31 +40,12 @@ fn decay(p: &[f64], time: f64) -> f64 {
 }
 
 fn problem(values: &[f64]) -> Problem {
-    let free = |name: &str, min, max| Free {
-        name: name.to_owned(),
-        unit: None,
-        scale: Spacing::Linear,
-        min,
-        max,
-        prior: None,
-    };
-    let case = |(index, &value): (usize, &f64)| Case {
-        label: index.to_string(),
-        latents: Vec::new(),
-        measured: vec![Measured {
-            value,
-            accuracy: ACCURACY,
-        }],
-    };
-    Problem {
-        free: vec![free("amplitude", 0.0, 5.0), free("rate", 0.0, 2.0)],
-        quantities: vec![Quantity {
-            name: "Y".to_owned(),
-            unit: None,
-        }],
-        cases: values.iter().enumerate().map(case).collect(),
-        ..Problem::default()
-    }
+    let free = vec![
+        free("amplitude", Spacing::Linear, 0.0, 5.0),
+        free("rate", Spacing::Linear, 0.0, 2.0),
+    ];
+    let cases = values.iter().map(|&value| measured(&[value], ACCURACY));
+    testing::problem(free, cases.collect())
 }
 
 /// A record: its truths, and what the search and the sample tell of it.
@@ -107,20 +87,14 @@ fn record(setting: &Setting, random: &mut StdRng, seed: u64) -> Record {
         unknown: &unknown,
         difference: 1e-4,
         starts: &starts,
-        effort: Effort {
-            descents: 8,
-            iterations: 40,
-            deadline: None,
-        },
+        effort: effort(8, 40),
     };
     let found = searched(&task, &model, &|_| ()).unwrap();
     let outcome = found.outcome();
     let known = [(unknown[0], found.discrepancies[0].deviation)];
     let settings = Settings {
-        particles: 400,
-        seed,
-        deadline: None,
         discrepancies: &known,
+        ..testing::settings(400, seed)
     };
     let objective = Objective::new(&problem, &model, 1e-4);
     let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();

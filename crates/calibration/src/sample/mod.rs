@@ -35,6 +35,7 @@ use sampling::random::{Purpose, Random};
 
 use super::discrepancy::Unknown;
 use super::failures::Failures;
+use super::local::is_over;
 use super::objective::Objective;
 use super::optima::Optimum;
 use super::problem::NoPrediction;
@@ -98,14 +99,8 @@ pub enum SampleError {
     #[error("the time limit ended the posterior's sample")]
     Time,
     /// There are no further predictions.
-    #[error("{0}")]
-    Prediction(NoPrediction),
-}
-
-impl From<NoPrediction> for SampleError {
-    fn from(error: NoPrediction) -> Self {
-        Self::Prediction(error)
-    }
+    #[error(transparent)]
+    Prediction(#[from] NoPrediction),
 }
 
 /// A place in the space of all unknowns.
@@ -205,29 +200,11 @@ pub fn sample(
     })
 }
 
-/// The start's density: the prior, or its mixture with normal distributions.
-struct Start {
-    /// The normal distributions, with their part of each group.
-    seeds: Option<(Mixture, f64)>,
-}
-
-impl Start {
-    fn log_density(&self, log_prior: f64, places: &[f64]) -> f64 {
-        match &self.seeds {
-            None => log_prior,
-            Some((mixture, part)) => {
-                let prior = log_prior + (1.0 - part).ln();
-                let seeds = mixture.log_density(places, 1.0) + part.ln();
-                ln_sum(&[prior, seeds])
-            }
-        }
-    }
-}
-
 /// A sample on its way.
 struct Walk<'a> {
     target: &'a Target<'a>,
-    start: Start,
+    /// The start's normal distributions, with their part of each group; the prior has the rest.
+    seeds: Option<(Mixture, f64)>,
     random: Random,
     deadline: Option<Instant>,
     exponent: f64,
@@ -251,12 +228,11 @@ impl<'a> Walk<'a> {
         let seeded = (size as f64 * (1.0 - DEFENCE)).round() as usize;
         let part = seeded as f64 / size as f64;
         let seeds = seeds(optima, settings.discrepancies).map(|mixture| (mixture, part));
-        let start = Start { seeds };
         let mut places = Vec::with_capacity(GROUPS * size);
         for _ in 0..GROUPS {
             let shift = random.unit();
             for index in 0..size {
-                places.push(match &start.seeds {
+                places.push(match &seeds {
                     Some((mixture, _)) if index < seeded => {
                         let level = (index as f64 + shift) / seeded as f64;
                         mixture.draw(level, 1.0, &mut random)
@@ -267,7 +243,7 @@ impl<'a> Walk<'a> {
         }
         let mut walk = Self {
             target,
-            start,
+            seeds,
             random,
             deadline: settings.deadline,
             exponent: 0.0,
@@ -288,7 +264,7 @@ impl<'a> Walk<'a> {
 
     /// Particles at these places: one batch of runs.
     fn weighed(&self, places: Vec<Vec<f64>>) -> Result<Vec<Particle>, SampleError> {
-        if self.deadline.is_some_and(|end| Instant::now() >= end) {
+        if is_over(self.deadline) {
             return Err(SampleError::Time);
         }
         let likelihoods = self.target.log_likelihoods(&places)?;
@@ -296,7 +272,7 @@ impl<'a> Walk<'a> {
         let weighed = weighed.map(|(places, log_likelihood)| {
             let log_prior = self.target.log_prior(&places);
             Particle {
-                log_start: self.start.log_density(log_prior, &places),
+                log_start: self.log_start(log_prior, &places),
                 log_prior,
                 log_likelihood,
                 ancestor: 0,
@@ -304,6 +280,18 @@ impl<'a> Walk<'a> {
             }
         });
         Ok(weighed.collect())
+    }
+
+    /// The logarithm of the density of the start.
+    fn log_start(&self, log_prior: f64, places: &[f64]) -> f64 {
+        match &self.seeds {
+            None => log_prior,
+            Some((mixture, part)) => {
+                let prior = log_prior + (1.0 - part).ln();
+                let seeds = mixture.log_density(places, 1.0) + part.ln();
+                ln_sum(&[prior, seeds])
+            }
+        }
     }
 
     fn size(&self) -> usize {

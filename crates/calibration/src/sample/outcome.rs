@@ -9,11 +9,10 @@ use super::super::discrepancy::Unknown;
 use super::super::failures;
 use super::super::objective::Objective;
 use super::super::optima::Optimum;
-use super::super::problem::Problem;
+use super::super::problem::{Free, Problem, Spacing};
 use super::region::{quantile, regions};
 use super::target::Target;
 use super::{FEWEST, GROUPS, Particle, Sample, Stage};
-use crate::problem::Spacing;
 
 /// Fewer independent particles say too little of a 95 % interval: with 100 it holds 91 to 99 %.
 const ENOUGH: f64 = 100.0;
@@ -120,31 +119,23 @@ struct Groups<'a> {
 
 impl<'a> Groups<'a> {
     fn of(sample: &'a Sample) -> Self {
+        let groups = sample.groups.iter().map(|(_, particles)| &particles[..]);
         let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
         let all = ln_sum(&logs);
         Self {
             parts: logs.iter().map(|log| (log - all).exp()).collect(),
-            groups: sample
-                .groups
-                .iter()
-                .map(|(_, particles)| &particles[..])
-                .collect(),
+            groups: groups.collect(),
         }
     }
 
     fn estimate(&self, f: &dyn Fn(&Particle) -> f64) -> Estimate {
         let mean = |group: &&[Particle]| group.iter().map(f).sum::<f64>() / group.len() as f64;
         let means: Vec<f64> = self.groups.iter().map(mean).collect();
-        let pairs = || {
-            self.parts
-                .iter()
-                .zip(&means)
-                .filter(|(part, _)| **part > 0.0)
-        };
-        let mean: f64 = pairs().map(|(part, own)| part * own).sum();
-        let squares: f64 = pairs()
-            .map(|(part, own)| (part * (own - mean)).powi(2))
-            .sum();
+        let pairs = self.parts.iter().zip(&means);
+        let pairs = pairs.filter(|(part, _)| **part > 0.0);
+        let mean: f64 = pairs.clone().map(|(part, own)| part * own).sum();
+        let squares = pairs.map(|(part, own)| (part * (own - mean)).powi(2));
+        let squares: f64 = squares.sum();
         let count = GROUPS as f64;
         Estimate {
             mean,
@@ -192,11 +183,11 @@ impl PosteriorOutcome {
     fn doubts(&self, sample: &Sample) -> Vec<String> {
         let mut doubts = Vec::new();
         let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite());
-        match dead.count() {
-            0 => {}
-            dead => doubts.push(format!(
+        let dead = dead.count();
+        if dead > 0 {
+            doubts.push(format!(
                 "{dead} of {GROUPS} groups found no place that can be simulated"
-            )),
+            ));
         }
         if self.effective < ENOUGH {
             doubts.push(format!(
@@ -238,7 +229,7 @@ impl PosteriorOutcome {
     fn notes(&self, objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Vec<String> {
         let mut notes = Vec::new();
         if self.failed > 0 {
-            let within = failures::words(&failures::ranges(objective.problem, &sample.failures));
+            let within = failures::words(&sample.failures.ranges(objective.problem));
             notes.push(format!(
                 "runs failed at {} of {} places, all within {within}; these count as impossible, though nothing is known of \
                  them: if the truth lies there, the sample does not hold it",
@@ -271,14 +262,14 @@ impl PosteriorOutcome {
         let target = Target::new(objective, Vec::new());
         let known = optima.iter().map(|own| target.log_density(&own.minimum));
         let known = known.fold(f64::NEG_INFINITY, f64::max);
-        let found = sample.particles.iter();
-        let found = found.map(|own| own.log_prior + own.log_likelihood);
-        let found = found.fold(f64::NEG_INFINITY, f64::max);
-        if known.is_finite() && found > known + HIGHER {
+        let particles = sample.particles.iter();
+        let sampled = particles.map(|own| own.log_prior + own.log_likelihood);
+        let highest = sampled.fold(f64::NEG_INFINITY, f64::max);
+        if known.is_finite() && highest > known + HIGHER {
             notes.push(format!(
                 "the sample holds places that are exp({:.1}) times as probable as the best optimum: the search has \
                  missed one, and more `starts` may find it",
-                found - known
+                highest - known
             ));
         }
         notes
@@ -400,13 +391,11 @@ impl<'a> Near<'a> {
     }
 }
 
-/// What there is to say of one unknown, given how a place becomes a value.
+/// What there is to say of one unknown with name, unit and scale, given how a place becomes a value.
 fn marginal(
-    name: &str,
-    unit: Option<&String>,
-    scale: Spacing,
     sample: &Sample,
     unknown: usize,
+    (name, unit, scale): (&str, &Option<String>, Spacing),
     value: &dyn Fn(f64) -> f64,
 ) -> Marginal {
     let places = sample.particles.iter().map(|own| own.places[unknown]);
@@ -415,7 +404,7 @@ fn marginal(
     let intervals = regions(&places).into_iter();
     Marginal {
         name: name.to_owned(),
-        unit: unit.cloned(),
+        unit: unit.clone(),
         mean: mean(&values),
         deviation: variance(&values, 1).sqrt(),
         median: value(quantile(&places, 0.5)),
@@ -425,39 +414,22 @@ fn marginal(
 }
 
 fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
-    let free = problem.free.iter().enumerate();
-    free.map(|(unknown, free)| {
-        let value = |place| free.value(place);
-        marginal(
-            &free.name,
-            free.unit.as_ref(),
-            free.scale,
-            sample,
-            unknown,
-            &value,
-        )
-    })
-    .collect()
+    let marginal = |(unknown, own): (usize, &Free)| {
+        let named = (&own.name[..], &own.unit, own.scale);
+        marginal(sample, unknown, named, &|place| own.value(place))
+    };
+    problem.free.iter().enumerate().map(marginal).collect()
 }
 
 fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
     let of_case = |case: usize| {
-        let intervals = problem.cases[case].latents.iter();
-        let latents = problem.latents.iter().zip(intervals);
-        let latents = latents.zip(problem.latents_of(case));
-        latents
-            .map(|((latent, interval), unknown)| {
-                let value = |place| interval.value(place);
-                marginal(
-                    &latent.name,
-                    latent.unit.as_ref(),
-                    Spacing::Linear,
-                    sample,
-                    unknown,
-                    &value,
-                )
-            })
-            .collect()
+        let pairs = problem.latents.iter().zip(&problem.cases[case].latents);
+        let latents = problem.latents_of(case).zip(pairs);
+        let marginals = latents.map(|(unknown, (own, interval))| {
+            let named = (&own.name[..], &own.unit, Spacing::Linear);
+            marginal(sample, unknown, named, &|place| interval.value(place))
+        });
+        marginals.collect()
     };
     (0..problem.cases.len()).map(of_case).collect()
 }

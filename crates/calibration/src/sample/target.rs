@@ -2,77 +2,19 @@
 
 use std::cell::Cell;
 
+use sampling::distribution::Distribution;
 use sampling::random::Random;
-use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::super::discrepancy::Unknown;
 use super::super::local::Minimum;
 use super::super::objective::{Misfit, Objective};
 use super::super::problem::NoPrediction;
 
-/// The prior of one unknown's place: uniform from 0 to 1, or normal and cut there.
-#[derive(Clone, Copy, Debug)]
-enum Before {
-    Uniform,
-    /// Mean, deviation, and the parts of the distribution below the lower and the upper bound.
-    Normal {
-        mean: f64,
-        deviation: f64,
-        below: f64,
-        above: f64,
-    },
-}
-
-impl Before {
-    fn new(prior: Option<(f64, f64)>) -> Self {
-        let Some((mean, deviation)) = prior else {
-            return Self::Uniform;
-        };
-        let part = |bound: f64| Normal::standard().cdf((bound - mean) / deviation);
-        Self::Normal {
-            mean,
-            deviation,
-            below: part(0.0),
-            above: part(1.0),
-        }
-    }
-
-    fn log_density(self, place: f64) -> f64 {
-        match self {
-            _ if !(0.0..=1.0).contains(&place) => f64::NEG_INFINITY,
-            Self::Uniform => 0.0,
-            Self::Normal {
-                mean,
-                deviation,
-                below,
-                above,
-            } => {
-                let squares = ((place - mean) / deviation).powi(2);
-                -0.5 * (squares + std::f64::consts::TAU.ln()) - (deviation * (above - below)).ln()
-            }
-        }
-    }
-
-    fn quantile(self, level: f64) -> f64 {
-        match self {
-            Self::Uniform => level,
-            Self::Normal {
-                mean,
-                deviation,
-                below,
-                above,
-            } => {
-                let level = below + level * (above - below);
-                (mean + deviation * Normal::standard().inverse_cdf(level)).clamp(0.0, 1.0)
-            }
-        }
-    }
-}
-
 /// The posterior that is sampled.
 pub(super) struct Target<'a> {
     objective: &'a Objective<'a>,
-    before: Vec<Before>,
+    /// The prior of each unknown's place: uniform from 0 to 1, or normal and cut there.
+    before: Vec<Distribution>,
     /// Quantities with an unknown discrepancy, whose places stand behind all others.
     discrepancies: Vec<Unknown>,
     /// The logarithm of the likelihood where every prediction is what was measured.
@@ -86,15 +28,14 @@ pub(super) struct Target<'a> {
 impl<'a> Target<'a> {
     pub(super) fn new(objective: &'a Objective<'a>, discrepancies: Vec<Unknown>) -> Self {
         let problem = objective.problem;
-        let free = problem.free.iter().map(|free| free.prior_place());
-        let latents = problem.cases.len() * problem.latents.len();
-        let others = std::iter::repeat_n(None, latents + discrepancies.len());
-        let before = free.chain(others);
+        let free = problem.free.iter().map(|free| before(free.prior_place()));
+        let others = problem.unknowns() - problem.free.len() + discrepancies.len();
+        let before = free.chain(std::iter::repeat_n(before(None), others));
         let measured = problem.cases.iter().flat_map(|case| &case.measured);
         let peak = |accuracy: f64| -accuracy.ln() - 0.5 * std::f64::consts::TAU.ln();
         Self {
             objective,
-            before: before.map(Before::new).collect(),
+            before: before.collect(),
             discrepancies,
             best: measured.map(|measured| peak(measured.accuracy)).sum(),
             evaluated: Cell::new(0),
@@ -115,17 +56,13 @@ impl<'a> Target<'a> {
     /// A place from the prior.
     pub(super) fn draw(&self, random: &mut Random) -> Vec<f64> {
         let before = self.before.iter();
-        before
-            .map(|before| before.quantile(random.unit()))
-            .collect()
+        before.map(|own| own.quantile(random.unit())).collect()
     }
 
     /// The logarithm of the prior density: minus infinity outside of the bounds.
     pub(super) fn log_prior(&self, places: &[f64]) -> f64 {
         let pairs = self.before.iter().zip(places);
-        pairs
-            .map(|(before, &place)| before.log_density(place))
-            .sum()
+        pairs.map(|(own, &place)| own.ln_density(place)).sum()
     }
 
     /// The logarithms of the likelihood, all in one batch of runs: minus infinity outside of the bounds, where nothing
@@ -167,5 +104,19 @@ impl<'a> Target<'a> {
             log += at(unknown.deviation(place)) - at(0.0);
         }
         if log.is_nan() { f64::NEG_INFINITY } else { log }
+    }
+}
+
+/// The prior of a place, given its centre and deviation where there are any.
+fn before(prior: Option<(f64, f64)>) -> Distribution {
+    let [min, max] = [0.0, 1.0];
+    match prior {
+        None => Distribution::Uniform { min, max },
+        Some((mean, deviation)) => Distribution::TruncatedNormal {
+            mean,
+            deviation,
+            min: Some(min),
+            max: Some(max),
+        },
     }
 }

@@ -4,53 +4,20 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::super::discrepancy::{Discrepancy, Unknown};
-use super::super::local::{Limits, minimise};
+use super::super::local::minimise;
 use super::super::objective::{Differences, Objective};
 use super::super::optima::{Optima, Optimum};
-use super::super::problem::{
-    Case, Free, Interval, Latent, Measured, Prediction, Prior, Problem, Quantity, Simulate,
-};
+use super::super::problem::{Case, Interval, Prediction, Prior, Problem, Simulate};
+use super::super::testing::{limits, measured, named, one_case, settings};
 use super::outcome::PosteriorOutcome;
 use super::{Sample, SampleError, Settings, sample};
-use crate::problem::Spacing;
-
-fn problem(bounds: &[(f64, f64)], measured: &[(f64, f64)]) -> Problem {
-    let free = bounds.iter().enumerate().map(|(index, &(min, max))| Free {
-        name: format!("p{index}"),
-        unit: None,
-        scale: Spacing::Linear,
-        min,
-        max,
-        prior: None,
-    });
-    let quantity = |index| Quantity {
-        name: format!("y{index}"),
-        unit: None,
-    };
-    let value = |&(value, accuracy): &(f64, f64)| Measured { value, accuracy };
-    Problem {
-        free: free.collect(),
-        latents: Vec::new(),
-        quantities: (0..measured.len()).map(quantity).collect(),
-        cases: vec![Case {
-            label: "1".to_owned(),
-            latents: Vec::new(),
-            measured: measured.iter().map(value).collect(),
-        }],
-    }
-}
-
-const LIMITS: Limits = Limits {
-    iterations: 100,
-    decrease: 1e-8,
-    deadline: None,
-};
 
 /// The optima below some starts.
 fn optima(objective: &Objective<'_>, starts: &[Vec<f64>]) -> Vec<Optimum> {
-    let mut optima = Optima::new(objective, LIMITS);
+    let limits = limits(100, 1e-8);
+    let mut optima = Optima::new(objective, limits);
     for start in starts {
-        let near = minimise(objective, start.clone(), &[], Differences::Central, &LIMITS).unwrap();
+        let near = minimise(objective, start.clone(), &[], Differences::Central, &limits).unwrap();
         optima.add(&near.places, near.misfit.cost()).unwrap();
     }
     optima.weighed()
@@ -64,12 +31,7 @@ fn sampled(
 ) -> (Sample, PosteriorOutcome) {
     let objective = Objective::new(problem, model, 1e-5);
     let optima = optima(&objective, starts);
-    let settings = Settings {
-        particles: 1000,
-        seed,
-        deadline: None,
-        discrepancies: &[],
-    };
+    let settings = settings(1000, seed);
     let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
     (sample, outcome)
@@ -78,7 +40,7 @@ fn sampled(
 /// Three parameters, four measured values, one prior; correlated posterior.
 fn linear() -> (Problem, DMatrix<f64>) {
     let measured = [(2.1, 0.05), (1.2, 0.1), (0.3, 0.08), (1.9, 0.2)];
-    let mut problem = problem(&[(-5.0, 5.0), (-5.0, 5.0), (-5.0, 5.0)], &measured);
+    let mut problem = one_case(&[(-5.0, 5.0), (-5.0, 5.0), (-5.0, 5.0)], &measured);
     problem.free[2].prior = Some(Prior {
         centre: 0.4,
         spread: 0.3,
@@ -170,7 +132,7 @@ fn evaluations(sample: &Sample, outcome: &PosteriorOutcome) -> u64 {
 /// sin(6 x) + 0.3 x = 0.5 +- 0.02 on [0.1, 3.1]: the parts of the six solutions by the trapezoidal rule.
 #[test]
 fn six_modes_have_their_parts_and_an_interval_each() {
-    let problem = problem(&[(0.1, 3.1)], &[(0.5, 0.02)]);
+    let problem = one_case(&[(0.1, 3.1)], &[(0.5, 0.02)]);
     let wave = |x: f64| (6.0 * x).sin() + 0.3 * x;
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![wave(p[0])]);
     let edges = [0.1, 0.77, 1.32, 1.82, 2.37, 2.87, 3.1];
@@ -212,7 +174,7 @@ fn six_modes_have_their_parts_and_an_interval_each() {
 /// A banana, against an integral on a grid. Its normal approximation is far too short.
 #[test]
 fn a_curved_valley_has_its_moments() {
-    let problem = problem(&[(-3.0, 3.0), (-2.0, 6.0)], &[(0.0, 1.0), (0.0, 0.1)]);
+    let problem = one_case(&[(-3.0, 3.0), (-2.0, 6.0)], &[(0.0, 1.0), (0.0, 0.1)]);
     let banana = |p: &[f64]| vec![p[0], p[1] - p[0] * p[0]];
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(banana(p));
     let (mut sums, steps) = ([0.0; 5], 1500);
@@ -250,11 +212,8 @@ fn a_curved_valley_has_its_moments() {
 #[test]
 fn latent_unknowns_are_sampled_within_their_intervals() {
     // y = a + l with a within 0 and 10, l within 2 and 3, y = 7 +- 0.01: a + l is known, l is not.
-    let mut problem = problem(&[(0.0, 10.0)], &[(7.0, 0.01)]);
-    problem.latents = vec![Latent {
-        name: "l".to_owned(),
-        unit: None,
-    }];
+    let mut problem = one_case(&[(0.0, 10.0)], &[(7.0, 0.01)]);
+    problem.latents = vec![named("l")];
     problem.cases[0].latents = vec![Interval { min: 2.0, max: 3.0 }];
     let model = |_: usize, p: &[f64], l: &[f64]| Ok(vec![p[0] + l[0]]);
     let (sample, outcome) = sampled(&problem, &model, &[vec![0.5, 0.5]], 4);
@@ -277,7 +236,7 @@ fn latent_unknowns_are_sampled_within_their_intervals() {
 #[test]
 fn failed_runs_count_as_impossible_and_are_counted() {
     // Half of the normal posterior around 0.5 cannot be run.
-    let problem = problem(&[(0.0, 1.0)], &[(0.5, 0.1)]);
+    let problem = one_case(&[(0.0, 1.0)], &[(0.5, 0.1)]);
     let model = |_: usize, p: &[f64], _: &[f64]| {
         if p[0] > 0.5 {
             Err("too far".to_owned())
@@ -295,13 +254,7 @@ fn failed_runs_count_as_impossible_and_are_counted() {
     // Where nothing can be run there is no sample.
     let never = |_: usize, _: &[f64], _: &[f64]| -> Prediction { Err("never".to_owned()) };
     let objective = Objective::new(&problem, &never, 1e-5);
-    let settings = Settings {
-        particles: 200,
-        seed: 1,
-        deadline: None,
-        discrepancies: &[],
-    };
-    let none = sample_of(&objective, &settings);
+    let none = sample_of(&objective, &settings(200, 1));
     assert_eq!(none, Err(SampleError::NoStart(200)));
 }
 
@@ -313,7 +266,7 @@ fn sample_of(objective: &Objective<'_>, settings: &Settings<'_>) -> Result<usize
 /// prior alone that has not found it says so.
 #[test]
 fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
-    let problem = problem(&[(0.0, 1.0); 6], &[(0.0, 1.0); 7]);
+    let problem = one_case(&[(0.0, 1.0); 6], &[(0.0, 1.0); 7]);
     // Whichever is the more probable of a hill and a peak that is exp(12.7) times as high.
     let model = |_: usize, p: &[f64], _: &[f64]| {
         let about = |centre: f64, deviation: f64, less: f64| -> Vec<f64> {
@@ -337,14 +290,8 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
     let objective = Objective::new(&problem, &model, 1e-5);
     let optima = optima(&objective, &[vec![0.3; 6], vec![0.85; 6]]);
     assert_eq!(optima.len(), 1, "{optima:?}");
-    let settings = |seed| Settings {
-        particles: 1000,
-        seed,
-        deadline: None,
-        discrepancies: &[],
-    };
     for (seeds, from_optima) in [(&optima[..], true), (&[][..], false)] {
-        let sample = sample(&objective, seeds, &settings(1), &|_, _| ()).unwrap();
+        let sample = sample(&objective, seeds, &settings(1000, 1), &|_, _| ()).unwrap();
         let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
         let near = sample.particles.iter().filter(|own| own.places[0] > 0.7);
         let share = near.count() as f64 / sample.particles.len() as f64;
@@ -361,14 +308,11 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
 #[test]
 fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
     let values = [4.1, 5.3, 4.8, 5.9, 4.4, 5.2, 5.6, 4.0, 5.1, 4.7, 5.5, 4.9];
-    let mut problem = problem(&[(0.0, 10.0)], &[(0.0, 0.2)]);
+    let mut problem = one_case(&[(0.0, 10.0)], &[(0.0, 0.2)]);
     problem.cases = values
         .iter()
         .map(|&value| Case {
-            measured: vec![Measured {
-                value,
-                accuracy: 0.2,
-            }],
+            measured: measured(&[value], 0.2),
             ..problem.cases[0].clone()
         })
         .collect();
@@ -381,10 +325,8 @@ fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
     assert!(found.told);
     let discrepancies = [(unknown, found.deviation)];
     let settings = Settings {
-        particles: 2000,
-        seed: 6,
-        deadline: None,
         discrepancies: &discrepancies,
+        ..settings(2000, 6)
     };
     let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
@@ -442,14 +384,12 @@ fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
 
 #[test]
 fn time_ends_a_sample() {
-    let problem = problem(&[(0.0, 1.0)], &[(0.5, 0.1)]);
+    let problem = one_case(&[(0.0, 1.0)], &[(0.5, 0.1)]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
     let objective = Objective::new(&problem, &model, 1e-5);
     let settings = Settings {
-        particles: 200,
-        seed: 1,
         deadline: Some(std::time::Instant::now()),
-        discrepancies: &[],
+        ..settings(200, 1)
     };
     assert_eq!(sample_of(&objective, &settings), Err(SampleError::Time));
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use super::super::digits::{Digits, digits, shown};
 use super::super::discrepancy::Unknown;
 use super::super::problem::Problem;
-use super::super::text::{Digits, digits};
 use super::outcome::{Marginal, PosteriorOutcome};
 use super::{GROUPS, Sample};
 
@@ -60,7 +60,6 @@ fn marginals(text: &mut String, free: &[Marginal]) {
         "parameter", "mean", "deviation", "median"
     );
     for own in free {
-        let unit = own.unit.as_deref().filter(|unit| *unit != "1");
         let parts = own.intervals.iter().take(NAMED);
         let parts = parts.map(|ends| {
             let [low, high] = ends.map(digits);
@@ -79,7 +78,7 @@ fn marginals(text: &mut String, free: &[Marginal]) {
             Digits::of(own.deviation, 3),
             digits(own.median),
             parts.join(" or "),
-            unit.unwrap_or("")
+            shown(&own.unit)
         );
     }
 }
@@ -137,7 +136,6 @@ pub fn rows<'a>(
     unknown: &'a [Unknown],
     sample: &'a Sample,
 ) -> impl Iterator<Item = Vec<String>> + 'a {
-    let number = |value: f64| format!("{value}");
     sample
         .particles
         .iter()
@@ -154,6 +152,9 @@ pub fn rows<'a>(
                 .chain(deviations)
                 .chain([own.log_likelihood]);
             let label = (index + 1).to_string();
-            [label].into_iter().chain(numbers.map(number)).collect()
+            [label]
+                .into_iter()
+                .chain(numbers.map(|value| value.to_string()))
+                .collect()
         })
 }

@@ -19,15 +19,14 @@ pub mod outcome;
 mod tests;
 pub mod text;
 
-use std::time::Instant;
-
 use super::discrepancy::Unknown;
 use super::failures::Failures;
+use super::local::is_over;
 use super::objective::Objective;
-use super::problem::{NoPrediction, Problem, Query, Simulate};
+use super::problem::{NoPrediction, Problem, Simulate};
 use super::rounds::{self, searched};
 use super::sample::{FEWEST, SampleError, Settings, sample};
-use super::search::{Effort, SearchError};
+use super::search::SearchError;
 pub use fitted::Surrogates;
 use fitted::{Bounds, Run};
 use outcome::SurrogateOutcome;
@@ -50,20 +49,12 @@ const BEYOND: f64 = 0.25;
 /// What surrogates are made for.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
-    /// The problem.
-    pub problem: &'a Problem,
-    /// Quantities whose discrepancy is unknown.
-    pub unknown: &'a [Unknown],
+    /// The search that they serve; its local searches begin at the same places.
+    pub search: rounds::Task<'a>,
     /// The most places at which the model is run.
     pub runs: usize,
     /// Places that are spread evenly: those of the first runs, then of each round.
     pub spread: &'a dyn Fn(usize, u64) -> Vec<Vec<f64>>,
-    /// Where local searches on the surrogates begin.
-    pub starts: &'a [Vec<f64>],
-    /// The distance of simulations for a derivative.
-    pub difference: f64,
-    /// How hard to search.
-    pub effort: Effort,
     /// The seed of samples.
     pub seed: u64,
 }
@@ -97,27 +88,32 @@ pub fn replaced(
     model: &dyn Simulate,
     observe: &dyn Fn(String),
 ) -> Result<Replaced, SearchError> {
+    let rounds::Task {
+        problem,
+        difference,
+        effort,
+        ..
+    } = task.search;
     let mut work = Work {
         task,
-        model,
+        model: Objective::new(problem, model, difference),
         runs: Vec::new(),
-        failures: Failures::default(),
-        surrogates: Surrogates::new(task.problem),
+        surrogates: Surrogates::new(problem),
     };
     let check = (task.runs as f64 * CHECK).ceil() as usize;
     let first = (task.runs as f64 * FIRST).ceil() as usize;
     let each = (task.runs - first - check).div_ceil(ROUNDS);
-    work.run((task.spread)(first, 0))?;
+    work.run(&(task.spread)(first, 0))?;
     let screened: Vec<bool> = work.runs.iter().map(|run| run.predicted.is_ok()).collect();
-    let whole = vec![[0.0, 1.0]; task.problem.unknowns()];
+    let whole = vec![[0.0, 1.0]; problem.unknowns()];
     if !work.surrogates.refine(&work.runs, whole) {
         return Err(work.too_few());
     }
     let mut rounds = 1;
     // Where runs fail, only nearer ones tell where that begins.
-    while (work.widening(RMS) > SMALL || work.failures.failed > 0)
+    while (work.widening(RMS) > SMALL || work.model.failures().failed > 0)
         && work.runs.len() + check < task.runs
-        && in_time(task)
+        && !is_over(effort.deadline)
     {
         observe(format!(
             "surrogate of round {rounds}, {} runs a case",
@@ -127,7 +123,7 @@ pub fn replaced(
         let region = around(&particles);
         let room = task.runs - check - work.runs.len();
         let places = work.next(&particles, &region, each.min(room), rounds as u64);
-        work.run(places)?;
+        work.run(&places)?;
         if !work.surrogates.refine(&work.runs, region) {
             break;
         }
@@ -139,25 +135,17 @@ pub fn replaced(
     let particles = work.sample(RMS, rounds as u64)?;
     let places = evenly(&particles, check);
     let checked = work.check(&places)?;
-    let mut told = SurrogateOutcome::new(
-        task.problem,
-        &work.surrogates,
-        (rounds, work.runs.len() + check, work.failures.failed),
-        &checked,
-    );
+    let failures = work.model.failures();
+    let counts = (rounds, work.runs.len() + check, failures.failed);
+    let mut told = SurrogateOutcome::new(problem, &work.surrogates, counts, &checked);
     told.check_failed = places.len() - checked.len();
     Ok(Replaced {
-        problem: told.widened(task.problem),
+        problem: told.widened(problem),
         model: work.surrogates,
         told,
-        failures: work.failures,
+        failures,
         screened,
     })
-}
-
-fn in_time(task: &Task<'_>) -> bool {
-    let ends = task.effort.deadline;
-    ends.is_none_or(|ends| Instant::now() < ends)
 }
 
 /// Which of two errors is counted.
@@ -167,56 +155,34 @@ const LARGEST: usize = 1;
 /// Surrogates that are being made.
 struct Work<'a> {
     task: &'a Task<'a>,
-    model: &'a dyn Simulate,
+    model: Objective<'a>,
     runs: Vec<Run>,
-    failures: Failures,
     surrogates: Surrogates,
 }
 
 impl Work<'_> {
     /// Runs the model with all cases at these places.
-    fn asked(&mut self, places: Vec<Vec<f64>>) -> Result<Vec<Run>, NoPrediction> {
-        let problem = self.task.problem;
-        let queries = places.iter().flat_map(|places| {
-            (0..problem.cases.len()).map(move |case| Query {
-                case,
-                free: problem.free_values(places),
-                latents: problem.latent_values(case, places),
-            })
+    fn asked(&self, places: &[Vec<f64>]) -> Result<Vec<Run>, NoPrediction> {
+        let misfits = self.model.misfits(places)?;
+        let runs = places.iter().zip(misfits).map(|(places, misfit)| Run {
+            places: places.clone(),
+            predicted: misfit.map(|misfit| misfit.predicted),
         });
-        let predictions = self.model.simulate(&queries.collect::<Vec<_>>())?;
-        let mut runs = Vec::with_capacity(places.len());
-        for (places, own) in places
-            .into_iter()
-            .zip(predictions.chunks(problem.cases.len()))
-        {
-            let finite = |values: &Vec<f64>| match values.iter().find(|value| !value.is_finite()) {
-                Some(value) => Err(format!("a prediction is {value}")),
-                None => Ok(values.clone()),
-            };
-            let own = own.iter().map(|own| own.as_ref().map_err(Clone::clone));
-            let predicted: Result<Vec<_>, String> = own.map(|own| own.and_then(finite)).collect();
-            let reason = predicted.as_ref().err().map(String::as_str);
-            self.failures.note(problem, &places, reason);
-            runs.push(Run { places, predicted });
-        }
-        Ok(runs)
+        Ok(runs.collect())
     }
 
-    fn run(&mut self, places: Vec<Vec<f64>>) -> Result<(), NoPrediction> {
-        let runs = self.asked(places)?;
-        self.runs.extend(runs);
+    fn run(&mut self, places: &[Vec<f64>]) -> Result<(), NoPrediction> {
+        self.runs.extend(self.asked(places)?);
         Ok(())
     }
 
     fn too_few(&self) -> SearchError {
         let ended = self.runs.iter().filter(|run| run.predicted.is_ok()).count();
-        let last = self
+        let mut failed = self
             .runs
             .iter()
-            .rev()
-            .find_map(|run| run.predicted.as_ref().err());
-        let last = last.map_or_else(String::new, |reason| {
+            .filter_map(|run| run.predicted.as_ref().err());
+        let last = failed.next_back().map_or_else(String::new, |reason| {
             format!("; the last one failed with: {reason}")
         });
         SearchError::Surrogate(format!(
@@ -227,22 +193,16 @@ impl Work<'_> {
 
     /// Accuracies with one of the errors of the last surrogates.
     fn widened(&self, which: usize) -> Problem {
-        let mut problem = self.task.problem.clone();
         let layer = self.surrogates.last();
-        for (case, errors) in problem.cases.iter_mut().zip(layer.errors()) {
-            for (measured, error) in case.measured.iter_mut().zip(errors) {
-                measured.accuracy = measured
-                    .accuracy
-                    .hypot(layer.together.sqrt() * error[which]);
-            }
-        }
-        problem
+        let (errors, factor) = (layer.errors(), layer.together.sqrt());
+        let problem = self.model.problem;
+        problem.widened(|case, quantity| factor * errors[case][quantity][which])
     }
 
     /// By which part the errors widen the accuracy of any value, at most.
     fn widening(&self, which: usize) -> f64 {
         let widened = self.widened(which);
-        let pairs = self.task.problem.cases.iter().zip(&widened.cases);
+        let pairs = self.model.problem.cases.iter().zip(&widened.cases);
         let pairs = pairs.flat_map(|(a, b)| a.measured.iter().zip(&b.measured));
         pairs
             .map(|(a, b)| b.accuracy / a.accuracy - 1.0)
@@ -251,28 +211,24 @@ impl Work<'_> {
 
     /// Particles of the posterior by the surrogates, with one of their errors.
     fn sample(&self, which: usize, round: u64) -> Result<Vec<Vec<f64>>, SearchError> {
-        let task = self.task;
         let problem = self.widened(which);
         let search = rounds::Task {
             problem: &problem,
-            unknown: task.unknown,
-            difference: task.difference,
-            starts: task.starts,
-            effort: task.effort,
+            ..self.task.search
         };
-        let found = searched(&search, &self.surrogates, &|_| ())?;
-        let deviations = found.discrepancies.iter().map(|own| own.deviation);
+        let searched = searched(&search, &self.surrogates, &|_| ())?;
+        let deviations = searched.discrepancies.iter().map(|own| own.deviation);
         let discrepancies: Vec<(Unknown, f64)> =
-            task.unknown.iter().copied().zip(deviations).collect();
-        let unknowns = (problem.unknowns() + task.unknown.len()) as u64;
+            search.unknown.iter().copied().zip(deviations).collect();
+        let unknowns = (problem.unknowns() + search.unknown.len()) as u64;
         let settings = Settings {
             particles: FEWEST.max(20 * unknowns),
-            seed: task.seed.wrapping_add(round),
-            deadline: task.effort.deadline,
+            seed: self.task.seed.wrapping_add(round),
+            deadline: search.effort.deadline,
             discrepancies: &discrepancies,
         };
-        let objective = Objective::new(&problem, &self.surrogates, task.difference);
-        let sample = sample(&objective, &found.optima, &settings, &|_, _| ());
+        let objective = Objective::new(&problem, &self.surrogates, search.difference);
+        let sample = sample(&objective, &searched.optima, &settings, &|_, _| ());
         let sample = sample.map_err(|error| match error {
             SampleError::Prediction(error) => SearchError::from(error),
             error => SearchError::Sample(error.to_string()),
@@ -307,10 +263,14 @@ impl Work<'_> {
 
     /// The surrogates' errors at places that they have not seen: a row each, with the values case by case. Places at which
     /// the model's runs fail are left out.
-    fn check(&mut self, places: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, NoPrediction> {
-        let runs = self.asked(places.to_vec())?;
-        let objective = Objective::new(self.task.problem, &self.surrogates, self.task.difference);
-        let ours = objective.misfits(places)?;
+    fn check(&self, places: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, NoPrediction> {
+        let runs = self.asked(places)?;
+        let rounds::Task {
+            problem,
+            difference,
+            ..
+        } = self.task.search;
+        let ours = Objective::new(problem, &self.surrogates, difference).misfits(places)?;
         let pairs = runs.iter().zip(ours);
         let errors = pairs.filter_map(|(run, ours)| {
             let theirs = run.predicted.as_ref().ok()?.iter().flatten();

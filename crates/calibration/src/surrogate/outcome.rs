@@ -47,6 +47,13 @@ pub struct ValueError {
     pub accuracy: f64,
 }
 
+impl ValueError {
+    /// The error counted as a part of the accuracy.
+    pub(super) fn part(&self) -> f64 {
+        self.counted / self.accuracy
+    }
+}
+
 /// An optimum of the surrogates as the model sees it.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct RunAgain {
@@ -64,45 +71,37 @@ impl SurrogateOutcome {
         (rounds, runs, failed): (usize, usize, u64),
         checked: &[Vec<f64>],
     ) -> Self {
-        let quantities = problem.quantities.len();
         let layer = surrogates.last();
-        let together = layer.together;
         let held_out = |index: usize| {
             let squares: f64 = checked.iter().map(|row| row[index].powi(2)).sum();
             (!checked.is_empty()).then(|| (squares / checked.len() as f64).sqrt())
         };
-        let errors = layer.errors();
-        let value = |case: usize, quantity: usize, leave_one_out: f64| {
-            let held_out = held_out(case * quantities + quantity);
+        let fits = layer.errors();
+        let value = |case: usize, quantity: usize| {
+            let [leave_one_out, _] = fits[case][quantity];
+            let held_out = held_out(case * problem.quantities.len() + quantity);
+            let larger = held_out.map_or(leave_one_out, |own| own.max(leave_one_out));
             ValueError {
                 quantity: problem.quantities[quantity].name.clone(),
                 leave_one_out,
                 held_out,
-                counted: together.sqrt()
-                    * held_out.map_or(leave_one_out, |own| own.max(leave_one_out)),
+                counted: layer.together.sqrt() * larger,
                 accuracy: problem.cases[case].measured[quantity].accuracy,
             }
         };
-        let case = |(case, errors): (usize, &Vec<[f64; 2]>)| {
-            let errors = errors.iter().enumerate();
-            errors
-                .map(|(quantity, error)| value(case, quantity, error[0]))
-                .collect()
-        };
-        let errors: Vec<Vec<ValueError>> = errors.iter().enumerate().map(case).collect();
-        let parts = errors
-            .iter()
-            .flatten()
-            .map(|own| own.counted / own.accuracy);
+        let quantities = 0..problem.quantities.len();
+        let case = |case| quantities.clone().map(|q| value(case, q)).collect();
+        let errors: Vec<Vec<ValueError>> = (0..fits.len()).map(case).collect();
+        let all = errors.iter().flatten();
         Self {
             runs,
             failed,
             rounds,
             checked: checked.len(),
             check_failed: 0,
-            within: ranges(problem, &layer.region),
-            together,
-            largest: parts.fold(0.0, f64::max),
+            within: Range::all(problem, &layer.region),
+            together: layer.together,
+            largest: all.map(ValueError::part).fold(0.0, f64::max),
             errors,
             optima: Vec::new(),
         }
@@ -110,13 +109,7 @@ impl SurrogateOutcome {
 
     /// The problem with the errors counted beside its accuracies.
     pub fn widened(&self, problem: &Problem) -> Problem {
-        let mut problem = problem.clone();
-        for (case, errors) in problem.cases.iter_mut().zip(&self.errors) {
-            for (measured, own) in case.measured.iter_mut().zip(errors) {
-                measured.accuracy = measured.accuracy.hypot(own.counted);
-            }
-        }
-        problem
+        problem.widened(|case, quantity| self.errors[case][quantity].counted)
     }
 
     /// Takes note of the optima that were run again: their sums of squares by the surrogates, and by the model.
@@ -128,14 +121,4 @@ impl SurrogateOutcome {
         });
         self.optima = again.collect();
     }
-}
-
-fn ranges(problem: &Problem, region: &[[f64; 2]]) -> Vec<Range> {
-    let pairs = problem.free.iter().zip(region);
-    let range = pairs.map(|(free, ends)| Range {
-        name: free.name.clone(),
-        unit: free.unit.clone(),
-        range: ends.map(|place| free.value(place)),
-    });
-    range.collect()
 }

@@ -7,59 +7,12 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use sampling::design::cube;
 
-use super::super::problem::{Case, Free, Interval, Latent, Measured, Quantity};
+use super::super::problem::{Free, Interval, Query, Spacing};
 use super::super::sample::outcome::PosteriorOutcome;
-use super::*;
-use crate::problem::Spacing;
-
-const TIMES: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
-
-const EFFORT: Effort = Effort {
-    descents: 8,
-    iterations: 40,
-    deadline: None,
+use super::super::testing::{
+    decay, effort, free, measured, named, problem, settings, unknown_decay,
 };
-
-fn decay(p: &[f64]) -> Vec<f64> {
-    TIMES.iter().map(|t| p[0] * (-p[1] * t).exp()).collect()
-}
-
-fn free(name: &str, min: f64, max: f64, scale: Spacing) -> Free {
-    Free {
-        name: name.to_owned(),
-        unit: None,
-        scale,
-        min,
-        max,
-        prior: None,
-    }
-}
-
-/// One case with these values.
-fn problem(free: Vec<Free>, values: &[f64], accuracy: f64) -> Problem {
-    let quantity = |index| Quantity {
-        name: format!("y{index}"),
-        unit: None,
-    };
-    let measured = |&value| Measured { value, accuracy };
-    Problem {
-        free,
-        latents: Vec::new(),
-        quantities: (0..values.len()).map(quantity).collect(),
-        cases: vec![Case {
-            label: "1".to_owned(),
-            latents: Vec::new(),
-            measured: values.iter().map(measured).collect(),
-        }],
-    }
-}
-
-fn unknown_decay() -> Vec<Free> {
-    vec![
-        free("amplitude", 0.5, 2.0, Spacing::Linear),
-        free("rate", 0.1, 10.0, Spacing::Log),
-    ]
-}
+use super::*;
 
 /// Surrogates of a model from so many runs.
 fn made(
@@ -72,17 +25,24 @@ fn made(
     let spread =
         |count: usize, round: u64| cube(unknowns, count as u64, 1000 * seed + round, 1).unwrap();
     let starts = spread(64, 99);
+    let search = search(problem, &starts);
     let task = Task {
-        problem,
-        unknown: &[],
+        search,
         runs,
         spread: &spread,
-        starts: &starts,
-        difference: 1e-3,
-        effort: EFFORT,
         seed,
     };
     replaced(&task, model, &|_| ())
+}
+
+fn search<'a>(problem: &'a Problem, starts: &'a [Vec<f64>]) -> rounds::Task<'a> {
+    rounds::Task {
+        problem,
+        unknown: &[],
+        difference: 1e-3,
+        starts,
+        effort: effort(8, 40),
+    }
 }
 
 /// A model with unknowns, whose values are measured.
@@ -109,30 +69,21 @@ fn held(trial: &Trial, records: u64, seed: u64) -> (Vec<u32>, f64) {
     let asked = Cell::new(0_u64);
     for record in 0..records {
         let places: Vec<f64> = (0..unknowns).map(|_| random.random()).collect();
-        let truth = problem((trial.unknown)(), &[], 1.0).free_values(&places);
+        let truth = problem((trial.unknown)(), vec![]).free_values(&places);
         let noise = |value: f64| value + trial.accuracy * random.sample::<f64, _>(StandardNormal);
         let values: Vec<f64> = (trial.model)(&truth).into_iter().map(noise).collect();
-        let problem = problem((trial.unknown)(), &values, trial.accuracy);
+        let values = measured(&values, trial.accuracy);
+        let problem = problem((trial.unknown)(), vec![values]);
         let model = |_: usize, p: &[f64], _: &[f64]| {
             asked.set(asked.get() + 1);
             Ok((trial.model)(p))
         };
         let own = made(&problem, &model, trial.runs, record).unwrap();
-        let task = rounds::Task {
-            problem: &own.problem,
-            unknown: &[],
-            difference: 1e-3,
-            starts: &cube(unknowns, 64, record, 1).unwrap(),
-            effort: EFFORT,
-        };
+        let starts = cube(unknowns, 64, record, 1).unwrap();
+        let task = search(&own.problem, &starts);
         let found = searched(&task, &own.model, &|_| ()).unwrap();
         let objective = Objective::new(&own.problem, &own.model, 1e-3);
-        let settings = Settings {
-            particles: 400,
-            seed: record,
-            deadline: None,
-            discrepancies: &[],
-        };
+        let settings = settings(400, record);
         let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
         let posterior = PosteriorOutcome::new(&objective, &found.optima, &sample);
         for k in 0..unknowns {
@@ -188,7 +139,7 @@ fn intervals_on_surrogates_hold_with_weak_data() {
 #[ignore = "takes minutes"]
 fn kinks_and_jumps() {
     let jump = Trial {
-        unknown: || vec![free("x", 0.0, 1.0, Spacing::Linear)],
+        unknown: || vec![free("x", Spacing::Linear, 0.0, 1.0)],
         model: |p| vec![p[0] + f64::from(u8::from(p[0] > 0.437))],
         accuracy: 0.02,
         runs: 30,
@@ -196,7 +147,7 @@ fn kinks_and_jumps() {
     let ridge = Trial {
         unknown: || {
             ["x1", "x2"]
-                .map(|x| free(x, 0.0, 1.0, Spacing::Linear))
+                .map(|x| free(x, Spacing::Linear, 0.0, 1.0))
                 .to_vec()
         },
         model: |p| vec![1.0 / (1.0 + (-200.0 * (p[0] + p[1] / 2.0 - 0.7)).exp())],
@@ -214,7 +165,7 @@ fn kinks_and_jumps() {
 #[test]
 fn the_error_counted_is_that_of_the_posterior() {
     let truth = [1.2, 0.7];
-    let problem = problem(unknown_decay(), &decay(&truth), 0.02);
+    let problem = problem(unknown_decay(), vec![measured(&decay(&truth), 0.02)]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(decay(p));
     let own = made(&problem, &model, 100, 5).unwrap();
     assert!(
@@ -253,8 +204,8 @@ fn the_error_counted_is_that_of_the_posterior() {
 #[test]
 fn what_cannot_be_followed_is_said() {
     let wave = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(20.0 * p[0]).sin()]);
-    let unknown = vec![free("x", 0.0, 3.0, Spacing::Linear)];
-    let problem = problem(unknown, &[0.3], 0.02);
+    let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0)];
+    let problem = problem(unknown, vec![measured(&[0.3], 0.02)]);
     let own = made(&problem, &wave, 24, 1).unwrap();
     assert!(own.told.largest > 5.0, "{:?}", own.told);
     assert!(text::summary(&own.told).contains("--surrogate 48"));
@@ -264,8 +215,8 @@ fn what_cannot_be_followed_is_said() {
 fn errors_that_go_together_count_more() {
     // Six values that miss by the same bend tell no more than one does.
     let bent = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(9.0 * p[0]).sin() + p[0]; 6]);
-    let unknown = vec![free("x", 0.0, 3.0, Spacing::Linear)];
-    let problem = problem(unknown, &[0.3; 6], 0.5);
+    let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0)];
+    let problem = problem(unknown, vec![measured(&[0.3; 6], 0.5)]);
     let own = made(&problem, &bent, 24, 1).unwrap();
     assert!(
         (own.told.together - 6.0).abs() < 1e-6,
@@ -282,30 +233,12 @@ fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
             p[0] * latent[0],
         ])
     };
-    let quantity = |name: &str| Quantity {
-        name: name.to_owned(),
-        unit: None,
-    };
-    let case = |index: usize| Case {
-        label: index.to_string(),
-        latents: vec![Interval { min: 0.8, max: 1.2 }],
-        measured: [2.0 * (1.0 + index as f64), 2.0]
-            .iter()
-            .map(|&value| Measured {
-                value,
-                accuracy: 0.05,
-            })
-            .collect(),
-    };
-    let problem = Problem {
-        free: vec![free("p", 1.0, 4.0, Spacing::Log)],
-        latents: vec![Latent {
-            name: "c".to_owned(),
-            unit: None,
-        }],
-        quantities: vec![quantity("a"), quantity("b")],
-        cases: (0..4).map(case).collect(),
-    };
+    let values = (0..4).map(|case| measured(&[2.0 * (1.0 + f64::from(case)), 2.0], 0.05));
+    let mut problem = problem(vec![free("p", Spacing::Log, 1.0, 4.0)], values.collect());
+    problem.latents = vec![named("c")];
+    for case in &mut problem.cases {
+        case.latents = vec![Interval { min: 0.8, max: 1.2 }];
+    }
     let own = made(&problem, &model, 80, 2).unwrap();
     // Rounds end where errors widen no accuracy by more than `SMALL`.
     let widened = own.told.largest.hypot(1.0) - 1.0;
@@ -329,9 +262,9 @@ fn a_sample_at_which_the_model_fails_is_told() {
         true => Ok(vec![p[0]]),
         false => Err("too thin".to_owned()),
     };
-    let unknown = vec![free("x", 0.0, 1.0, Spacing::Linear)];
-    let measured = problem(unknown, &[0.4], 0.1);
-    let told = made(&measured, &stripes, 60, 1).unwrap().told;
+    let unknown = vec![free("x", Spacing::Linear, 0.0, 1.0)];
+    let problem = problem(unknown, vec![measured(&[0.4], 0.1)]);
+    let told = made(&problem, &stripes, 60, 1).unwrap().told;
     assert!(told.check_failed > 0, "{told:?}");
     let text = text::summary(&told);
     assert!(
@@ -347,11 +280,11 @@ fn where_the_nearest_run_failed_there_is_no_surrogate() {
         false => Ok(vec![p[0] + p[1]]),
     };
     let unknown = vec![
-        free("x", 0.0, 3.0, Spacing::Linear),
-        free("y", 0.0, 1.0, Spacing::Linear),
+        free("x", Spacing::Linear, 0.0, 3.0),
+        free("y", Spacing::Linear, 0.0, 1.0),
     ];
-    let measured = problem(unknown, &[1.0], 0.05);
-    let own = made(&measured, &holed, 80, 1).unwrap();
+    let problem = problem(unknown, vec![measured(&[1.0], 0.05)]);
+    let own = made(&problem, &holed, 80, 1).unwrap();
     let at = |x: f64, y: f64| {
         let query = Query {
             case: 0,
@@ -364,7 +297,7 @@ fn where_the_nearest_run_failed_there_is_no_surrogate() {
     assert!((at(0.5, 0.5).unwrap()[0] - 1.0).abs() < 1e-6);
     assert!(own.failures.failed > 0 && own.screened.iter().any(|ended| !ended));
     let never = |_: usize, _: &[f64], _: &[f64]| Err("too thin".to_owned());
-    let error = made(&measured, &never, 80, 1).err().unwrap().to_string();
+    let error = made(&problem, &never, 80, 1).err().unwrap().to_string();
     assert!(
         error.contains("too few") && error.contains("too thin"),
         "{error}"

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::super::digits::Digits;
 use super::super::failures::words;
-use super::outcome::{SurrogateOutcome, ValueError};
+use super::outcome::SurrogateOutcome;
 
 /// An error counted that is larger than this part of the accuracy widens intervals by 12 %.
 const LARGE: f64 = 0.5;
@@ -21,9 +21,8 @@ pub fn summary(told: &SurrogateOutcome) -> String {
         told.rounds,
         words(&told.within)
     );
-    let part = |own: &&ValueError| own.counted / own.accuracy;
     let all = told.errors.iter().flatten();
-    if let Some(worst) = all.max_by(|a, b| part(a).total_cmp(&part(b))) {
+    if let Some(worst) = all.max_by(|a, b| a.part().total_cmp(&b.part())) {
         let held_out = worst.held_out.map_or_else(String::new, |own| {
             format!(
                 ", at {} fresh runs in the posterior {}",
@@ -38,7 +37,7 @@ pub fn summary(told: &SurrogateOutcome) -> String {
             Digits(worst.leave_one_out, 2),
             Digits(worst.counted, 2),
             Digits(worst.accuracy, 2),
-            100.0 * part(&worst)
+            100.0 * worst.part()
         );
     }
     if told.largest > LARGE {

@@ -24,7 +24,7 @@ use crate::pipeline::Pipeline;
 use crate::results::ResultsError;
 use crate::session::Request;
 use crate::study::{Identification, Study};
-use calibration::cross::outcome::{CrossValidation, Found};
+use calibration::cross::outcome::CrossValidation;
 use calibration::cross::{self, Whole, cross_validate};
 use calibration::failures::Excluded;
 use calibration::local::{End, Minimum};
@@ -356,20 +356,14 @@ fn validate(
         model: remembered,
         difference: settings.difference,
         minimum,
+        known: &bound.known,
         iterations: settings.iterations.max(1),
         deadline,
     };
     let of = problem.cases.len();
-    let folds = cross_validate(&whole, &|case| {
+    Ok(cross_validate(&whole, &|case| {
         model.say(format!("case {} of {of} left out", case + 1));
-    })?;
-    Ok(CrossValidation::new(&Found {
-        problem,
-        free: &problem.free_values(&minimum.places),
-        fitted: &minimum.misfit.predicted,
-        known: &bound.known,
-        folds: &folds,
-    }))
+    })?)
 }
 
 /// How far a search has got, for people.

@@ -64,16 +64,12 @@ pub(super) fn replaced(
         SearchError::Surrogate(study.error(format!("[identify] {message}")).to_string())
     })?;
     let task = Task {
-        problem: search.problem,
-        unknown: search.unknown,
+        search: *search,
         runs: *runs.as_ref() as usize,
         spread: &|count, round| {
             evenly(count, round)
                 .expect("a net of these dimensions was made above, and so few points fit in it")
         },
-        starts: search.starts,
-        difference: search.difference,
-        effort: search.effort,
         seed: settings.seed,
     };
     made(&task, model, say).map(Some)
