@@ -67,9 +67,13 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
                 &folder.join(&file),
             ) {
                 Ok(kept) => {
-                    left_out.extend(failed.map(|reason| {
-                        format!("{file} holds the study's own steps: the FMU fails in finer ones: {reason}")
-                    }));
+                    let why = |halt| match halt {
+                        Halt::Late => format!("with finer ones {}", Halt::Late),
+                        Halt::Failed(reason) => format!("the FMU fails in finer ones: {reason}"),
+                    };
+                    let coarse =
+                        |halt| format!("{file} holds the study's own steps: {}", why(halt));
+                    left_out.extend(failed.map(coarse));
                     left_out.extend(
                         kept.map(|every| {
                             format!("{file} holds one of {every} communication points")
@@ -80,8 +84,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
                 Err(halt) if place + 1 == coarsest => {
                     left_out.push(format!("no trajectory of the best point in {file}: {halt}"));
                 }
-                Err(Halt::Failed(reason)) => failed = Some(reason),
-                Err(Halt::Late) => {}
+                Err(halt) => failed = Some(halt),
             }
         }
     }

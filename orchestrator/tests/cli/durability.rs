@@ -66,15 +66,21 @@ pub const KEYS_OF_HOW: [&str; 10] = [
     "passed_alone",
 ];
 
+/// The text of an object without some keys, which it may lack.
+pub fn without(object: &serde_json::Value, keys: &[&str]) -> String {
+    let entries = object.as_object().unwrap().iter();
+    let entries = entries.filter(|(key, _)| !keys.contains(&key.as_str()));
+    entries
+        .map(|(key, value)| format!("{key}: {value}\n"))
+        .collect()
+}
+
 /// The final files of a folder, without how they were computed and how long it took.
 fn files(bench: &Bench, folder: &str) -> (String, String, String) {
-    let mut summary = bench.summary(folder);
-    for how in KEYS_OF_HOW {
-        summary[how].take();
-    }
+    let summary = bench.summary(folder);
     (
         bench.read(&format!("{folder}/points.csv")),
-        summary.to_string(),
+        without(&summary, &KEYS_OF_HOW),
         bench.read(&format!("{folder}/best.srmd")),
     )
 }

@@ -9,6 +9,7 @@ use std::time::Duration;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
+use crate::durability::{KEYS_OF_HOW, without};
 use crate::support::{Bench, Said};
 
 const STUDY: &str = r#"
@@ -385,11 +386,10 @@ const BATCH: u64 = 25;
 fn result(bench: &Bench, file: &str) -> String {
     if file.ends_with("summary.json") {
         let folder = file.strip_suffix("/summary.json").unwrap();
-        let mut summary = bench.summary(folder);
-        for key in crate::durability::KEYS_OF_HOW {
-            summary[key].take();
-        }
-        return summary.to_string();
+        // Time decides how much is run once more.
+        let of_time = ["left_out", "rest", "concerns"];
+        let summary = bench.summary(folder);
+        return without(&summary, &[&of_time[..], &KEYS_OF_HOW].concat());
     }
     bench.read(file)
 }
