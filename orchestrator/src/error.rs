@@ -3,11 +3,9 @@
 use thiserror::Error;
 
 use crate::files::unusable;
-use crate::identify::error::BindError;
 use crate::pipeline::Halt;
 use crate::recording::SettingsError;
 use crate::results::ResultsError;
-use crate::results::table::FolderError;
 use crate::session::SessionError;
 use crate::study::StudyError;
 use crate::study::ssv::SsvError;
@@ -37,9 +35,6 @@ pub enum CommandError {
     /// A recording cannot be used.
     #[error(transparent)]
     Recording(#[from] SettingsError),
-    /// A folder of results cannot be read.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -91,24 +86,12 @@ impl CommandError {
     }
 }
 
-impl From<BindError> for CommandError {
-    fn from(error: BindError) -> Self {
-        match error {
-            BindError::Study(error) => error.into(),
-            BindError::Table(error) => error.into(),
-        }
-    }
-}
-
 /// Why a report could not be written.
 #[derive(Debug, Error)]
 pub enum ReportError {
-    /// There are no results to report.
+    /// There are no results to report, or a file could not be written.
     #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(#[from] ResultsError),
+    Results(#[from] ResultsError),
     /// The page could not be put together.
     #[error("cannot put the report together: {0}")]
     Page(#[from] minijinja::Error),

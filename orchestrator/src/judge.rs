@@ -11,6 +11,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use crate::concern::Concern;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, StudyError};
@@ -20,12 +21,13 @@ use conformity::risk::Guard;
 use curves::{Kind, Metric};
 use fmu_import::{Description, Variable};
 use fmu_points::failure::Failure;
-use fmu_points::names::did_you_mean;
+use fmu_points::names::{behind, did_you_mean, nearest};
 use fmu_points::task::Detail;
+use parameter_regions::table::CriterionColumn;
 use sampling::statistics::Statistic;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Criterion {
     /// Its name.
     pub name: String,
@@ -72,6 +74,16 @@ impl Criterion {
         }
     }
 
+    /// How far a value is from the measured one, in tolerances.
+    pub fn deviation(&self, value: f64) -> f64 {
+        (value - self.nominal).abs() / self.tolerance
+    }
+
+    /// The unit as it stands behind a number, with a blank.
+    pub fn unit_behind(&self) -> String {
+        behind(self.unit.as_deref())
+    }
+
     /// Where its value comes from, such as "mean of sensor.loadForce".
     pub fn source(&self) -> String {
         let label = match (self.metric, self.detail) {
@@ -92,6 +104,22 @@ impl Criterion {
             Some(Kind::Rating) => [low, high.min(1.0 + ROUNDING)],
             Some(_) => [low.max(0.0), high],
             None => [low, high],
+        }
+    }
+
+    /// The criterion with its values at points.
+    pub fn column(&self, values: Vec<f64>, ok: Vec<bool>) -> CriterionColumn {
+        let [lower, upper] = self.accepted();
+        CriterionColumn {
+            name: self.name.clone(),
+            source: self.source(),
+            unit: self.unit.clone().unwrap_or_default(),
+            nominal: self.nominal,
+            lower,
+            upper,
+            group: self.group.clone(),
+            values,
+            ok,
         }
     }
 
@@ -145,7 +173,7 @@ pub struct Judge {
     /// How far the acceptance intervals are drawn in.
     pub guard: Guard,
     /// Warnings about a study that can be used all the same, each with its place.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Concern>,
 }
 
 /// Whether a point agrees, criterion by criterion.
@@ -190,11 +218,8 @@ impl Judge {
             let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
             let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
             requirements::check_variable(study, text, variable)?;
-            let scale = match (fmu, variable) {
-                (Some(fmu), Some(variable)) => text.scale(fmu, variable),
-                _ => text.scale_alone(),
-            };
-            let scale = scale.map_err(|message| at_name(study, name, &message))?;
+            let scale = text.scale(fmu.zip(variable));
+            let scale = scale.map_err(|message| study.error_of(name, message))?;
             let mut criterion = match text.reference {
                 Some(_) => curve::criterion(study, name, text, &scale)?,
                 None => scalar(study, name, text, &scale)?,
@@ -220,25 +245,19 @@ impl Judge {
 
     fn add_variants(&mut self, study: &Study, scales: &[Scale<'_>]) -> Result<(), StudyError> {
         for (name, text) in &study.variants {
-            let mut tolerances: Vec<f64> = self
-                .criteria
-                .iter()
-                .map(|criterion| criterion.tolerance)
-                .collect();
+            let criteria = self.criteria.iter();
+            let mut tolerances: Vec<f64> = criteria.map(|criterion| criterion.tolerance).collect();
             for (criterion, quantity) in &text.tolerance {
                 let number = self
                     .number_of(criterion)
                     .map_err(|m| study.error_at(criterion, m))?;
-                let Some(text) = study.criteria.get(criterion.as_ref().as_str()) else {
-                    continue;
-                };
-                let scale = &scales[number];
-                let found = match &text.nominal {
+                let (text, scale) = (&study.criteria[number], &scales[number]);
+                let varied = match &text.nominal {
                     Some(nominal) => tolerance(quantity, nominal, scale),
                     None => curve::variant(quantity, text, scale),
                 };
                 tolerances[number] =
-                    found.map_err(|message| at_name(study, criterion, &message))?;
+                    varied.map_err(|message| study.error_of(criterion, message))?;
             }
             self.variants.push(Variant {
                 name: name.clone(),
@@ -249,26 +268,41 @@ impl Judge {
         Ok(())
     }
 
+    /// The criteria's names.
+    pub fn names(&self) -> impl Iterator<Item = &String> {
+        self.criteria.iter().map(|criterion| &criterion.name)
+    }
+
     fn number_of(&self, name: &Spanned<String>) -> Result<usize, String> {
         let name = name.as_ref();
-        let names = || {
-            self.criteria
-                .iter()
-                .map(|criterion| criterion.name.as_str())
-        };
-        names().position(|known| known == name).ok_or_else(|| {
-            let suggestion = did_you_mean(fmu_points::names::nearest(name, names()));
+        let mut names = self.names();
+        names.position(|known| known == name).ok_or_else(|| {
+            let suggestion = did_you_mean(nearest(name, self.names().map(String::as_str)));
             format!("there is no criterion `{name}`{suggestion}")
         })
     }
 
     /// Judges the values of one point; `None` is a point that failed.
     pub fn verdict(&self, values: Option<&[f64]>) -> PointVerdict {
-        let passed = |(number, criterion): (usize, &Criterion)| {
-            values.is_some_and(|values| values.get(number).is_some_and(|&v| criterion.accepts(v)))
-        };
+        self.verdict_within(|number| self.criteria[number].tolerance, values)
+    }
+
+    /// Judges the values of one point by another reading of the tolerances.
+    pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> PointVerdict {
+        self.verdict_within(|number| variant.tolerances[number], values)
+    }
+
+    fn verdict_within(
+        &self,
+        tolerance: impl Fn(usize) -> f64,
+        values: Option<&[f64]>,
+    ) -> PointVerdict {
+        let value = |number: usize| values.and_then(|values| values.get(number));
+        let passed = self.criteria.iter().enumerate().map(|(number, criterion)| {
+            value(number).is_some_and(|&v| accepts(criterion.nominal, tolerance(number), v))
+        });
         PointVerdict {
-            passed: self.criteria.iter().enumerate().map(passed).collect(),
+            passed: passed.collect(),
         }
     }
 
@@ -292,21 +326,6 @@ impl Judge {
         PointVerdict { passed }
     }
 
-    /// Judges the values of one point by another reading of the tolerances.
-    pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> PointVerdict {
-        let passed = |(number, criterion): (usize, &Criterion)| {
-            let tolerance = variant.tolerances[number];
-            values.is_some_and(|values| {
-                values
-                    .get(number)
-                    .is_some_and(|&v| accepts(criterion.nominal, tolerance, v))
-            })
-        };
-        PointVerdict {
-            passed: self.criteria.iter().enumerate().map(passed).collect(),
-        }
-    }
-
     /// Whether a guard band decides which points are accepted.
     pub fn is_guarded(&self) -> bool {
         self.guard != Guard::Given(0.0)
@@ -315,10 +334,8 @@ impl Judge {
     /// How far the values are from the measured ones: the root of the sum of the squared
     /// deviations, each relative to its tolerance. The point with the least distance is the nearest one.
     pub fn distance(&self, values: &[f64]) -> f64 {
-        let terms =
-            self.criteria.iter().zip(values).map(|(criterion, value)| {
-                ((value - criterion.nominal) / criterion.tolerance).powi(2)
-            });
+        let pairs = self.criteria.iter().zip(values);
+        let terms = pairs.map(|(criterion, &value)| criterion.deviation(value).powi(2));
         // A number in any case: the summary has no way to write another one.
         terms.sum::<f64>().min(f64::MAX).sqrt()
     }
@@ -369,10 +386,6 @@ fn check_columns(study: &Study) -> Result<(), StudyError> {
     Ok(())
 }
 
-fn at_name(study: &Study, name: &Spanned<String>, message: &str) -> StudyError {
-    study.error_at(name, format!("{}: {message}", name.as_ref()))
-}
-
 /// The criterion on one number.
 fn scalar(
     study: &Study,
@@ -380,51 +393,37 @@ fn scalar(
     text: &CriterionText,
     scale: &Scale<'_>,
 ) -> Result<Criterion, StudyError> {
-    curve::refuse_keys(study, name, text)?;
-    let (stated, accuracy) = match (&text.nominal, &text.tolerance) {
+    let at = |message: String| study.error_of(name, message);
+    curve::refuse_keys(text).map_err(at)?;
+    let (measured, accuracy) = match (&text.nominal, &text.tolerance) {
         (Some(nominal), Some(tolerance)) => (nominal, tolerance),
         (None, _) => {
             let message =
                 "the measured value is missing: add `nominal`, or `reference` for a curve";
-            return Err(at_name(study, name, message));
+            return Err(study.error_of(name, message));
         }
         (_, None) => {
             let message = "the accuracy is missing: add `tolerance`, such as \"0.5 %\"";
-            return Err(at_name(study, name, message));
+            return Err(study.error_of(name, message));
         }
     };
-    let criterion = criterion(name.as_ref(), text, [stated, accuracy], scale);
-    let mut criterion = criterion.map_err(|message| at_name(study, name, &message))?;
-    criterion.uncertainty = requirements::uncertainty(study, name, text, stated, scale)?;
-    Ok(criterion)
-}
-
-fn criterion(
-    name: &str,
-    text: &CriterionText,
-    [measured, accuracy]: [&Quantity; 2],
-    scale: &Scale<'_>,
-) -> Result<Criterion, String> {
-    let nominal = scale.number(measured, Sense::Value)?;
+    let nominal = scale.number(measured, Sense::Value).map_err(at)?;
     if !nominal.is_finite() {
-        return Err(format!(
-            "the nominal value {measured} is not a finite number"
-        ));
+        let message = format!("the nominal value {measured} is not a finite number");
+        return Err(at(message));
     }
     Ok(Criterion {
-        name: name.to_owned(),
+        name: name.as_ref().clone(),
         variable: text.variable.as_ref().clone(),
         statistic: text.statistic.unwrap_or_default(),
-        detail: text.detail()?,
-        level: None,
-        metric: None,
-        row_correlation: None,
+        detail: text.detail().map_err(at)?,
         unit: scale.unit.clone(),
         nominal,
-        tolerance: tolerance(accuracy, measured, scale)?,
+        tolerance: tolerance(accuracy, measured, scale).map_err(at)?,
         stated_tolerance: stated(accuracy, measured, scale),
-        uncertainty: None,
+        uncertainty: requirements::uncertainty(study, name, text, measured, scale)?,
         group: text.group.clone(),
+        ..Criterion::default()
     })
 }
 

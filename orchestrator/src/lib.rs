@@ -3,6 +3,7 @@
 
 pub mod cli;
 pub mod commands;
+pub mod concern;
 pub mod document;
 pub mod error;
 pub mod files;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::study::Study;
 use crate::study::plan::Input;
-use crate::table::{Table, TableError};
+use crate::study::{ParameterText, Study};
+use crate::table::{Column, Table, TableError};
 use sampling::design::Design;
 use sampling::distribution::Distribution;
 
@@ -24,37 +24,24 @@ impl Source {
     /// # Errors
     /// As [`Table::read`].
     pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self, TableError> {
-        let fixed = |input: &Input| match input.distribution {
-            Distribution::Fixed { value } => Some(value),
+        let pairs = || study.parameters.values().zip(inputs);
+        let constant = |(parameter, input): (&ParameterText, &Input)| match input.distribution {
+            Distribution::Fixed { value } if parameter.column.is_none() => Some(value),
             _ => None,
         };
-        let columns: Vec<(Vec<String>, String)> = study
-            .parameters
-            .values()
-            .zip(inputs)
-            .filter(|(parameter, input)| parameter.column.is_some() || fixed(input).is_none())
-            .map(|(parameter, input)| {
-                let names = parameter
-                    .column
-                    .iter()
-                    .chain([&input.name])
-                    .cloned()
-                    .collect();
-                (names, format!("the parameter {}", input.name))
-            })
-            .collect();
+        let columns = pairs().filter(|&pair| constant(pair).is_none());
+        let columns = columns.map(|(parameter, input)| {
+            let names = parameter.column.iter().chain([&input.name]).cloned();
+            (names.collect(), format!("the parameter {}", input.name))
+        });
+        let columns: Vec<Column> = columns.collect();
         let mut table = Table::read_points(path, &columns)?;
         for row in &mut table.rows {
             let mut given = row.iter().copied();
-            let values = study
-                .parameters
-                .values()
-                .zip(inputs)
-                .map(|(parameter, input)| {
-                    let constant = fixed(input).filter(|_| parameter.column.is_none());
-                    let value = constant.or_else(|| given.next());
-                    value.expect("a row has a cell of each column that was asked for")
-                });
+            let values = pairs().map(|pair| {
+                let value = constant(pair).or_else(|| given.next());
+                value.expect("a row has a cell of each column that was asked for")
+            });
             *row = values.collect();
         }
         Ok(Self::Table(table))

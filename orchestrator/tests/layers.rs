@@ -13,7 +13,7 @@ use arrows::{Tree, circles};
 
 /// The orchestrator's modules, from the ground up.
 const FLOORS: [&[&str]; 16] = [
-    &["files"],
+    &["concern", "files"],
     &["table"],
     &["study"],
     &["judge", "source", "recording"],

@@ -1,4 +1,4 @@
-//! Suggestions for names that were mistyped.
+//! Names in sentences: suggestions for mistyped ones, units behind numbers.
 
 /// What other programs call what has another name here.
 const ELSEWHERE: [(&str, &str); 17] = [
@@ -54,6 +54,11 @@ fn closeness(wanted: &str, candidate: &str) -> f64 {
 /// The half-sentence `; did you mean ...?`, or nothing.
 pub fn did_you_mean(nearest: Option<&str>) -> String {
     nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+/// A unit as it stands behind a number, with a blank; nothing where there is none.
+pub fn behind(unit: Option<&str>) -> String {
+    unit.map_or_else(String::new, |unit| format!(" {unit}"))
 }
 
 #[cfg(test)]

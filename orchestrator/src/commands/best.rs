@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::CommandError;
-use crate::results::{ResultsError, Summary, traceability, write_atomically};
+use crate::results::{Summary, traceability, write_atomically};
 use crate::study::plan::Plan;
 use crate::study::ssv;
 use fmu_import::{Description, Value, Variable, digest};
@@ -48,9 +48,7 @@ pub(super) fn write(
         .unwrap_or(&summary.provenance.study);
     let name = format!("{title}: point {}", best.point);
     let set = ssv::write(&name, fmu, &named.collect::<Vec<_>>());
-    let set = set.map_err(ResultsError::io(&folder.join(SET)))?;
     let provenance = traceability::resource(&name, SET, &entries(summary, best.point, &set));
-    let provenance = provenance.map_err(ResultsError::io(&folder.join(PROVENANCE)))?;
     for (file, text) in [(SET, set), (PROVENANCE, provenance)] {
         write_atomically(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
     }

@@ -22,9 +22,7 @@ pub(super) fn write(folder: &Path, summary: &Summary) -> Result<(), CommandError
     let name = format!("{}: verdict", title.unwrap_or(&summary.provenance.study));
     let resource = traceability::resource(&name, SUMMARY, &entries);
     for (file, text) in [(RESOURCE, resource), (TASK, traceability::task(summary))] {
-        let path = folder.join(file);
-        let text = text.map_err(ResultsError::io(&path))?;
-        write_atomically(&path, |out| out.write_all(text.as_bytes()))?;
+        write_atomically(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
     }
     Ok(())
 }

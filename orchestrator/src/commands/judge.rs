@@ -7,13 +7,15 @@ use std::time::Instant;
 
 use super::{CommandError, complete, output, table, verdict};
 use crate::cli;
+use crate::concern::Code;
 use crate::judge::Judge;
 use crate::methods::asking::warn;
 use crate::pipeline::folder::Earlier;
 use crate::results::lock::Lock;
 use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
-use crate::results::{Tally, concerns, lines, write_atomically};
+use crate::results::tally::{Sample, Tally};
+use crate::results::{concerns, lines, write_atomically};
 use crate::session::{FileSet, Request, provenance};
 use crate::study::Study;
 use crate::study::quantity::Scale;
@@ -32,11 +34,11 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
-    let mut tally = if study.design.method.is_by_levels() {
-        Tally::of_grid(&judge)
-    } else {
-        Tally::new(&judge)
+    let sample = match study.design.method.is_by_levels() {
+        true => Sample::Grid,
+        false => Sample::Replicates(1),
     };
+    let mut tally = Tally::new(&judge, sample);
     let mut survey = Survey::new(&judge, None, false);
     let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();
@@ -65,7 +67,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
                 row,
             ))),
         };
-        let verdict = tally.add(label, &[], &outcome);
+        let verdict = tally.add(label, &[], &outcome, None);
         survey.add(label, &[], &outcome);
         if let Some(files) = &mut files {
             files.write(label, &[], &outcome, &verdict)?;
@@ -77,9 +79,10 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
     };
     let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
     survey.complete(&mut summary);
-    summary
-        .concerns
-        .extend(concerns::repeated(repeated, tally.points()));
+    summary.doubt(
+        Code::RepeatedRows,
+        concerns::repeated(repeated, tally.points),
+    );
     summary.dossier = study.dossier.clone();
     summary.run = Some(Run::since(begun, 0, 0));
     if let Some(files) = files {

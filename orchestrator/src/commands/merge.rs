@@ -62,14 +62,14 @@ fn join_verification(
     let start = Instant::now();
     let output = &options.output;
     let mut verification = Verification::open(request)?;
-    let named = shards.check(verification.header())?;
+    let named = shards.check(&verification.header)?;
     let mut looked = verification.looked(output, shards.folders)?;
     let place = Place {
         output,
         analysis: None,
         earlier: shards.earlier(output.join("summary.json").exists()),
     };
-    let mut taken = place.take(verification.parts(), verification.header(), || Ok(()))?;
+    let mut taken = place.take(verification.parts(), &verification.header, || Ok(()))?;
     shards.fill(&mut taken.journal)?;
     let run = Run::since(start, 0, 0);
     let summary = verification.conclude(output, Some(run), None, &mut looked);

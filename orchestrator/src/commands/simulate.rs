@@ -30,7 +30,12 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
     let fmu = package.description();
     let set = settings(&options.set, fmu)?;
     let from = match &options.set_from {
-        Some(path) => ssv::read(path)?.settings(path, fmu)?,
+        Some(path) => {
+            let named = ssv::read(path, fmu)?.into_iter();
+            named
+                .map(|(_, reference, value)| (reference, value))
+                .collect()
+        }
         None => Vec::new(),
     };
     // The command line overrides the file.

@@ -207,7 +207,7 @@ fn remarks(summary: &Summary) -> String {
     let concerns = summary
         .concerns
         .iter()
-        .map(|concern| format!("warning: {concern}\n"));
+        .map(|concern| format!("{}: {}\n", concern.severity.name(), concern.text));
     conduct
         .chain(asides)
         .chain(summary.left_out_remark())

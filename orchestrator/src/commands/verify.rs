@@ -52,7 +52,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         analysis: None,
         earlier: options.parts.earlier(),
     };
-    let header = verification.header().clone();
+    let header = verification.header.clone();
     let taken = place.take(verification.parts(), &header, || {
         match place.earlier == Earlier::Resumed {
             true => extend(&verification, &folder),
@@ -122,7 +122,7 @@ fn check(
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
 fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError> {
-    let header = verification.header();
+    let header = &verification.header;
     let then = match lines::header(folder) {
         Ok(then) if verification.extends(&then)? => then,
         // Whatever else there is, or is not, is found when the folder is taken.

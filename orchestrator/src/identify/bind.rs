@@ -1,7 +1,6 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
 use super::cases::Columns;
-use super::error::BindError;
 use crate::study::identification::{
     DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
 };
@@ -12,13 +11,13 @@ use calibration::discrepancy::Unknown;
 use calibration::problem::{
     Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Spacing,
 };
+use fmu_import::Description;
 use fmu_import::units::Conversion;
-use fmu_import::{Description, Variable};
 use fmu_points::task::{Case as Simulation, Probe, Slot};
 use sampling::statistics::Statistic;
 
 /// An identification in terms of an FMU.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Bound {
     /// The unknown parameters.
     pub problem: Problem,
@@ -43,7 +42,7 @@ impl Bound {
         study: &Study,
         settings: &Identification,
         fmu: &Description,
-    ) -> Result<Self, BindError> {
+    ) -> Result<Self, StudyError> {
         Binder {
             study,
             settings,
@@ -60,6 +59,25 @@ impl Bound {
         }
     }
 
+    /// Adds an unknown parameter.
+    pub(super) fn add_free(
+        &mut self,
+        study: &Study,
+        name: &Name,
+        free: Free,
+        slot: Slot,
+        conversion: Conversion,
+    ) -> Result<(), StudyError> {
+        for end in [free.min, free.max] {
+            let allowed = slot.check(conversion.value(end));
+            allowed.map_err(|message| study.error_of(name, message))?;
+        }
+        self.problem.free.push(free);
+        self.inputs.push(conversion);
+        self.vary(slot);
+        Ok(())
+    }
+
     fn observe(&mut self, probe: Probe) {
         for simulation in &mut self.simulations {
             simulation.task.observed.push(probe.clone());
@@ -68,9 +86,44 @@ impl Bound {
 }
 
 /// A parameter of the FMU: how it is set, and its unit in the study.
-struct Input<'a> {
-    slot: Slot,
-    scale: Scale<'a>,
+pub(super) struct Input<'a> {
+    pub(super) slot: Slot,
+    pub(super) scale: Scale<'a>,
+}
+
+impl<'a> Input<'a> {
+    pub(super) fn new(
+        study: &Study,
+        fmu: &'a Description,
+        name: &Name,
+        unit: Option<&str>,
+    ) -> Result<Self, StudyError> {
+        let variable = find(fmu, name.as_ref()).map_err(|m| study.error_at(name, m))?;
+        let input = || {
+            let slot = slot_of(variable)?;
+            let scale = Scale::new(unit, fmu, variable)?;
+            Ok(Self { slot, scale })
+        };
+        input().map_err(|message: String| study.error_of(name, message))
+    }
+
+    fn check(&self, value: f64) -> Result<(), String> {
+        self.slot.check(self.scale.conversion.value(value))
+    }
+}
+
+/// A simulation that takes and gives nothing yet.
+pub(super) fn bare(mut case: Simulation) -> Simulation {
+    case.task.varied.clear();
+    case.task.observed.clear();
+    case
+}
+
+pub(super) fn check_difference(study: &Study, settings: &Identification) -> Result<(), StudyError> {
+    match settings.difference > 0.0 && settings.difference < 0.5 {
+        true => Ok(()),
+        false => Err(study.error("[identify] difference must lie between 0 and 0.5")),
+    }
 }
 
 struct Binder<'a> {
@@ -81,37 +134,26 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    fn bind(&self) -> Result<Bound, BindError> {
+    fn bind(&self) -> Result<Bound, StudyError> {
         let settings = self.settings;
         if !self.study.parameters.is_empty() {
             let message = "identify does not use [parameters]: give each under [fixed], \
                            [identify.free], [identify.known] or [identify.latent]";
-            return Err(self.study.error(message).into());
+            return Err(self.study.error(message));
         }
         if settings.free.is_empty() || settings.measured.is_empty() {
             let message =
                 "identify needs at least one [identify.free.NAME] and one [identify.measured.NAME]";
-            return Err(self.study.error(message).into());
+            return Err(self.study.error(message));
         }
-        if !(settings.difference > 0.0 && settings.difference < 0.5) {
-            let message = "[identify] difference must lie between 0 and 0.5";
-            return Err(self.study.error(message).into());
-        }
+        check_difference(self.study, settings)?;
         self.refuse_doubles()?;
         let plan = Plan::new(self.study, self.fmu)?;
         plan.tell_of_inputs();
-        let mut simulations = plan.cases;
-        for simulation in &mut simulations {
-            simulation.task.varied.clear();
-            simulation.task.observed.clear();
-        }
         let mut bound = Bound {
-            problem: Problem::default(),
-            simulations,
+            simulations: plan.cases.into_iter().map(bare).collect(),
             known: vec![Vec::new(); self.table.cases()],
-            inputs: Vec::new(),
-            outputs: Vec::new(),
-            discrepancies: Vec::new(),
+            ..Bound::default()
         };
         let labels = self.table.labels.iter();
         bound.problem.cases = labels
@@ -139,93 +181,56 @@ impl Binder<'_> {
         self.study.once(self.fmu, self.study.set().chain(own))
     }
 
-    fn at(&self, name: &Name, message: &str) -> StudyError {
-        self.study
-            .error_at(name, format!("{}: {message}", name.as_ref()))
+    fn at(&self, name: &Name) -> impl Fn(String) -> StudyError {
+        |message| self.study.error_of(name, message)
     }
 
     fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>, StudyError> {
-        let variable =
-            find(self.fmu, name.as_ref()).map_err(|message| self.study.error_at(name, message))?;
-        let slot = slot_of(variable).map_err(|message| self.at(name, &message))?;
-        let scale = self
-            .scale(unit, variable)
-            .map_err(|message| self.at(name, &message))?;
-        Ok(Input { slot, scale })
+        Input::new(self.study, self.fmu, name, unit)
     }
 
-    fn scale<'a>(
-        &'a self,
-        unit: Option<&str>,
-        variable: &'a Variable,
-    ) -> Result<Scale<'a>, String> {
-        Scale::new(unit, self.fmu, variable)
-    }
-
-    fn bind_known(&self, bound: &mut Bound) -> Result<(), BindError> {
+    fn bind_known(&self, bound: &mut Bound) -> Result<(), StudyError> {
         for (name, known) in &self.settings.known {
             let input = self.input(name, known.unit.as_deref())?;
             let values = self.table.column(&known.column);
             for (case, value) in bound.known.iter_mut().zip(values) {
-                let value = input.scale.conversion.value(value);
-                input
-                    .slot
-                    .check(value)
-                    .map_err(|message| self.at(name, &message))?;
-                case.push(value);
+                input.check(value).map_err(self.at(name))?;
+                case.push(input.scale.conversion.value(value));
             }
             bound.vary(input.slot);
         }
         Ok(())
     }
 
-    fn bind_free(&self, bound: &mut Bound) -> Result<(), BindError> {
+    fn bind_free(&self, bound: &mut Bound) -> Result<(), StudyError> {
         for (name, text) in &self.settings.free {
             let unit = text.unit.as_deref().or(text.min.unit.as_deref());
             let input = self.input(name, unit)?;
-            let free = free(name.as_ref(), text, &input.scale);
-            let free = free.map_err(|message| self.at(name, &message))?;
-            for bound in [free.min, free.max] {
-                let value = input.scale.conversion.value(bound);
-                input
-                    .slot
-                    .check(value)
-                    .map_err(|message| self.at(name, &message))?;
-            }
-            bound.problem.free.push(free);
-            bound.inputs.push(input.scale.conversion);
-            bound.vary(input.slot);
+            let free = free(name.as_ref(), text, &input.scale).map_err(self.at(name))?;
+            let Input { slot, scale } = input;
+            bound.add_free(self.study, name, free, slot, scale.conversion)?;
         }
         Ok(())
     }
 
-    fn bind_latent(&self, bound: &mut Bound) -> Result<(), BindError> {
+    fn bind_latent(&self, bound: &mut Bound) -> Result<(), StudyError> {
         for (name, text) in &self.settings.latent {
             let input = self.input(name, text.unit.as_deref())?;
             for exception in &text.except {
                 if !self.table.labels.contains(exception.case.as_ref()) {
                     let message = format!("there is no case {}", exception.case.as_ref());
-                    return Err(self.study.error_at(&exception.case, message).into());
+                    return Err(self.study.error_at(&exception.case, message));
                 }
             }
             let middles = self.values(text.column.as_deref(), text.value.as_ref(), &input.scale);
-            let middles = middles.map_err(|message| self.at(name, &message))?;
-            for ((case, label), middle) in bound
-                .problem
-                .cases
-                .iter_mut()
-                .zip(&self.table.labels)
-                .zip(middles)
-            {
+            let middles = middles.map_err(self.at(name))?;
+            let cases = bound.problem.cases.iter_mut().zip(&self.table.labels);
+            for ((case, label), middle) in cases.zip(middles) {
                 let exception = text.except.iter().find(|e| e.case.as_ref() == label);
-                let interval = interval(middle, text, exception, &input.scale)
-                    .map_err(|message| self.at(name, &message))?;
+                let interval =
+                    interval(middle, text, exception, &input.scale).map_err(self.at(name))?;
                 for end in [interval.min, interval.max] {
-                    let value = input.scale.conversion.value(end);
-                    input
-                        .slot
-                        .check(value)
-                        .map_err(|message| self.at(name, &message))?;
+                    input.check(end).map_err(self.at(name))?;
                 }
                 case.latents.push(interval);
             }
@@ -239,22 +244,19 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_measured(&self, bound: &mut Bound) -> Result<(), BindError> {
+    fn bind_measured(&self, bound: &mut Bound) -> Result<(), StudyError> {
         for (name, text) in &self.settings.measured {
             let (probe, scale) = self.probe(text)?;
             let values = self.values(text.column.as_deref(), text.value.as_ref(), &scale);
-            let values = values.map_err(|message| self.at(name, &message))?;
+            let values = values.map_err(self.at(name))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {
-                let at = |message: String| self.at(name, &message);
-                let accuracy =
-                    accuracy("accuracy", &text.accuracy, text, value, &scale).map_err(at)?;
-                let accuracy = match &text.discrepancy {
-                    Some(DiscrepancyText::Known(own)) => {
-                        let own = self::accuracy("discrepancy", own, text, value, &scale);
-                        accuracy.hypot(own.map_err(at)?)
-                    }
-                    Some(DiscrepancyText::Unknown(_)) | None => accuracy,
+                let deviation = |what, number| {
+                    deviation(what, number, text, value, &scale).map_err(self.at(name))
                 };
+                let mut accuracy = deviation("accuracy", &text.accuracy)?;
+                if let Some(DiscrepancyText::Known(known)) = &text.discrepancy {
+                    accuracy = accuracy.hypot(deviation("discrepancy", known)?);
+                }
                 case.measured.push(Measured { value, accuracy });
             }
             bound.problem.quantities.push(Quantity {
@@ -290,7 +292,7 @@ impl Binder<'_> {
             );
             return Err(at(message));
         }
-        let scale = self.scale(text.unit.as_deref(), variable).map_err(at)?;
+        let scale = Scale::new(text.unit.as_deref(), self.fmu, variable).map_err(at)?;
         let probe = Probe {
             name: variable.name.clone(),
             handle,
@@ -382,23 +384,22 @@ fn interval(
 }
 
 /// A standard deviation of measured values: the `what` of the study's text.
-fn accuracy(
+fn deviation(
     what: &str,
     number: &Text,
     text: &MeasuredText,
     value: f64,
     scale: &Scale<'_>,
 ) -> Result<f64, String> {
-    let accuracy = match number.unit.as_deref() {
+    let deviation = match number.unit.as_deref() {
         Some("%") => {
             let written = text.value.clone().unwrap_or(value.into());
             scale.part(0.01 * number.number, &written)?
         }
         _ => scale.number(number, Sense::Difference)?,
     };
-    if accuracy > 0.0 && accuracy.is_finite() {
-        Ok(accuracy)
-    } else {
-        Err(format!("the {what} {number} of {value} must be positive"))
+    match deviation > 0.0 && deviation.is_finite() {
+        true => Ok(deviation),
+        false => Err(format!("the {what} {number} of {value} must be positive")),
     }
 }

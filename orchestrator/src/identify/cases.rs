@@ -1,11 +1,7 @@
 //! The table of measured cases.
 
-use toml::Spanned;
-
-use super::error::BindError;
-use crate::study::Identification;
-use crate::study::{Name, Study};
-use crate::table::Table;
+use crate::study::{Identification, Name, Study, StudyError};
+use crate::table::{self, Column, Table};
 
 /// The columns of the table that the section names, or a single case without any.
 pub(super) struct Columns {
@@ -16,19 +12,13 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    pub(super) fn read(study: &Study, settings: &Identification) -> Result<Self, BindError> {
-        let known = settings
-            .known
-            .iter()
-            .map(|(name, known)| (name, Some(&known.column)));
-        let latent = settings
-            .latent
-            .iter()
-            .map(|(name, latent)| (name, latent.column.as_ref()));
-        let measured = settings
-            .measured
-            .iter()
-            .map(|(name, text)| (name, text.column.as_ref()));
+    pub(super) fn read(study: &Study, settings: &Identification) -> Result<Self, StudyError> {
+        let known = settings.known.iter();
+        let known = known.map(|(name, known)| (name, Some(&known.column)));
+        let latent = settings.latent.iter();
+        let latent = latent.map(|(name, latent)| (name, latent.column.as_ref()));
+        let measured = settings.measured.iter();
+        let measured = measured.map(|(name, text)| (name, text.column.as_ref()));
         let named: Vec<(&Name, &String)> = known
             .chain(latent)
             .chain(measured)
@@ -39,7 +29,7 @@ impl Columns {
                 let message = format!(
                     "column `{column}` of which table? `cases` is missing under [identify]"
                 );
-                return Err(study.error_at(name, message).into());
+                return Err(study.error_at(name, message));
             }
             return Ok(Self {
                 names: Vec::new(),
@@ -47,16 +37,14 @@ impl Columns {
                 labels: vec![1],
             });
         };
-        let wanted: Vec<(Vec<String>, String)> = named
-            .iter()
-            .map(|(name, column)| (vec![(*column).clone()], name.as_ref().clone()))
-            .collect();
-        let table = Table::read_points(&beside(study, path), &wanted)?;
+        let wanted = named.iter();
+        let wanted = wanted.map(|(name, column)| table::column(column, name.as_ref()));
+        let wanted: Vec<Column> = wanted.collect();
+        let table = Table::read_points(&study.path_of(path.as_ref()), &wanted)
+            .map_err(|error| study.error_at(path, error.to_string()))?;
+        let names = named.into_iter().map(|(_, column)| column.clone());
         Ok(Self {
-            names: named
-                .into_iter()
-                .map(|(_, column)| column.clone())
-                .collect(),
+            names: names.collect(),
             rows: table.rows,
             labels: table.labels,
         })
@@ -69,19 +57,8 @@ impl Columns {
 
     /// A column's numbers, case by case.
     pub(super) fn column(&self, name: &str) -> Vec<f64> {
-        // Every column that the section names was read.
-        let place = self.names.iter().position(|own| own == name);
-        place.map_or_else(Vec::new, |place| {
-            self.rows.iter().map(|row| row[place]).collect()
-        })
+        let place = self.names.iter().position(|known| known == name);
+        let place = place.expect("every column that the section names was read");
+        self.rows.iter().map(|row| row[place]).collect()
     }
-}
-
-/// A path that the study gives relative to itself.
-fn beside(study: &Study, path: &Spanned<std::path::PathBuf>) -> std::path::PathBuf {
-    study
-        .path()
-        .parent()
-        .unwrap_or("".as_ref())
-        .join(path.as_ref())
 }

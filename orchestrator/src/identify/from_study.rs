@@ -4,15 +4,14 @@
 //! with its own uncertainty: so the sum of squares has every sample, and tells parameters apart that one metric of the whole
 //! curve could not. Tolerances play no part: they say what is accepted, not how well it was measured.
 
-use super::bind::{Bound, free};
+use super::bind::{Bound, Input, bare, check_difference, free};
 use crate::judge::Judge;
-use crate::study::plan::{Input, Plan, find, slot_of};
-use crate::study::quantity::Scale;
+use crate::study::plan::{self, Plan};
 use crate::study::{CriterionText, Identification, Name, Study, StudyError};
-use calibration::problem::{Case, Free, Measured, Prior, Problem, Quantity, Spacing};
+use calibration::problem::{Case, Free, Measured, Prior, Quantity, Spacing};
 use fmu_import::Description;
 use fmu_import::units::Conversion;
-use fmu_points::task::{Case as Simulation, Delay, MeasuredCurve, Probe, Slot};
+use fmu_points::task::{Delay, MeasuredCurve, Probe, Slot};
 use sampling::distribution::Distribution;
 
 /// How many standard uncertainties a curve's uncertainty is.
@@ -40,18 +39,12 @@ pub fn bind(
     plan.tell_of_inputs();
     let judge = Judge::new(&fitted, Some(fmu))?;
     let mut bound = Bound {
-        problem: Problem::default(),
-        simulations: plan.cases.iter().map(without_probes).collect(),
+        simulations: plan.cases.iter().cloned().map(bare).collect(),
         known: vec![Vec::new()],
-        inputs: Vec::new(),
-        outputs: Vec::new(),
-        discrepancies: Vec::new(),
+        ..Bound::default()
     };
-    let names: Vec<&str> = fitted
-        .cases
-        .iter()
-        .map(|case| case.name.as_ref().as_str())
-        .collect();
+    let names = fitted.cases.iter().map(|case| case.name.as_ref().as_str());
+    let names: Vec<&str> = names.collect();
     bound.problem.cases.push(Case {
         label: names.join(", "),
         latents: Vec::new(),
@@ -68,12 +61,11 @@ pub fn bind(
     let probes = plan.placed_probes().zip(&plan.outputs);
     for (((name, text), criterion), ((case, probe), conversion)) in criteria.zip(probes) {
         let data = match &probe.curve {
-            Some(curve) => {
-                samples(name.as_ref(), probe, curve).map_err(|message| at(study, name, &message))?
-            }
+            Some(curve) => samples(name.as_ref(), probe, curve)
+                .map_err(|message| study.error_of(name, message))?,
             None => {
-                let found = criterion.uncertainty.as_ref().map(|u| u.standard());
-                let accuracy = found.ok_or_else(|| without_uncertainty(study, name, text))?;
+                let standard = criterion.uncertainty.as_ref().map(|u| u.standard());
+                let accuracy = standard.ok_or_else(|| without_uncertainty(study, name, text))?;
                 let difference = probe.statistic.is_difference();
                 vec![Datum {
                     name: name.as_ref().clone(),
@@ -111,10 +103,6 @@ struct Datum {
     measured: Measured,
 }
 
-fn at(study: &Study, name: &Name, message: &str) -> StudyError {
-    study.error_at(name, format!("{}: {message}", name.as_ref()))
-}
-
 /// Refuses other data beside the cases, and errors that identification would take for independent.
 fn check(study: &Study, settings: &Identification) -> Result<(), StudyError> {
     let beside = "the cases of the study are the data of identify; remove";
@@ -130,9 +118,7 @@ fn check(study: &Study, settings: &Identification) -> Result<(), StudyError> {
     if let Some((name, section)) = measured.chain(known).chain(latent).next() {
         return Err(study.error_at(name, format!("{beside} [identify.{section}]")));
     }
-    if !(settings.difference > 0.0 && settings.difference < 0.5) {
-        return Err(study.error("[identify] difference must lie between 0 and 0.5"));
-    }
+    check_difference(study, settings)?;
     if let Some(pair) = study.uncertainty_correlations.first() {
         let message = "identify takes the errors of the measured values as independent; use it with a study that has no \
                        [[uncertainty-correlations]]";
@@ -158,14 +144,7 @@ fn without_uncertainty(study: &Study, name: &Name, text: &CriterionText) -> Stud
         "identify weighs each measured value by its uncertainty: add `uncertainty`; the tolerance{stated} says what is \
          accepted, not how well it was measured"
     );
-    at(study, name, &message)
-}
-
-fn without_probes(case: &Simulation) -> Simulation {
-    let mut case = case.clone();
-    case.task.varied.clear();
-    case.task.observed.clear();
-    case
+    study.error_of(name, message)
 }
 
 /// A datum for each time of a measured curve.
@@ -241,15 +220,11 @@ impl Unknowns<'_> {
         }
         self.refuse_doubles()?;
         for (name, text) in &self.settings.free {
-            let own = name.as_ref().as_str();
-            let variable =
-                find(self.fmu, own).map_err(|message| self.study.error_at(name, message))?;
-            let at = |message: String| at(self.study, name, &message);
-            let slot = slot_of(variable).map_err(at)?;
             let unit = text.unit.as_deref().or(text.min.unit.as_deref());
-            let scale = Scale::new(unit, self.fmu, variable).map_err(at)?;
-            let free = free(own, text, &scale).map_err(at)?;
-            self.add(bound, name, free, scale.conversion, slot)?;
+            let Input { slot, scale } = Input::new(self.study, self.fmu, name, unit)?;
+            let free = free(name.as_ref(), text, &scale)
+                .map_err(|message| self.study.error_of(name, message))?;
+            bound.add_free(self.study, name, free, slot, scale.conversion)?;
         }
         for ((name, input), slot) in named {
             let is_free = self.settings.free.contains_key(name.as_ref().as_str());
@@ -259,10 +234,10 @@ impl Unknowns<'_> {
             if !self.settings.free.is_empty() {
                 let message = "varies under [parameters], but is not under [identify.free]; add it there, or give it the \
                                distribution `fixed`";
-                return Err(at(self.study, name, message));
+                return Err(self.study.error_of(name, message));
             }
-            let free = prior(input, slot).map_err(|message| at(self.study, name, &message))?;
-            self.add(bound, name, free, input.conversion, slot.clone())?;
+            let free = prior(input, slot).map_err(|message| self.study.error_of(name, message))?;
+            bound.add_free(self.study, name, free, slot.clone(), input.conversion)?;
         }
         match bound.problem.free.is_empty() {
             true => Err(self.study.error(
@@ -270,24 +245,6 @@ impl Unknowns<'_> {
             )),
             false => Ok(()),
         }
-    }
-
-    fn add(
-        &self,
-        bound: &mut Bound,
-        name: &Name,
-        free: Free,
-        conversion: Conversion,
-        slot: Slot,
-    ) -> Result<(), StudyError> {
-        for end in [free.min, free.max] {
-            let allowed = slot.check(conversion.value(end));
-            allowed.map_err(|message| at(self.study, name, &message))?;
-        }
-        bound.problem.free.push(free);
-        bound.inputs.push(conversion);
-        bound.vary(slot);
-        Ok(())
     }
 
     /// A parameter may be free too: then it is sought between other bounds than it is drawn from.
@@ -306,31 +263,13 @@ impl Unknowns<'_> {
 }
 
 /// A sampled parameter as an unknown: its distribution is what was known before.
-fn prior(input: &Input, slot: &Slot) -> Result<Free, String> {
-    let free = |min: f64, max: f64, prior: Option<Prior>| Free {
-        name: input.name.clone(),
-        unit: input.unit.clone(),
-        scale: Spacing::Linear,
-        min,
-        max,
-        prior,
-    };
-    // Within what the FMU allows, in the study's unit.
-    let back = input.conversion.inverse();
-    let allowed = |limit: Option<f64>, otherwise: f64| limit.map_or(otherwise, |x| back.value(x));
-    let (low, high) = (
-        allowed(slot.min, f64::NEG_INFINITY),
-        allowed(slot.max, f64::INFINITY),
-    );
-    let found = match input.distribution {
-        Distribution::Uniform { min, max } => free(min.max(low), max.min(high), None),
+fn prior(input: &plan::Input, slot: &Slot) -> Result<Free, String> {
+    let reach = |mean: f64, deviation: f64| [-1.0, 1.0].map(|side| mean + side * REACH * deviation);
+    let known = |centre, spread| Some(Prior { centre, spread });
+    let ([low, high], prior) = match input.distribution {
+        Distribution::Uniform { min, max } => ([min, max], None),
         Distribution::Normal { mean, deviation } => {
-            let ends = [mean - REACH * deviation, mean + REACH * deviation];
-            let prior = Prior {
-                centre: mean,
-                spread: deviation,
-            };
-            free(ends[0].max(low), ends[1].min(high), Some(prior))
+            (reach(mean, deviation), known(mean, deviation))
         }
         Distribution::TruncatedNormal {
             mean,
@@ -338,15 +277,9 @@ fn prior(input: &Input, slot: &Slot) -> Result<Free, String> {
             min,
             max,
         } => {
-            let ends = [
-                min.unwrap_or(mean - REACH * deviation),
-                max.unwrap_or(mean + REACH * deviation),
-            ];
-            let prior = Prior {
-                centre: mean,
-                spread: deviation,
-            };
-            free(ends[0].max(low), ends[1].min(high), Some(prior))
+            let [low, high] = reach(mean, deviation);
+            let ends = [min.unwrap_or(low), max.unwrap_or(high)];
+            (ends, known(mean, deviation))
         }
         _ => {
             return Err(
@@ -356,6 +289,17 @@ fn prior(input: &Input, slot: &Slot) -> Result<Free, String> {
             );
         }
     };
-    found.check()?;
-    Ok(found)
+    // Within what the FMU allows, in the study's unit.
+    let back = input.conversion.inverse();
+    let allowed = |limit: Option<f64>, otherwise: f64| limit.map_or(otherwise, |x| back.value(x));
+    let free = Free {
+        name: input.name.clone(),
+        unit: input.unit.clone(),
+        scale: Spacing::Linear,
+        min: low.max(allowed(slot.min, f64::NEG_INFINITY)),
+        max: high.min(allowed(slot.max, f64::INFINITY)),
+        prior,
+    };
+    free.check()?;
+    Ok(free)
 }

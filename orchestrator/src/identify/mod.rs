@@ -6,6 +6,5 @@
 
 pub mod bind;
 mod cases;
-pub mod error;
 pub mod from_study;
 pub mod model;

@@ -28,60 +28,54 @@ impl Model for Bound {
 }
 
 /// An FMU with its cases.
-#[derive(Debug)]
 pub struct FmuModel<'a, 'b> {
     bound: &'a Bound,
-    state: RefCell<State<'a, 'b>>,
-}
-
-#[derive(Debug)]
-struct State<'a, 'b> {
-    pipeline: &'a mut Pipeline<'b>,
-    halted: Option<Halt>,
+    pipeline: RefCell<&'a mut Pipeline<'b>>,
+    halted: RefCell<Option<Halt>>,
 }
 
 impl<'a, 'b> FmuModel<'a, 'b> {
     /// A model that asks a pipeline.
     pub fn new(bound: &'a Bound, pipeline: &'a mut Pipeline<'b>) -> Self {
-        let halted = None;
         Self {
             bound,
-            state: RefCell::new(State { pipeline, halted }),
+            pipeline: RefCell::new(pipeline),
+            halted: RefCell::new(None),
         }
     }
 
     /// Says how far the search has got.
     pub fn say(&self, text: String) {
-        self.state.borrow().pipeline.say(text);
+        self.pipeline.borrow().say(text);
     }
 
     /// Why there are no further predictions, once they were refused.
     pub fn halted(self) -> Option<Halt> {
-        self.state.into_inner().halted
+        self.halted.into_inner()
     }
 
     /// The point of a query, in the FMU's units.
     fn point(&self, query: &Query) -> Vec<f64> {
-        let found = query.free.iter().chain(&query.latents);
-        let found = found.zip(&self.bound.inputs);
-        let found = found.map(|(&value, conversion)| conversion.value(value));
+        let sought = query.free.iter().chain(&query.latents);
+        let sought = sought.zip(&self.bound.inputs);
+        let sought = sought.map(|(&value, conversion)| conversion.value(value));
         let known = self.bound.known[query.case].iter().copied();
-        known.chain(found).collect()
+        known.chain(sought).collect()
     }
 }
 
 impl Simulate for FmuModel<'_, '_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
         let points: Vec<Vec<f64>> = queries.iter().map(|query| self.point(query)).collect();
-        let mut state = self.state.borrow_mut();
-        match state.pipeline.ask(&points) {
+        let asked = self.pipeline.borrow_mut().ask(&points);
+        match asked {
             Ok(outcomes) => {
                 let outcomes = outcomes.into_iter();
                 let named = |outcome: Outcome| outcome.map_err(|failure| failure.to_string());
                 Ok(outcomes.map(named).collect())
             }
             Err(halt) => {
-                state.halted = Some(halt);
+                *self.halted.borrow_mut() = Some(halt);
                 Err(NoPrediction::Stopped)
             }
         }

@@ -1,17 +1,13 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
-use super::{Criterion, at_name};
+use super::Criterion;
 use crate::study::limit::{error, limit, part};
 use crate::study::quantity::Scale;
-use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, StudyError};
+use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, StudyError, first_wrong};
 use curves::{Kind, Metric};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
-pub(super) fn refuse_keys(
-    study: &Study,
-    name: &Name,
-    text: &CriterionText,
-) -> Result<(), StudyError> {
+pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
     let keys = [
         ("metric", text.metric.is_some()),
         ("normalise", text.normalise.is_some()),
@@ -19,14 +15,12 @@ pub(super) fn refuse_keys(
         ("least", text.least.is_some()),
         ("delay", text.delay.is_some()),
     ];
-    match keys.iter().find(|(_, there)| *there) {
-        Some((key, _)) => {
-            let message =
-                format!("`{key}` belongs to a measured curve; add `reference`, or remove `{key}`");
-            Err(at_name(study, name, &message))
-        }
-        None => Ok(()),
-    }
+    let stray = keys.iter().find(|(_, there)| *there);
+    stray.map_or(Ok(()), |(key, _)| {
+        Err(format!(
+            "`{key}` belongs to a measured curve; add `reference`, or remove `{key}`"
+        ))
+    })
 }
 
 /// The criterion on a curve: the metric's value has the ideal value 0 or 1, and may be so far away from it.
@@ -36,7 +30,7 @@ pub(super) fn criterion(
     text: &CriterionText,
     scale: &Scale<'_>,
 ) -> Result<Criterion, StudyError> {
-    let at = |message: String| at_name(study, name, &message);
+    let at = |message: String| study.error_of(name, message);
     let metric = text.metric.ok_or_else(|| {
         let names: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).collect();
         at(format!("a curve needs `metric`: {}", names.join(", ")))
@@ -49,24 +43,22 @@ pub(super) fn criterion(
         name: name.as_ref().clone(),
         variable: text.variable.as_ref().clone(),
         statistic: text.statistic.unwrap_or_default(),
-        detail: None,
-        level: None,
         metric: Some(metric),
         unit: scale.unit.clone().filter(|_| metric.kind() == Kind::Error),
         nominal,
         tolerance,
         stated_tolerance: stated,
-        uncertainty: None,
         row_correlation: reference
             .filter(|reference| reference.is_uncertain())
             .map(ReferenceText::row_correlation),
         group: text.group.clone(),
+        ..Criterion::default()
     })
 }
 
 fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
     let is_error = metric.kind() != Kind::Rating;
-    let remedies = [
+    first_wrong(&[
         (
             text.nominal.is_some(),
             "`nominal` has no place beside `reference`, which is what is measured; remove it",
@@ -107,11 +99,7 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
             text.column_unit.is_some() && metric.kind() != Kind::Error,
             "this metric has no unit; remove `column-unit`",
         ),
-    ];
-    match remedies.iter().find(|(wrong, _)| *wrong) {
-        Some((_, remedy)) => Err((*remedy).to_owned()),
-        None => Ok(()),
-    }
+    ])
 }
 
 /// Another largest error of a curve.

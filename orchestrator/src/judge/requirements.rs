@@ -2,9 +2,11 @@
 
 use toml::Spanned;
 
-use super::{Criterion, Judge, at_name, tolerance};
+use super::{Criterion, Judge, tolerance};
+use crate::concern::{Code, Concern};
+use crate::study::points::{Pairs, pairs};
 use crate::study::quantity::Scale;
-use crate::study::{CriterionText, Name, Pair, Quantity, Required, Study, StudyError};
+use crate::study::{CriterionText, Name, Quantity, Required, Study, StudyError};
 use conformity::decision::Rule;
 use conformity::measured::{Measurement, Uncertainty};
 use conformity::risk::Guard;
@@ -59,7 +61,7 @@ pub(super) fn uncertainty(
     let coverage = text.coverage.as_ref().map_or(USUAL, |k| *k.as_ref());
     if !(coverage > 0.0 && coverage.is_finite()) {
         let message = format!("the coverage factor {coverage} must be a positive, finite number");
-        return Err(at_name(study, name, &message));
+        return Err(study.error_of(name, message));
     }
     let expanded = tolerance(stated.as_ref(), nominal, scale).map_err(at)?;
     Ok(Some(Uncertainty { expanded, coverage }))
@@ -81,32 +83,20 @@ impl Judge {
     }
 
     fn correlated(&self, study: &Study) -> Result<Measurement, StudyError> {
-        let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
-        for entry in &study.uncertainty_correlations {
-            let Pair {
-                between,
-                coefficient,
-                ..
-            } = entry.as_ref();
-            let [a, b] = between.each_ref().map(|name| self.uncertain(study, name));
-            let (a, b) = (a?, b?);
-            let known = |&(x, y, _): &(usize, usize, f64)| (x, y) == (a, b) || (y, x) == (a, b);
-            let wrong = if a == b {
-                "an error is not correlated with itself; name two criteria"
-            } else if !(-1.0..=1.0).contains(coefficient) {
-                "the coefficient must be a number from -1 to 1"
-            } else if pairs.iter().any(known) {
-                "the correlation of these two stands above already; keep one"
-            } else {
-                pairs.push((a, b, *coefficient));
-                continue;
-            };
-            return Err(study.error_at(entry, wrong));
-        }
+        let pairs = pairs(
+            study,
+            &study.uncertainty_correlations,
+            |name| self.uncertain(study, name),
+            "an error is not correlated with itself; name two criteria",
+            (
+                |coefficient: f64| (-1.0..=1.0).contains(&coefficient),
+                "the coefficient must be a number from -1 to 1",
+            ),
+        )?;
         let measured = |count: usize| {
             let criteria = self.criteria.iter().take(count).map(Criterion::measured);
             let within = |&&(a, b, _): &&(usize, usize, f64)| a < count && b < count;
-            let pairs: Vec<(usize, usize, f64)> = pairs.iter().filter(within).copied().collect();
+            let pairs: Pairs = pairs.iter().filter(within).copied().collect();
             Measurement::new(criteria.collect(), &pairs)
         };
         let told = (0..self.criteria.len()).filter(|&k| self.criteria[k].row_correlation.is_some());
@@ -127,21 +117,17 @@ impl Judge {
     /// The number of a criterion that has an uncertainty.
     fn uncertain(&self, study: &Study, name: &Name) -> Result<usize, StudyError> {
         let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
-        if self.criteria[number].metric.is_some() {
-            let message = format!(
-                "{} is a curve, whose error is not one number; remove the correlation",
-                name.as_ref()
-            );
-            return Err(study.error_at(name, message));
-        }
-        if self.criteria[number].uncertainty.is_none() {
-            let message = format!(
-                "{} has no `uncertainty` that could be correlated; add it under [criteria.{0}]",
-                name.as_ref()
-            );
-            return Err(study.error_at(name, message));
-        }
-        Ok(number)
+        let (criterion, name_text) = (&self.criteria[number], name.as_ref());
+        let message = if criterion.metric.is_some() {
+            format!("{name_text} is a curve, whose error is not one number; remove the correlation")
+        } else if criterion.uncertainty.is_none() {
+            format!(
+                "{name_text} has no `uncertainty` that could be correlated; add it under [criteria.{name_text}]"
+            )
+        } else {
+            return Ok(number);
+        };
+        Err(study.error_at(name, message))
     }
 
     fn guard_band(
@@ -191,8 +177,9 @@ impl Judge {
                     criterion.stated_tolerance,
                     criterion.tolerance / expanded
                 );
-                let warning = study.error_at(band, message);
-                self.warnings.push(warning.to_string());
+                let warning = study.error_at(band, message).to_string();
+                self.warnings
+                    .push(Concern::new(Code::GuardBandTooWide, warning));
             }
         }
     }
@@ -238,8 +225,9 @@ impl Judge {
                     stated.as_ref(),
                     criterion.stated_tolerance
                 );
-                let warning = study.error_at(stated, message);
-                self.warnings.push(warning.to_string());
+                let warning = study.error_at(stated, message).to_string();
+                self.warnings
+                    .push(Concern::new(Code::UncertaintyAboveTolerance, warning));
             }
         }
     }

@@ -198,7 +198,7 @@ pub(super) struct Takes {
 /// A study whose parameters are as free as an analysis needs them.
 pub(super) fn session(request: Request, takes: Takes) -> Result<Session, CommandError> {
     let session = Session::open(request)?;
-    if session.plan.correlation().is_some() && !takes.correlations {
+    if session.plan.correlation.is_some() && !takes.correlations {
         let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
                        [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together";
         return Err(session.study.error(message).into());
@@ -311,6 +311,6 @@ pub fn exit_code(verdict: Option<Decision>) -> ExitCode {
 /// Says what the user should know of a study that can be used all the same.
 pub fn warn(judge: &Judge) {
     for warning in &judge.warnings {
-        fmu_points::tell::line!("warning: {warning}");
+        fmu_points::tell::line!("warning: {}", warning.text);
     }
 }

@@ -8,7 +8,6 @@ use serde::de::DeserializeOwned;
 use crate::error::CommandError;
 use crate::files;
 use crate::results::origin::Origin;
-use crate::results::table::FolderError;
 use crate::results::{ResultsError, Summary};
 use crate::study::Study;
 use parameter_regions::table::PointTable;
@@ -32,7 +31,7 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
 pub(super) fn points_of(
     folder: &Path,
     study: &Study,
-    read: fn(&Path) -> Result<(Summary, PointTable), FolderError>,
+    read: fn(&Path) -> Result<(Summary, PointTable), ResultsError>,
 ) -> Result<(Summary, PointTable), CommandError> {
     let (summary, table) = read(folder)?;
     if study.digest() != summary.provenance.study_sha256 {

@@ -128,8 +128,8 @@ impl Pipeline<'_> {
             let begun = Instant::now();
             let mut answer = None;
             let mut take = |event| {
-                if let Event::Answer(_, found, _) = event {
-                    answer = Some(found);
+                if let Event::Answer(_, result, _) = event {
+                    answer = Some(result);
                 }
                 ControlFlow::Continue(())
             };
@@ -139,7 +139,7 @@ impl Pipeline<'_> {
             let (Some(answer), Some(then)) = (answer, known.get(index)?) else {
                 continue;
             };
-            let now = self.model.outcome(answer.map(|found| found.values));
+            let now = self.model.outcome(answer.map(|result| result.values));
             let agreed = is_same(&now, &then);
             crew.note_audit(index, agreed);
             if !agreed {

@@ -11,7 +11,6 @@ mod progress;
 mod shard;
 
 use std::collections::HashMap;
-use std::fmt;
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -137,16 +136,6 @@ pub struct Pipeline<'a> {
     synced: Instant,
 }
 
-impl fmt::Debug for Pipeline<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Pipeline")
-            .field("journal", &self.journal)
-            .field("asked", &self.asked)
-            .field("computed", &self.computed)
-            .finish_non_exhaustive()
-    }
-}
-
 impl<'a> Pipeline<'a> {
     /// A pipeline that notes points in a journal; `finished` is what that holds already. Without a crew it only
     /// reads.
@@ -168,7 +157,7 @@ impl<'a> Pipeline<'a> {
                 .into_iter()
                 .for_each(|file| crew.part(file));
             let differs = finished.conduct().reproducible == Some(false);
-            crew.recall(finished.refuted(), !differs);
+            crew.recall(finished.refuted, !differs);
         }
         Self {
             model,
@@ -339,10 +328,10 @@ impl<'a> Pipeline<'a> {
     fn take(&mut self, event: Event) -> Result<Option<Step>, Halt> {
         Ok(match event {
             Event::Answer(index, mut answer, separation) => {
-                let found = answer.as_mut().ok();
-                let beside = found.and_then(|found| found.notices.take());
-                let notices = self.said.remove(&index).or(beside);
-                let outcome = self.model.outcome(answer.map(|found| found.values));
+                let result = answer.as_mut().ok();
+                let said = result.and_then(|result| result.notices.take());
+                let notices = self.said.remove(&index).or(said);
+                let outcome = self.model.outcome(answer.map(|result| result.values));
                 let notices = notices.as_deref();
                 self.journal.append(index, &outcome, separation, notices)?;
                 let verified = self.model.is_verified(&outcome);
@@ -489,25 +478,25 @@ impl<'a> Pipeline<'a> {
             values: values[(index - first) as usize].clone(),
         };
         let finished = self.finished.clone();
+        let earlier = |separation| {
+            let finished = finished.as_ref();
+            finished.map_or_else(Vec::new, |finished| finished.of(separation))
+        };
         let set = first..first + points.len() as u64;
         let within = |separation| -> Vec<u64> {
-            let earlier = finished.as_ref().map(|finished| finished.of(separation));
-            let earlier = earlier.into_iter().flatten();
-            earlier.filter(|index| set.contains(index)).collect()
+            let mut earlier = earlier(separation);
+            earlier.retain(|index| set.contains(index));
+            earlier
         };
         // Outcomes of earlier sets have been used already: where they count no more, the analysis must begin again.
         let built_upon = |separation: Separation, computed: &[u64]| {
-            let earlier = finished.as_ref().map(|finished| finished.of(separation));
-            let earlier = earlier.is_some_and(|earlier| earlier.iter().any(|&index| index < first));
-            earlier
-                || computed[separation as usize..]
-                    .iter()
-                    .any(|&count| count > 0)
+            let mut computed = computed[separation as usize..].iter();
+            let is_earlier = |&index: &u64| index < first;
+            earlier(separation).iter().any(is_earlier) || computed.any(|&count| count > 0)
         };
         let computed = self.computed;
         let mut spoilt = None;
-        let open = open.iter().map(|&k| first + k as u64);
-        let open: Vec<u64> = open.collect();
+        let open: Vec<u64> = open.iter().map(|&k| first + k as u64).collect();
         let mut origins = vec![None; points.len()];
         self.run(open.into_iter(), &job, &within, |step| {
             match step {
@@ -539,16 +528,12 @@ impl<'a> Pipeline<'a> {
                     }
                 }
             }
-            if spoilt.is_some() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
+            match spoilt {
+                Some(_) => ControlFlow::Break(()),
+                None => ControlFlow::Continue(()),
             }
         })?;
-        match spoilt {
-            Some(error) => Err(error.into()),
-            None => Ok(()),
-        }
+        spoilt.map_or(Ok(()), |error: RunError| Err(error.into()))
     }
 
     /// The outcomes that the journal knows of the set that begins with this index.
@@ -580,10 +565,8 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// When the system says no.
     pub fn end(mut self) -> Result<(), ResultsError> {
-        self.progress.finish();
-        self.note_conduct()?;
         self.journal.append_end();
-        self.journal.sync()
+        self.pause()
     }
 
     /// Ends a run that may need further points.
@@ -599,10 +582,11 @@ impl<'a> Pipeline<'a> {
 
 /// How many points of a part a journal knows, but for those from such processes or from less strictly separated ones.
 fn count_known(finished: &Finished, part: &Part, void: Option<Separation>) -> u64 {
-    let gone = void.map_or_else(Vec::new, |void| finished.of(void));
-    let known = finished.of(Separation::Apart).into_iter();
-    let left = known.filter(|index| part.has(*index) && gone.binary_search(index).is_err());
-    left.count() as u64
+    let of = |separation| {
+        let points = finished.of(separation).into_iter();
+        points.filter(|index| part.has(*index)).count() as u64
+    };
+    of(Separation::Apart) - void.map_or(0, of)
 }
 
 /// Identifies a set of points: their number and a checksum of all their digits.

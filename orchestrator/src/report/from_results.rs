@@ -14,7 +14,7 @@ use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::settled::Settled;
 use crate::results::summary::{CriterionCount, VariantCount};
-use crate::results::table::{self, FolderError};
+use crate::results::table;
 use crate::results::words::capitalised;
 use crate::results::{ResultsError, Summary};
 use crate::study::Study;
@@ -103,7 +103,7 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
     let concerns = summary
         .concerns
         .iter()
-        .map(|concern| format!("Warning: {concern}."));
+        .map(|concern| format!("{}: {}.", concern.severity.name(), concern.text));
     let watched = summary.settled.iter().filter_map(Settled::remark);
     conduct
         .chain(asides)
@@ -135,12 +135,12 @@ fn whole(summary: &Summary, shown: usize) -> Option<Whole> {
     })
 }
 
-fn judgement(folder: &Path, summary: &Summary) -> Result<Judgement, FolderError> {
+fn judgement(folder: &Path, summary: &Summary) -> Result<Judgement, ResultsError> {
     let damaged = |message| ResultsError::Content {
         path: folder.join("summary.json"),
         message,
     };
-    Ok(Judgement::new(summary).map_err(damaged)?)
+    Judgement::new(summary).map_err(damaged)
 }
 
 /// Summaries of older versions do not name their intervals; those are Wilson's.

@@ -5,7 +5,6 @@ use crate::results::Summary;
 use crate::results::summary::CriterionCount;
 use crate::study::Study;
 use conformity::measured::Uncertainty;
-use indexmap::IndexMap;
 use serde::Serialize;
 
 /// The study as the page's script changes it.
@@ -25,7 +24,7 @@ pub struct WhatIf {
     /// Which measured values' errors are correlated, by the criteria's numbers.
     correlations: Vec<(usize, usize, f64)>,
     /// The parameters' distributions as `summary.json` has them.
-    parameters: Vec<IndexMap<String, serde_json::Value>>,
+    parameters: Vec<serde_json::Map<String, serde_json::Value>>,
     /// Why no other distributions of the parameters can be asked for, where that is so.
     fixed: Option<&'static str>,
     /// The study as it was run, to be changed.

@@ -127,7 +127,7 @@ fn signals(reruns: &Reruns<'_>, point: &[f64]) -> Result<Vec<(usize, Vec<f64>)>,
     let plan = reruns.plan();
     let mut start = Vec::new();
     plan.to_fmu(point, &mut start);
-    let mut found = Vec::new();
+    let mut curves_of_point = Vec::new();
     for (number, case) in plan.cases.iter().enumerate() {
         let first = plan.criteria_of(number).start;
         let curve = |criterion: usize| case.task.observed[criterion - first].curve.as_deref();
@@ -158,8 +158,8 @@ fn signals(reruns: &Reruns<'_>, point: &[f64]) -> Result<Vec<(usize, Vec<f64>)>,
                 .finish()
                 .map_err(|_| Halt::Failed("it is too short".to_owned()))?;
             let values = values.iter().map(|v| curve.factor * v + curve.offset);
-            found.push((criterion, values.collect()));
+            curves_of_point.push((criterion, values.collect()));
         }
     }
-    Ok(found)
+    Ok(curves_of_point)
 }

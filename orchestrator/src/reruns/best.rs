@@ -3,11 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use super::finer::for_a_plot;
 use super::{Halt, Reruns};
 use crate::report::history;
 use crate::results::{ResultsError, Summary, write_atomically};
 use crate::table::csv_file;
-use fmu_points::task::{Schedule, Task};
+use fmu_points::task::Task;
 
 /// So many numbers a file holds at the most, more or less: of more communication points some are left out.
 const MOST_NUMBERS: u64 = 1_000_000;
@@ -42,7 +43,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
     for (number, case) in plan.cases.iter().enumerate() {
         let file = history::file(case.name.as_ref().map(|_| number));
         let own = budget.part(1.0 / (cases - number as f64));
-        let mut tries = vec![fine(case.task.schedule), case.task.schedule];
+        let mut tries = vec![for_a_plot(case.task.schedule), case.task.schedule];
         tries.dedup();
         let coarsest = tries.len();
         let mut failed = None;
@@ -147,19 +148,5 @@ fn write_case(
         (Ok(()), _) => Ok((every > 1).then_some(every)),
         (Err(_), Some(halt)) => Err(halt),
         (Err(error), None) => Err(Halt::Failed(ResultsError::to_string(&error))),
-    }
-}
-
-/// The study's own communication points where they are enough for a plot, else closer ones: what happens
-/// between them is to be seen.
-fn fine(schedule: Schedule) -> Schedule {
-    const ENOUGH: u64 = 1000;
-    const PLENTY: f64 = 10_000.0;
-    if schedule.steps() >= ENOUGH {
-        return schedule;
-    }
-    Schedule {
-        step: schedule.step.min((schedule.stop - schedule.start) / PLENTY),
-        ..schedule
     }
 }

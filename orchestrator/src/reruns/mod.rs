@@ -5,6 +5,7 @@
 mod band;
 mod best;
 mod budget;
+mod finer;
 mod motion;
 mod numerical;
 mod settled;
@@ -12,6 +13,8 @@ mod settled;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+
+use thiserror::Error;
 
 use crate::results::{ResultsError, Summary, write_json};
 use crate::session::{SessionError, Verification};
@@ -64,10 +67,12 @@ pub fn run(
 type Row<'a> = &'a mut dyn FnMut(f64, &[f64]) -> Result<(), Halt>;
 
 /// Why a run has no end.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 enum Halt {
     /// The time is up.
+    #[error("it would take longer than the study's points did")]
     Late,
+    #[error("{0}")]
     Failed(String),
 }
 
@@ -86,15 +91,6 @@ impl From<RunError> for Halt {
 impl From<std::io::Error> for Halt {
     fn from(error: std::io::Error) -> Self {
         Self::Failed(error.to_string())
-    }
-}
-
-impl std::fmt::Display for Halt {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Late => f.write_str("it would take longer than the study's points did"),
-            Self::Failed(reason) => f.write_str(reason),
-        }
     }
 }
 

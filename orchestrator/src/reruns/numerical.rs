@@ -2,6 +2,7 @@
 //! steps, and with finer tolerances of the FMU's solver. The user asks for it, so it takes its time: only each run is limited.
 
 use super::Reruns;
+use super::finer::refined_case;
 use crate::pipeline::Model;
 use crate::results::Summary;
 use crate::results::validation::{Comparison, Numerical, Refined, refined};
@@ -12,11 +13,11 @@ const POINTS: u64 = 3;
 
 /// Adds to the summary what the refinement shows.
 pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) {
-    let found = numerical(reruns);
-    // Curves are found among the criteria, but have no comparison.
+    let all = numerical(reruns);
+    // Curves are all among the criteria, but have no comparison.
     for (name, comparison) in &mut summary.validation {
         let place = summary.criteria.get_full(name);
-        let numerical = place.and_then(|(number, ..)| found.get(number));
+        let numerical = place.and_then(|(number, ..)| all.get(number));
         if let (Some((_, _, count)), Some(numerical)) = (place, numerical) {
             let spread = [comparison.model, comparison.u_input];
             let refined = Comparison::new(&count.criterion, spread, numerical.clone());
@@ -32,11 +33,14 @@ fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
     let tolerance = cases
         .iter()
         .all(|case| case.task.schedule.tolerance.is_some());
-    let mut found = vec![Numerical::default(); session.judge.criteria.len()];
+    let mut largest = vec![Numerical::default(); session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let values = verification.job(index).values;
         let run = |by: Refined, times: i32| {
-            let finer: Vec<Case> = cases.iter().map(|case| finer(case, by, times)).collect();
+            let finer: Vec<Case> = cases
+                .iter()
+                .map(|case| refined_case(case, by, times))
+                .collect();
             let answer = reruns.answer(&finer, values.clone()).ok()?;
             session.outcome(answer).ok()
         };
@@ -48,7 +52,7 @@ fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
         // Without a tolerance the FMU chooses its own, which nobody knows.
         let tolerances = tolerance.then(|| runs(Refined::Tolerance)).flatten();
         let parts = [(Refined::Step, steps), (Refined::Tolerance, tolerances)];
-        for (k, known) in found.iter_mut().enumerate() {
+        for (k, known) in largest.iter_mut().enumerate() {
             let part = |(by, finer): &(Refined, Option<[Vec<f64>; 2]>)| {
                 let [middle, fine] = finer.as_ref()?;
                 Some(refined([coarse[k], middle[k], fine[k]], *by))
@@ -62,17 +66,5 @@ fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
             }
         }
     }
-    found
-}
-
-/// The case with a finer setting, so many times.
-fn finer(case: &Case, by: Refined, times: i32) -> Case {
-    let factor = by.ratio().powi(-times);
-    let mut case = case.clone();
-    let schedule = &mut case.task.schedule;
-    match by {
-        Refined::Step => schedule.step *= factor,
-        Refined::Tolerance => schedule.tolerance = schedule.tolerance.map(|own| factor * own),
-    }
-    case
+    largest
 }

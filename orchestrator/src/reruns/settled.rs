@@ -5,8 +5,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+use super::finer::{golden, longer};
 use super::motion::{Motion, motion};
 use super::{Halt, Reruns};
+use crate::concern::{Code, Concern};
 use crate::document::format::number;
 use crate::judge::Criterion;
 use crate::report::history;
@@ -17,8 +19,6 @@ use fmu_points::single::Recording;
 use fmu_points::task::{Probe, Schedule, Task};
 use sampling::statistics::{Accumulator, Statistic, Trend};
 
-/// The fewest communication steps of the study's part of a run.
-const FEWEST: u64 = 2500;
 /// So many numbers are held at a time; more would only take memory.
 const MOST_NUMBERS: u64 = 1 << 24;
 
@@ -58,9 +58,10 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
     }
     if runs.is_empty() {
         let reason = settled.reason.as_deref().unwrap_or("no run was made");
-        summary.concerns.push(format!(
+        let text = format!(
             "no point was re-run longer and finer, so whether results swing or had settled is not known: {reason}"
-        ));
+        );
+        summary.doubt(Code::NotReRun, [text]);
         let best = summary.best_point.as_ref().map(|best| best.point);
         runs.extend(best.map(|best| (best, recorded(plan, folder, summary))));
     }
@@ -97,13 +98,13 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
     let numbers = (0..count).map(|case| {
         let schedule = reruns.plan().cases[case].task.schedule;
         let signals = reruns.plan().criteria_of(case).len() as u64;
-        finer(&schedule).map_or(0, |finer| longer(&finer).steps() * (1 + signals))
+        golden(&schedule).map_or(0, |finer| longer(&finer).steps() * (1 + signals))
     });
     let at_once = (MOST_NUMBERS / numbers.max().unwrap_or(0).max(1)).max(1);
     let workers = (at_once as usize)
         .min(reruns.wish.jobs)
         .min(points.len() * count);
-    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let (next, runs) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         // Points of one case have the same worker.
         let mut recordings: Vec<Option<Recording>> = Vec::new();
@@ -115,10 +116,10 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
             };
             let case = number % count;
             let run = one(reruns, point, case, &mut recordings[case]);
-            let mut found = found
+            let mut runs = runs
                 .lock()
                 .expect("no thread fails while it holds the list");
-            found.push((number, (point, run)));
+            runs.push((number, (point, run)));
         }
     };
     thread::scope(|scope| {
@@ -126,11 +127,11 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
             scope.spawn(work);
         }
     });
-    let mut found = found
+    let mut runs = runs
         .into_inner()
         .expect("no thread fails while it holds the list");
-    found.sort_by_key(|(number, _)| *number);
-    found.into_iter().map(|(_, run)| run).collect()
+    runs.sort_by_key(|(number, _)| *number);
+    runs.into_iter().map(|(_, run)| run).collect()
 }
 
 /// Runs a point in one case with finer steps: on to a later end where the FMU allows it, else to its own.
@@ -147,7 +148,7 @@ fn one(
         .ok_or_else(|| failed("the study has no such point any more"))?;
     let own = &plan.cases[case].task;
     let signals = reruns.signals(case, |_| true);
-    let finer = finer(&own.schedule)
+    let finer = golden(&own.schedule)
         .filter(|finer| (finer.steps() * (1 + signals.criteria.len() as u64)) < MOST_NUMBERS)
         .ok_or_else(|| failed("the study's communication steps are too many to be made finer"))?;
     // After the end of a recording its last value would hold for ever.
@@ -231,47 +232,6 @@ fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Opti
     moves(time, signal, plan.cases[case].task.schedule, probe)
 }
 
-/// Finer steps than those of a study: shorter by the golden ratio at least. A period of which the study's step is a
-/// multiple is then met at all its phases, as no ratio is worse approximated by a fraction (Hurwitz 1891).
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss
-)]
-fn finer(schedule: &Schedule) -> Option<Schedule> {
-    let mut schedule = *schedule;
-    // Where only the final value counts, a leap may leave nothing to look at.
-    schedule.leap &= schedule.window_start < schedule.stop;
-    let begin = schedule.points().at(schedule.first_even());
-    let even = schedule.stop - begin;
-    let steps = (schedule.steps() - schedule.first_even()) as f64;
-    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-    // The least power of the golden ratio that makes the steps many enough.
-    let mut ratio = golden;
-    while steps * ratio < FEWEST as f64 {
-        ratio *= golden;
-    }
-    let count = (steps * ratio).round() as u64;
-    let valid = even > 0.0;
-    // All steps are equal up to the study's end, as some FMUs want it.
-    valid.then(|| Schedule {
-        step: even / count as f64,
-        ..schedule
-    })
-}
-
-/// The same steps up to a later end: twice as late, or so that the steps are three times as many.
-fn longer(schedule: &Schedule) -> Schedule {
-    const LONGER: f64 = 3.0;
-    let begin = schedule.points().at(schedule.first_even());
-    let further = (schedule.stop - schedule.start).min(LONGER * (schedule.stop - begin));
-    let further = (further / schedule.step).round() * schedule.step;
-    Schedule {
-        stop: schedule.stop + further,
-        ..*schedule
-    }
-}
-
 /// The motion of a criterion's value at the end of its window.
 fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Option<Motion> {
     let [from, to] = probe
@@ -284,12 +244,12 @@ fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Opt
     match probe.statistic.trend() {
         Trend::Unknown => None,
         Trend::OfSignal => {
-            let mut found = motion(time, signal, run)?;
+            let mut motion = motion(time, signal, run)?;
             // At a moment of its own, a value may be on its way.
             if to < schedule.stop {
-                found.drift = 0.0;
+                motion.drift = 0.0;
             }
-            Some(found)
+            Some(motion)
         }
         Trend::OfExtremes => {
             let later =
@@ -330,7 +290,7 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
 
 /// What a motion means for the number that is compared with the measured value. Without extra runs the drift is that at
 /// the rate of the end.
-fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<String> {
+fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
     let Criterion {
         name,
         statistic,
@@ -338,93 +298,51 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Str
         stated_tolerance,
         ..
     } = criterion;
-    let unit = criterion
-        .unit
-        .as_deref()
-        .map_or_else(String::new, |unit| format!(" {unit}"));
+    let unit = criterion.unit_behind();
     let at = |point: Option<u64>| point.map_or_else(String::new, |p| format!(" at point {p}"));
-    let mut found = Vec::new();
+    let mut doubts = Vec::new();
     if *statistic == Statistic::Final && moved.swing > 0.1 * tolerance {
-        found.push(format!(
+        let text = format!(
             "{name}: its signal swings by {}{unit} in its last period{}, and the final value is only one instant of it \
              (tolerance {stated_tolerance}): use `statistic = \"mean\"` with a `window`, or make sure that the \
              measured value was taken at the same phase",
             number(moved.swing, 3),
             at(moved.swing_at)
-        ));
+        );
+        doubts.push(Concern::new(Code::Swings, text));
     }
     if moved.drift.abs() > 0.5 * tolerance {
-        found.push(format!(
+        let text = format!(
             "{name}: its value still moves when the run ends, by {}{unit} in a time as long as the run{}{} (tolerance \
              {stated_tolerance}), so the verdict depends on `stop`: simulate longer, or up to the moment of the \
              measurement",
             number(moved.drift, 3),
-            if without_runs { ", at the rate of its end" } else { "" },
+            if without_runs {
+                ", at the rate of its end"
+            } else {
+                ""
+            },
             at(moved.drift_at)
-        ));
+        );
+        doubts.push(Concern::new(Code::StillMoves, text));
     }
-    found
+    doubts
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn finer_steps_are_no_fraction_of_the_study_s() {
-        for (stop, step) in [(1000.0, 1.0), (150.0, 150.0), (15_000.0, 1.0), (2.0, 0.01)] {
-            let study = Schedule {
-                start: 0.0,
-                stop,
-                step,
-                window_start: 0.0,
-                leap: false,
-                tolerance: None,
-            };
-            let fine = finer(&study).unwrap();
-            assert!(fine.steps() >= FEWEST && fine.step < step / 1.6, "{fine:?}");
-            // Of the phases that a period has which is a fraction of the study's step, none is far from those seen.
-            for part in [1.0, 2.0, 7.0] {
-                let phases = (0..200).map(|k| (f64::from(k) * fine.step * part / step).fract());
-                let mut phases: Vec<f64> = phases.collect();
-                if fine.step * part * 200.0 < step {
-                    continue;
-                }
-                phases.sort_by(f64::total_cmp);
-                let gap = phases.windows(2).map(|pair| pair[1] - pair[0]);
-                assert!(gap.fold(0.0, f64::max) < 0.1, "{stop} {step} {part}");
-            }
-            let on = longer(&fine);
-            assert!((on.stop / stop - 2.0).abs() < 1e-9);
-            assert_eq!(on.steps(), 2 * fine.steps());
-        }
-        let leap = Schedule {
-            start: 0.0,
-            stop: 1000.0,
-            step: 0.1,
-            window_start: 999.0,
-            leap: true,
-            tolerance: None,
-        };
-        let fine = finer(&leap).unwrap();
-        assert_eq!(longer(&fine).stop, 1003.0);
-    }
-
     fn criterion(statistic: Statistic) -> Criterion {
         Criterion {
             name: "T".into(),
             variable: "t".into(),
             statistic,
-            detail: None,
-            level: None,
-            metric: None,
-            row_correlation: None,
             unit: Some("degC".into()),
             nominal: 82.0,
             tolerance: 0.6,
             stated_tolerance: "0.6 degC".into(),
-            uncertainty: None,
-            group: None,
+            ..Criterion::default()
         }
     }
 
@@ -438,11 +356,13 @@ mod tests {
         assert!(of(Statistic::Final, 0.05, 0.2).is_empty());
         let found = of(Statistic::Final, 0.07, -0.4);
         assert!(
-            found[0].starts_with("T: its signal swings by 0.07"),
+            found[0].text.starts_with("T: its signal swings by 0.07"),
             "{found:?}"
         );
         assert!(
-            found[1].contains("0.4 degC in a time as long as the run at point 7"),
+            found[1]
+                .text
+                .contains("0.4 degC in a time as long as the run at point 7"),
             "{found:?}"
         );
         assert_eq!(of(Statistic::Mean, 0.07, -0.4).len(), 1);

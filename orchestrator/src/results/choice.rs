@@ -1,6 +1,6 @@
 //! Some rows of a long table: the best ones, and an even choice by chance of all.
 
-use std::collections::BinaryHeap;
+use std::collections::BTreeMap;
 
 /// The most rows that a page is made of: more would only take memory, which no plot shows.
 pub const MOST: u64 = 500_000;
@@ -33,12 +33,6 @@ impl Even {
         row % self.block == self.chosen_in(row / self.block)
     }
 
-    /// How many rows before this one are chosen.
-    pub fn before(self, row: u64) -> u64 {
-        let block = row / self.block;
-        block + u64::from(self.chosen_in(block) < row % self.block)
-    }
-
     fn chosen_in(self, block: u64) -> u64 {
         mixed(block) % self.block
     }
@@ -53,73 +47,34 @@ fn mixed(number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// How good a row is: not verified, the distance from the measurement, its number. The least is the best.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Place(bool, f64, u64);
-
-impl Eq for Place {}
-
-impl PartialOrd for Place {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Place {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let verdicts = self.0.cmp(&other.0);
-        let distances = || self.1.total_cmp(&other.1);
-        verdicts.then_with(distances).then(self.2.cmp(&other.2))
-    }
-}
-
 /// The best rows so far that were not chosen otherwise.
 #[derive(Debug, Default)]
 pub struct Best {
-    rows: BinaryHeap<(Place, Row)>,
-}
-
-/// A row that is held back; of two with the same place there is none.
-#[derive(Debug)]
-struct Row(csv::StringRecord);
-
-impl PartialEq for Row {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl Eq for Row {}
-
-impl PartialOrd for Row {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Row {
-    fn cmp(&self, _: &Self) -> std::cmp::Ordering {
-        std::cmp::Ordering::Equal
-    }
+    /// By how good they are, the best first: not verified, the bits of the distance, which grow as it does, the number.
+    rows: BTreeMap<(bool, u64, u64), csv::StringRecord>,
 }
 
 impl Best {
-    /// Offers a row; `distance` is how far it is from the measurement.
+    /// Offers a row; `distance` is how far it is from the measurement, 0 or more.
     pub fn offer(&mut self, row: u64, verified: bool, distance: f64, record: &csv::StringRecord) {
-        let place = Place(!verified, distance, row);
+        let place = (!verified, distance.to_bits(), row);
         if self.rows.len() == BEST {
-            if self.rows.peek().is_none_or(|(worst, _)| *worst < place) {
+            if self
+                .rows
+                .last_key_value()
+                .is_none_or(|(worst, _)| *worst < place)
+            {
                 return;
             }
-            self.rows.pop();
+            self.rows.pop_last();
         }
-        self.rows.push((place, Row(record.clone())));
+        self.rows.insert(place, record.clone());
     }
 
     /// The best rows with their numbers, in the order of the table.
     pub fn into_rows(self) -> Vec<(u64, csv::StringRecord)> {
         let rows = self.rows.into_iter();
-        let mut rows: Vec<_> = rows.map(|(place, Row(record))| (place.2, record)).collect();
+        let mut rows: Vec<_> = rows.map(|((.., row), record)| (row, record)).collect();
         rows.sort_unstable_by_key(|(row, _)| *row);
         rows
     }
@@ -136,9 +91,6 @@ mod tests {
         let chosen: Vec<u64> = (0..10_000_000).filter(|&row| even.has(row)).collect();
         assert_eq!(chosen.len() as u64, MOST);
         assert!(chosen.iter().zip(0..).all(|(row, block)| row / 20 == block));
-        for (row, before) in [(0, 0), (chosen[7], 7), (chosen[7] + 1, 8)] {
-            assert_eq!(even.before(row), before);
-        }
         // By chance, and evenly so: 500,000 rows in 20 places, each with its share within five deviations.
         let mut places = [0_i32; 20];
         chosen

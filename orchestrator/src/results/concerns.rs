@@ -42,13 +42,12 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     }
     let nominal = criterion.nominal;
     // Less than a hundredth of the tolerance is rounding, and no reason to doubt.
-    let uncertainty = criterion.uncertainty.map_or(0.0, |found| found.expanded);
+    let uncertainty = criterion.uncertainty.map_or(0.0, |of| of.expanded);
     let room = uncertainty.max(0.01 * criterion.tolerance);
     if low > high || (low - room..=high + room).contains(&nominal) {
         return None;
     }
-    let unit = criterion.unit.as_deref();
-    let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    let unit = criterion.unit_behind();
     let hint = match mistaken_unit(criterion, [low, high]) {
         Some(units) => format!("; their size would fit if {units} had been mistaken: check `unit`"),
         None if points < FEWEST => return None,
@@ -95,8 +94,7 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
     if points < FEWEST || low > high || !same {
         return None;
     }
-    let unit = criterion.unit.as_deref();
-    let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    let unit = criterion.unit_behind();
     Some(format!(
         "{}: the value is {}{unit} at all {points} points, so it tells nothing of the parameters that vary; check \
          `variable`, vary a parameter that it depends on, or remove the criterion",
@@ -155,16 +153,10 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic: Statistic::Final,
-            detail: None,
-            level: None,
-            metric: None,
-            row_correlation: None,
-            unit: None,
             nominal,
             tolerance,
             stated_tolerance: tolerance.to_string(),
-            uncertainty: None,
-            group: None,
+            ..Criterion::default()
         }
     }
 

@@ -4,6 +4,7 @@ use super::conclusion::{Conclusion, grouped};
 use super::{Row, Summary};
 use crate::study::plan::Plan;
 use conformity::decision::Decision;
+use fmu_points::names::behind;
 
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.
@@ -68,8 +69,7 @@ fn place(plan: &Plan, points: &[Row]) -> Option<String> {
     if distance < CLEAR.max(chance(failed.len(), others.len())) {
         return None;
     }
-    let unit = plan.inputs[k].unit.as_deref();
-    let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+    let unit = behind(plan.inputs[k].unit.as_deref());
     let range = |values: &[f64]| {
         let [low, high] = [values.first(), values.last()].map(|v| v.copied().unwrap_or(f64::NAN));
         format!("{low:.4} .. {high:.4}{unit}")

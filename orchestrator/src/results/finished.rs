@@ -27,8 +27,8 @@ pub struct Finished {
     noted: Option<Conduct>,
     /// Whether points count only where each had an unpacked FMU of its own.
     apart: bool,
-    /// Points that were computed in such processes, or in less strictly separated ones, were found not to count.
-    refuted: Option<Separation>,
+    /// Points that were computed in such processes, or in less strictly separated ones, do not count.
+    pub refuted: Option<Separation>,
     /// Points that failed while others ran, and have not been repeated alone.
     crowded: Indexes,
     /// How many points are finished.
@@ -52,9 +52,9 @@ fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
     let mut places = Vec::new();
     let count = usize::try_from(points).unwrap_or(usize::MAX);
     let room = places.try_reserve_exact(count);
-    room.map_err(|_| ResultsError::Content {
-        path: path_in(folder),
-        message: format!("{points} points do not fit into the memory; use --shard"),
+    room.map_err(|_| {
+        let message = format!("{points} points do not fit into the memory; use --shard");
+        ResultsError::content(&path_in(folder), message)
     })?;
     places.resize(count, NOWHERE);
     Ok(places)
@@ -176,11 +176,6 @@ impl Finished {
         let noted = self.noted.as_ref();
         let file = noted.and_then(|noted| noted.changed_file.as_deref());
         self.apart.then(|| file.unwrap_or("."))
-    }
-
-    /// How strictly points must be separated, as far as it was found that others did not count: more strictly than so.
-    pub fn refuted(&self) -> Option<Separation> {
-        self.refuted
     }
 
     /// Whether a line at this place is that of a finished point, and not of one that was computed again.
@@ -305,10 +300,8 @@ impl Outcomes<'_> {
             Line::Sound(line) => parse(line),
             Line::Damaged | Line::End => None,
         };
-        let noted = noted.ok_or_else(|| ResultsError::Content {
-            path: path.clone(),
-            message: format!("the line of point {} is damaged", index + 1),
-        })?;
+        let damaged = || format!("the line of point {} is damaged", index + 1);
+        let noted = noted.ok_or_else(|| ResultsError::content(path, damaged()))?;
         Ok(Some(noted))
     }
 }

@@ -56,37 +56,26 @@ impl Header {
 
     /// The first difference between two headers: its name, the other's value, this one's.
     pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
+        let or = |text: &Option<String>, otherwise: &str| {
+            text.clone().unwrap_or_else(|| otherwise.to_owned())
+        };
         let texts = |header: &Self| {
+            let table = header.table.as_deref().map(short);
+            let points = header.points.map(|points| points.to_string());
             [
-                (
-                    "analysis",
-                    header.analysis.clone().unwrap_or("verify".to_owned()),
-                ),
+                ("analysis", or(&header.analysis, "verify")),
                 ("orchestrator", header.orchestrator.clone()),
                 ("study", short(&header.study)),
                 ("FMU", short(&header.fmu)),
-                (
-                    "table of points",
-                    header.table.as_deref().map_or_else(String::new, short),
-                ),
+                ("table of points", or(&table, "")),
                 ("seed", header.seed.to_string()),
-                (
-                    "number of points",
-                    header
-                        .points
-                        .map_or("open".to_owned(), |points| points.to_string()),
-                ),
-                (
-                    "shard",
-                    header.shard.clone().unwrap_or_else(|| "none".to_owned()),
-                ),
+                ("number of points", or(&points, "open")),
+                ("shard", or(&header.shard, "none")),
             ]
         };
-        let pairs = texts(self).into_iter().zip(texts(then));
-        pairs
-            .filter(|(now, then)| now != then)
-            .map(|((what, now), (_, then))| (what, then, now))
-            .next()
+        let mut pairs = texts(self).into_iter().zip(texts(then));
+        let ((what, now), (_, then)) = pairs.find(|(now, then)| now != then)?;
+        Some((what, then, now))
     }
 }
 

@@ -15,7 +15,6 @@ use conformity::decision::Decision;
 use conformity::interval::clopper_pearson;
 use conformity::measured::Assessed;
 use conformity::risk::Guard;
-use sampling::design::Joint;
 use sampling::distribution::Distribution;
 
 /// So many points tell enough; of a larger study the first ones are taken. With many criteria they are fewer, as each of them
@@ -175,37 +174,22 @@ pub(super) fn improvements(
             seen.push(Seen::new(each.as_ref().map_or(failed, |each| each[k])));
         }
     }
-    let mut found: Vec<(Halved, String, Vec<Seen>)> = Vec::new();
-    for ((criterion, measured), seen) in judge
-        .criteria
-        .iter()
-        .zip(measurement.criteria())
-        .zip(halved)
-    {
+    let mut halvings: Vec<(Halved, String, Vec<Seen>)> = Vec::new();
+    let criteria = judge.names().zip(measurement.criteria());
+    for ((name, measured), seen) in criteria.zip(halved) {
         if measured.uncertainty.is_some() {
-            found.push((Halved::Uncertainty, criterion.name.clone(), seen));
+            halvings.push((Halved::Uncertainty, name.clone(), seen));
         }
     }
-    if let Some(plan) = plan.filter(|plan| plan.correlation().is_none()) {
-        let from_samples: Vec<usize> = plan
-            .joints()
-            .iter()
-            .flat_map(Joint::inputs)
-            .copied()
-            .collect();
-        // A sample is as wide as it is.
-        let own = plan
-            .varied()
-            .into_iter()
-            .filter(|k| !from_samples.contains(k));
-        for k in own {
+    if let Some(plan) = plan.filter(|plan| plan.correlation.is_none()) {
+        for k in plan.with_tolerances() {
             let input = &plan.inputs[k];
             let seen = reweighted(&base, points, k, &input.distribution);
-            found.push((Halved::Tolerance, input.name.clone(), seen));
+            halvings.push((Halved::Tolerance, input.name.clone(), seen));
         }
     }
     // All intervals hold together (Bonferroni): of many changes without effect one would seem to gain otherwise.
-    let confidence = 1.0 - (1.0 - USUAL) / found.len().max(1) as f64;
+    let confidence = 1.0 - (1.0 - USUAL) / halvings.len().max(1) as f64;
     let worth = worths(judge, &base);
     let change = |(halved, name, seen): (Halved, String, Vec<Seen>)| {
         let changed = worths(judge, &seen);
@@ -227,7 +211,7 @@ pub(super) fn improvements(
             prospect,
         }
     };
-    let mut changes: Vec<Change> = found.into_iter().map(change).collect();
+    let mut changes: Vec<Change> = halvings.into_iter().map(change).collect();
     changes.sort_by(|a, b| {
         let low = |change: &Change| change.gain_interval.map_or(change.gain, |[low, _]| low);
         let surest = low(b).total_cmp(&low(a));

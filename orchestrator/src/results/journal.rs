@@ -30,7 +30,7 @@ use super::finished::Finished;
 use super::header::Header;
 use super::lines::{self, Line, open, path_in};
 use super::note::{Note, SAME_SET, SET, word};
-use super::{Outcome, ResultsError, draft, make_folder};
+use super::{Outcome, ResultsError, draft, keep, make_folder};
 use fmu_points::Separation;
 use fmu_points::notices::Notices;
 
@@ -80,10 +80,7 @@ impl Journal {
             }
         }
         anew.sync()?;
-        let placed = draft.persist(&path);
-        placed
-            .map(drop)
-            .map_err(|error| ResultsError::io(&path)(error.error))
+        keep(draft, &path)
     }
 
     /// A journal with its first line, which is not yet in its place.
@@ -185,8 +182,7 @@ impl Journal {
 
     fn append_note(&mut self, note: &Note) {
         let text = serde_json::to_string(note).expect("a note is texts and numbers");
-        let _ = write!(self.line, "note {text}");
-        self.finish_line();
+        self.append_line(&format!("note {text}"));
     }
 
     /// Notes a set of points by what tells it from others; `first` is the index of its first point.
@@ -196,9 +192,7 @@ impl Journal {
     pub fn append_set(&mut self, first: u64, sum: &str) -> Result<(), ResultsError> {
         // That of the set before is in the journal twice then, also where that was a matter of a moment.
         self.append_same_set();
-        // Writing to a String cannot fail.
-        let _ = write!(self.line, "{SET} {first} {sum}");
-        self.finish_line();
+        self.append_line(&format!("{SET} {first} {sum}"));
         self.hold_set(first, sum);
         self.flush_when_full()
     }
@@ -209,20 +203,22 @@ impl Journal {
     }
 
     fn append_same_set(&mut self) {
-        if let Some(set) = &self.set {
-            self.line.push_str(set);
-            self.finish_line();
+        if let Some(set) = self.set.clone() {
+            self.append_line(&set);
         }
     }
 
     fn append_header(&mut self) {
-        self.line.push_str(&self.header);
-        self.finish_line();
+        self.append_line(&self.header.clone());
     }
 
     /// Notes that no further points are needed.
     pub fn append_end(&mut self) {
-        self.line.push_str("end");
+        self.append_line("end");
+    }
+
+    fn append_line(&mut self, line: &str) {
+        self.line.push_str(line);
         self.finish_line();
     }
 
@@ -236,8 +232,7 @@ impl Journal {
     }
 
     fn copy_line(&mut self, line: &str) -> Result<(), ResultsError> {
-        self.line.push_str(line);
-        self.finish_line();
+        self.append_line(line);
         self.flush_when_full()
     }
 

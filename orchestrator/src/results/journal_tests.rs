@@ -309,5 +309,5 @@ fn a_note_that_points_do_not_count_outlasts_its_line() {
         (finished.has(0), finished.has(1), finished.damaged),
         (false, true, 1)
     );
-    assert_eq!(finished.refuted(), Some(Separation::Used));
+    assert_eq!(finished.refuted, Some(Separation::Used));
 }

@@ -37,11 +37,8 @@ pub(super) fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
             Line::End => break None,
         }
     };
-    let header = header.ok_or_else(|| ResultsError::Content {
-        path: path.clone(),
-        message: "the line that says which study this is is damaged, and so are its copies; begin again with --force"
-            .to_owned(),
-    })?;
+    let damaged = "the line that says which study this is is damaged, and so are its copies; begin again with --force";
+    let header = header.ok_or_else(|| ResultsError::content(&path, damaged))?;
     lines.seek(0).map_err(ResultsError::io(&path))?;
     Ok((lines, header))
 }

@@ -40,10 +40,8 @@ impl Looked {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(none()),
             Err(error) => return Err(ResultsError::io(&path)(error)),
         };
-        let kept: Self = serde_json::from_slice(&text).map_err(|error| ResultsError::Content {
-            path,
-            message: error.to_string(),
-        })?;
+        let kept: Self =
+            serde_json::from_slice(&text).map_err(|error| ResultsError::content(&path, error))?;
         Ok(if kept.study == *study { kept } else { none() })
     }
 

@@ -47,10 +47,8 @@ use fmu_points::scratch::ScratchError;
 pub use header::Header;
 pub use journal::Journal;
 pub use looked::Looked;
-pub use points::{Points, PointsError};
 pub use settled::MOST_EXTRA_RUNS;
 pub use summary::Summary;
-pub use tally::Tally;
 
 /// A point's values of the criteria, in the study's units, or why there are none.
 pub type Outcome = Result<Vec<f64>, Failure>;
@@ -137,6 +135,14 @@ impl From<ScratchError> for ResultsError {
 }
 
 impl ResultsError {
+    /// What is wrong with a file's content.
+    pub fn content(path: &Path, message: impl ToString) -> Self {
+        Self::Content {
+            path: path.to_owned(),
+            message: message.to_string(),
+        }
+    }
+
     /// Turns an error of the system into one that names the file.
     pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
@@ -153,10 +159,9 @@ impl ResultsError {
 /// When the system says no.
 pub fn make_folder(path: &Path) -> Result<(), ResultsError> {
     std::fs::create_dir_all(path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => ResultsError::Content {
-            path: path.to_owned(),
-            message: "no folder can be made here; choose another --output".to_owned(),
-        },
+        io::ErrorKind::NotFound => {
+            ResultsError::content(path, "no folder can be made here; choose another --output")
+        }
         _ => ResultsError::io(path)(error),
     })
 }

@@ -2,18 +2,17 @@
 
 use std::borrow::Cow;
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
-
-use super::Outcome;
 use super::choice::{Best, Even};
 use super::summary::Summary;
+use super::{Outcome, ResultsError};
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
 use crate::table::csv_file;
 use conformity::measured::Measurement;
 use conformity::risk::Guard;
+use parameter_regions::table::{ParameterColumn, PointTable};
 
 /// Writes `points.csv` row by row.
 pub struct Writer<W: Write> {
@@ -34,16 +33,10 @@ impl<W: Write> Writer<W> {
     /// When it cannot be written.
     pub fn new(into: W, inputs: &[Input], judge: &Judge) -> io::Result<Self> {
         let mut csv = csv::Writer::from_writer(into);
-        let criteria = || {
-            judge
-                .criteria
-                .iter()
-                .map(|criterion| criterion.name.clone())
-        };
         let header = std::iter::once("point".to_owned())
             .chain(inputs.iter().map(|input| input.name.clone()))
-            .chain(criteria())
-            .chain(criteria().map(|name| format!("{name}.ok")))
+            .chain(judge.names().cloned())
+            .chain(judge.names().map(|name| format!("{name}.ok")))
             .chain(["verified".to_owned()])
             .chain(judge.is_guarded().then(|| ACCEPTED.to_owned()))
             .chain(["status".to_owned()]);
@@ -81,10 +74,9 @@ impl<W: Write> Writer<W> {
                 record.push_field(&value.unwrap_or_default());
             }),
         }
-        for passed in &verdict.passed {
-            record.push_field(if *passed { "true" } else { "false" });
+        for passed in verdict.passed.iter().chain([&verdict.verified()]) {
+            record.push_field(word(*passed));
         }
-        record.push_field(if verdict.verified() { "true" } else { "false" });
         if let Some(measurement) = &self.margins {
             let values = outcome.as_deref().ok();
             let margin = values.map_or(f64::NEG_INFINITY, |values| measurement.margin(values));
@@ -116,7 +108,7 @@ pub fn settle(
     from: impl Read,
     into: impl Write,
     guard: Guard,
-    found: Option<f64>,
+    band: Option<f64>,
 ) -> io::Result<()> {
     let mut table = csv::Reader::from_reader(from);
     let mut settled = csv::Writer::from_writer(into);
@@ -130,15 +122,16 @@ pub fn settle(
             .iter()
             .enumerate()
             .map(|(k, cell)| match cell.parse() {
-                Ok(margin) if Some(k) == column => match guard.accepts(margin, found) {
-                    true => "true",
-                    false => "false",
-                },
+                Ok(margin) if Some(k) == column => word(guard.accepts(margin, band)),
                 _ => cell,
             });
         settled.write_record(cells)?;
     }
     settled.flush()
+}
+
+fn word(flag: bool) -> &'static str {
+    if flag { "true" } else { "false" }
 }
 
 /// A number as text that reads back as the same number.
@@ -151,184 +144,92 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Why `points.csv` cannot be read.
-#[derive(Debug, Error)]
-pub enum PointsError {
-    /// The file is not a table.
-    #[error("{path}: {source}")]
-    Csv {
-        /// The table.
-        path: PathBuf,
-        /// The problem.
-        source: csv::Error,
-    },
-    /// A column is missing, or a cell is not what it should be.
-    #[error("{path}: {message}")]
-    Content {
-        /// The table.
-        path: PathBuf,
-        /// The problem.
-        message: String,
-    },
-}
-
-/// The content of `points.csv`, column by column.
-#[derive(Clone, Debug, Default)]
-pub struct Points {
-    /// The points' numbers.
-    pub labels: Vec<u64>,
-    /// A column per parameter, in the order of [`Summary::parameters`].
-    pub parameters: Vec<Vec<f64>>,
-    /// A column per criterion, in the order of [`Summary::criteria`]; not a number where the point has no value. One that
-    /// failed may have values of some criteria.
-    pub values: Vec<Vec<f64>>,
-    /// Whether the criterion is met, in the same order.
-    pub passed: Vec<Vec<bool>>,
-    /// Whether all criteria are met.
-    pub verified: Vec<bool>,
-    /// Whether the guard band lets them pass, where one acts.
-    pub accepted: Option<Vec<bool>>,
-    /// `ok`, or why the point failed.
-    pub status: Vec<Cow<'static, str>>,
-}
-
-impl Points {
-    /// Reads the table that belongs to a summary.
-    ///
-    /// # Errors
-    /// When it cannot be read, or does not belong to the summary.
-    pub fn read(path: &Path, summary: &Summary) -> Result<Self, PointsError> {
-        Self::read_some(path, summary, u64::MAX)
+/// Reads the table that belongs to a summary: an even choice of at most about `most` points, and the best ones, in their order.
+/// A point that failed has no values, or those of some criteria.
+///
+/// # Errors
+/// When it cannot be read, or does not belong to the summary.
+pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, ResultsError> {
+    let failed = |error: csv::Error| ResultsError::content(path, error);
+    let mut reader = csv::Reader::from_path(path).map_err(failed)?;
+    let verified = 1 + summary.parameters.len() + 2 * summary.criteria.len();
+    let header = reader.headers().map_err(failed)?;
+    let guarded = header.get(verified + 1) == Some(ACCEPTED);
+    let width = verified + 2 + usize::from(guarded);
+    if header.len() != width {
+        let message = format!("{} columns, but the summary asks for {width}", header.len());
+        return Err(ResultsError::content(path, message));
     }
-
-    /// Reads an even choice of at most about `most` points, and the best ones.
-    ///
-    /// # Errors
-    /// As [`Points::read`].
-    pub fn read_some(path: &Path, summary: &Summary, most: u64) -> Result<Self, PointsError> {
-        let failed = |source| PointsError::Csv {
-            path: path.to_owned(),
-            source,
-        };
-        let content = |message: String| PointsError::Content {
-            path: path.to_owned(),
-            message,
-        };
-        let mut reader = csv::Reader::from_path(path).map_err(failed)?;
-        let (inputs, criteria) = (summary.parameters.len(), summary.criteria.len());
-        let verified = 1 + inputs + 2 * criteria;
-        let header = reader.headers().map_err(failed)?;
-        let guarded = header.get(verified + 1) == Some(ACCEPTED);
-        let width = verified + 2 + usize::from(guarded);
-        if header.len() != width {
-            let message = format!("{} columns, but the summary asks for {width}", header.len());
-            return Err(content(message));
-        }
-        let empty = Self {
-            parameters: vec![Vec::new(); inputs],
-            values: vec![Vec::new(); criteria],
-            passed: vec![Vec::new(); criteria],
-            accepted: guarded.then(Vec::new),
-            ..Self::default()
-        };
-        let damaged = |record: &csv::StringRecord| {
+    let mut table = no_points(summary);
+    let mut take = |record: &csv::StringRecord| {
+        add(&mut table, record).ok_or_else(|| {
             let line = record.position().map_or(0, csv::Position::line);
-            content(format!("line {line} is damaged"))
-        };
-        let (even, mut best) = (Even::new(summary.points, most), Best::default());
-        let (mut points, mut others) = (empty.clone(), empty);
-        let (mut record, mut rows) = (csv::StringRecord::new(), 0..);
-        while reader.read_record(&mut record).map_err(failed)? {
-            let row = rows.next().unwrap_or(0);
-            if even.has(row) {
-                points.add(&record).ok_or_else(|| damaged(&record))?;
-            } else if let Some(distance) = distance(&record, summary) {
-                let verified = record.get(verified) == Some("true");
-                best.offer(row, verified, distance, &record);
-            }
+            ResultsError::content(path, format_args!("line {line} is damaged"))
+        })
+    };
+    let (even, mut best) = (Even::new(summary.points, most), Best::default());
+    let (mut record, mut row, mut taken) = (csv::StringRecord::new(), 0, Vec::new());
+    while reader.read_record(&mut record).map_err(failed)? {
+        if even.has(row) {
+            take(&record)?;
+            taken.push(row);
+        } else if let Some(distance) = distance(&record, summary) {
+            let verified = record.get(verified) == Some("true");
+            best.offer(row, verified, distance, &record);
         }
-        let mut places = Vec::new();
-        for (row, record) in best.into_rows() {
-            others.add(&record).ok_or_else(|| damaged(&record))?;
-            places.push(usize::try_from(even.before(row)).unwrap_or(usize::MAX));
-        }
-        points.insert(&places, others);
-        Ok(points)
+        row += 1;
     }
-
-    /// Inserts other points before those at `places`, which ascend.
-    fn insert(&mut self, places: &[usize], others: Self) {
-        if places.is_empty() {
-            return;
-        }
-        merge(&mut self.labels, places, others.labels);
-        let parameters = self.parameters.iter_mut().zip(others.parameters);
-        let values = self.values.iter_mut().zip(others.values);
-        for (own, others) in parameters.chain(values) {
-            merge(own, places, others);
-        }
-        for (own, others) in self.passed.iter_mut().zip(others.passed) {
-            merge(own, places, others);
-        }
-        merge(&mut self.verified, places, others.verified);
-        if let (Some(own), Some(others)) = (&mut self.accepted, others.accepted) {
-            merge(own, places, others);
-        }
-        merge(&mut self.status, places, others.status);
+    if even.is_whole() {
+        return Ok(table);
     }
-
-    fn add(&mut self, record: &csv::StringRecord) -> Option<()> {
-        let mut cells = record.iter();
-        self.labels.push(cells.next()?.parse().ok()?);
-        for column in &mut self.parameters {
-            column.push(cells.next()?.parse().ok()?);
-        }
-        for column in &mut self.values {
-            let cell = cells.next()?;
-            column.push(if cell.is_empty() {
-                f64::NAN
-            } else {
-                cell.parse().ok()?
-            });
-        }
-        for column in &mut self.passed {
-            column.push(cells.next()? == "true");
-        }
-        self.verified.push(cells.next()? == "true");
-        if let Some(accepted) = &mut self.accepted {
-            accepted.push(cells.next()? == "true");
-        }
-        // A million points are hardly ever not ok: their texts would be a good part of the memory.
-        self.status.push(match cells.next()? {
-            "ok" => Cow::Borrowed("ok"),
-            failure => Cow::Owned(csv_file::text(failure).into_owned()),
-        });
-        Some(())
+    for (row, record) in best.into_rows() {
+        take(&record)?;
+        taken.push(row);
     }
+    let mut order: Vec<usize> = (0..taken.len()).collect();
+    order.sort_unstable_by_key(|&place| taken[place]);
+    Ok(table.subset(&order))
+}
 
-    /// How many points there are.
-    pub fn len(&self) -> usize {
-        self.labels.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.labels.is_empty()
+/// The columns of a summary's points.
+fn no_points(summary: &Summary) -> PointTable {
+    let parameters = summary.parameters.iter().map(|p| ParameterColumn {
+        name: p.name.clone(),
+        unit: p.unit.clone().unwrap_or_default(),
+        distribution: p.words(),
+        values: Vec::new(),
+    });
+    let criteria = summary.criteria.values();
+    let criteria = criteria.map(|count| count.criterion.column(Vec::new(), Vec::new()));
+    PointTable {
+        parameters: parameters.collect(),
+        criteria: criteria.collect(),
+        ..PointTable::default()
     }
 }
 
-/// Inserts elements before those at `places`, which ascend.
-fn merge<T>(own: &mut Vec<T>, places: &[usize], others: Vec<T>) {
-    let mut merged = Vec::with_capacity(own.len() + others.len());
-    let mut rest = own.drain(..).enumerate().peekable();
-    for (&place, other) in places.iter().zip(others) {
-        while let Some((_, element)) = rest.next_if(|(number, _)| *number < place) {
-            merged.push(element);
-        }
-        merged.push(other);
+fn add(table: &mut PointTable, record: &csv::StringRecord) -> Option<()> {
+    let mut cells = record.iter();
+    table.ids.push(cells.next()?.parse().ok()?);
+    for column in &mut table.parameters {
+        column.values.push(cells.next()?.parse().ok()?);
     }
-    merged.extend(rest.map(|(_, element)| element));
-    *own = merged;
+    for column in &mut table.criteria {
+        column.values.push(match cells.next()? {
+            "" => f64::NAN,
+            number => number.parse().ok()?,
+        });
+    }
+    for column in &mut table.criteria {
+        column.ok.push(cells.next()? == "true");
+    }
+    table.verified.push(cells.next()? == "true");
+    // A million points are hardly ever not ok: their texts would be a good part of the memory.
+    table.status.push(match cells.next_back()? {
+        "ok" => Cow::Borrowed("ok"),
+        failure => Cow::Owned(csv_file::text(failure).into_owned()),
+    });
+    Some(())
 }
 
 /// How far a row is from the measurement: the root of the sum of its squared deviations, each in units of the
@@ -337,9 +238,7 @@ fn distance(record: &csv::StringRecord, summary: &Summary) -> Option<f64> {
     let cells = record.iter().skip(1 + summary.parameters.len());
     let mut sum = 0.0;
     for (cell, count) in cells.zip(summary.criteria.values()) {
-        let criterion = &count.criterion;
-        let value: f64 = cell.parse().ok()?;
-        sum += ((value - criterion.nominal) / criterion.tolerance).powi(2);
+        sum += count.criterion.deviation(cell.parse().ok()?).powi(2);
     }
     (!sum.is_nan()).then(|| sum.sqrt())
 }
@@ -356,12 +255,5 @@ mod tests {
             prop_assume!(value.is_finite());
             prop_assert_eq!(number(value).parse::<f64>(), Ok(value));
         }
-    }
-
-    #[test]
-    fn elements_are_inserted_where_they_belong() {
-        let mut own = vec![1, 2, 4];
-        merge(&mut own, &[0, 2, 2, 3], vec![0, 30, 31, 5]);
-        assert_eq!(own, [0, 1, 2, 30, 31, 4, 5]);
     }
 }

@@ -1,6 +1,7 @@
 //! The most probable point: that with the largest product of prior density and likelihood.
 
 use super::Outcome;
+use super::summary::Kept;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::likelihood::Likelihood;
@@ -12,15 +13,7 @@ use conformity::likelihood::Likelihood;
 pub(super) struct MostProbable<'a> {
     plan: &'a Plan,
     likelihood: Likelihood,
-    best: Option<(f64, Found)>,
-}
-
-/// A point as it was shown.
-#[derive(Clone, Debug)]
-pub(super) struct Found {
-    pub(super) label: u64,
-    pub(super) parameters: Vec<f64>,
-    pub(super) values: Vec<f64>,
+    best: Option<(f64, Kept)>,
 }
 
 impl<'a> MostProbable<'a> {
@@ -44,16 +37,11 @@ impl<'a> MostProbable<'a> {
             .as_ref()
             .is_none_or(|(most, _)| probability > *most);
         if better && probability > f64::NEG_INFINITY {
-            let found = Found {
-                label,
-                parameters: parameters.to_vec(),
-                values: values.clone(),
-            };
-            self.best = Some((probability, found));
+            self.best = Some((probability, Kept::new(label, parameters, values)));
         }
     }
 
-    pub(super) fn found(&self) -> Option<&Found> {
-        self.best.as_ref().map(|(_, found)| found)
+    pub(super) fn best(&self) -> Option<&Kept> {
+        self.best.as_ref().map(|(_, kept)| kept)
     }
 }

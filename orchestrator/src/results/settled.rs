@@ -100,9 +100,8 @@ impl<'a> Edges<'a> {
         self.points += 1;
         let Ok(values) = outcome else { return };
         let pairs = self.judge.criteria.iter().zip(values);
-        let largest = pairs
-            .map(|(criterion, value)| (value - criterion.nominal).abs() / criterion.tolerance)
-            .fold(0.0, f64::max);
+        let deviations = pairs.map(|(criterion, &value)| criterion.deviation(value));
+        let largest = deviations.fold(0.0, f64::max);
         let accepted = self.judge.verdict(Some(values)).verified();
         let near = &mut self.near[usize::from(!accepted)];
         let distance = (largest - 1.0).abs();

@@ -11,14 +11,15 @@ use super::conclusion::Conclusion;
 use super::improvement::Improvements;
 use super::settled::Settled;
 use super::validation::Comparison;
-use crate::judge::Criterion;
+use crate::concern::{self, Code, Concern};
+use crate::judge::{Criterion, Judge};
 use crate::study::Dossier;
 use conformity::measured::Measurement;
 use conformity::risk::Risk;
 use fmu_points::Conduct;
 
 /// The content of `summary.json`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Summary {
     /// The study's title.
     pub title: Option<String>,
@@ -72,9 +73,9 @@ pub struct Summary {
     /// uncertainty and the parameters' distributions are known.
     #[serde(default)]
     pub most_probable_point: Option<BestPoint>,
-    /// Doubts about the verdict, a sentence each.
-    #[serde(default)]
-    pub concerns: Vec<String>,
+    /// Doubts about the verdict.
+    #[serde(default, deserialize_with = "concern::read")]
+    pub concerns: Vec<Concern>,
     /// Whether the results had settled when the runs ended.
     #[serde(default, rename = "rest", skip_serializing_if = "Option::is_none")]
     pub settled: Option<Settled>,
@@ -146,6 +147,12 @@ impl Summary {
         all
     }
 
+    /// Adds doubts of one kind.
+    pub fn doubt(&mut self, code: Code, texts: impl IntoIterator<Item = String>) {
+        let concerns = texts.into_iter().map(|text| Concern::new(code, text));
+        self.concerns.extend(concerns);
+    }
+
     /// A sentence on what was left out.
     pub fn left_out_remark(&self) -> Option<String> {
         let left_out = self.left_out.as_ref()?;
@@ -154,10 +161,8 @@ impl Summary {
 
     /// Whether any parameter comes from a sample.
     pub fn has_samples(&self) -> bool {
-        let name = |own: &ParameterSummary| own.distribution.get("distribution").cloned();
-        self.parameters
-            .iter()
-            .any(|own| name(own) == Some("sample".into()))
+        let mut parameters = self.parameters.iter();
+        parameters.any(|of| of.distribution.get("distribution") == Some(&"sample".into()))
     }
 
     /// The measured values with the joint distribution of their errors.
@@ -166,8 +171,8 @@ impl Summary {
     /// When the correlations contradict each other or name criteria that are not there.
     pub fn measurement(&self) -> Result<Measurement, String> {
         let number = |name: &String| {
-            let found = self.criteria.get_index_of(name);
-            found.ok_or_else(|| format!("there is no criterion `{name}`"))
+            let place = self.criteria.get_index_of(name);
+            place.ok_or_else(|| format!("there is no criterion `{name}`"))
         };
         let pair = |entry: &Correlated| {
             let [a, b] = &entry.between;
@@ -263,7 +268,7 @@ pub struct ParameterSummary {
     pub unit: Option<String>,
     /// The distribution's name and its numbers.
     #[serde(flatten)]
-    pub distribution: IndexMap<String, serde_json::Value>,
+    pub distribution: serde_json::Map<String, serde_json::Value>,
 }
 
 /// A point with its parameters and values.
@@ -279,6 +284,38 @@ pub struct BestPoint {
     pub parameters: IndexMap<String, f64>,
     /// The criteria's values at the point.
     pub values: IndexMap<String, f64>,
+}
+
+/// A point as it was judged.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    label: u64,
+    parameters: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Kept {
+    pub(super) fn new(label: u64, parameters: &[f64], values: &[f64]) -> Self {
+        Self {
+            label,
+            parameters: parameters.to_vec(),
+            values: values.to_vec(),
+        }
+    }
+}
+
+impl BestPoint {
+    pub(super) fn new(judge: &Judge, parameters: &[ParameterSummary], kept: &Kept) -> Self {
+        let names = parameters.iter().map(|parameter| parameter.name.clone());
+        let values = kept.values.iter().copied();
+        Self {
+            point: kept.label,
+            verified: judge.verdict(Some(&kept.values)).verified(),
+            distance: judge.distance(&kept.values),
+            parameters: names.zip(kept.parameters.iter().copied()).collect(),
+            values: judge.names().cloned().zip(values).collect(),
+        }
+    }
 }
 
 /// How the computation went.
@@ -324,16 +361,14 @@ impl ParameterSummary {
 
     /// A study's parameter as the summary lists it.
     pub fn new(input: &crate::study::plan::Input) -> Self {
-        let distribution = serde_json::to_value(&input.distribution).ok();
-        let numbers = distribution.as_ref().and_then(serde_json::Value::as_object);
+        let distribution = serde_json::to_value(&input.distribution);
+        let Ok(serde_json::Value::Object(distribution)) = distribution else {
+            unreachable!("a distribution is a name with numbers");
+        };
         Self {
             name: input.name.clone(),
             unit: input.unit.clone(),
-            distribution: numbers
-                .into_iter()
-                .flatten()
-                .map(|(k, v)| (k.clone(), v.clone()))
-                .collect(),
+            distribution,
         }
     }
 }

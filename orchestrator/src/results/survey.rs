@@ -1,8 +1,6 @@
 //! Conclusions from all points together besides the counts: how far they reach, which is the most probable, how the model
 //! compares with the measurement, what to improve first.
 
-use indexmap::IndexMap;
-
 use super::concerns::{out_of_reach, unmoved};
 use super::failed;
 use super::improvement::{improvements, most_points};
@@ -11,6 +9,7 @@ use super::settled::{Edges, Settled};
 use super::summary::{BestPoint, Summary};
 use super::validation::{Comparison, Numerical, Spread};
 use super::{Outcome, Row};
+use crate::concern::Code;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 
@@ -69,22 +68,17 @@ impl<'a> Survey<'a> {
     /// Adds to the summary what was seen.
     pub fn complete(&self, summary: &mut Summary) {
         let criteria = || self.judge.criteria.iter().enumerate();
-        // Without the study's path, which may differ from run to run.
-        let said = |warning: &String| {
-            warning
-                .split_once(": ")
-                .map_or(warning.as_str(), |w| w.1)
-                .to_owned()
-        };
-        summary
-            .concerns
-            .extend(self.judge.warnings.iter().map(said));
+        for warning in &self.judge.warnings {
+            // Without the study's path, which may differ from run to run.
+            let text = warning.text.split_once(": ").map(|(_, text)| text);
+            summary.doubt(warning.code, text.map(str::to_owned));
+        }
         let reach = criteria().filter_map(|(k, c)| out_of_reach(c, self.reached[k], self.points));
-        summary.concerns.extend(reach);
+        summary.doubt(Code::OutOfReach, reach);
         let unmoved = criteria().filter_map(|(k, c)| unmoved(c, self.reached[k], self.points));
-        summary.concerns.extend(unmoved);
+        summary.doubt(Code::Unmoved, unmoved);
         let failed = failed::concern(summary, self.plan, &self.first);
-        summary.concerns.extend(failed);
+        summary.doubt(Code::FailedPoints, failed);
         for (k, criterion) in criteria() {
             // The comparison is about a measured number.
             let spread = self.spreads[k]
@@ -93,23 +87,30 @@ impl<'a> Survey<'a> {
             let Some(spread) = spread else { continue };
             match Comparison::new(criterion, spread, Numerical::default()) {
                 Some(comparison) => {
-                    summary.validation.insert(criterion.name.clone(), comparison);
+                    summary
+                        .validation
+                        .insert(criterion.name.clone(), comparison);
                 }
-                None => summary.concerns.push(format!(
-                    "{}: its values are so large that their spread is beyond all numbers; model and measurement are not compared",
-                    criterion.name
-                )),
+                None => {
+                    let text = format!(
+                        "{}: its values are so large that their spread is beyond all numbers; model and measurement are not compared",
+                        criterion.name
+                    );
+                    summary.doubt(Code::NotCompared, [text]);
+                }
             }
         }
-        summary.most_probable_point = self.most_probable(summary);
+        let probable = self.probable.as_ref().and_then(MostProbable::best);
+        summary.most_probable_point =
+            probable.map(|kept| BestPoint::new(self.judge, &summary.parameters, kept));
         let drawn = self.plan.filter(|_| self.drawn);
         if self.points > 0 {
-            let found = improvements(self.judge, drawn, &self.first);
+            let gains = improvements(self.judge, drawn, &self.first);
             // A grid is no sample.
             let is_sample = summary.verified_interval.is_some();
-            summary.improvements = match found {
-                Some(found) if !is_sample => Some(found.without_intervals()),
-                found => found,
+            summary.improvements = match gains {
+                Some(gains) if !is_sample => Some(gains.without_intervals()),
+                gains => gains,
             };
         }
     }
@@ -121,21 +122,5 @@ impl<'a> Survey<'a> {
             points: self.edges.chosen(best),
             ..Settled::default()
         }
-    }
-
-    fn most_probable(&self, summary: &Summary) -> Option<BestPoint> {
-        let found = self.probable.as_ref()?.found()?;
-        let named =
-            |names: &mut dyn Iterator<Item = &String>, values: &[f64]| -> IndexMap<String, f64> {
-                names.cloned().zip(values.iter().copied()).collect()
-            };
-        let mut parameters = summary.parameters.iter().map(|parameter| &parameter.name);
-        Some(BestPoint {
-            point: found.label,
-            verified: self.judge.verdict(Some(&found.values)).verified(),
-            distance: self.judge.distance(&found.values),
-            parameters: named(&mut parameters, &found.parameters),
-            values: named(&mut summary.criteria.keys(), &found.values),
-        })
     }
 }

@@ -1,29 +1,17 @@
 //! The table of points from what `verify` leaves behind.
 
-use super::{Outcome, Points, PointsError, ResultsError, Summary};
+use super::{Outcome, ResultsError, Summary, points};
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
-use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
+use parameter_regions::table::{ParameterColumn, PointTable};
 use std::path::Path;
-use thiserror::Error;
-
-/// Why the results of a study cannot be read.
-#[derive(Debug, Error)]
-pub enum FolderError {
-    /// `summary.json` is missing or cannot be read.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    /// `points.csv` cannot be read, lacks a column, or holds a wrong cell.
-    #[error(transparent)]
-    Points(#[from] PointsError),
-}
 
 /// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that
 /// their runs have a result of.
 ///
 /// # Errors
 /// When there is no finished study in the folder, or one of the files is damaged.
-pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
+pub fn read(folder: &Path) -> Result<(Summary, PointTable), ResultsError> {
     let (summary, mut table) = read_some(folder, u64::MAX)?;
     let failed: Vec<usize> = (0..table.len()).filter(|&i| !table.completed(i)).collect();
     for criterion in &mut table.criteria {
@@ -37,10 +25,9 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), FolderError> {
+pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), ResultsError> {
     let summary = summary(folder)?;
-    let points = Points::read_some(&folder.join("points.csv"), &summary, most)?;
-    let mut table = table(&summary, points);
+    let mut table = points::read(&folder.join("points.csv"), &summary, most)?;
     let case = |name: &str| match name.split_once('/') {
         Some((case, _)) if summary.cases.contains_key(case) => Some(case.to_owned()),
         _ => None,
@@ -72,10 +59,9 @@ pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Fold
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), FolderError> {
+pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), ResultsError> {
     let summary = summary(folder)?;
-    let points = Points::read(&folder.join("points.csv"), &summary)?;
-    let table = table(&summary, points);
+    let table = points::read(&folder.join("points.csv"), &summary, u64::MAX)?;
     Ok((summary, table))
 }
 
@@ -89,50 +75,7 @@ pub fn summary(folder: &Path) -> Result<Summary, ResultsError> {
         std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
         _ => ResultsError::io(&path)(error),
     })?;
-    serde_json::from_str(&text).map_err(|error| ResultsError::Content {
-        path,
-        message: error.to_string(),
-    })
-}
-
-/// Joins a summary and its points.
-pub fn table(summary: &Summary, points: Points) -> PointTable {
-    let parameters = summary
-        .parameters
-        .iter()
-        .zip(points.parameters)
-        .map(|(p, values)| ParameterColumn {
-            name: p.name.clone(),
-            unit: p.unit.clone().unwrap_or_default(),
-            distribution: p.words(),
-            values,
-        });
-    let columns = points.values.into_iter().zip(points.passed);
-    let criteria = summary
-        .criteria
-        .values()
-        .zip(columns)
-        .map(|(count, (values, ok))| {
-            let c = &count.criterion;
-            CriterionColumn {
-                name: c.name.clone(),
-                source: c.source(),
-                unit: c.unit.clone().unwrap_or_default(),
-                nominal: c.nominal,
-                lower: c.accepted()[0],
-                upper: c.accepted()[1],
-                group: c.group.clone(),
-                values,
-                ok,
-            }
-        });
-    PointTable {
-        parameters: parameters.collect(),
-        criteria: criteria.collect(),
-        ids: points.labels,
-        verified: points.verified,
-        status: points.status,
-    }
+    serde_json::from_str(&text).map_err(|error| ResultsError::content(&path, error))
 }
 
 /// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.
@@ -162,21 +105,10 @@ pub fn from_runs(
         distribution: String::new(),
         values: points.iter().map(|p| p[k]).collect(),
     });
-    let criteria = judge
-        .criteria
-        .iter()
-        .enumerate()
-        .map(|(j, c)| CriterionColumn {
-            name: c.name.clone(),
-            source: c.source(),
-            unit: c.unit.clone().unwrap_or_default(),
-            nominal: c.nominal,
-            lower: c.accepted()[0],
-            upper: c.accepted()[1],
-            group: c.group.clone(),
-            values: outcomes.iter().map(|outcome| value(outcome, j)).collect(),
-            ok: verdicts.iter().map(|v| v.passed[j]).collect(),
-        });
+    let criteria = judge.criteria.iter().enumerate().map(|(j, criterion)| {
+        let values = outcomes.iter().map(|outcome| value(outcome, j)).collect();
+        criterion.column(values, verdicts.iter().map(|v| v.passed[j]).collect())
+    });
     PointTable {
         ids: (1..=points.len() as u64).collect(),
         parameters: parameters.collect(),

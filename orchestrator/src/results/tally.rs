@@ -1,7 +1,5 @@
 //! The counts of `summary.json`.
 
-use std::ops::Range;
-
 use indexmap::IndexMap;
 
 use super::Outcome;
@@ -9,7 +7,7 @@ use super::conclusion::{Conclusion, Ruling};
 use super::failed;
 use super::resampled::{not_stated, told};
 use super::summary::{
-    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, ParameterSummary,
+    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, Kept, ParameterSummary,
     Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
@@ -18,157 +16,95 @@ use conformity::looks::Looks;
 use conformity::risk::RiskTally;
 use fmu_points::notices::{Notices, Replicates};
 
-impl Count {
-    /// The count of points that belong to randomisations of a design in turn, given that of each.
-    #[allow(clippy::cast_precision_loss)]
-    fn new(shares: &Shares, points: u64) -> Self {
-        const CONFIDENCE: f64 = 0.95;
-        let passed = shares.total();
-        Self {
-            passed,
-            fraction: passed as f64 / points.max(1) as f64,
-            interval: (!shares.grid).then(|| randomised(&shares.counts, points, CONFIDENCE)),
-        }
-    }
+/// How the points represent the space.
+#[derive(Clone, Copy, Debug)]
+pub enum Sample {
+    /// They belong to so many randomisations of a design in turn; they must be added in their order.
+    Replicates(u64),
+    /// A grid, which is no sample: no interval tells how far the share of its points is from that of the space.
+    Grid,
 }
 
-/// A count, for each randomisation of the design on its own.
-#[derive(Clone, Debug)]
-struct Shares {
-    counts: Vec<u64>,
-    /// Whether the points are no sample, so that no interval tells how far the share may be off.
-    grid: bool,
-}
-
-impl Shares {
-    fn none(replicates: usize, grid: bool) -> Self {
-        Self {
-            counts: vec![0; replicates],
-            grid,
-        }
-    }
-
-    fn add(&mut self, replicate: usize, passed: bool) {
-        self.counts[replicate] += u64::from(passed);
-    }
-
-    fn total(&self) -> u64 {
-        self.counts.iter().sum()
-    }
-}
+/// Points that meet a condition, for each randomisation of the design on its own.
+type Passed = Vec<u64>;
 
 /// Counts points one by one, in constant memory.
 #[derive(Clone, Debug)]
 pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
+    is_grid: bool,
     looks: Looks,
     look: u64,
-    grid: bool,
-    points: u64,
+    /// How many points were counted.
+    pub points: u64,
     failures: IndexMap<String, (u64, FailedPoint)>,
-    own: Counts,
+    stated: Counts,
     variants: Vec<Counts>,
     binds: Vec<u64>,
     only_failure: Vec<u64>,
     /// By case: points that hold in it.
-    held: Vec<Shares>,
+    held: Vec<Passed>,
     /// By case: points whose simulation of it has no result.
     lost: Vec<u64>,
     risk: RiskTally,
     /// Whether any point came with the draws of its measured curves.
     resampled: bool,
-    best: Option<Best>,
+    /// The best point so far with its rank.
+    best: Option<((bool, f64), Kept)>,
 }
 
+/// Counts by one reading of the tolerances.
 #[derive(Clone, Debug)]
 struct Counts {
-    verified: Shares,
-    criteria: Vec<Shares>,
-    groups: Vec<Shares>,
-}
-
-#[derive(Clone, Debug)]
-struct Best {
-    label: u64,
-    verified: bool,
-    distance: f64,
-    parameters: Vec<f64>,
-    values: Vec<f64>,
+    verified: Passed,
+    criteria: Vec<Passed>,
+    groups: Vec<Passed>,
 }
 
 impl Counts {
-    fn new(judge: &Judge, replicates: usize, grid: bool) -> Self {
-        let none = Shares::none(replicates, grid);
+    fn new(judge: &Judge, replicates: usize) -> Self {
+        let none = vec![0; replicates];
         Self {
-            verified: none.clone(),
             criteria: vec![none.clone(); judge.criteria.len()],
-            groups: vec![none; judge.groups.len()],
+            groups: vec![none.clone(); judge.groups.len()],
+            verified: none,
         }
     }
 
     fn add(&mut self, judge: &Judge, verdict: &PointVerdict, replicate: usize) {
-        self.verified.add(replicate, verdict.verified());
+        self.verified[replicate] += u64::from(verdict.verified());
         for (count, passed) in self.criteria.iter_mut().zip(&verdict.passed) {
-            count.add(replicate, *passed);
+            count[replicate] += u64::from(*passed);
         }
         for (count, (_, members)) in self.groups.iter_mut().zip(&judge.groups) {
             let passed = members.iter().all(|&member| verdict.passed[member]);
-            count.add(replicate, passed);
+            count[replicate] += u64::from(passed);
         }
-    }
-
-    fn by_criterion(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
-        let names = judge
-            .criteria
-            .iter()
-            .map(|criterion| criterion.name.clone());
-        names
-            .zip(self.criteria.iter().map(|count| Count::new(count, points)))
-            .collect()
-    }
-
-    fn by_group(&self, judge: &Judge, points: u64) -> IndexMap<String, Count> {
-        let names = judge.groups.iter().map(|(name, _)| name.clone());
-        names
-            .zip(self.groups.iter().map(|count| Count::new(count, points)))
-            .collect()
     }
 }
 
 impl<'a> Tally<'a> {
     /// No points yet.
-    pub fn new(judge: &'a Judge) -> Self {
-        Self::of_samples(judge, 1, false)
-    }
-
-    /// No points yet of a grid, which are no sample: no interval tells how far their share is from that of the space.
-    pub fn of_grid(judge: &'a Judge) -> Self {
-        Self::of_samples(judge, 1, true)
-    }
-
-    /// No points yet of a design of which the points belong to randomisations in turn; they must
-    /// be added in their order.
-    pub fn of_replicates(judge: &'a Judge, replicates: u64) -> Self {
-        Self::of_samples(judge, replicates, false)
-    }
-
-    fn of_samples(judge: &'a Judge, replicates: u64, grid: bool) -> Self {
-        let replicates = usize::try_from(replicates).unwrap_or(1).max(1);
-        let none = || Counts::new(judge, replicates, grid);
+    pub fn new(judge: &'a Judge, sample: Sample) -> Self {
+        let (replicates, is_grid) = match sample {
+            Sample::Replicates(number) => (usize::try_from(number).unwrap_or(1).max(1), false),
+            Sample::Grid => (1, true),
+        };
+        let none = Counts::new(judge, replicates);
         Self {
             judge,
             replicates,
+            is_grid,
             looks: Looks::default(),
             look: 1,
-            grid,
             points: 0,
             failures: IndexMap::new(),
-            own: none(),
-            variants: judge.variants.iter().map(|_| none()).collect(),
+            variants: vec![none.clone(); judge.variants.len()],
+            stated: none,
             binds: vec![0; judge.criteria.len()],
             only_failure: vec![0; judge.criteria.len()],
-            held: vec![Shares::none(replicates, grid); judge.cases.len()],
+            held: vec![vec![0; replicates]; judge.cases.len()],
             lost: vec![0; judge.cases.len()],
             risk: RiskTally::new(&judge.measurement, judge.guard, replicates as u64),
             resampled: false,
@@ -185,13 +121,8 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Counts a point and returns the verdict on it.
-    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) -> PointVerdict {
-        self.add_noted(label, parameters, outcome, None)
-    }
-
-    /// The same for a point with what came beside its results.
-    pub fn add_noted(
+    /// Counts a point, with what came beside its results, and returns the verdict on it.
+    pub fn add(
         &mut self,
         label: u64,
         parameters: &[f64],
@@ -210,7 +141,7 @@ impl<'a> Tally<'a> {
             self.judge.measurement.assess_with(values, told.as_ref())
         });
         self.risk.add(conformity.as_ref());
-        self.own.add(self.judge, &verdict, replicate);
+        self.stated.add(self.judge, &verdict, replicate);
         for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
             let verdict = self.judge.variant_verdict(variant, values);
             counts.add(self.judge, &verdict, replicate);
@@ -218,7 +149,11 @@ impl<'a> Tally<'a> {
         match outcome {
             Ok(values) => {
                 self.blame(values, &verdict);
-                self.compare(label, parameters, values, verdict.verified());
+                // Of equally good ones the first one stays.
+                let rank = (verdict.verified(), -self.judge.distance(values));
+                if self.best.as_ref().is_none_or(|(best, _)| rank > *best) {
+                    self.best = Some((rank, Kept::new(label, parameters, values)));
+                }
             }
             Err(failure) => {
                 let first = || FailedPoint {
@@ -234,43 +169,20 @@ impl<'a> Tally<'a> {
 
     fn count_cases(&mut self, outcome: &Outcome, verdict: &PointVerdict, replicate: usize) {
         for (number, case) in self.judge.cases.iter().enumerate() {
-            let members = case.members.clone();
+            let mut members = case.members.clone();
             let holds = verdict.passed[members.clone()].iter().all(|&passed| passed);
-            self.held[number].add(replicate, holds);
-            let is_lost = outcome
-                .as_ref()
-                .err()
-                .is_some_and(|failure| members.into_iter().any(|k| failure.value(k).is_none()));
+            self.held[number][replicate] += u64::from(holds);
+            let failure = outcome.as_ref().err();
+            let is_lost =
+                failure.is_some_and(|failure| members.any(|k| failure.value(k).is_none()));
             self.lost[number] += u64::from(is_lost);
         }
     }
 
-    fn cases(&self) -> IndexMap<String, CaseCount> {
-        let counts = self.held.iter().zip(&self.lost);
-        let names = |members: Range<usize>| {
-            let criteria = self.judge.criteria[members].iter();
-            criteria.map(|criterion| criterion.name.clone()).collect()
-        };
-        let cases = self.judge.cases.iter().zip(counts);
-        cases
-            .map(|(case, (held, lost))| {
-                let count = CaseCount {
-                    count: Count::new(held, self.points),
-                    failed: *lost,
-                    held_out: case.held_out,
-                    criteria: names(case.members.clone()),
-                };
-                (case.name.clone(), count)
-            })
-            .collect()
-    }
-
     /// Notes which criterion decides at a point.
     fn blame(&mut self, values: &[f64], verdict: &PointVerdict) {
-        let criteria = || self.judge.criteria.iter().zip(values);
-        let deviations: Vec<f64> = criteria()
-            .map(|(c, value)| (value - c.nominal).abs() / c.tolerance)
-            .collect();
+        let pairs = self.judge.criteria.iter().zip(values);
+        let deviations: Vec<f64> = pairs.map(|(c, &value)| c.deviation(value)).collect();
         let worst = (0..deviations.len()).reduce(|most, k| {
             let larger = deviations[k] > deviations[most];
             if larger { k } else { most }
@@ -284,37 +196,45 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Keeps the point if it is better than the best so far; of equals the first one stays.
-    fn compare(&mut self, label: u64, parameters: &[f64], values: &[f64], verified: bool) {
-        let distance = self.judge.distance(values);
-        let better = self
-            .best
-            .as_ref()
-            .is_none_or(|best| (verified, -distance) > (best.verified, -best.distance));
-        if better {
-            self.best = Some(Best {
-                label,
-                verified,
-                distance,
-                parameters: parameters.to_vec(),
-                values: values.to_vec(),
-            });
+    fn failed(&self) -> u64 {
+        self.failures.values().map(|(count, _)| count).sum()
+    }
+
+    fn count(&self, passed: &Passed) -> Count {
+        const CONFIDENCE: f64 = 0.95;
+        let all = passed.iter().sum();
+        Count {
+            passed: all,
+            fraction: all as f64 / self.points.max(1) as f64,
+            interval: (!self.is_grid).then(|| randomised(passed, self.points, CONFIDENCE)),
         }
     }
 
-    /// How many points were counted.
-    pub fn points(&self) -> u64 {
-        self.points
+    fn by_criterion(&self, counts: &Counts) -> IndexMap<String, Count> {
+        let counts = counts.criteria.iter().map(|passed| self.count(passed));
+        self.judge.names().cloned().zip(counts).collect()
     }
 
-    /// How many of them meet all criteria.
-    pub fn verified(&self) -> u64 {
-        self.own.verified.total()
+    fn by_group(&self, counts: &Counts) -> IndexMap<String, Count> {
+        let names = self.judge.groups.iter().map(|(name, _)| name.clone());
+        let counts = counts.groups.iter().map(|passed| self.count(passed));
+        names.zip(counts).collect()
     }
 
-    /// How many of them have no result.
-    pub fn failed(&self) -> u64 {
-        self.failures.values().map(|(count, _)| count).sum()
+    fn by_case(&self) -> IndexMap<String, CaseCount> {
+        let counts = self.held.iter().zip(&self.lost);
+        let cases = self.judge.cases.iter().zip(counts);
+        let count = cases.map(|(case, (held, lost))| {
+            let members = self.judge.criteria[case.members.clone()].iter();
+            let count = CaseCount {
+                count: self.count(held),
+                failed: *lost,
+                held_out: case.held_out,
+                criteria: members.map(|criterion| criterion.name.clone()).collect(),
+            };
+            (case.name.clone(), count)
+        });
+        count.collect()
     }
 
     /// The summary of what was counted.
@@ -331,12 +251,12 @@ impl<'a> Tally<'a> {
             count: self.look,
         });
         let statement = match ruling {
-            _ if self.grid => self.risk.statement().without_intervals(),
+            _ if self.is_grid => self.risk.statement().without_intervals(),
             Some(ruling) => self.risk.statement_at(ruling.band_confidence()),
             None => self.risk.statement(),
         };
         let mut conclusion = Conclusion::new(ruling, &statement, points);
-        if self.grid {
+        if self.is_grid {
             // A grid has no seed.
             conclusion.other_verdict_interval = None;
         }
@@ -344,29 +264,20 @@ impl<'a> Tally<'a> {
         if !compared {
             failed::nothing_compared(&mut conclusion, points);
         }
-        let all = Count::new(&self.own.verified, points);
-        let own = self.own.by_criterion(judge, points);
-        let criteria =
-            judge
-                .criteria
-                .iter()
-                .zip(own)
-                .enumerate()
-                .map(|(k, (criterion, (name, count)))| {
-                    let count = CriterionCount {
-                        count,
-                        binds: self.binds[k],
-                        only_failure: self.only_failure[k],
-                        risk_not_stated: not_stated(
-                            criterion,
-                            statement.criteria[k].as_ref(),
-                            self.resampled,
-                        ),
-                        risk: statement.criteria[k].clone().filter(|_| compared),
-                        criterion: criterion.clone(),
-                    };
-                    (name, count)
-                });
+        let all = self.count(&self.stated.verified);
+        let criteria = self.by_criterion(&self.stated).into_iter().enumerate();
+        let criteria = criteria.map(|(k, (name, count))| {
+            let (criterion, risk) = (&judge.criteria[k], &statement.criteria[k]);
+            let count = CriterionCount {
+                count,
+                binds: self.binds[k],
+                only_failure: self.only_failure[k],
+                risk_not_stated: not_stated(criterion, risk.as_ref(), self.resampled),
+                risk: risk.clone().filter(|_| compared),
+                criterion: criterion.clone(),
+            };
+            (name, count)
+        });
         let variants = judge.variants.iter().zip(&self.variants);
         let counts = self.failures.iter();
         let mut failures: IndexMap<String, u64> = counts
@@ -375,9 +286,9 @@ impl<'a> Tally<'a> {
         failures.sort_unstable_keys();
         // Ties between reasons go to the one that occurred first.
         let usual = self.failures.values().rev().max_by_key(|(count, _)| count);
+        let best = self.best.as_ref();
         Summary {
             title,
-            dossier: None,
             points,
             failed: self.failed(),
             verified: all.passed,
@@ -388,35 +299,23 @@ impl<'a> Tally<'a> {
             conclusion: Some(conclusion),
             uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),
-            groups: self.own.by_group(judge, points),
-            cases: self.cases(),
+            groups: self.by_group(&self.stated),
+            cases: self.by_case(),
             variants: variants
                 .map(|(variant, counts)| self.variant(variant, counts))
                 .collect(),
             failures,
             first_failure: usual.map(|(_, first)| first.clone()),
-            best_point: self
-                .best
-                .as_ref()
-                .map(|best| self.best_point(best, &parameters)),
+            best_point: best.map(|(_, kept)| BestPoint::new(judge, &parameters, kept)),
             parameters,
-            most_probable_point: None,
-            concerns: Vec::new(),
-            settled: None,
-            left_out: None,
-            validation: IndexMap::new(),
-            improvements: None,
-            conduct: None,
-            reproducibility: None,
-            asides: None,
-            run: None,
             provenance,
+            ..Summary::default()
         }
     }
 
     fn interval_method(&self, provenance: &Provenance) -> String {
         match (self.replicates, provenance.method.as_str()) {
-            _ if self.grid => "none: the points of a grid are no sample".to_owned(),
+            _ if self.is_grid => "none: the points of a grid are no sample".to_owned(),
             (1, "monte-carlo" | "table") => "Clopper and Pearson's".to_owned(),
             (1, _) => {
                 "Clopper and Pearson's; it takes the points as independent, which makes it wider than the even \
@@ -430,35 +329,15 @@ impl<'a> Tally<'a> {
     }
 
     fn variant(&self, variant: &Variant, counts: &Counts) -> (String, VariantCount) {
-        let names = self
-            .judge
-            .criteria
-            .iter()
-            .map(|criterion| criterion.name.clone());
+        let names = self.judge.names().cloned();
         let count = VariantCount {
             about: variant.about.clone(),
-            verified: Count::new(&counts.verified, self.points),
-            criteria: counts.by_criterion(self.judge, self.points),
-            groups: counts.by_group(self.judge, self.points),
+            verified: self.count(&counts.verified),
+            criteria: self.by_criterion(counts),
+            groups: self.by_group(counts),
             tolerances: names.zip(variant.tolerances.iter().copied()).collect(),
         };
         (variant.name.clone(), count)
-    }
-
-    fn best_point(&self, best: &Best, parameters: &[ParameterSummary]) -> BestPoint {
-        let names = parameters.iter().map(|parameter| parameter.name.clone());
-        let criteria = self
-            .judge
-            .criteria
-            .iter()
-            .map(|criterion| criterion.name.clone());
-        BestPoint {
-            point: best.label,
-            verified: best.verified,
-            distance: best.distance,
-            parameters: names.zip(best.parameters.iter().copied()).collect(),
-            values: criteria.zip(best.values.iter().copied()).collect(),
-        }
     }
 }
 

@@ -1,13 +1,9 @@
 //! Where results come from, as SSP Traceability 1.0 writes it: meta data of a file (SRMD) and of the whole task (STMD).
 
-use std::io;
-
-use quick_xml::events::BytesText;
-
 use super::Summary;
 use super::conclusion::Conclusion;
 use super::summary::{CriterionCount, ParameterSummary};
-use crate::study::ssv::{Xml, document, printable};
+use crate::study::ssv::Element;
 use fmu_import::digest;
 
 const RESOURCE: &str = "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData";
@@ -89,10 +85,7 @@ pub fn parameters(summary: &Summary) -> Vec<Entry> {
 pub fn criteria(summary: &Summary) -> Vec<Entry> {
     let entry = |(name, entry): (&String, &CriterionCount)| {
         let c = &entry.criterion;
-        let unit = c
-            .unit
-            .as_deref()
-            .map_or_else(String::new, |u| format!(" {u}"));
+        let unit = c.unit_behind();
         let uncertainty = c.uncertainty.map_or_else(
             || "uncertainty not stated".to_owned(),
             |u| format!("uncertainty {}{unit} (k = {})", u.expanded, u.coverage),
@@ -120,48 +113,34 @@ pub fn criteria(summary: &Summary) -> Vec<Entry> {
 pub fn dossier(summary: &Summary) -> Vec<Entry> {
     let stated = summary.dossier.iter().flat_map(|dossier| dossier.stated());
     let stated = stated.map(|(key, text)| (format!("dossier.{key}"), text.to_owned()));
-    let date = summary
-        .run
-        .iter()
-        .map(|run| ("date".to_owned(), run.date.clone()));
+    let run = summary.run.iter();
+    let date = run.map(|run| ("date".to_owned(), run.date.clone()));
     stated.chain(date).collect()
 }
 
 /// Meta data of a file.
-///
-/// # Errors
-/// Never: memory takes whatever is written.
-pub fn resource(name: &str, data: &str, entries: &[Entry]) -> io::Result<String> {
-    document(|xml| {
-        let (name, data) = (printable(name), printable(data));
-        let root = xml.create_element("srmd:SimulationResourceMetaData");
-        let root = root.with_attributes([
-            ("xmlns:srmd", RESOURCE),
-            ("xmlns:stc", COMMON),
-            ("version", "1.0.0"),
-            ("name", &name),
-            ("data", &data),
-        ]);
-        root.write_inner_content(|xml| classification(xml, entries))?;
-        Ok(())
-    })
+pub fn resource(name: &str, data: &str, entries: &[Entry]) -> String {
+    let root = Element::new("srmd:SimulationResourceMetaData").attributes([
+        ("xmlns:srmd", RESOURCE),
+        ("xmlns:stc", COMMON),
+        ("version", "1.0.0"),
+        ("name", name),
+        ("data", data),
+    ]);
+    root.with(classification(entries)).document()
 }
 
-fn classification(xml: &mut Xml, entries: &[Entry]) -> io::Result<()> {
-    if entries.is_empty() {
-        return Ok(());
-    }
-    let classification = xml.create_element("stc:Classification");
-    let classification = classification.with_attribute(("type", CLASSIFICATION));
-    classification.write_inner_content(|xml| {
-        entries.iter().try_for_each(|(keyword, value)| {
-            let entry = xml.create_element("stc:ClassificationEntry");
-            let entry = entry.with_attribute(("keyword", &*printable(keyword)));
-            let value = printable(value);
-            entry.write_text_content(BytesText::new(&value)).map(drop)
-        })
-    })?;
-    Ok(())
+fn classification(entries: &[Entry]) -> Option<Element> {
+    let entry = |(keyword, value): &Entry| {
+        Element::new("stc:ClassificationEntry")
+            .attributes([("keyword", keyword.as_str())])
+            .text(value)
+    };
+    (!entries.is_empty()).then(|| {
+        Element::new("stc:Classification")
+            .attributes([("type", CLASSIFICATION)])
+            .with(entries.iter().map(entry))
+    })
 }
 
 /// A file of the task: its kind in the words of the standard, its type, its name.
@@ -173,172 +152,131 @@ const SUMMARY: File = ("result", "application/json", "summary.json");
 const PAGE: File = ("report", "text/html", "report.html");
 
 /// A step of the task: its phase and name, what went in, how it was done, what came out.
+#[derive(Default)]
 struct Step {
     phase: &'static str,
     name: &'static str,
     input: &'static [File],
     procedure: Vec<Entry>,
     output: &'static [File],
-    found: Vec<Entry>,
+    result: Vec<Entry>,
 }
 
 /// Meta data of the whole task, from the requirements to the verdict.
-///
-/// # Errors
-/// Never: memory takes whatever is written.
-pub fn task(summary: &Summary) -> io::Result<String> {
+pub fn task(summary: &Summary) -> String {
     let steps = steps(summary);
-    let all = steps
-        .iter()
-        .flat_map(|s| s.procedure.iter().chain(&s.found));
+    let all = steps.iter();
+    let all = all.flat_map(|step| step.procedure.iter().chain(&step.result));
     let text: Vec<String> = all
         .map(|(keyword, value)| format!("{keyword}={value}"))
         .collect();
     let id = identifier(&digest(text.join("\n").as_bytes()));
     let tool = format!("orchestrator {}", summary.provenance.orchestrator);
-    let name = summary.title.as_deref();
-    let name = printable(name.unwrap_or(&summary.provenance.study));
-    let author = summary
-        .dossier
-        .as_ref()
-        .and_then(|d| d.responsible.as_deref());
-    let date = summary.run.as_ref().map(|run| run.date.as_str());
-    document(|xml| {
-        let root = xml.create_element("stmd:SimulationTaskMetaData");
-        let root = root.with_attributes([
-            ("xmlns:stmd", TASK),
-            ("xmlns:stc", COMMON),
-            ("version", "1.0.0"),
-            ("name", &name),
-            ("GUID", &id),
-            ("generationTool", &tool),
-        ]);
-        let root = root.with_attributes(author.map(|author| ("author", printable(author))));
-        let root = root.with_attributes(date.map(|date| ("generationDateAndTime", date)));
-        root.write_inner_content(|xml| steps.iter().try_for_each(|s| step(xml, s, summary)))?;
-        Ok(())
-    })
+    let name = summary.title.as_ref().unwrap_or(&summary.provenance.study);
+    let dossier = summary.dossier.as_ref();
+    let author = dossier.and_then(|dossier| dossier.responsible.as_ref());
+    let date = summary.run.as_ref().map(|run| &run.date);
+    let root = Element::new("stmd:SimulationTaskMetaData").attributes([
+        ("xmlns:stmd", TASK),
+        ("xmlns:stc", COMMON),
+        ("version", "1.0.0"),
+        ("name", name),
+        ("GUID", &id),
+        ("generationTool", &tool),
+    ]);
+    root.attributes(author.map(|author| ("author", author)))
+        .attributes(date.map(|date| ("generationDateAndTime", date)))
+        .with(steps.iter().map(|step| phase(step, summary)))
+        .document()
 }
 
 /// Every phase has one step here, in the order of the standard.
-fn steps(summary: &Summary) -> Vec<Step> {
-    let entry = |phase, name| Step {
-        phase,
-        name,
-        input: &[],
-        procedure: Vec::new(),
-        output: &[],
-        found: Vec::new(),
-    };
-    vec![
+fn steps(summary: &Summary) -> [Step; 6] {
+    [
         Step {
+            phase: "stmd:AnalysisPhase",
+            name: "stmd:AnalyzeSimulationTaskAndObjectives",
             input: &[STUDY],
-            found: dossier(summary),
-            ..entry(
-                "stmd:AnalysisPhase",
-                "stmd:AnalyzeSimulationTaskAndObjectives",
-            )
+            result: dossier(summary),
+            ..Step::default()
         },
         Step {
+            phase: "stmd:RequirementsPhase",
+            name: "stmd:DefineTestCaseRequirements",
             input: &[STUDY],
-            found: criteria(summary),
-            ..entry("stmd:RequirementsPhase", "stmd:DefineTestCaseRequirements")
+            result: criteria(summary),
+            ..Step::default()
         },
         Step {
+            phase: "stmd:DesignPhase",
+            name: "stmd:DefineParameterDesignSpecification",
             input: &[STUDY],
-            found: parameters(summary),
-            ..entry(
-                "stmd:DesignPhase",
-                "stmd:DefineParameterDesignSpecification",
-            )
+            result: parameters(summary),
+            ..Step::default()
         },
         Step {
+            phase: "stmd:ExecutionPhase",
+            name: "stmd:ExecuteSimulation",
             input: &[STUDY],
             procedure: origin(summary),
             output: &[POINTS],
-            ..entry("stmd:ExecutionPhase", "stmd:ExecuteSimulation")
+            ..Step::default()
         },
         Step {
+            phase: "stmd:EvaluationPhase",
+            name: "stmd:EvaluateSimulationResults",
             input: &[POINTS],
             output: &[SUMMARY, PAGE],
-            ..entry("stmd:EvaluationPhase", "stmd:EvaluateSimulationResults")
+            ..Step::default()
         },
         Step {
+            phase: "stmd:FulfillmentPhase",
+            name: "stmd:DecideSimulationObjectiveFulfillment",
             input: &[SUMMARY],
             output: &[PAGE],
-            found: verdict(summary),
-            ..entry(
-                "stmd:FulfillmentPhase",
-                "stmd:DecideSimulationObjectiveFulfillment",
-            )
+            result: verdict(summary),
+            ..Step::default()
         },
     ]
 }
 
-fn step(xml: &mut Xml, step: &Step, summary: &Summary) -> io::Result<()> {
-    let phase = xml.create_element(step.phase);
-    phase.write_inner_content(|xml| {
-        let inner = xml.create_element(step.name);
-        inner.write_inner_content(|xml| {
-            particle(xml, "stc:Input", step.input, &[])?;
-            particle(xml, "stc:Procedure", &[], &step.procedure)?;
-            particle(xml, "stc:Output", step.output, &[])?;
-            if step.phase == "stmd:FulfillmentPhase" {
-                draft(xml, summary)?;
-            }
-            classification(xml, &step.found)
-        })?;
-        Ok(())
-    })?;
-    Ok(())
+fn phase(step: &Step, summary: &Summary) -> Element {
+    let inner = Element::new(step.name)
+        .with(particle("stc:Input", step.input, &[]))
+        .with(particle("stc:Procedure", &[], &step.procedure))
+        .with(particle("stc:Output", step.output, &[]));
+    let decided = step.phase == "stmd:FulfillmentPhase";
+    let inner = inner.with(decided.then(|| draft(summary)).flatten());
+    Element::new(step.phase).with([inner.with(classification(&step.result))])
 }
 
-fn particle(xml: &mut Xml, name: &str, files: &[File], entries: &[Entry]) -> io::Result<()> {
-    if files.is_empty() && entries.is_empty() {
-        return Ok(());
-    }
-    let particle = xml.create_element(name);
-    particle.write_inner_content(|xml| {
-        for (kind, kind_of_text, source) in files {
-            let resource = xml.create_element("stc:Resource");
-            resource
-                .with_attributes([("kind", *kind), ("type", kind_of_text), ("source", source)])
-                .write_empty()?;
-        }
-        classification(xml, entries)
-    })?;
-    Ok(())
+fn particle(name: &'static str, files: &[File], entries: &[Entry]) -> Option<Element> {
+    let resource = |&(kind, of_text, source): &File| {
+        let attributes = [("kind", kind), ("type", of_text), ("source", source)];
+        Element::new("stc:Resource").attributes(attributes)
+    };
+    (!files.is_empty() || !entries.is_empty()).then(|| {
+        Element::new(name)
+            .with(files.iter().map(resource))
+            .with(classification(entries))
+    })
 }
 
 /// The verdict is a draft of the one who answers for it, until it is signed.
-fn draft(xml: &mut Xml, summary: &Summary) -> io::Result<()> {
-    let dossier = summary.dossier.as_ref();
-    let name = dossier.and_then(|dossier| dossier.responsible.as_deref());
-    let (Some(name), Some(run)) = (name, &summary.run) else {
-        return Ok(());
-    };
-    let organisation = dossier.and_then(|dossier| dossier.organisation.as_deref());
-    let life = xml.create_element("stc:LifeCycleInformation");
-    life.write_inner_content(|xml| {
-        let drafted = xml.create_element("stc:Drafted");
-        let drafted = drafted.with_attribute(("date", run.date.as_str()));
-        drafted.write_inner_content(|xml| {
-            let responsible = xml.create_element("stc:Responsible");
-            let organisation = organisation.map(|text| ("organization", printable(text)));
-            let responsible = responsible.with_attributes(organisation);
-            responsible
-                .with_attribute(("name", &*printable(name)))
-                .write_empty()
-                .map(drop)
-        })?;
-        Ok(())
-    })?;
-    Ok(())
+fn draft(summary: &Summary) -> Option<Element> {
+    let (dossier, run) = (summary.dossier.as_ref()?, summary.run.as_ref()?);
+    let organisation = dossier.organisation.as_ref();
+    let responsible = Element::new("stc:Responsible")
+        .attributes(organisation.map(|text| ("organization", text)))
+        .attributes([("name", dossier.responsible.as_ref()?)]);
+    let drafted = Element::new("stc:Drafted")
+        .attributes([("date", &run.date)])
+        .with([responsible]);
+    Some(Element::new("stc:LifeCycleInformation").with([drafted]))
 }
 
 /// An identifier in the usual form of one, from the content's digest: other content has another one.
 fn identifier(digest: &str) -> String {
     let parts = [0..8, 8..12, 12..16, 16..20, 20..32];
-    let parts = parts.map(|part| digest.get(part).unwrap_or_default());
-    parts.join("-")
+    parts.map(|part| &digest[part]).join("-")
 }

@@ -221,11 +221,6 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic: Statistic::Final,
-            detail: None,
-            level: None,
-            metric: None,
-            row_correlation: None,
-            unit: None,
             nominal: 82.0,
             tolerance: 0.6,
             stated_tolerance: "0.6".into(),
@@ -233,7 +228,7 @@ mod tests {
                 expanded,
                 coverage: 2.0,
             }),
-            group: None,
+            ..Criterion::default()
         }
     }
 

@@ -14,17 +14,17 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
     if summary.failed == summary.points {
         return vec![verdict];
     }
-    let mut found = vec![verdict, firmness(conclusion, summary)];
-    found.extend(looked(conclusion));
-    found.extend(guard(conclusion));
-    found.push(match &conclusion.risk {
+    let mut sentences = vec![verdict, firmness(conclusion, summary)];
+    sentences.extend(looked(conclusion));
+    sentences.extend(guard(conclusion));
+    sentences.push(match &conclusion.risk {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
         None => unknown(summary),
     });
     let curves = presumed(summary);
-    found.extend(curves);
-    found.retain(|sentence| !sentence.is_empty());
-    found
+    sentences.extend(curves);
+    sentences.retain(|sentence| !sentence.is_empty());
+    sentences
 }
 
 /// Whether other points would say the same.

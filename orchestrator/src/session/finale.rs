@@ -14,7 +14,8 @@ use crate::results::asides::Asides;
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::survey::Survey;
-use crate::results::{Looked, Outcome, ResultsError, Tally, draft, keep, points, write_json};
+use crate::results::tally::{Sample, Tally};
+use crate::results::{Looked, Outcome, ResultsError, draft, keep, points, write_json};
 use crate::study::Study;
 use crate::study::plan::Input;
 
@@ -36,11 +37,11 @@ impl Verification {
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
-        let mut tally = if self.is_grid() {
-            Tally::of_grid(&session.judge)
-        } else {
-            Tally::of_replicates(&session.judge, replicates)
+        let sample = match self.is_grid() {
+            true => Sample::Grid,
+            false => Sample::Replicates(replicates),
         };
+        let mut tally = Tally::new(&session.judge, sample);
         let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());
         let mut front = ending.map(Front::new);
         let mut asides = Asides {
@@ -60,7 +61,7 @@ impl Verification {
             };
             let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(incomplete)?;
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
-            let verdict = tally.add_noted(label, &parameters, &outcome, notices.as_ref());
+            let verdict = tally.add(label, &parameters, &outcome, notices.as_ref());
             survey.add(label, &parameters, &outcome);
             if let Some(notices) = notices {
                 asides.add(label, &notices);
@@ -82,11 +83,11 @@ impl Verification {
         let awaited = ending.and_then(Ending::looks);
         let samples = usize::try_from(replicates).unwrap_or(usize::MAX);
         let history = &mut looked.history;
-        let looks = awaited.unwrap_or_else(|| history.at(tally.points(), samples));
+        let looks = awaited.unwrap_or_else(|| history.at(tally.points, samples));
         let mut look = 1;
         if session.judge.rule.is_some() {
             look = history.note(Look {
-                points: tally.points(),
+                points: tally.points,
                 way: looks.way,
                 awaited: awaited.is_some(),
             });
@@ -114,11 +115,11 @@ impl Verification {
 
     /// Whether the points were drawn from the parameters' distributions: not those of a table, nor those of a grid.
     fn is_drawn(&self) -> bool {
-        self.header().table.is_none() && !self.is_grid()
+        self.header.table.is_none() && !self.is_grid()
     }
 
     fn is_grid(&self) -> bool {
-        self.header().table.is_none() && self.session.study.design.method.is_by_levels()
+        self.header.table.is_none() && self.session.study.design.method.is_by_levels()
     }
 
     /// Versions, seed and hashes of this run.
@@ -130,7 +131,7 @@ impl Verification {
             ..
         } = &self.session;
         let fmu = package.description();
-        let header = self.header();
+        let header = &self.header;
         let given = header.table.is_some();
         Provenance {
             study: name(request.own_study()),
@@ -221,8 +222,8 @@ impl FileSet {
         let file = match self.guard {
             Guard::Given(0.0) => self.file,
             guard => {
-                let found = summary.conclusion.as_ref().and_then(|c| c.guard_band);
-                settled(&self.file, &self.folder, guard, found).map_err(ResultsError::io(&path))?
+                let band = summary.conclusion.as_ref().and_then(|c| c.guard_band);
+                settled(&self.file, &self.folder, guard, band).map_err(ResultsError::io(&path))?
             }
         };
         keep(file, &path)?;
@@ -235,10 +236,10 @@ fn settled(
     file: &NamedTempFile,
     folder: &Path,
     guard: Guard,
-    found: Option<f64>,
+    band: Option<f64>,
 ) -> io::Result<NamedTempFile> {
     let settled = draft(folder)?;
     let writer = BufWriter::with_capacity(1 << 16, settled.reopen()?);
-    points::settle(file.reopen()?, writer, guard, found)?;
+    points::settle(file.reopen()?, writer, guard, band)?;
     Ok(settled)
 }

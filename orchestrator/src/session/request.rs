@@ -131,10 +131,7 @@ impl Request {
         let path = folder.join(FILE);
         let text = fs::read(&path).map_err(|_| ResultsError::Missing(folder.to_owned()))?;
         let mut request: Self =
-            serde_json::from_slice(&text).map_err(|error| ResultsError::Content {
-                path,
-                message: error.to_string(),
-            })?;
+            serde_json::from_slice(&text).map_err(|error| ResultsError::content(&path, error))?;
         request.base = request.study.parent().map(Path::to_owned);
         request.original = Some(mem::replace(&mut request.study, folder.join(STUDY)));
         Ok(request)

@@ -19,7 +19,8 @@ pub struct Verification {
     pub session: Session,
     /// The points.
     pub source: Source,
-    header: Header,
+    /// Identity of the run.
+    pub header: Header,
 }
 
 impl Verification {
@@ -65,11 +66,6 @@ impl Verification {
         let verification = Self::open(request)?;
         verification.header.check(&then, folder)?;
         Ok(verification)
-    }
-
-    /// Identity of the run.
-    pub fn header(&self) -> &Header {
-        &self.header
     }
 
     /// The part of the points that is to be run: all, or those of the shard.

@@ -1,11 +1,13 @@
 //! Reads measured curves and ties them to an FMU.
 
+use std::fmt::Display;
+
 use super::limit::limit;
 use super::quantity::{Quantity, Scale, Sense};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
 use super::{CriterionText, Name, Study, StudyError};
-use crate::table::Table;
+use crate::table::{self, Table};
 use curves::{Curve, Metric, iso18571};
 use fmu_import::digest;
 use fmu_import::units::Conversion;
@@ -32,83 +34,77 @@ pub(super) struct Binder<'a> {
     pub(super) study: &'a Study,
     pub(super) name: &'a Name,
     pub(super) text: &'a CriterionText,
+    pub(super) reference: &'a ReferenceText,
+    pub(super) metric: Metric,
     pub(super) scale: &'a Scale<'a>,
     /// The whole run, s.
     pub(super) run: [f64; 2],
-    /// The part of it that counts, s.
-    pub(super) window: [f64; 2],
-    /// Whether the study states it; rows outside of it do not count then.
-    pub(super) is_stated: bool,
+    /// The part of it that counts, s, where the study states one: rows outside of it do not count then.
+    pub(super) window: Option<[f64; 2]>,
 }
 
 impl Binder<'_> {
     /// Reads the measured curve.
-    pub(super) fn bind(
-        &self,
-        reference: &ReferenceText,
-        metric: Metric,
-    ) -> Result<MeasuredCurve, StudyError> {
-        let named = |message: String| self.named(message);
+    pub(super) fn bind(&self) -> Result<MeasuredCurve, StudyError> {
+        let named = |message: String| self.study.error_of(self.name, message);
         let Recorded {
             curve,
             expanded,
             first,
-        } = self.read(reference)?;
+        } = self.read()?;
         let delay = self.delay().map_err(named)?;
-        if metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
+        if self.metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
             let message =
                 "iso18571 finds the shift between the curves itself; give a known delay or none";
             return Err(named(message.to_owned()));
         }
-        let band = self.band(metric, &curve, expanded.clone()).map_err(named)?;
-        let (even, standard) = self.even(metric, &curve, expanded.as_deref(), reference)?;
+        let band = self.band(&curve, expanded.as_deref()).map_err(named)?;
+        let (even, standard) = self.even(&curve, expanded.as_deref())?;
         // Between the rows of an uneven curve the uncertainty of a single value is not known.
         let expanded = expanded.filter(|_| even.times() == curve.times());
-        let curve = even;
         let back = self.scale.conversion.inverse();
         let measured = MeasuredCurve {
-            metric,
-            normaliser: self.normaliser(metric, curve.values()).map_err(named)?,
-            times: curve.times().to_vec(),
-            values: curve.values().to_vec(),
+            metric: self.metric,
+            normaliser: self.normaliser(even.values()).map_err(named)?,
+            times: even.times().to_vec(),
+            values: even.values().to_vec(),
             band,
             uncertainty: expanded.unwrap_or_default(),
             resampling: standard
-                .map(|standard| self.resampling(reference, metric, standard, first))
+                .map(|standard| self.resampling(standard, first))
                 .transpose()?,
             delay,
             factor: back.difference(1.0),
             offset: back.value(0.0),
             reads: false,
         };
-        self.check_span(reference, &measured)?;
+        self.check_span(&measured)?;
         Ok(measured)
     }
 
-    fn named(&self, message: String) -> StudyError {
-        let name = self.name.as_ref();
-        self.study.error_at(self.name, format!("{name}: {message}"))
+    fn error_in_file(&self, message: impl Display) -> StudyError {
+        let file = &self.reference.file;
+        let message = format!("{}: {message}", file.as_ref().display());
+        self.study.error_at(file, message)
+    }
+
+    /// The column of the values.
+    fn column(&self) -> &String {
+        let column = self.reference.column.as_ref();
+        column.unwrap_or_else(|| self.text.variable.as_ref())
     }
 
     /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors.
-    fn resampling(
-        &self,
-        reference: &ReferenceText,
-        metric: Metric,
-        standard: Vec<f64>,
-        first: u64,
-    ) -> Result<Resampling, StudyError> {
-        let (ideal, tolerance, _) =
-            limit(self.text, metric, self.scale).map_err(|m| self.named(m))?;
-        let file = reference.file.as_ref().display().to_string();
-        let column = reference.column.as_ref();
-        let column = column.unwrap_or_else(|| self.text.variable.as_ref());
-        let name = digest(format!("{file}\0{column}").as_bytes());
-        let name = u64::from_str_radix(name.get(..16).unwrap_or_default(), 16);
+    fn resampling(&self, standard: Vec<f64>, first: u64) -> Result<Resampling, StudyError> {
+        let (ideal, tolerance, _) = limit(self.text, self.metric, self.scale)
+            .map_err(|message| self.study.error_of(self.name, message))?;
+        let file = self.reference.file.as_ref().display();
+        let name = digest(format!("{file}\0{}", self.column()).as_bytes());
+        let name = u64::from_str_radix(&name[..16], 16).expect("a digest is hexadecimal digits");
         Ok(Resampling {
             standard,
-            correlation: self.correlation(reference)?,
-            seed: self.study.design.seed ^ name.unwrap_or(0),
+            correlation: self.correlation()?,
+            seed: self.study.design.seed ^ name,
             first,
             ideal,
             tolerance,
@@ -116,8 +112,8 @@ impl Binder<'_> {
     }
 
     /// The correlation of the errors of any two rows.
-    fn correlation(&self, reference: &ReferenceText) -> Result<f64, StudyError> {
-        if let Some(stated) = &reference.correlation
+    fn correlation(&self) -> Result<f64, StudyError> {
+        if let Some(stated) = &self.reference.correlation
             && !(0.0..=1.0).contains(stated.as_ref())
         {
             let message = format!(
@@ -128,98 +124,80 @@ impl Binder<'_> {
             );
             return Err(self.study.error_at(stated, message));
         }
-        Ok(reference.row_correlation())
+        Ok(self.reference.row_correlation())
     }
 
     /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
-    fn read(&self, reference: &ReferenceText) -> Result<Recorded, StudyError> {
-        let name = self.name.as_ref();
-        let path = self.study.beside(reference.file.as_ref());
-        let time = reference.time.clone().unwrap_or_else(|| "time".to_owned());
-        let column = reference.column.clone();
-        let column = column.unwrap_or_else(|| self.text.variable.as_ref().clone());
+    fn read(&self) -> Result<Recorded, StudyError> {
+        let reference = self.reference;
+        let named = |message: String| self.study.error_of(self.name, message);
+        let at_file = |message: String| self.study.error_at(&reference.file, message);
+        let path = self.study.path_of(reference.file.as_ref());
+        let time = reference.time.as_deref().unwrap_or("time");
+        let column = self.column();
         let mut columns = vec![
-            (vec![time.clone()], "the time".to_owned()),
-            (vec![column.clone()], format!("the criterion {name}")),
+            table::column(time, "the time"),
+            table::column(column, format!("the criterion {}", self.name.as_ref())),
         ];
         if let Some(column) = &reference.uncertainty_column {
-            columns.push((vec![column.clone()], "the uncertainty".to_owned()));
+            columns.push(table::column(column, "the uncertainty"));
         }
-        let at_file = |message: String| self.study.error_at(&reference.file, message);
         let table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
-        let conversion = match &reference.unit {
-            Some(unit) => self.scale.from(unit).map_err(|m| self.named(m))?,
-            None => Conversion::IDENTITY,
-        };
+        let unit = reference.unit.as_ref();
+        let conversion = unit.map_or(Ok(Conversion::IDENTITY), |unit| self.scale.from(unit));
+        let conversion = conversion.map_err(named)?;
         let cells = |place: usize| table.rows.iter().map(move |row| row[place]);
         let values = cells(1).map(|value| conversion.value(value)).collect();
         let curve = Curve::new(cells(0).collect(), values).map_err(|fault| {
-            let row = fault
-                .row()
-                .map_or_else(String::new, |row| format!(" row {}:", row + 1));
-            let path = path.display();
-            let remedy = match fault.row() {
-                Some(_) => "correct or remove the row",
-                None => "record a curve, or state the value as `nominal`",
+            let (row, remedy) = match fault.row() {
+                Some(row) => (format!(" row {}:", row + 1), "correct or remove the row"),
+                None => (
+                    String::new(),
+                    "record a curve, or state the value as `nominal`",
+                ),
             };
             at_file(format!(
-                "{path}:{row} {fault} (columns `{time}` and `{column}`); {remedy}"
+                "{}:{row} {fault} (columns `{time}` and `{column}`); {remedy}",
+                path.display()
             ))
         })?;
         let expanded = match (&reference.uncertainty, &reference.uncertainty_column) {
             (Some(_), Some(_)) => {
                 let message = "the reference has both uncertainty and uncertainty-column; keep one";
-                return Err(self.named(message.to_owned()));
+                return Err(named(message.to_owned()));
             }
-            (Some(stated), None) => Some(
-                self.widths(stated, curve.values())
-                    .map_err(|m| self.named(m))?,
-            ),
+            (Some(stated), None) => Some(self.widths(stated, curve.values()).map_err(named)?),
             (None, Some(_)) => Some(cells(2).map(|value| conversion.difference(value)).collect()),
             (None, None) => None,
         };
-        self.cut(reference, curve, expanded)
+        self.cut(curve, expanded)
     }
 
     /// The rows inside the window that the study states.
-    fn cut(
-        &self,
-        reference: &ReferenceText,
-        curve: Curve,
-        expanded: Option<Vec<f64>>,
-    ) -> Result<Recorded, StudyError> {
-        if let Some(row) = expanded
-            .iter()
-            .flatten()
-            .position(|width| !(*width >= 0.0 && width.is_finite()))
-        {
-            let message = format!(
-                "{}: row {}: the uncertainty must be 0 or more",
-                reference.file.as_ref().display(),
-                row + 1
-            );
-            return Err(self.study.error_at(&reference.file, message));
+    fn cut(&self, curve: Curve, expanded: Option<Vec<f64>>) -> Result<Recorded, StudyError> {
+        let is_width = |width: &f64| *width >= 0.0 && width.is_finite();
+        let wrong = expanded.iter().flatten().position(|width| !is_width(width));
+        if let Some(row) = wrong {
+            let message = format!("row {}: the uncertainty must be 0 or more", row + 1);
+            return Err(self.error_in_file(message));
         }
-        if !self.is_stated {
+        let Some([from, to]) = self.window else {
             return Ok(Recorded {
                 curve,
                 expanded,
                 first: 0,
             });
-        }
-        let rounding = 1e-9 * (self.window[0].abs() + self.window[1].abs());
-        let window = [self.window[0] - rounding, self.window[1] + rounding];
+        };
+        let rounding = 1e-9 * (from.abs() + to.abs());
+        let window = [from - rounding, to + rounding];
         let rows = curve.rows(window);
         let cut = curve.cut(window).map_err(|_| {
             let [first, last] = curve.span();
-            let [from, to] = self.window;
-            let message = format!(
-                "{}: {} rows lie in the window from {from} s to {to} s, and a curve needs two; the measurement goes from \
+            self.error_in_file(format_args!(
+                "{} rows lie in the window from {from} s to {to} s, and a curve needs two; the measurement goes from \
                  {first} s to {last} s",
-                reference.file.as_ref().display(),
                 rows.len()
-            );
-            self.study.error_at(&reference.file, message)
+            ))
         })?;
         Ok(Recorded {
             curve: cut,
@@ -245,18 +223,13 @@ impl Binder<'_> {
         }
     }
 
-    fn band(
-        &self,
-        metric: Metric,
-        curve: &Curve,
-        expanded: Option<Vec<f64>>,
-    ) -> Result<Vec<f64>, String> {
-        if metric != Metric::Corridor {
+    fn band(&self, curve: &Curve, expanded: Option<&[f64]>) -> Result<Vec<f64>, String> {
+        if self.metric != Metric::Corridor {
             return Ok(Vec::new());
         }
         match (&self.text.band, expanded) {
             (Some(band), _) => self.widths(band, curve.values()),
-            (None, Some(expanded)) => Ok(expanded),
+            (None, Some(expanded)) => Ok(expanded.to_vec()),
             (None, None) => Err(
                 "a corridor needs its half width: add band = \"0.02 N.m\" or \"5 %\", or the uncertainty of the reference"
                     .to_owned(),
@@ -268,23 +241,22 @@ impl Binder<'_> {
     /// empty where it is not known.
     fn even(
         &self,
-        metric: Metric,
         curve: &Curve,
         expanded: Option<&[f64]>,
-        reference: &ReferenceText,
     ) -> Result<(Curve, Option<Vec<f64>>), StudyError> {
-        let correlation = self.correlation(reference)?;
+        let correlation = self.correlation()?;
         let standard = |widths: &[f64]| widths.iter().map(|width| width / COVERAGE).collect();
-        if !metric.needs_even_times() {
+        if !self.metric.needs_even_times() {
             return Ok((curve.clone(), expanded.map(standard)));
         }
         let (least, most) = (iso18571::LEAST, iso18571::MOST);
         let count = curve.even_count();
         if count < least as f64 || count > most as f64 {
-            return Err(self.named(format!(
+            let message = format!(
                 "{} needs {least} to {most} evenly spaced samples, and the reference has {count}; resample it",
-                metric.name()
-            )));
+                self.metric.name()
+            );
+            return Err(self.study.error_of(self.name, message));
         }
         let standard = expanded.map(|widths| {
             // An error that all rows share goes along the same straight lines as the values; that of a single row does not.
@@ -299,8 +271,8 @@ impl Binder<'_> {
         Ok((curve.evenly(), standard))
     }
 
-    fn normaliser(&self, metric: Metric, values: &[f64]) -> Result<f64, String> {
-        if metric != Metric::Nrmse {
+    fn normaliser(&self, values: &[f64]) -> Result<f64, String> {
+        if self.metric != Metric::Nrmse {
             return Ok(1.0);
         }
         let (by, what) = match &self.text.normalise {
@@ -341,11 +313,7 @@ impl Binder<'_> {
     }
 
     /// Refuses a measurement that the run does not cover.
-    fn check_span(
-        &self,
-        reference: &ReferenceText,
-        measured: &MeasuredCurve,
-    ) -> Result<(), StudyError> {
+    fn check_span(&self, measured: &MeasuredCurve) -> Result<(), StudyError> {
         let ([from, to], [start, stop]) = (measured.needs(), self.run);
         let rounding = 1e-9 * (start.abs() + stop.abs());
         if from >= start - rounding && to <= stop + rounding {
@@ -357,11 +325,9 @@ impl Binder<'_> {
             Delay::Within([least, most]) => format!(" with delays from {least} s to {most} s"),
         };
         let [from, to] = [from, to].map(|time| (time * 1e6).round() / 1e6);
-        let message = format!(
-            "{}: the measurement from {from} s to {to} s{after} is not within the run from {start} s to {stop} s; set `window` \
-             on the criterion to the common part, or change start and stop under [simulation]",
-            reference.file.as_ref().display()
-        );
-        Err(self.study.error_at(&reference.file, message))
+        Err(self.error_in_file(format_args!(
+            "the measurement from {from} s to {to} s{after} is not within the run from {start} s to {stop} s; set `window` \
+             on the criterion to the common part, or change start and stop under [simulation]"
+        )))
     }
 }

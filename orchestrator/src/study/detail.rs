@@ -4,35 +4,24 @@ use super::CriterionText;
 use super::quantity::Scale;
 use super::window::seconds;
 use fmu_import::{Description, Variable};
+use fmu_points::names::behind;
 use fmu_points::task::Detail;
 use sampling::statistics::{Direction, Statistic};
 
 impl CriterionText {
-    /// The scale of its numbers, tied to the FMU's variable: a time and a frequency have units of their own.
+    /// The scale of its numbers, tied to the FMU's variable where there is an FMU: a time and a frequency have units of their own.
     ///
     /// # Errors
     /// When its unit does not fit.
     pub fn scale<'a>(
         &self,
-        fmu: &'a Description,
-        variable: &'a Variable,
+        of: Option<(&'a Description, &'a Variable)>,
     ) -> Result<Scale<'a>, String> {
         let unit = self.unit.as_deref();
-        match self.statistic.and_then(Statistic::unit) {
-            Some(own) => Scale::own(unit, own),
-            None => Scale::new(unit, fmu, variable),
-        }
-    }
-
-    /// The same without an FMU.
-    ///
-    /// # Errors
-    /// When its unit is none of time or frequency where it must be.
-    pub fn scale_alone(&self) -> Result<Scale<'_>, String> {
-        let unit = self.unit.as_deref();
-        match self.statistic.and_then(Statistic::unit) {
-            Some(own) => Scale::own(unit, own),
-            None => Ok(Scale::alone(unit)),
+        match (self.statistic.and_then(Statistic::unit), of) {
+            (Some(own), _) => Scale::own(unit, own),
+            (None, Some((fmu, variable))) => Scale::new(unit, fmu, variable),
+            (None, None) => Ok(Scale::alone(unit)),
         }
     }
 
@@ -41,76 +30,79 @@ impl CriterionText {
     /// # Errors
     /// When it is missing, means nothing, or belongs to no statistic of this criterion.
     pub fn detail(&self) -> Result<Option<Detail>, String> {
-        let is_mean = self.statistic == Some(Statistic::Mean) && self.reference.is_none();
-        if self.turns.is_some() && !is_mean {
-            return Err(
-                "`turns` belongs to statistic = \"mean\"; add that, or remove `turns`".to_owned(),
-            );
-        }
-        if self.periods.is_some() && !is_mean {
-            return Err(
-                "`periods` belongs to statistic = \"mean\"; add that, or remove `periods`"
-                    .to_owned(),
-            );
-        }
-        if self.periods.is_some() && self.turns.is_some() {
-            return Err(
-                "`turns` names an angle, `periods` a signal that swings; keep one of them"
-                    .to_owned(),
-            );
-        }
-        if let Some(level) = self.level()? {
-            return Ok(Some(level));
-        }
-        let is_percentile = self.statistic == Some(Statistic::Percentile);
-        match (&self.percent, &self.at) {
-            (_, Some(_)) if self.statistic.is_some() || self.window.is_some() => Err(
-                "`at` asks for the value at one time; remove `statistic` and `window` beside it"
-                    .to_owned(),
+        let is = |statistic| self.statistic == Some(statistic);
+        let is_mean = is(Statistic::Mean) && self.reference.is_none();
+        let [is_crossing, is_percentile] = [Statistic::Crossing, Statistic::Percentile].map(is);
+        let [level, percent, at] = [
+            self.level.is_some(),
+            self.percent.is_some(),
+            self.at.is_some(),
+        ];
+        first_wrong(&[
+            (
+                self.turns.is_some() && !is_mean,
+                "`turns` belongs to statistic = \"mean\"; add that, or remove `turns`",
             ),
-            (None, Some(time)) => self.moment(seconds(time.as_ref())?).map(Some),
-            (None, None) if is_percentile => {
-                Err("a percentile needs `percent`, from 0 to 100, such as percent = 95".to_owned())
-            }
-            (Some(_), _) if !is_percentile => Err(
-                "`percent` belongs to statistic = \"percentile\"; add that, or remove `percent`"
-                    .to_owned(),
+            (
+                self.periods.is_some() && !is_mean,
+                "`periods` belongs to statistic = \"mean\"; add that, or remove `periods`",
             ),
-            (Some(percent), _) if (0.0..=100.0).contains(percent.as_ref()) => {
-                Ok(Some(Detail::Percent(*percent.as_ref())))
-            }
-            (Some(percent), _) => Err(format!(
-                "percent = {} must lie between 0 and 100",
-                percent.as_ref()
-            )),
-            (None, None) => Ok(None),
+            (
+                self.periods.is_some() && self.turns.is_some(),
+                "`turns` names an angle, `periods` a signal that swings; keep one of them",
+            ),
+            (
+                (level || self.direction.is_some()) && !is_crossing,
+                "`level` and `direction` belong to statistic = \"crossing\"; add that, or remove them",
+            ),
+            (
+                is_crossing && !level,
+                "a crossing needs `level`, such as level = \"50 N\"",
+            ),
+            (
+                level && (percent || at),
+                "`percent` and `at` have no place beside `level`; remove them",
+            ),
+            (
+                at && (self.statistic.is_some() || self.window.is_some()),
+                "`at` asks for the value at one time; remove `statistic` and `window` beside it",
+            ),
+            (
+                percent && !is_percentile,
+                "`percent` belongs to statistic = \"percentile\"; add that, or remove `percent`",
+            ),
+            (
+                is_percentile && !percent,
+                "a percentile needs `percent`, from 0 to 100, such as percent = 95",
+            ),
+            (
+                at && self.reference.is_some(),
+                "`at` has no place beside `reference`; `window` says which rows count",
+            ),
+        ])?;
+        if let Some(level) = &self.level {
+            let level = level.as_ref().number;
+            let direction = self.direction.as_ref().map(|direction| *direction.as_ref());
+            return match level.is_finite() {
+                true => Ok(Some(Detail::Level(level, direction.unwrap_or_default()))),
+                false => Err(format!(
+                    "level = {level} is no level that a signal can cross; give a finite number"
+                )),
+            };
         }
-    }
-
-    /// The level of a crossing, as the study writes its number.
-    fn level(&self) -> Result<Option<Detail>, String> {
-        let is_crossing = self.statistic == Some(Statistic::Crossing);
-        match (&self.level, &self.direction) {
-            (Some(_), _) | (_, Some(_)) if !is_crossing => Err(
-                "`level` and `direction` belong to statistic = \"crossing\"; add that, or remove them"
-                    .to_owned(),
-            ),
-            (None, _) if is_crossing => {
-                Err("a crossing needs `level`, such as level = \"50 N\"".to_owned())
-            }
-            (Some(_), _) if self.percent.is_some() || self.at.is_some() => {
-                Err("`percent` and `at` have no place beside `level`; remove them".to_owned())
-            }
-            (Some(level), _) if !level.as_ref().number.is_finite() => Err(format!(
-                "level = {} is no level that a signal can cross; give a finite number",
-                level.as_ref().number
-            )),
-            (Some(level), direction) => {
-                let direction = direction.as_ref().map(|direction| *direction.as_ref());
-                let level = level.as_ref().number;
-                Ok(Some(Detail::Level(level, direction.unwrap_or_default())))
-            }
-            (None, _) => Ok(None),
+        if let Some(percent) = self.percent.as_ref().map(|percent| *percent.as_ref()) {
+            return match (0.0..=100.0).contains(&percent) {
+                true => Ok(Some(Detail::Percent(percent))),
+                false => Err(format!("percent = {percent} must lie between 0 and 100")),
+            };
+        }
+        let Some(time) = &self.at else {
+            return Ok(None);
+        };
+        let time = seconds(time.as_ref())?;
+        match time.is_finite() {
+            true => Ok(Some(Detail::At(time))),
+            false => Err(format!("at = {time} is not a time")),
         }
     }
 
@@ -122,22 +114,18 @@ impl CriterionText {
             Some(Direction::Rising) => "rising to",
             Some(Direction::Falling) => "falling to",
         };
-        let unit = level.unit.as_deref().or(unit);
-        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let unit = behind(level.unit.as_deref().or(unit));
         Some(format!("{way} {}{unit}", level.number))
     }
+}
 
-    fn moment(&self, time: f64) -> Result<Detail, String> {
-        if self.reference.is_some() {
-            return Err(
-                "`at` has no place beside `reference`; `window` says which rows count".to_owned(),
-            );
-        }
-        match time.is_finite() {
-            true => Ok(Detail::At(time)),
-            false => Err(format!("at = {time} is not a time")),
-        }
-    }
+/// Refuses a criterion of which something is true that must not be, with the remedy of the first such thing.
+///
+/// # Errors
+/// The remedy.
+pub fn first_wrong(wrong: &[(bool, &str)]) -> Result<(), String> {
+    let wrong = wrong.iter().find(|(is_so, _)| *is_so);
+    wrong.map_or(Ok(()), |(_, remedy)| Err((*remedy).to_owned()))
 }
 
 #[cfg(test)]

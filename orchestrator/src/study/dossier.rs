@@ -1,11 +1,8 @@
 //! Who answers for a verdict, and on which test it rests.
 
-use std::fmt;
-
 use chrono::NaiveDate;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, MapAccess, Visitor};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use toml::value::Datetime;
 
 /// Who tested what and when: text for the reader of a verdict.
@@ -58,25 +55,22 @@ impl Dossier {
 
 /// A date as TOML has it, or a text. A text that begins as a date must be one.
 fn date_or_text<'de, D: Deserializer<'de>>(from: D) -> Result<Option<String>, D::Error> {
-    struct Either;
-    impl<'de> Visitor<'de> for Either {
-        type Value = Option<String>;
-
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a date such as 2025-05-12, or a text in quotes")
-        }
-
-        fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
-            check_date(text).map_err(E::custom)?;
-            Ok(Some(text.to_owned()))
-        }
-
-        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-            let date = Datetime::deserialize(MapAccessDeserializer::new(map))?;
-            Ok(Some(date.to_string()))
+    #[derive(Deserialize)]
+    #[serde(
+        untagged,
+        expecting = "expected a date such as 2025-05-12, or a text in quotes"
+    )]
+    enum Form {
+        Date(Datetime),
+        Text(String),
+    }
+    match Form::deserialize(from)? {
+        Form::Date(date) => Ok(Some(date.to_string())),
+        Form::Text(text) => {
+            check_date(&text).map_err(D::Error::custom)?;
+            Ok(Some(text))
         }
     }
-    from.deserialize_any(Either)
 }
 
 fn check_date(text: &str) -> Result<(), String> {

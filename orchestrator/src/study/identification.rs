@@ -23,43 +23,33 @@ pub enum PosteriorStart {
 
 /// Unknown parameters, measurements, and the effort of the search.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Identification {
     /// The table whose rows are the measured cases, relative to the study; one case otherwise.
     pub cases: Option<Spanned<PathBuf>>,
     /// Starts that are screened.
-    #[serde(default = "starts")]
     pub starts: u64,
     /// Starts that are followed to a minimum.
-    #[serde(default = "descents")]
     pub descents: usize,
     /// The most iterations of each.
-    #[serde(default = "iterations")]
     pub iterations: usize,
     /// Seed of the random starts.
-    #[serde(default = "seed")]
     pub seed: u64,
     /// Particles of the posterior's sample; none is made without this.
     pub posterior: Option<Spanned<u64>>,
     /// Where that sample starts.
-    #[serde(default)]
     pub posterior_start: PosteriorStart,
     /// Runs of each case, at most, from which polynomials are made that stand in for the model.
     pub surrogate: Option<Spanned<u64>>,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
-    #[serde(default = "difference")]
     pub difference: f64,
     /// The parameters to be found, by the names of FMU variables.
-    #[serde(default)]
     pub free: IndexMap<Name, FreeText>,
     /// The parameters that the table has for each case.
-    #[serde(default)]
     pub known: IndexMap<Name, KnownText>,
     /// The parameters that each case knows to an interval only.
-    #[serde(default)]
     pub latent: IndexMap<Name, LatentText>,
     /// Measured values.
-    #[serde(default)]
     pub measured: IndexMap<Name, MeasuredText>,
 }
 
@@ -68,40 +58,20 @@ impl Default for Identification {
     fn default() -> Self {
         Self {
             cases: None,
-            starts: starts(),
-            descents: descents(),
-            iterations: iterations(),
-            seed: seed(),
+            starts: 64,
+            descents: 8,
+            iterations: 40,
+            seed: 1,
             posterior: None,
             posterior_start: PosteriorStart::default(),
             surrogate: None,
-            difference: difference(),
+            difference: 1e-3,
             free: IndexMap::new(),
             known: IndexMap::new(),
             latent: IndexMap::new(),
             measured: IndexMap::new(),
         }
     }
-}
-
-const fn starts() -> u64 {
-    64
-}
-
-const fn descents() -> usize {
-    8
-}
-
-const fn iterations() -> usize {
-    40
-}
-
-const fn seed() -> u64 {
-    1
-}
-
-const fn difference() -> f64 {
-    1e-3
 }
 
 /// A parameter to be found.

@@ -3,7 +3,8 @@
 use super::quantity::Scale;
 use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study, StudyError};
-use crate::table::Table;
+use crate::concern::{Code, Concern};
+use crate::table::{self, Table};
 use fmu_import::description::Interface;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Content, Description, Variability, Variable};
@@ -14,16 +15,15 @@ pub(super) fn series(
     study: &Study,
     fmu: &Description,
     schedule: &Schedule,
-) -> Result<(Vec<Series>, Vec<String>), StudyError> {
+) -> Result<(Vec<Series>, Vec<Concern>), StudyError> {
     let mut concerns = Vec::new();
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message: String| study.error_at(name, message);
         let key = name.as_ref().as_str();
-        let named = |message: String| wrong(format!("{key}: {message}"));
+        let named = |message: String| study.error_of(name, message);
         if schedule.leap {
-            return Err(named(
-                "leap would hold the input; remove one of them".to_owned(),
-            ));
+            let message = "leap would hold the input; remove one of them";
+            return Err(study.error_of(name, message));
         }
         let variable = find(fmu, key).map_err(wrong)?;
         let slot = slot_while_running(variable).map_err(named)?;
@@ -31,18 +31,16 @@ pub(super) fn series(
             can_ramp(recording, fmu, variable, &slot).map_err(named)?;
         }
         let scale = Scale::new(recording.unit.as_deref(), fmu, variable).map_err(named)?;
-        let path = study.beside(recording.file.as_ref());
-        let column = |name: &Option<String>, usual: &str| name.clone().unwrap_or(usual.to_owned());
+        let path = study.path_of(recording.file.as_ref());
+        let time = recording.time.as_deref().unwrap_or("time");
+        let column = recording.column.as_deref().unwrap_or(key);
         let columns = [
-            (vec![column(&recording.time, "time")], "the time".to_owned()),
-            (
-                vec![column(&recording.column, key)],
-                format!("the input {key}"),
-            ),
+            table::column(time, "the time"),
+            table::column(column, format!("the input {key}")),
         ];
         let table = Table::read(&path, &columns);
         let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
-        let mut series = follow(&table, &columns[0].0[0], slot, scale.conversion)
+        let mut series = follow(&table, time, slot, scale.conversion)
             .map_err(|message| named(format!("{}: {message}", path.display())))?;
         series.hold = recording.hold || is_discrete(variable, &series.slot);
         series.ramp = !series.hold && (recording.ramp || is_integrated(variable, fmu));
@@ -52,12 +50,14 @@ pub(super) fn series(
             covers(&series, schedule, ["start = ", "stop = ", &remedy])
                 .map_err(|message| named(format!("{}: {message}", path.display())))?;
         }
-        concerns.extend(missed(&series, schedule, &scale));
+        let missed = missed(&series, schedule, &scale);
+        concerns.extend(missed.map(|text| Concern::new(Code::MissedRows, text)));
         Ok(series)
     };
     let inputs = study.inputs.iter().map(&mut bind);
     let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
-    concerns.extend(many_steps(&inputs, schedule));
+    let many = many_steps(&inputs, schedule);
+    concerns.extend(many.map(|text| Concern::new(Code::ManySteps, text)));
     Ok((inputs, concerns))
 }
 

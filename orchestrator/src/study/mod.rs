@@ -2,6 +2,7 @@
 //!
 //! [`Study`] is the content of the TOML file, [`plan`] ties it to an FMU.
 
+mod bind;
 pub mod cases;
 mod curves;
 mod detail;
@@ -26,6 +27,7 @@ mod tests;
 mod values;
 mod window;
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
@@ -34,6 +36,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
+pub use detail::first_wrong;
 pub use dossier::Dossier;
 pub use error::{BOTH_SIDES, StudyError};
 pub use identification::Identification;
@@ -395,26 +398,25 @@ impl Study {
     /// # Errors
     /// When it cannot be read, with line and column when it is not understood.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
-        let of = |ending: &str| {
-            path.extension()
-                .is_some_and(|end| end.eq_ignore_ascii_case(ending))
-        };
-        let path = path.to_owned();
-        if of("fmu") {
-            let message = format!(
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let message = match ending.to_str() {
+            Some("fmu") => format!(
                 "is an FMU, where a study is needed: `orchestrator init {}` writes one",
                 path.display()
-            );
-            return Err(StudyError::Whole { path, message });
-        }
-        if of("csv") || of("parquet") {
-            let message = "is a table, where a study (a TOML file) is needed".to_owned();
-            return Err(StudyError::Whole { path, message });
-        }
-        match files::text(&path) {
-            Ok(text) => Self::parse(&path, text),
-            Err(source) => Err(StudyError::Read { path, source }),
-        }
+            ),
+            Some("csv" | "parquet") => {
+                "is a table, where a study (a TOML file) is needed".to_owned()
+            }
+            _ => {
+                let text = files::text(path).map_err(|source| StudyError::Read {
+                    path: path.to_owned(),
+                    source,
+                })?;
+                return Self::parse(path, text);
+            }
+        };
+        let path = path.to_owned();
+        Err(StudyError::Whole { path, message })
     }
 
     /// Reads the text of a study that stands, or would stand, at `path`.
@@ -436,11 +438,7 @@ impl Study {
     /// # Errors
     /// With line and column when the text is not understood.
     pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T, StudyError> {
-        let place = Place {
-            path: &self.path,
-            text: &self.text,
-        };
-        toml::from_str(&self.text).map_err(|error| place.toml(&error))
+        toml::from_str(&self.text).map_err(|error| self.place().toml(&error))
     }
 
     /// File from which the study was read.
@@ -462,8 +460,8 @@ impl Study {
         &self,
         instead: Option<&Path>,
     ) -> Result<Package, E> {
-        let own = self.fmu_path();
-        Package::open(instead.unwrap_or(&own)).map_err(|error| match error {
+        let named = self.fmu_path();
+        Package::open(instead.unwrap_or(&named)).map_err(|error| match error {
             FmuError {
                 fault: FmuFault::Archive(ArchiveError::Missing),
                 ..
@@ -478,14 +476,14 @@ impl Study {
     }
 
     /// The path of a file that the study names, as seen from here.
-    pub fn beside(&self, file: &Path) -> PathBuf {
+    pub fn path_of(&self, file: &Path) -> PathBuf {
         let own = self.path.parent().unwrap_or(Path::new(""));
         self.base.as_deref().unwrap_or(own).join(file)
     }
 
     /// The same, in one spelling: two names of one file, such as `a.csv` and `./a.csv`, have one path.
     pub(super) fn one_path(&self, file: &Path) -> PathBuf {
-        let path = self.beside(file);
+        let path = self.path_of(file);
         path.canonicalize().unwrap_or(path)
     }
 
@@ -504,17 +502,14 @@ impl Study {
         let of_cases = self.cases.iter().flat_map(|case| case.inputs.values());
         let inputs = self.inputs.values().chain(of_cases);
         let inputs = inputs.map(|input| &input.file);
-        let curves = self
-            .criteria
-            .values()
-            .filter_map(|text| text.reference.as_ref());
-        let curves = curves.map(|reference| &reference.file);
+        let criteria = self.criteria.values();
+        let curves = criteria.filter_map(|text| Some(&text.reference.as_ref()?.file));
         let samples = self.parameters.values();
         let samples = samples.filter_map(|parameter| parameter.file.as_ref());
         let named = inputs.chain(curves).chain(samples);
         for file in named.chain(&self.fixed_from) {
             // An unreadable file is reported where it is used.
-            let hash = files::open(&self.beside(file.as_ref())).and_then(sha256);
+            let hash = files::open(&self.path_of(file.as_ref())).and_then(sha256);
             bytes.extend(hash.unwrap_or_else(|_| Sha256::digest([]).into()));
         }
         digest(&bytes)
@@ -527,11 +522,19 @@ impl Study {
 
     /// An error at a place in the file.
     pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> StudyError {
-        let place = Place {
+        self.place().error(at.span().start, message.into())
+    }
+
+    fn place(&self) -> Place<'_> {
+        Place {
             path: &self.path,
             text: &self.text,
-        };
-        place.error(at.span().start, message.into())
+        }
+    }
+
+    /// An error of what a name in the file stands for.
+    pub fn error_of(&self, name: &Name, message: impl Display) -> StudyError {
+        self.error_at(name, format!("{}: {message}", name.as_ref()))
     }
 
     /// An error of the study as a whole.

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Pair, Shape, Study, StudyError};
+use super::{Name, Pair, Shape, Study, StudyError};
 use fmu_points::names::{did_you_mean, nearest};
 use sampling::design::correlation::Correlation;
 
@@ -50,51 +50,74 @@ pub fn varies(study: &Study) -> Result<(), StudyError> {
     })
 }
 
-/// The correlations of a study's parameters.
-pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, StudyError> {
-    let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
-    for entry in &study.correlations {
+/// Pairs of entries by their places, with their coefficients.
+pub type Pairs = Vec<(usize, usize, f64)>;
+
+/// Reads correlations: `place` finds what a name stands for. `alone` says that nothing is correlated with itself, `limits` which
+/// coefficients there are.
+///
+/// # Errors
+/// At the pair or the name that does not fit.
+pub fn pairs(
+    study: &Study,
+    entries: &[Spanned<Pair>],
+    place: impl Fn(&Name) -> Result<usize, StudyError>,
+    alone: &str,
+    limits: (impl Fn(f64) -> bool, &str),
+) -> Result<Pairs, StudyError> {
+    let mut pairs = Pairs::new();
+    for entry in entries {
         let Pair {
-            between,
+            between: [a, b],
             coefficient,
             ..
         } = entry.as_ref();
-        let [a, b] = between.each_ref().map(|name| {
-            let parameter = study.parameters.get_full(name.as_ref().as_str());
-            let (index, _, parameter) = parameter.ok_or_else(|| {
-                let names = study.parameters.keys().map(|key| key.as_ref().as_str());
-                let suggestion = did_you_mean(nearest(name.as_ref(), names));
-                let message = format!("no parameter `{}`{suggestion}", name.as_ref());
-                study.error_at(name, message)
-            })?;
-            if parameter.distribution == Shape::Fixed {
-                return Err(study.error_at(name, format!("{} does not vary", name.as_ref())));
-            }
-            if parameter.distribution == Shape::Sample {
-                let message = format!(
-                    "{} comes from a sample, which has its correlations already; remove the pair",
-                    name.as_ref()
-                );
-                return Err(study.error_at(name, message));
-            }
-            Ok(index)
-        });
-        let (a, b) = (a?, b?);
-        let wrong = |message: &str| Err(study.error_at(entry, message));
-        if a == b {
-            return wrong("a parameter is not correlated with itself; name two");
-        }
-        if coefficient.is_nan() || coefficient.abs() >= 1.0 {
-            return wrong("the coefficient must be more than -1 and less than 1");
-        }
-        if pairs
-            .iter()
-            .any(|&(x, y, _)| (x, y) == (a, b) || (x, y) == (b, a))
-        {
-            return wrong("the correlation of these two stands above already; keep one");
-        }
-        pairs.push((a, b, *coefficient));
+        let (a, b) = (place(a)?, place(b)?);
+        let known = |&(x, y, _): &(usize, usize, f64)| (x, y) == (a, b) || (y, x) == (a, b);
+        let wrong = if a == b {
+            alone
+        } else if !limits.0(*coefficient) {
+            limits.1
+        } else if pairs.iter().any(known) {
+            "the correlation of these two stands above already; keep one"
+        } else {
+            pairs.push((a, b, *coefficient));
+            continue;
+        };
+        return Err(study.error_at(entry, wrong));
     }
+    Ok(pairs)
+}
+
+/// The correlations of a study's parameters.
+pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, StudyError> {
+    let place = |name: &Name| {
+        let parameter = study.parameters.get_full(name.as_ref().as_str());
+        let (index, _, parameter) = parameter.ok_or_else(|| {
+            let names = study.parameters.keys().map(|key| key.as_ref().as_str());
+            let suggestion = did_you_mean(nearest(name.as_ref(), names));
+            let message = format!("no parameter `{}`{suggestion}", name.as_ref());
+            study.error_at(name, message)
+        })?;
+        let wrong = match parameter.distribution {
+            Shape::Fixed => "does not vary",
+            Shape::Sample => {
+                "comes from a sample, which has its correlations already; remove the pair"
+            }
+            _ => return Ok(index),
+        };
+        Err(study.error_at(name, format!("{} {wrong}", name.as_ref())))
+    };
+    let pairs = pairs(
+        study,
+        &study.correlations,
+        place,
+        "a parameter is not correlated with itself; name two",
+        (
+            |coefficient: f64| coefficient.abs() < 1.0,
+            "the coefficient must be more than -1 and less than 1",
+        ),
+    )?;
     let Some(first) = study.correlations.first() else {
         return Ok(None);
     };

@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize};
 
 use fmu_import::units::{Conversion, split};
 use fmu_import::{Description, Variable};
 
 /// A number in the unit of its table, or a number with a unit of its own.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "Form")]
 pub struct Quantity {
     /// The number.
     pub number: f64,
@@ -42,30 +42,25 @@ impl fmt::Display for Quantity {
     }
 }
 
-impl<'de> Deserialize<'de> for Quantity {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Reader;
-        impl Visitor<'_> for Reader {
-            type Value = Quantity;
+/// A quantity as a study writes it.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a number, or a text such as \"0.02 mm\""
+)]
+enum Form {
+    Number(f64),
+    Text(String),
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, or a text such as \"0.02 mm\"")
-            }
+impl TryFrom<Form> for Quantity {
+    type Error = String;
 
-            fn visit_f64<E: de::Error>(self, number: f64) -> Result<Quantity, E> {
-                Ok(number.into())
-            }
-
-            #[allow(clippy::cast_precision_loss)]
-            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Quantity, E> {
-                Ok((number as f64).into())
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Quantity, E> {
-                text.parse().map_err(E::custom)
-            }
+    fn try_from(form: Form) -> Result<Self, String> {
+        match form {
+            Form::Number(number) => Ok(number.into()),
+            Form::Text(text) => text.parse(),
         }
-        deserializer.deserialize_any(Reader)
     }
 }
 
@@ -93,7 +88,7 @@ enum Base<'a> {
 }
 
 /// From a unit of time to seconds, or from one of frequency to hertz.
-fn to_own(unit: &str, own: &'static str) -> Result<Conversion, String> {
+pub(super) fn to_own(unit: &str, own: &'static str) -> Result<Conversion, String> {
     let factor = match (own, unit) {
         ("s", "s") | ("Hz", "Hz" | "1/s") => 1.0,
         ("s", "ms") => 1e-3,

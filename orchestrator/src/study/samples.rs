@@ -4,20 +4,20 @@ use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 
+use indexmap::IndexMap;
 use toml::Spanned;
 
 use super::{Name, ParameterText, Shape, Study, StudyError};
 use crate::files;
-use crate::table::Table;
+use crate::table::{self, Column, Table};
 use sampling::design::Joint;
 use sampling::distribution::Distribution;
 
-/// A parameter as the FMU's description knows it.
-pub(super) struct Known<'a> {
-    /// The FMU's variable.
-    pub(super) name: &'a str,
-    /// The unit of the study's numbers.
-    pub(super) unit: Option<&'a str>,
+/// A parameter that comes from a sample.
+struct Member<'a> {
+    index: usize,
+    name: &'a Name,
+    text: &'a ParameterText,
 }
 
 /// Parameters that are drawn together.
@@ -28,88 +28,61 @@ pub(super) struct Together {
     pub(super) alone: Vec<(usize, Distribution)>,
 }
 
-/// Reads the samples of a study: parameters from one file are drawn together.
+/// Reads the samples of a study, given the units of its parameters: parameters from one file are drawn together.
 ///
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
-pub(super) fn read(study: &Study, known: &[Known<'_>]) -> Result<Vec<Together>, StudyError> {
-    let mut files: Vec<(PathBuf, &Spanned<PathBuf>)> = Vec::new();
-    for (_, parameter) in sampled(study) {
-        let file = file(study, parameter)?;
-        let path = study.one_path(file.as_ref());
-        if !files.iter().any(|(known, _)| *known == path) {
-            files.push((path, file));
+pub(super) fn read(study: &Study, units: &[Option<&str>]) -> Result<Vec<Together>, StudyError> {
+    let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member<'_>>)> = IndexMap::new();
+    for (index, (name, text)) in study.parameters.iter().enumerate() {
+        if text.distribution != Shape::Sample {
+            continue;
         }
+        let file = text.file.as_ref();
+        let file = file.expect("a sample without a file has no distribution");
+        let (_, members) = files
+            .entry(study.one_path(file.as_ref()))
+            .or_insert_with(|| (file, Vec::new()));
+        members.push(Member { index, name, text });
     }
+    let files = files.into_values();
     files
-        .into_iter()
-        .map(|(_, file)| together(study, file, known))
+        .map(|(file, members)| together(study, file, &members, units))
         .collect()
-}
-
-/// The parameters that come from a sample, with their names.
-fn sampled(study: &Study) -> impl Iterator<Item = (usize, &ParameterText)> {
-    let all = study.parameters.values().enumerate();
-    all.filter(|(_, parameter)| parameter.distribution == Shape::Sample)
-}
-
-fn name(study: &Study, index: usize) -> Option<&Name> {
-    study.parameters.get_index(index).map(|(name, _)| name)
-}
-
-fn file<'a>(
-    study: &Study,
-    parameter: &'a ParameterText,
-) -> Result<&'a Spanned<PathBuf>, StudyError> {
-    // `shape` has refused a parameter without one.
-    parameter
-        .file
-        .as_ref()
-        .ok_or_else(|| study.error("a sample needs `file`"))
 }
 
 fn together(
     study: &Study,
     file: &Spanned<PathBuf>,
-    known: &[Known<'_>],
+    members: &[Member<'_>],
+    units: &[Option<&str>],
 ) -> Result<Together, StudyError> {
-    let one = study.one_path(file.as_ref());
-    let from_it = |(_, parameter): &(usize, &ParameterText)| {
-        let own = parameter.file.as_ref();
-        own.is_some_and(|own| study.one_path(own.as_ref()) == one)
+    let path = study.path_of(file.as_ref());
+    let column = |member: &Member<'_>| {
+        let name = member.name.as_ref();
+        let column = member.text.column.as_ref().unwrap_or(name);
+        table::column(column, format!("the parameter {name}"))
     };
-    let members: Vec<(usize, &ParameterText)> = sampled(study).filter(from_it).collect();
-    let path = study.beside(file.as_ref());
-    let columns = members.iter().map(|(index, parameter)| {
-        let own = known[*index].name;
-        let column = parameter.column.as_deref().unwrap_or(own);
-        (vec![column.to_owned()], format!("the parameter {own}"))
-    });
-    let columns: Vec<(Vec<String>, String)> = columns.collect();
+    let columns: Vec<Column> = members.iter().map(column).collect();
     let table = Table::read_points(&path, &columns);
     let table = table.map_err(|error| study.error_at(file, error.to_string()))?;
-    let units = stated_units(&path);
-    for ((index, _), (names, _)) in members.iter().zip(&columns) {
-        let input = &known[*index];
-        let own = input.unit.unwrap_or("1");
-        let stated = names.first().and_then(|name| units.get(name));
-        if let (Some(stated), Some(name)) =
-            (stated.filter(|stated| *stated != own), name(study, *index))
-        {
+    let stated = stated_units(&path);
+    for (member, (names, _)) in members.iter().zip(&columns) {
+        let unit = units[member.index].unwrap_or("1");
+        if let Some(stated) = stated.get(&names[0]).filter(|stated| *stated != unit) {
+            let path = path.display();
             let message = format!(
-                "{}: {} has it in {stated}, the study in {own}; write unit = \"{stated}\"",
-                input.name,
-                path.display()
+                "{path} has it in {stated}, the study in {unit}; write unit = \"{stated}\""
             );
-            return Err(study.error_at(name, message));
+            return Err(study.error_of(member.name, message));
         }
     }
-    let alone = members.iter().enumerate().map(|(column, (index, _))| {
+    let alone = members.iter().enumerate().map(|(column, member)| {
         let values = table.rows.iter().map(|row| row[column]).collect();
-        (*index, Distribution::sample(values))
+        (member.index, Distribution::sample(values))
     });
     let alone = alone.collect();
-    let places = members.iter().map(|(index, _)| *index).collect();
+    let places = members.iter().map(|member| member.index).collect();
     let joint = Joint::new(places, table.rows);
     let joint = joint.map_err(|message| study.error_at(file, message))?;
     Ok(Together { joint, alone })

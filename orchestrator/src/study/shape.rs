@@ -5,58 +5,65 @@ use super::{ParameterText, Shape};
 use sampling::distribution::Distribution;
 
 impl ParameterText {
-    /// The unit of its first number that has one.
+    /// Its numbers, by their keys.
+    fn numbers(&self) -> [(&'static str, &Option<Quantity>); 6] {
+        [
+            ("mean", &self.mean),
+            ("value", &self.value),
+            ("min", &self.min),
+            ("mode", &self.mode),
+            ("max", &self.max),
+            ("deviation", &self.deviation),
+        ]
+    }
+
+    /// The unit of its first number that has one; a deviation is a difference, which may have another one.
     pub(super) fn first_unit(&self) -> Option<&str> {
-        let numbers = [&self.mean, &self.value, &self.min, &self.mode, &self.max];
-        numbers
-            .into_iter()
-            .flatten()
-            .find_map(|number| number.unit.as_deref())
+        let values = self.numbers().into_iter().take(5);
+        let mut given = values.filter_map(|(_, number)| number.as_ref());
+        given.find_map(|number| number.unit.as_deref())
     }
 
     /// The distribution in the study's unit.
     pub(super) fn distribution(&self, scale: &Scale<'_>) -> Result<Distribution, String> {
-        let shape = self.distribution;
-        let maybe = |number: &Option<Quantity>, sense| {
-            number
-                .as_ref()
-                .map(|number| scale.number(number, sense))
-                .transpose()
-        };
-        let need = |number: &Option<Quantity>, key: &str| {
-            let sense = if key == "deviation" {
-                Sense::Difference
-            } else {
-                Sense::Value
-            };
-            maybe(number, sense)?
-                .ok_or_else(|| format!("`{key}` is missing for the distribution {}", shape.name()))
-        };
         self.refuse_others()?;
-        let [mean, deviation] = [(&self.mean, "mean"), (&self.deviation, "deviation")];
-        Ok(match shape {
+        let maybe = |key: &str| {
+            let sense = match key {
+                "deviation" => Sense::Difference,
+                _ => Sense::Value,
+            };
+            let (_, number) = self.numbers().into_iter().find(|(own, _)| *own == key)?;
+            number.as_ref().map(|number| scale.number(number, sense))
+        };
+        let need = |key: &str| {
+            maybe(key).unwrap_or_else(|| {
+                let name = self.distribution.name();
+                Err(format!("`{key}` is missing for the distribution {name}"))
+            })
+        };
+        Ok(match self.distribution {
             Shape::Normal => Distribution::Normal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
+                mean: need("mean")?,
+                deviation: need("deviation")?,
             },
             Shape::TruncatedNormal => Distribution::TruncatedNormal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
-                min: maybe(&self.min, Sense::Value)?,
-                max: maybe(&self.max, Sense::Value)?,
+                mean: need("mean")?,
+                deviation: need("deviation")?,
+                min: maybe("min").transpose()?,
+                max: maybe("max").transpose()?,
             },
             Shape::Uniform => Distribution::Uniform {
-                min: need(&self.min, "min")?,
-                max: need(&self.max, "max")?,
+                min: need("min")?,
+                max: need("max")?,
             },
             Shape::Triangular => Distribution::Triangular {
-                min: need(&self.min, "min")?,
-                mode: need(&self.mode, "mode")?,
-                max: need(&self.max, "max")?,
+                min: need("min")?,
+                mode: need("mode")?,
+                max: need("max")?,
             },
             Shape::Lognormal => Distribution::Lognormal {
-                mean: need(mean.0, mean.1)?,
-                deviation: need(deviation.0, deviation.1)?,
+                mean: need("mean")?,
+                deviation: need("deviation")?,
             },
             // Its values come when the file is read.
             Shape::Sample if self.file.is_some() => Distribution::sample(vec![0.0]),
@@ -66,7 +73,7 @@ impl ParameterText {
                 return Err(message.to_owned());
             }
             Shape::Fixed => Distribution::Fixed {
-                value: need(&self.value, "value")?,
+                value: need("value")?,
             },
         })
     }
@@ -81,27 +88,17 @@ impl ParameterText {
             Shape::Sample => &["file"],
             Shape::Fixed => &["value"],
         };
+        let name = self.distribution.name();
         if self.file.is_some() && self.distribution != Shape::Sample {
-            let name = self.distribution.name();
             return Err(format!(
                 "the distribution {name} does not use `file`; write distribution = \"sample\", or remove it"
             ));
         }
-        let given = [
-            ("mean", &self.mean),
-            ("deviation", &self.deviation),
-            ("min", &self.min),
-            ("mode", &self.mode),
-            ("max", &self.max),
-            ("value", &self.value),
-        ];
-        let stray = given
-            .iter()
-            .find(|(key, number)| number.is_some() && !wanted.contains(key));
-        match stray {
+        let is_stray =
+            |(key, number): &(&str, &Option<Quantity>)| number.is_some() && !wanted.contains(key);
+        match self.numbers().iter().find(|given| is_stray(given)) {
             Some((key, _)) => Err(format!(
-                "the distribution {} does not use `{key}`; it takes {}",
-                self.distribution.name(),
+                "the distribution {name} does not use `{key}`; it takes {}",
                 wanted.join(", ")
             )),
             None => Ok(()),

@@ -13,8 +13,8 @@ use super::values::{find, value_of};
 use crate::files::{self, reason};
 use fmu_import::{Description, Value, XmlError, xml};
 
+pub(crate) use write::Element;
 pub use write::write;
-pub(crate) use write::{Xml, document, printable};
 
 /// Why a parameter set cannot be used.
 #[derive(Debug, Error)]
@@ -47,35 +47,31 @@ pub enum SsvError {
     },
 }
 
-/// The content of a parameter set.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ParameterSet {
-    entries: Vec<Entry>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Entry {
-    name: String,
-    setting: Setting,
-    line: u32,
-}
-
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"];
 
-/// Reads a parameter set.
+/// Reads the start values that a parameter set gives an FMU: name, value reference, value.
 ///
 /// # Errors
-/// When it cannot be read or is not a parameter set, with the line.
-pub fn read(path: &Path) -> Result<ParameterSet, SsvError> {
+/// When it cannot be read or is not a parameter set, and when a name, a type or a unit does not fit the FMU, with the line.
+pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>, SsvError> {
     let text = files::text(path).map_err(|source| SsvError::Read {
         path: path.to_owned(),
         source,
     })?;
-    parse(path, &text)
+    parse(path, &text, |name, setting| {
+        let variable = find(fmu, name)?;
+        let value = value_of(fmu, variable, &setting)?;
+        Ok((name.to_owned(), variable.handle().reference, value))
+    })
 }
 
-fn parse(path: &Path, text: &str) -> Result<ParameterSet, SsvError> {
+/// What `take` makes of each entry.
+fn parse<T>(
+    path: &Path,
+    text: &str,
+    take: impl Fn(&str, Setting) -> Result<T, String>,
+) -> Result<Vec<T>, SsvError> {
     let text = text.trim_start_matches('\u{feff}');
     let document = xml::parse(text).map_err(|source| SsvError::Xml {
         path: path.to_owned(),
@@ -87,80 +83,31 @@ fn parse(path: &Path, text: &str) -> Result<ParameterSet, SsvError> {
         message,
     };
     let root = document.root_element();
-    if root.tag_name().name() != "ParameterSet" {
-        let name = root.tag_name().name();
-        return Err(at(
-            root,
-            format!("`{name}` is no SSP parameter set (`ParameterSet`)"),
-        ));
+    let name = root.tag_name().name();
+    if name != "ParameterSet" {
+        let message = format!("`{name}` is no SSP parameter set (`ParameterSet`)");
+        return Err(at(root, message));
     }
     let parameters = root
         .descendants()
         .filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
     let entry = |node: Node<'_, '_>| {
-        let name = node.attribute("name");
-        let name = name.ok_or_else(|| at(node, "a parameter without a name".to_owned()))?;
-        let typed = node
-            .children()
-            .find(|child| TYPES.contains(&child.tag_name().name()));
+        let name = node.attribute("name").ok_or("a parameter without a name")?;
+        let mut children = node.children();
+        let typed = children.find(|child| TYPES.contains(&child.tag_name().name()));
         let value = typed.and_then(|typed| typed.attribute("value"));
         let (Some(typed), Some(value)) = (typed, value) else {
             let types = TYPES.join(", ");
-            return Err(at(
-                node,
-                format!("`{name}` has no value of the types {types}"),
-            ));
+            return Err(format!("`{name}` has no value of the types {types}"));
         };
         let text = match typed.attribute("unit").filter(|unit| !unit.is_empty()) {
             Some(unit) => format!("{value} {unit}"),
             None => value.to_owned(),
         };
-        Ok(Entry {
-            name: name.to_owned(),
-            setting: Setting::Text(text),
-            line: document.text_pos_at(node.range().start).row,
-        })
+        take(name, Setting::Text(text))
     };
-    let entries = parameters.map(entry).collect::<Result<_, _>>()?;
-    Ok(ParameterSet { entries })
-}
-
-impl ParameterSet {
-    /// The start values for an FMU, by value reference.
-    ///
-    /// # Errors
-    /// When a name, a type or a unit does not fit the FMU, with the line.
-    pub fn settings(&self, path: &Path, fmu: &Description) -> Result<Vec<(u32, Value)>, SsvError> {
-        let named = self.named(path, fmu)?;
-        Ok(named
-            .into_iter()
-            .map(|(_, reference, value)| (reference, value))
-            .collect())
-    }
-
-    /// The same, with the names.
-    ///
-    /// # Errors
-    /// As [`settings`](Self::settings).
-    pub fn named(
-        &self,
-        path: &Path,
-        fmu: &Description,
-    ) -> Result<Vec<(String, u32, Value)>, SsvError> {
-        let bind = |entry: &Entry| {
-            let variable = find(fmu, &entry.name)?;
-            let value = value_of(fmu, variable, &entry.setting)?;
-            Ok((entry.name.clone(), variable.handle().reference, value))
-        };
-        let bind = |entry: &Entry| {
-            bind(entry).map_err(|message: String| SsvError::At {
-                path: path.to_owned(),
-                line: entry.line,
-                message,
-            })
-        };
-        self.entries.iter().map(bind).collect()
-    }
+    let entry = |node| entry(node).map_err(|message| at(node, message));
+    parameters.map(entry).collect()
 }
 
 #[cfg(test)]
@@ -169,12 +116,18 @@ mod tests {
     use fmu_import::{Kind, Variable};
     use proptest::prelude::*;
 
-    fn set(body: &str) -> Result<ParameterSet, SsvError> {
+    type Entry = (String, Setting);
+
+    fn entry(name: &str, setting: Setting) -> Result<Entry, String> {
+        Ok((name.to_owned(), setting))
+    }
+
+    fn set(body: &str) -> Result<Vec<Entry>, SsvError> {
         let text = format!(
             "<ParameterSet xmlns=\"{NAMESPACE}\" version=\"1.0\" name=\"x\"><Parameters>\n{body}\
              </Parameters></ParameterSet>"
         );
-        parse(Path::new("p.ssv"), &text)
+        parse(Path::new("p.ssv"), &text, entry)
     }
 
     #[test]
@@ -186,7 +139,7 @@ mod tests {
                 .starts_with("p.ssv:3: `a` has no value")
         );
         assert!(error("<Parameter").starts_with("p.ssv: "));
-        let other = parse(Path::new("p.ssv"), "<html/>")
+        let other = parse(Path::new("p.ssv"), "<html/>", entry)
             .unwrap_err()
             .to_string();
         assert!(other.contains("no SSP parameter set"), "{other}");
@@ -195,7 +148,7 @@ mod tests {
     #[test]
     fn units_belong_to_the_value() {
         let set = set("<Parameter name=\"a\"><Real value=\"2\" unit=\"mm\"/></Parameter>").unwrap();
-        assert!(matches!(&set.entries[0].setting, Setting::Text(text) if text == "2 mm"));
+        assert!(matches!(&set[0].1, Setting::Text(text) if text == "2 mm"));
     }
 
     proptest! {
@@ -212,10 +165,9 @@ mod tests {
                 kind: Kind::String { start: None },
             };
             let values = [(&variable, Value::String(text.clone()))];
-            let written = write("s", &Description::default(), &values).unwrap();
-            let read = parse(Path::new("p.ssv"), &written).unwrap();
-            prop_assert_eq!(&read.entries[0].name, &name);
-            prop_assert_eq!(&read.entries[0].setting, &Setting::Text(text));
+            let written = write("s", &Description::default(), &values);
+            let read = parse(Path::new("p.ssv"), &written, entry).unwrap();
+            prop_assert_eq!(&read[0], &(name, Setting::Text(text)));
         }
     }
 }

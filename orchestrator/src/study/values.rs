@@ -5,7 +5,7 @@ use std::num::IntErrorKind;
 use super::Setting;
 use super::quantity::{Quantity, Scale, Sense};
 use fmu_import::{Causality, Description, Kind, Value, Variability, Variable};
-use fmu_points::names::{did_you_mean, nearest};
+use fmu_points::names::{behind, did_you_mean, nearest};
 use fmu_points::task::Slot;
 
 /// The variable of this name.
@@ -22,11 +22,6 @@ pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String
     })
 }
 
-/// The smallest and largest value that the FMU's description allows, in the FMU's unit.
-fn limits(variable: &Variable) -> (Option<f64>, Option<f64>) {
-    variable.kind.range()
-}
-
 /// How a variable takes a number before a simulation.
 ///
 /// # Errors
@@ -36,7 +31,7 @@ pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
     let handle = variable
         .number_handle()
         .ok_or("a text cannot vary; set it under [fixed]")?;
-    let (min, max) = limits(variable);
+    let (min, max) = variable.kind.range();
     Ok(Slot {
         name: variable.name.clone(),
         handle,
@@ -155,10 +150,8 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
 }
 
 fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
-    let unit = variable
-        .unit()
-        .map_or_else(String::new, |unit| format!(" {unit}"));
-    match limits(variable) {
+    let unit = behind(variable.unit());
+    match variable.kind.range() {
         _ if !number.is_finite() => Err(format!("{number} is not a finite number")),
         (Some(min), _) if number < min => Err(format!(
             "{number}{unit} is less than the smallest value {min}{unit}"

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::Quantity;
+use super::quantity::to_own;
 
 /// A window as the study writes it: `window = 10`, or `window = { from = "140 s", to = "150 s" }`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -54,14 +55,8 @@ impl Window {
 
 /// A time in seconds.
 pub(super) fn seconds(quantity: &Quantity) -> Result<f64, String> {
-    let factor = match quantity.unit.as_deref() {
-        None | Some("s") => 1.0,
-        Some("ms") => 1e-3,
-        Some("min") => 60.0,
-        Some("h") => 3600.0,
-        Some(other) => return Err(format!("`{other}` is no unit of time: use s, ms, min or h")),
-    };
-    Ok(factor * quantity.number)
+    let unit = quantity.unit.as_deref().unwrap_or("s");
+    Ok(to_own(unit, "s")?.value(quantity.number))
 }
 
 #[cfg(test)]

@@ -125,7 +125,7 @@ pub fn blank_rows(path: &Path, comment: u8) -> io::Result<Vec<usize>> {
 }
 
 fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
-    let mut found = Vec::new();
+    let mut rows = Vec::new();
     let mut row: Option<usize> = None;
     for line in file.lines() {
         let line = line?;
@@ -134,11 +134,11 @@ fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
             continue;
         }
         if let Some(row) = row.filter(|_| text.is_empty()) {
-            found.push(row);
+            rows.push(row);
         }
         row = Some(row.map_or(0, |row| row + 1));
     }
-    Ok(found)
+    Ok(rows)
 }
 
 /// A text as a cell: where a spreadsheet would take it for a formula, an apostrophe before it prevents that, and what a

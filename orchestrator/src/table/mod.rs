@@ -27,14 +27,6 @@ pub enum TableError {
         /// The problem.
         source: csv::Error,
     },
-    /// A column is missing.
-    #[error("{path}: no column {message}")]
-    Column {
-        /// The table.
-        path: PathBuf,
-        /// Its name, what it is needed for, and the columns there are.
-        message: String,
-    },
     /// A cell is not a number.
     #[error("{path}:{line}: column `{column}`: `{text}` is not a number{}", remedy(.text))]
     Number {
@@ -47,7 +39,7 @@ pub enum TableError {
         /// The cell.
         text: String,
     },
-    /// A table as a whole cannot be read.
+    /// It has no rows or too many, a column is missing, or a column or a row is there twice.
     #[error("{path}: {message}")]
     Whole {
         /// The table.
@@ -55,17 +47,23 @@ pub enum TableError {
         /// The problem.
         message: String,
     },
-    /// A column or a row is there twice.
-    #[error("{path}: {what} is there twice; remove or rename one")]
-    Twice {
-        /// The table.
-        path: PathBuf,
-        /// The column or the row.
-        what: String,
-    },
-    /// There are no rows.
-    #[error("{0}: the table has no rows")]
-    Empty(PathBuf),
+}
+
+impl TableError {
+    fn whole(path: &Path, message: impl Into<String>) -> Self {
+        Self::Whole {
+            path: path.to_owned(),
+            message: message.into(),
+        }
+    }
+
+    fn empty(path: &Path) -> Self {
+        Self::whole(path, "the table has no rows")
+    }
+
+    fn twice(path: &Path, what: &str) -> Self {
+        Self::whole(path, format!("{what} is there twice; remove or rename one"))
+    }
 }
 
 /// What helps where a cell is no number.
@@ -84,6 +82,14 @@ fn remedy(text: &str) -> &'static str {
     }
 }
 
+/// A column that is asked for: the names that it may have, and its purpose.
+pub type Column = (Vec<String>, String);
+
+/// A column of one name.
+pub fn column(name: &str, purpose: impl Into<String>) -> Column {
+    (vec![name.to_owned()], purpose.into())
+}
+
 /// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.
 #[derive(Clone, Debug)]
 pub struct Table {
@@ -98,16 +104,12 @@ impl Table {
     ///
     /// # Errors
     /// When the table cannot be read, a column is missing, or a cell is not a number.
-    pub fn read(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+    pub fn read(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
         Self::load(path, columns, false)
     }
 
     /// With `gaps`, an empty cell is not a number instead of an error.
-    fn load(
-        path: &Path,
-        columns: &[(Vec<String>, String)],
-        gaps: bool,
-    ) -> Result<Self, TableError> {
+    fn load(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, TableError> {
         let parquet = |extension: &OsStr| extension.eq_ignore_ascii_case("parquet");
         let table = if path.extension().is_some_and(parquet) {
             Self::read_parquet(path, columns, gaps)?
@@ -115,7 +117,7 @@ impl Table {
             Self::read_csv(path, columns, gaps)?
         };
         if table.rows.is_empty() {
-            return Err(TableError::Empty(path.to_owned()));
+            return Err(TableError::empty(path));
         }
         Ok(table)
     }
@@ -124,7 +126,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::read`], and when two points have the same number.
-    pub fn read_points(path: &Path, columns: &[(Vec<String>, String)]) -> Result<Self, TableError> {
+    pub fn read_points(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
         Self::load(path, columns, false)?.distinct(path)
     }
 
@@ -132,31 +134,20 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::read_points`].
-    pub fn read_results(
-        path: &Path,
-        columns: &[(Vec<String>, String)],
-    ) -> Result<Self, TableError> {
+    pub fn read_results(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
         Self::load(path, columns, true)?.distinct(path)
     }
 
     fn distinct(self, path: &Path) -> Result<Self, TableError> {
-        let table = self;
         let mut known = HashSet::new();
-        match table.labels.iter().find(|&&label| !known.insert(label)) {
-            Some(twice) => Err(TableError::Twice {
-                path: path.to_owned(),
-                what: format!("point {twice}"),
-            }),
-            None => Ok(table),
+        match self.labels.iter().find(|&&label| !known.insert(label)) {
+            Some(twice) => Err(TableError::twice(path, &format!("point {twice}"))),
+            None => Ok(self),
         }
     }
 
     /// Reads a csv file.
-    fn read_csv(
-        path: &Path,
-        columns: &[(Vec<String>, String)],
-        gaps: bool,
-    ) -> Result<Self, TableError> {
+    fn read_csv(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, TableError> {
         const COMMENT: u8 = b'#';
         let failed = |source| TableError::Read {
             path: path.to_owned(),
@@ -165,7 +156,7 @@ impl Table {
         let mut file = CsvFile::open(path, Some(COMMENT)).map_err(failed)?;
         let header = file.header().map_err(failed)?;
         if header.is_empty() {
-            return Err(TableError::Empty(path.to_owned()));
+            return Err(TableError::empty(path));
         }
         let mut reading = Reading::new(path, header, columns)?;
         let mut record = csv::StringRecord::new();
@@ -193,15 +184,8 @@ impl Table {
     }
 
     /// Reads a Parquet file.
-    fn read_parquet(
-        path: &Path,
-        columns: &[(Vec<String>, String)],
-        gaps: bool,
-    ) -> Result<Self, TableError> {
-        let failed = |message: String| TableError::Whole {
-            path: path.to_owned(),
-            message,
-        };
+    fn read_parquet(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, TableError> {
+        let failed = |message: String| TableError::whole(path, message);
         let source = ParquetFile::open(path).map_err(failed)?;
         let mut reading = Reading::new(path, source.names(), columns)?;
         for row in source.rows().map_err(failed)? {
@@ -232,11 +216,7 @@ struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    fn new(
-        path: &'a Path,
-        header: Vec<String>,
-        columns: &[(Vec<String>, String)],
-    ) -> Result<Self, TableError> {
+    fn new(path: &'a Path, header: Vec<String>, columns: &[Column]) -> Result<Self, TableError> {
         let places = columns
             .iter()
             .map(|(names, purpose)| find(path, &header, names, purpose))
@@ -272,10 +252,9 @@ impl<'a> Reading<'a> {
         let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
         let Table { rows, labels } = &mut self.table;
         if rows.len() == MOST_ROWS {
-            return Err(TableError::Whole {
-                path: self.path.to_owned(),
-                message: format!("more than {MOST_ROWS} rows, which is the most that is read here"),
-            });
+            let message =
+                format!("more than {MOST_ROWS} rows, which is the most that is read here");
+            return Err(TableError::whole(self.path, message));
         }
         rows.push(numbers);
         labels.push(self.label.and_then(label).unwrap_or(rows.len() as u64));
@@ -305,10 +284,8 @@ fn find(
     if let Some(place) = place
         && header[place + 1..].contains(&header[place])
     {
-        return Err(TableError::Twice {
-            path: path.to_owned(),
-            what: format!("column `{}`", shown(&header[place])),
-        });
+        let column = format!("column `{}`", shown(&header[place]));
+        return Err(TableError::twice(path, &column));
     }
     let is_number = |name: &String| name.parse::<f64>().is_ok();
     place.ok_or_else(|| {
@@ -317,12 +294,10 @@ fn find(
         let suggestion = did_you_mean(near.as_deref());
         let known: Vec<String> = header.iter().map(|name| shown(name)).collect();
         let known = known.join(", ");
-        TableError::Column {
-            path: path.to_owned(),
-            message: match header.iter().all(is_number) {
-                true => format!("`{column}` for {purpose}: the first line must name the columns, and it has {known}"),
-                false => format!("`{column}` for {purpose}{suggestion}; it has {known}"),
-            },
-        }
+        let rest = match header.iter().all(is_number) {
+            true => format!(": the first line must name the columns, and it has {known}"),
+            false => format!("{suggestion}; it has {known}"),
+        };
+        TableError::whole(path, format!("no column `{column}` for {purpose}{rest}"))
     })
 }

@@ -35,7 +35,7 @@ fn verified(study: &str) -> (Bench, Value) {
 fn concerns(summary: &Value) -> Vec<String> {
     let found = summary["concerns"].as_array().unwrap().iter();
     found
-        .map(|concern| concern.as_str().unwrap().to_owned())
+        .map(|concern| concern["text"].as_str().unwrap().to_owned())
         .collect()
 }
 

@@ -202,8 +202,7 @@ fn table(bench: &Bench, path: &Path) -> Attempt {
 
 fn set(bench: &Bench, path: &Path) -> Attempt {
     let package = Package::open(&bench.path("lag.fmu")).map_err(text)?;
-    let set = ssv::read(path).map_err(text)?;
-    set.settings(path, package.description())
+    ssv::read(path, package.description())
         .map(drop)
         .map_err(text)
 }

@@ -10,7 +10,7 @@ use crate::study::inputs::{
 use crate::study::plan::find;
 use crate::study::quantity::Scale;
 use crate::table::csv_file::CsvFile;
-use crate::table::{Table, TableError};
+use crate::table::{self, Table, TableError};
 use fmu_import::Description;
 use fmu_points::task::{Schedule, Series};
 
@@ -87,8 +87,8 @@ pub(super) fn inputs(
         let slot = slot_while_running(variable).map_err(wrong)?;
         let scale = Scale::new(unit, fmu, variable).map_err(wrong)?;
         let columns = [
-            (vec![TIME.to_owned()], "the time".to_owned()),
-            (vec![column.clone()], format!("the input {name}")),
+            table::column(TIME, "the time"),
+            table::column(column, format!("the input {name}")),
         ];
         let table = Table::read(path, &columns)?;
         let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;

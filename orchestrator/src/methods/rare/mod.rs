@@ -94,7 +94,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
 
 /// Refuses studies of which a rare share says nothing.
 fn refuse(session: &Session) -> Result<(), CommandError> {
-    if let Some(joint) = session.plan.joints().first() {
+    if let Some(joint) = session.plan.joints.first() {
         let name = &session.plan.inputs[joint.lead()].name;
         let message = format!(
             "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \

@@ -282,7 +282,7 @@ fn enough(size: u64) -> Result<(), String> {
 /// The parameters that vary, with their correlations.
 fn space(plan: &Plan) -> Space {
     let varied = plan.varied();
-    let correlation = plan.correlation().map(|correlation| {
+    let correlation = plan.correlation.as_ref().map(|correlation| {
         DMatrix::from_fn(varied.len(), varied.len(), |a, b| {
             correlation.coefficient(varied[a], varied[b])
         })

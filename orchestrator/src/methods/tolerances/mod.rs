@@ -237,7 +237,7 @@ impl Asked {
 
     fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, CommandError> {
         let Session { study, plan, .. } = session;
-        let with_tolerances = with_tolerances(plan);
+        let with_tolerances = plan.with_tolerances();
         if with_tolerances.is_empty() {
             let message = "no parameter has a tolerance: those that vary come from samples, which stay as they are";
             return Err(study.error(message).into());
@@ -245,7 +245,7 @@ impl Asked {
         let inputs = || with_tolerances.iter().map(|&k| &plan.inputs[k]);
         let problem = Problem {
             distributions: inputs().map(|input| input.distribution.clone()).collect(),
-            samples: plan.joints().to_vec(),
+            samples: plan.joints.clone(),
             costs: costs(study, plan)?,
             target: goal.target,
             confidence: goal.confidence,
@@ -307,7 +307,7 @@ fn most(
     proportions: &[f64],
 ) -> Option<String> {
     let (scales, found) = problem.most(sample, proportions)?;
-    let with_tolerances = with_tolerances(&session.plan);
+    let with_tolerances = session.plan.with_tolerances();
     let names = with_tolerances
         .iter()
         .map(|&k| &session.plan.inputs[k].name);
@@ -321,22 +321,10 @@ fn most(
     ))
 }
 
-/// The parameters that have a tolerance, by their places among the inputs: those that vary, and come from no sample.
-fn with_tolerances(plan: &Plan) -> Vec<usize> {
-    let from_samples: Vec<usize> = plan
-        .joints()
-        .iter()
-        .flat_map(Joint::inputs)
-        .copied()
-        .collect();
-    let varied = plan.varied().into_iter();
-    varied.filter(|k| !from_samples.contains(k)).collect()
-}
-
 /// The places among the inputs of the numbers of a point: those with tolerances, then those from samples.
 fn of_points(plan: &Plan) -> Vec<usize> {
-    let from_samples = plan.joints().iter().flat_map(Joint::inputs).copied();
-    with_tolerances(plan)
+    let from_samples = plan.joints.iter().flat_map(Joint::inputs).copied();
+    plan.with_tolerances()
         .into_iter()
         .chain(from_samples)
         .collect()
@@ -344,7 +332,8 @@ fn of_points(plan: &Plan) -> Vec<usize> {
 
 /// Relative cost of a narrower tolerance, for each parameter that has one.
 fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, StudyError> {
-    let varied: Vec<&str> = with_tolerances(plan)
+    let varied: Vec<&str> = plan
+        .with_tolerances()
         .iter()
         .map(|&k| plan.inputs[k].name.as_str())
         .collect();
@@ -382,7 +371,7 @@ fn limit(study: &Study) -> Result<f64, StudyError> {
 
 /// The tolerances of the answer in the study's own terms.
 fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> Vec<Parameter> {
-    let with_tolerances = with_tolerances(plan);
+    let with_tolerances = plan.with_tolerances();
     let scaled = |input: &Input, scale: f64| {
         ParameterSummary::new(&Input {
             distribution: input.distribution.scaled(scale),
@@ -400,7 +389,7 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
             widest: words(&scaled(input, scales[k])),
             scale: safe[k],
             stated: words(&scaled(input, safe[k])),
-            distribution: scaled(input, safe[k]).distribution,
+            distribution: scaled(input, safe[k]).distribution.into_iter().collect(),
             limited: scales[k] >= 0.999 * problem.limit,
         }
     };

@@ -2,8 +2,8 @@ use std::path::Path;
 
 use super::*;
 use crate::judge::Judge;
-use crate::results::Tally;
 use crate::results::summary::Provenance;
+use crate::results::tally::{Sample, Tally};
 use crate::study::Study;
 
 const STUDY: &str = r#"
@@ -28,10 +28,10 @@ uncertainty = 1
 fn said(study: &str, inside: u64, outside: u64) -> String {
     let study = Study::parse(Path::new("s.toml"), study.to_owned()).unwrap();
     let judge = Judge::new(&study, None).unwrap();
-    let mut tally = Tally::new(&judge);
+    let mut tally = Tally::new(&judge, Sample::Replicates(1));
     for label in 0..inside + outside {
         let value = if label < inside { 0.0 } else { 100.0 };
-        tally.add(label, &[], &Ok(vec![value, value]));
+        tally.add(label, &[], &Ok(vec![value, value]), None);
     }
     let provenance = Provenance {
         method: "monte-carlo".to_owned(),

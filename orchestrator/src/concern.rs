@@ -1,0 +1,129 @@
+//! Doubts about the verdict of a study that can be judged all the same, with the remedy.
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// A doubt about a verdict.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Concern {
+    /// Its kind, for programs.
+    pub code: Code,
+    /// How far it touches the verdict.
+    pub severity: Severity,
+    /// A sentence for people.
+    pub text: String,
+}
+
+impl Concern {
+    /// A doubt of a kind, which decides how far it touches the verdict.
+    pub fn new(code: Code, text: impl Into<String>) -> Self {
+        let severity = match code {
+            Code::ManySteps | Code::NotCompared | Code::NotReRun => Severity::Note,
+            _ => Severity::Warning,
+        };
+        let text = text.into();
+        Self {
+            code,
+            severity,
+            text,
+        }
+    }
+}
+
+/// The kinds of doubts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Code {
+    /// The guard band is as wide as a tolerance.
+    GuardBandTooWide,
+    /// The uncertainty of a measured value exceeds the tolerance.
+    UncertaintyAboveTolerance,
+    /// No point reaches a measured value.
+    OutOfReach,
+    /// A criterion's value is the same at all points.
+    Unmoved,
+    /// Points have no result.
+    FailedPoints,
+    /// Values are too large for the validation comparison.
+    NotCompared,
+    /// Rows of a table repeat earlier ones.
+    RepeatedRows,
+    /// There are more points than rows of a sample.
+    RepeatedSample,
+    /// The FMU refuses a part of a parameter's distribution.
+    RefusedDistribution,
+    /// The FMU cannot follow a recording.
+    MissedRows,
+    /// Recordings make many more steps than the study asks for.
+    ManySteps,
+    /// Nothing is known of swing and drift.
+    NotReRun,
+    /// The final value is one instant of a signal that swings.
+    Swings,
+    /// A value still moves when the run ends.
+    StillMoves,
+    /// One that this version does not know.
+    #[serde(other)]
+    Other,
+}
+
+/// How far a doubt touches a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// The verdict may be wrong, or mean something else.
+    Warning,
+    /// Something beside the verdict is missing or dear.
+    Note,
+}
+
+/// Reads doubts. In summaries of earlier versions each is a sentence alone.
+///
+/// # Errors
+/// When they are neither.
+pub fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Concern>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Form {
+        Sentence(String),
+        Whole(Concern),
+    }
+    let forms: Vec<Form> = Vec::deserialize(from)?;
+    let concern = |form| match form {
+        Form::Sentence(text) => Concern::new(Code::Other, text),
+        Form::Whole(concern) => concern,
+    };
+    Ok(forms.into_iter().map(concern).collect())
+}
+
+impl Severity {
+    /// Its name before a doubt's text.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Warning => "warning",
+            Self::Note => "note",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sentences_of_earlier_versions_and_codes_of_later_ones_are_read() {
+        let new = Concern::new(Code::NotReRun, "no point was re-run");
+        let text = serde_json::to_string(&new).unwrap();
+        assert_eq!(
+            text,
+            r#"{"code":"not-re-run","severity":"note","text":"no point was re-run"}"#
+        );
+        let later = text.replace("not-re-run", "of-later");
+        let all = format!("[{text}, {later}, \"Y: it moves\"]");
+        let all = read(&mut serde_json::Deserializer::from_str(&all)).unwrap();
+        let later = Concern {
+            code: Code::Other,
+            ..new.clone()
+        };
+        assert_eq!(all, [new, later, Concern::new(Code::Other, "Y: it moves")]);
+    }
+}

@@ -1,0 +1,355 @@
+//! Ties a study to an FMU: names become variables, units convert, numbers are checked.
+
+use std::collections::HashSet;
+
+use serde::Serialize;
+use toml::Spanned;
+
+use super::curves::Binder as CurveBinder;
+use super::quantity::Scale;
+use super::samples::{self, Together};
+use super::values::{find, slot_of, value_of};
+use super::{
+    CaseText, CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, ssv,
+};
+use crate::concern::Concern;
+use fmu_import::units::Conversion;
+use fmu_import::{Content, Description, Handle, Value, Variable};
+use fmu_points::task::{Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
+use sampling::design::Joint;
+use sampling::distribution::Distribution;
+use sampling::statistics::Statistic;
+
+/// One uncertain parameter.
+#[derive(Clone, Debug, Serialize)]
+pub struct Input {
+    /// The FMU's variable.
+    pub name: String,
+    /// The unit of the study's numbers.
+    pub unit: Option<String>,
+    /// The distribution, in that unit.
+    #[serde(flatten)]
+    pub distribution: Distribution,
+    /// From that unit to the FMU's.
+    #[serde(skip)]
+    pub conversion: Conversion,
+}
+
+/// Finds variables and checks values for one FMU.
+pub(super) struct Binder<'a> {
+    pub(super) study: &'a Study,
+    pub(super) fmu: &'a Description,
+}
+
+impl Binder<'_> {
+    /// From the FMU's units to the study's, a criterion each; the simulation of a point; doubts about its inputs.
+    pub(super) fn task(
+        &self,
+        case: Option<&CaseText>,
+        varied: Vec<Slot>,
+    ) -> Result<(Vec<Conversion>, Task, Vec<Concern>), StudyError> {
+        let mut schedule = self.schedule().map_err(|message| match case {
+            None => self.study.error(format!("[simulation] {message}")),
+            Some(case) => {
+                let name = case.name.as_ref();
+                let message = format!("the simulation of the case `{name}`: {message}");
+                self.study.error_at(&case.name, message)
+            }
+        })?;
+        let (outputs, observed) = self.criteria(&schedule)?;
+        let observed = self.windows(&mut schedule, observed)?;
+        let (inputs, doubts) = inputs::series(self.study, self.fmu, &schedule)?;
+        let task = Task {
+            schedule,
+            fixed: self.fixed()?,
+            varied,
+            inputs,
+            observed,
+        };
+        Ok((outputs, task, doubts))
+    }
+
+    fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, StudyError> {
+        find(self.fmu, name.as_ref().as_ref()).map_err(|message| self.study.error_at(name, message))
+    }
+
+    pub(super) fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), StudyError> {
+        let bind = |(name, parameter): (&Name, &ParameterText)| {
+            let variable = self.variable(name)?;
+            let at = |message: String| self.study.error_of(name, message);
+            let slot = slot_of(variable).map_err(at)?;
+            let input = self.parameter(variable, parameter).map_err(at)?;
+            Ok((input, slot))
+        };
+        self.study.parameters.iter().map(bind).collect()
+    }
+
+    /// Reads the parameters that come from samples, and gives each its distribution.
+    pub(super) fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, StudyError> {
+        let units: Vec<Option<&str>> = inputs.iter().map(|input| input.unit.as_deref()).collect();
+        let samples = samples::read(self.study, &units)?;
+        let mut joints = Vec::new();
+        for Together { joint, alone } in samples {
+            for (index, distribution) in alone {
+                inputs[index].distribution = distribution;
+            }
+            joints.push(joint);
+        }
+        Ok(joints)
+    }
+
+    /// Checks that the FMU takes the middle of each distribution.
+    pub(super) fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), StudyError> {
+        let pairs = inputs.iter().zip(slots);
+        for ((input, slot), name) in pairs.zip(self.study.parameters.keys()) {
+            let value = input.conversion.value(input.distribution.median());
+            slot.check(value)
+                .map_err(|message| self.study.error_of(name, message))?;
+        }
+        Ok(())
+    }
+
+    fn parameter(&self, variable: &Variable, parameter: &ParameterText) -> Result<Input, String> {
+        let unit = parameter.unit.as_deref().or(parameter.first_unit());
+        let scale = Scale::new(unit, self.fmu, variable)?;
+        let distribution = parameter.distribution(&scale)?;
+        distribution.check()?;
+        Ok(Input {
+            name: variable.name.clone(),
+            unit: scale.unit.clone(),
+            distribution,
+            conversion: scale.conversion,
+        })
+    }
+
+    fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>), StudyError> {
+        let bind = |(name, criterion): (&Name, &CriterionText)| {
+            let variable = self.variable(&criterion.variable)?;
+            let at = |message| self.study.error_at(&criterion.variable, message);
+            let handle = variable
+                .number_handle()
+                .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
+            let scale = criterion.scale(Some((self.fmu, variable))).map_err(at)?;
+            let probe = Probe {
+                name: variable.name.clone(),
+                handle,
+                statistic: criterion.statistic.unwrap_or_default(),
+                window: None,
+                curve: self.curve(name, criterion, &scale, &handle, schedule)?,
+                detail: self.detail(name, criterion, variable, schedule)?,
+            };
+            Ok((scale.conversion.inverse(), probe))
+        };
+        self.study.criteria.iter().map(bind).collect()
+    }
+
+    /// The number that a criterion's statistic needs.
+    fn detail(
+        &self,
+        name: &Name,
+        text: &CriterionText,
+        variable: &Variable,
+        schedule: &Schedule,
+    ) -> Result<Option<Detail>, StudyError> {
+        let named = |message: String| self.study.error_of(name, message);
+        let detail = text.detail().map_err(named)?;
+        let is_whole = text.turns.is_some() || text.periods.is_some();
+        let needs_lines =
+            detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
+        if needs_lines && variable.handle().content != Content::Real {
+            let message = "this statistic follows straight lines, and the variable is not real; take final, mean, min or max";
+            return Err(named(message.to_owned()));
+        }
+        if let Some(angle) = &text.turns {
+            return self.turns(angle, variable).map(Some);
+        }
+        if let Some(signal) = &text.periods {
+            let handle = self.variable(signal)?.number_handle();
+            let handle = handle.filter(|handle| handle.content == Content::Real);
+            let message = "periods must name a real variable, the criterion's own or another";
+            let handle = handle.ok_or_else(|| self.study.error_at(signal, message.to_owned()))?;
+            return Ok(Some(Detail::Periods(handle)));
+        }
+        match detail {
+            Some(Detail::Level(number, direction)) => {
+                let own = text
+                    .level
+                    .as_ref()
+                    .and_then(|level| level.as_ref().unit.as_deref());
+                let scale = Scale::new(own, self.fmu, variable).map_err(named)?;
+                let level = scale.conversion.value(number);
+                Ok(Some(Detail::Level(level, direction)))
+            }
+            Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => {
+                Err(named(format!(
+                    "at = {time} s is not within the run from {} s to {} s; correct it, or start and stop under [simulation]",
+                    schedule.start, schedule.stop
+                )))
+            }
+            detail => Ok(detail),
+        }
+    }
+
+    /// The angle over whose whole turns the mean of a variable is taken.
+    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail, StudyError> {
+        let at = |message: String| self.study.error_at(name, message);
+        let angle = self.variable(name)?;
+        let handle = angle.number_handle();
+        let handle =
+            handle.filter(|handle| handle.content == Content::Real && angle.name != of.name);
+        let handle = handle
+            .ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
+        let scale = Scale::new(Some("rad"), self.fmu, angle);
+        let scale = scale.map_err(|message| at(format!("turns must name an angle: {message}")))?;
+        let turn = scale.conversion.difference(std::f64::consts::TAU);
+        Ok(Detail::Turns(handle, turn.abs()))
+    }
+
+    /// The measured curve of a criterion, where it has one.
+    fn curve(
+        &self,
+        name: &Name,
+        text: &CriterionText,
+        scale: &Scale<'_>,
+        handle: &Handle,
+        schedule: &Schedule,
+    ) -> Result<Option<Box<MeasuredCurve>>, StudyError> {
+        let (Some(reference), Some(metric)) = (&text.reference, text.metric) else {
+            return Ok(None);
+        };
+        if handle.content != Content::Real {
+            let message = "only real variables can be compared with a curve";
+            return Err(self.study.error_at(&text.variable, message));
+        }
+        let run = [schedule.start, schedule.stop];
+        let general = [schedule.window_start, schedule.stop];
+        let stated = self.stated_window(text, run)?;
+        let binder = CurveBinder {
+            study: self.study,
+            name,
+            text,
+            reference,
+            metric,
+            scale,
+            run,
+            window: stated.or((general != run).then_some(general)),
+        };
+        binder.bind().map(|curve| Some(Box::new(curve)))
+    }
+
+    /// The part of the run that a criterion looks at by itself, s.
+    fn stated_window(
+        &self,
+        text: &CriterionText,
+        run: [f64; 2],
+    ) -> Result<Option<[f64; 2]>, StudyError> {
+        let Some(window) = &text.window else {
+            return Ok(None);
+        };
+        let times = window.as_ref().times(run);
+        times
+            .map(Some)
+            .map_err(|message| self.study.error_at(window, message))
+    }
+
+    /// The probes with their windows; what lies before the first window may be leapt over.
+    fn windows(
+        &self,
+        schedule: &mut Schedule,
+        mut observed: Vec<Probe>,
+    ) -> Result<Vec<Probe>, StudyError> {
+        let criteria = || self.study.criteria.values();
+        let run = [schedule.start, schedule.stop];
+        let general = [schedule.window_start, schedule.stop];
+        // A curve has its own times, and looks from the start on; so does the value at a time.
+        let is_cut = general != run && observed.iter().any(Probe::has_own_times);
+        if criteria().all(|criterion| criterion.window.is_none()) && !is_cut {
+            return Ok(observed);
+        }
+        for (probe, criterion) in observed.iter_mut().zip(criteria()) {
+            probe.window = Some(match self.stated_window(criterion, run)? {
+                _ if probe.has_own_times() => run,
+                Some(window) => window,
+                // The final value is that at the end, whatever the others look at.
+                None if probe.is_final() => [schedule.stop; 2],
+                None => general,
+            });
+        }
+        let begins = observed
+            .iter()
+            .filter_map(|probe| probe.window.map(|window| window[0]));
+        schedule.window_start = begins.fold(schedule.stop, f64::min);
+        let points = schedule.points();
+        for (probe, criterion) in observed.iter().zip(criteria()) {
+            let (Some([from, to]), Some(stated)) = (probe.window, &criterion.window) else {
+                continue;
+            };
+            let rounding = 1e-9 * (from.abs() + to.abs());
+            if points.at(points.from(from - rounding)) > to + rounding {
+                let message = format!(
+                    "no communication point lies in the window from {from} s to {to} s; make `step` under [simulation] \
+                     smaller"
+                );
+                return Err(self.study.error_at(stated, message));
+            }
+        }
+        Ok(observed)
+    }
+
+    fn fixed(&self) -> Result<Vec<(u32, Value)>, StudyError> {
+        let settings = self.study.fixed.iter();
+        let bind = |(name, setting): (&Name, &Spanned<Setting>)| {
+            let variable = self.variable(name)?;
+            let value = value_of(self.fmu, variable, setting.as_ref())
+                .map_err(|message| self.study.error_at(setting, message))?;
+            Ok((variable.handle().reference, value))
+        };
+        let mut values = self.set()?;
+        for setting in settings.map(bind) {
+            values.push(setting?);
+        }
+        Ok(values)
+    }
+
+    /// The start values of a parameter set that the study does not give itself.
+    fn set(&self) -> Result<Vec<(u32, Value)>, StudyError> {
+        let Some(file) = &self.study.fixed_from else {
+            return Ok(Vec::new());
+        };
+        let path = self.study.path_of(file.as_ref());
+        let named = ssv::read(&path, self.fmu);
+        let named = named.map_err(|error| self.study.error_at(file, error.to_string()))?;
+        let set: HashSet<&str> = self.study.set().map(|(name, _)| &**name.as_ref()).collect();
+        let free = named
+            .into_iter()
+            .filter(|(name, ..)| !set.contains(&**name));
+        Ok(free
+            .map(|(_, reference, value)| (reference, value))
+            .collect())
+    }
+
+    fn schedule(&self) -> Result<Schedule, String> {
+        let simulation = &self.study.simulation;
+        let experiment = Schedule::suggested(self.fmu);
+        let start = simulation.start.unwrap_or(experiment.start);
+        let stop = simulation.stop.unwrap_or(experiment.stop);
+        let mut schedule = Schedule {
+            start,
+            stop,
+            step: simulation.step.unwrap_or(experiment.step.min(stop - start)),
+            window_start: start,
+            leap: simulation.leap.unwrap_or(false),
+            tolerance: simulation.tolerance.or(experiment.tolerance),
+        };
+        schedule.window_start = match (simulation.warm_up, simulation.window) {
+            (Some(_), Some(_)) => {
+                return Err("[simulation] has both warm-up and window; keep one".to_owned());
+            }
+            (Some(warm_up), None) => start + warm_up,
+            (None, Some(window)) => stop - window,
+            (None, None) => start,
+        };
+        schedule.check()?;
+        Ok(schedule)
+    }
+}

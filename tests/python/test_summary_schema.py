@@ -1,0 +1,55 @@
+"""`summary.json` keeps to its schema, and has no key that the schema does not name."""
+
+import json
+
+import jsonschema
+import pytest
+from test_acceptance import ROOT, orchestrator
+
+SCHEMA = json.loads((ROOT / "studies" / "summary.schema.json").read_text())
+
+
+def strict(schema):
+    """The same schema, which refuses keys that it does not name."""
+    if isinstance(schema, list):
+        return [strict(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    schema = {key: strict(part) for key, part in schema.items()}
+    if "properties" in schema:
+        schema.setdefault("additionalProperties", False)
+    return schema
+
+
+STRICT = strict(SCHEMA)
+# A distribution's numbers are keys beside its name.
+STRICT["$defs"]["parameter-summary"]["additionalProperties"] = True
+
+
+def check(folder):
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    summary = json.loads((folder / "summary.json").read_text())
+    jsonschema.Draft202012Validator(STRICT).validate(summary)
+    return summary
+
+
+@pytest.mark.parametrize("study", ["paper-table1", "paper-table3", "rig"])
+def test_shipped_studies_keep_to_the_schema(study, tmp_path):
+    done = tmp_path / "out"
+    orchestrator("verify", f"studies/{study}.toml", "--output", done, code=1 if study == "paper-table1" else 0)
+    summary = check(done)
+    if study != "rig":
+        assert {concern["code"] for concern in summary["concerns"]} == {"still-moves", "swings"}
+
+
+def test_a_study_with_most_keys_keeps_to_the_schema(tmp_path):
+    text = (ROOT / "studies" / "paper-table3.toml").read_text()
+    text = text.replace('fmu = "', f'fmu = "{ROOT}/studies/')
+    text += '\n[verdict]\nshare = "5 %"\nrisk = "40 %"\n[dossier]\nresponsible = "A. Tester"\ntested = 2025-05-12\n'
+    text += '[[uncertainty-correlations]]\nbetween = ["T_oil", "F_N"]\ncoefficient = 0.5\n'
+    study = tmp_path / "study.toml"
+    study.write_text(text)
+    orchestrator("verify", study, "--validation", "--points", 20, "--output", tmp_path / "out", code=3)
+    summary = check(tmp_path / "out")
+    assert summary["required"]["share"] == 0.05
+    assert summary["dossier"]["tested"] == "2025-05-12"
