@@ -4,14 +4,14 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::document::{Document, Scalar, at, named};
-use super::hit::Hit;
+use crate::document::{Document, Scalar, at, named};
+use crate::finding::Hit;
 
 /// The variables in their order, which the lists count.
-pub(super) type Scalars<'a> = [Option<Scalar<'a>>];
+pub(crate) type Scalars<'a> = [Option<Scalar<'a>>];
 
 /// The element itself. Without it the schema's rules have said so.
-pub(super) fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
+pub(crate) fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
     named(document.root, "ModelStructure").next()
 }
 
@@ -28,20 +28,20 @@ fn has_list(document: &Document<'_>, name: &'static str) -> bool {
     structure(document).is_some_and(|node| named(node, name).next().is_some())
 }
 
-pub(super) fn outputs(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
     list(document, "Outputs", &|scalar| {
         (!is_output(scalar)).then_some("is no output")
     })
 }
 
-pub(super) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
     if !outputs(document).is_empty() {
         return Vec::new();
     }
     missing(document, "Outputs", &is_output)
 }
 
-pub(super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     list(document, "Derivatives", &|scalar| {
         if !scalar.typed.has_attribute("derivative") {
             return Some("has no attribute derivative");
@@ -54,7 +54,7 @@ pub(super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// State derivatives that do not change continuously.
-pub(super) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
     if !derivatives(document).is_empty() {
         return Vec::new();
     }
@@ -65,7 +65,7 @@ pub(super) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// States are declared, but no state derivatives.
-pub(super) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     if has_list(document, "Derivatives") {
         return Vec::new();
     }
@@ -82,7 +82,7 @@ pub(super) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-pub(super) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     list(
         document,
         "InitialUnknowns",
@@ -95,7 +95,7 @@ pub(super) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Outputs, calculated parameters, states and their derivatives that are computed initially.
-pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -115,7 +115,7 @@ fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
 }
 
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
-pub(super) fn states(document: &Document<'_>) -> HashSet<usize> {
+pub(crate) fn states(document: &Document<'_>) -> HashSet<usize> {
     let state = |unknown: Node<'_, '_>| {
         let derivative = position(unknown.attribute("index")?, &document.scalars)?;
         state_of(document.scalars[derivative].as_ref()?, &document.scalars)
@@ -129,7 +129,7 @@ fn state_of(scalar: &Scalar<'_>, scalars: &Scalars<'_>) -> Option<usize> {
 }
 
 /// Entries that the list is not made for.
-pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     let Some(structure) = structure(document) else {
         return Vec::new();
     };
@@ -157,11 +157,11 @@ pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     if names.is_empty() {
         Vec::new()
     } else {
-        vec![at(structure, &text)]
+        vec![at(structure, text)]
     }
 }
 
-pub(super) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
     let unsorted = structure(document).and_then(|node| unsorted(node, "InitialUnknowns"));
     if initial_unknowns(document).is_empty() {
         unsorted.into_iter().collect()
@@ -171,12 +171,12 @@ pub(super) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Nothing is forbidden about it, but a study has to look elsewhere.
-pub(super) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
     if document.known().any(is_output) {
         return Vec::new();
     }
     let text = "no outputs: simulate records the local variables, and criteria may use them";
-    vec![Hit::of(super::document::NAME, text.to_owned())]
+    vec![Hit::of(crate::document::NAME, text.to_owned())]
 }
 
 /// The unknowns of one list, where there is a `ModelStructure`.
@@ -186,7 +186,7 @@ fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item
 }
 
 /// The unknowns of one list.
-pub(super) fn unknowns<'a>(
+pub(crate) fn unknowns<'a>(
     structure: Node<'a, 'a>,
     name: &'static str,
 ) -> impl Iterator<Item = Node<'a, 'a>> {
@@ -201,7 +201,7 @@ fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<Hit> {
         let index = index(&unknown)?;
         if index < greatest {
             let text = format!("{name}: index {index} after {greatest}: sort the list by index");
-            return Some(at(unknown, &text));
+            return Some(at(unknown, text));
         }
         greatest = index;
         None
@@ -209,7 +209,7 @@ fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<Hit> {
 }
 
 /// The position of the variable of an index.
-pub(super) fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
+pub(crate) fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
     let position = index.trim().parse::<usize>().ok()?.checked_sub(1)?;
     (position < scalars.len()).then_some(position)
 }
@@ -241,7 +241,7 @@ fn list(
                 )
             }
         };
-        Some(at(unknown, &format!("{name}: index {index} {wrong}")))
+        Some(at(unknown, format!("{name}: index {index} {wrong}")))
     });
     wrong.collect()
 }
@@ -276,11 +276,11 @@ fn missing(
         short(&absent),
         if absent.len() == 1 { "it" } else { "them" }
     );
-    vec![at(structure, &text)]
+    vec![at(structure, text)]
 }
 
 /// The first few of many.
-pub(super) fn short(names: &[String]) -> String {
+pub(crate) fn short(names: &[String]) -> String {
     const FEW: usize = 5;
     let mut text = names[..names.len().min(FEW)].join(", ");
     if names.len() > FEW {

@@ -1,13 +1,13 @@
 //! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
-use super::compare::number;
-use super::hit::{Breach, Hit};
-use super::probe::{Report, Run};
-use super::structure::short;
+use crate::compare::number;
+use crate::finding::{Breach, Hit};
+use crate::probe::{Report, Run};
+use crate::structure::short;
 use fmu_import::{Causality, Description, Variable, Version};
 
 /// The FMU's declarations and remarks, apart from its values.
-pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
+pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
     let mut found = Vec::new();
     let mut tell = |rule, text: String| found.push((rule, Hit::plain(text)));
     if fmu.capabilities.needs_execution_tool {
@@ -75,7 +75,7 @@ pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
 
 /// Values that cannot be right: infinite ones, ones beyond their range, and, where the description counts, start values
 /// that are not the binary's.
-pub(super) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
+pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
     let (mut found, mut infinite) = (Vec::new(), Vec::new());
     for (place, variable) in columns.iter().enumerate() {
         let rows = run.rows.iter();
@@ -119,7 +119,7 @@ fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
         })
         .collect();
     let text = || format!("{}: correct the description or the binary", short(&others));
-    (!others.is_empty()).then(|| ("start-agrees", Hit::of(super::document::NAME, text())))
+    (!others.is_empty()).then(|| ("start-agrees", Hit::of(crate::document::NAME, text())))
 }
 
 /// A variable that leaves the range that the FMU declares for it.

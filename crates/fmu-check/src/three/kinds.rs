@@ -4,9 +4,12 @@ use std::collections::{HashMap, HashSet};
 
 use roxmltree::Node;
 
+use fmu_import::Version;
+
 use super::{listed, name, of_each, reference, variables};
-use crate::commands::check::document::{Document, at, elements, named};
-use crate::commands::check::hit::Hit;
+use crate::document::{Document, at, elements, named};
+use crate::finding::Hit;
+use crate::kinds;
 
 fn is_float(node: Node<'_, '_>) -> bool {
     matches!(node.tag_name().name(), "Float32" | "Float64")
@@ -16,50 +19,25 @@ fn causality<'a>(node: Node<'a, 'a>) -> &'a str {
     node.attribute("causality").unwrap_or("local")
 }
 
-fn is_parameter(causality: &str) -> bool {
-    matches!(
-        causality,
-        "parameter" | "calculatedParameter" | "structuralParameter"
-    )
-}
-
 fn variability<'a>(node: Node<'a, 'a>) -> &'a str {
     let usual = match causality(node) {
-        kind if is_parameter(kind) => "fixed",
+        "parameter" | "calculatedParameter" | "structuralParameter" => "fixed",
         _ if is_float(node) => "continuous",
         _ => "discrete",
     };
     node.attribute("variability").unwrap_or(usual)
 }
 
-const CAUSALITIES: [&str; 7] = [
-    "parameter",
-    "calculatedParameter",
-    "structuralParameter",
-    "input",
-    "output",
-    "local",
-    "independent",
-];
-
-const VARIABILITIES: [&str; 5] = ["constant", "fixed", "tunable", "discrete", "continuous"];
-
 /// Whether the words are known. Others are findings of the schema, and nothing follows from them.
 fn is_clear(node: Node<'_, '_>) -> bool {
-    CAUSALITIES.contains(&causality(node)) && VARIABILITIES.contains(&variability(node))
+    kinds::are_known(Version::Three, causality(node), variability(node))
 }
 
 /// The table of combinations of causality and variability.
-pub(in super::super) fn variabilities(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn variabilities(document: &Document<'_>) -> Vec<Hit> {
     of_each(document, |node| {
         let (causality, variability) = (causality(node), variability(node));
-        let allowed: &[&str] = match causality {
-            kind if is_parameter(kind) => &["fixed", "tunable"],
-            "input" => &["discrete", "continuous"],
-            "output" => &["constant", "discrete", "continuous"],
-            "independent" => &["continuous"],
-            _ => &VARIABILITIES,
-        };
+        let allowed = kinds::variabilities(causality);
         if is_clear(node) && !allowed.contains(&variability) {
             let instead = allowed.join(" or ");
             return Some(format!(
@@ -75,25 +53,21 @@ pub(in super::super) fn variabilities(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-/// The values of `initial` that the standard's table allows, the usual one first; none for the time and for kinds that are
-/// unknown.
-fn initials<'a>(node: Node<'a, 'a>) -> &'static [&'static str] {
-    match (causality(node), variability(node)) {
-        ("independent", _) => &[],
-        _ if !is_clear(node) => &[],
-        ("parameter" | "structuralParameter" | "input", _) | (_, "constant") => &["exact"],
-        ("calculatedParameter", _) | ("local", "fixed" | "tunable") => &["calculated", "approx"],
-        _ => &["calculated", "exact", "approx"],
+/// The values of `initial` that are allowed, the usual one first; none for kinds that are unknown.
+fn initials(node: Node<'_, '_>) -> &'static [&'static str] {
+    match is_clear(node) {
+        true => kinds::initials(Version::Three, causality(node), variability(node)),
+        false => &[],
     }
 }
 
 /// How a variable is initialised: as it says, or as is usual for its kind.
-pub(super) fn initial<'a>(node: Node<'a, 'a>) -> &'a str {
+pub(crate) fn initial<'a>(node: Node<'a, 'a>) -> &'a str {
     let usual = || initials(node).first().copied().unwrap_or_default();
     node.attribute("initial").unwrap_or_else(usual)
 }
 
-pub(in super::super) fn initial_values(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_values(document: &Document<'_>) -> Vec<Hit> {
     of_each(document, |node| {
         let initial = node.attribute("initial")?;
         let allowed = initials(node);
@@ -103,20 +77,17 @@ pub(in super::super) fn initial_values(document: &Document<'_>) -> Vec<Hit> {
         {
             return None;
         }
-        let remedy = match allowed {
-            [] => "remove it".to_owned(),
-            some => format!("set it to {}", some.join(" or ")),
-        };
         Some(format!(
-            "initial=\"{initial}\" is not allowed for causality {} and variability {}: {remedy}",
+            "initial=\"{initial}\" is not allowed for causality {} and variability {}: {}",
             causality(node),
-            variability(node)
+            variability(node),
+            kinds::remedy(allowed)
         ))
     })
 }
 
 /// Numbers that the schema takes and no model can start from.
-pub(in super::super) fn not_finite(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn not_finite(document: &Document<'_>) -> Vec<Hit> {
     of_each(document, |node| {
         let start = node.attribute("start").filter(|_| is_float(node))?;
         let wrong = start.split_whitespace().find(|text| {
@@ -133,7 +104,7 @@ fn by_reference<'a>(document: &Document<'a>) -> HashMap<u32, Node<'a, 'a>> {
     known.collect()
 }
 
-pub(in super::super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     let of_variables = of_each(document, |node| {
         let text = node.attribute("derivative")?;
@@ -149,12 +120,12 @@ pub(in super::super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
             "ContinuousStateDerivative: {} has no attribute `derivative`: add it, with the state's reference",
             name(node)
         );
-        (!node.has_attribute("derivative")).then(|| at(element, &text))
+        (!node.has_attribute("derivative")).then(|| at(element, text))
     });
     of_variables.into_iter().chain(listed).collect()
 }
 
-pub(in super::super) fn clocks(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn clocks(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     of_each(document, |node| {
         let mut clocks = node.attribute("clocks")?.split_whitespace();
@@ -169,7 +140,7 @@ pub(in super::super) fn clocks(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// An element that `ModelStructure` has twice, and kinds of dependencies that are not as many as these.
-pub(in super::super) fn structure(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
     let lists = named(document.root, "ModelStructure");
     let all: Vec<Node<'_, '_>> = lists.flat_map(elements).collect();
     let mut seen = HashSet::new();
@@ -180,7 +151,7 @@ pub(in super::super) fn structure(document: &Document<'_>) -> Vec<Hit> {
     let second = second.map(|node| {
         let kind = node.tag_name().name();
         let of = node.attribute("valueReference").unwrap_or_default();
-        at(*node, &format!("a second {kind} {of}: remove it"))
+        at(*node, format!("a second {kind} {of}: remove it"))
     });
     let counts = all.iter().filter_map(|node| {
         let kinds = node.attribute("dependenciesKind")?;
@@ -190,7 +161,7 @@ pub(in super::super) fn structure(document: &Document<'_>) -> Vec<Hit> {
             "{} has {dependencies} dependencies and {kinds} kinds of them: give one each",
             node.tag_name().name()
         );
-        (kinds != dependencies).then(|| at(*node, &text))
+        (kinds != dependencies).then(|| at(*node, text))
     });
     second.into_iter().chain(counts).collect()
 }

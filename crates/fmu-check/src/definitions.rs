@@ -2,36 +2,42 @@
 //! is for Model Exchange only (FMI 2.0.5, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.7).
 
 use std::collections::{HashMap, HashSet};
+use std::iter::once;
 
+use fmu_import::Version;
 use roxmltree::Node;
 
-use super::document::{Document, Scalar, at, elements, named};
-use super::hit::Hit;
+use crate::document::{Document, Scalar, at, elements, named};
+use crate::finding::Hit;
 
-pub(super) fn units(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn units(document: &Document<'_>) -> Vec<Hit> {
     twice(document.all("UnitDefinitions", "Unit"), "name")
 }
 
-pub(super) fn display_units(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn display_units(document: &Document<'_>) -> Vec<Hit> {
     let units = document.all("UnitDefinitions", "Unit");
     units
         .flat_map(|unit| twice(named(unit, "DisplayUnit"), "name"))
         .collect()
 }
 
-pub(super) fn factors(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
     let units = document.all("UnitDefinitions", "Unit");
     units.flat_map(elements).filter_map(factor).collect()
 }
 
-pub(super) fn types(document: &Document<'_>) -> Vec<Hit> {
-    twice(document.all("TypeDefinitions", "SimpleType"), "name")
+/// The definitions of types, of either version.
+fn type_definitions<'a>(document: &Document<'a>) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+    named(document.root, "TypeDefinitions").flat_map(elements)
 }
 
-pub(super) fn items(document: &Document<'_>) -> Vec<Hit> {
-    let types = document
-        .all("TypeDefinitions", "SimpleType")
-        .flat_map(elements);
+pub(crate) fn types(document: &Document<'_>) -> Vec<Hit> {
+    twice(type_definitions(document), "name")
+}
+
+/// Items are in an element of their type in FMI 2.0, and in the definition itself in FMI 3.0.
+pub(crate) fn items(document: &Document<'_>) -> Vec<Hit> {
+    let lists = type_definitions(document).flat_map(|node| once(node).chain(elements(node)));
     let clash = |node| {
         let names = twice(named(node, "Item"), "name");
         if names.is_empty() {
@@ -39,11 +45,11 @@ pub(super) fn items(document: &Document<'_>) -> Vec<Hit> {
         }
         names
     };
-    types.flat_map(clash).collect()
+    lists.flat_map(clash).collect()
 }
 
 /// Units and ranges of types that cannot be.
-pub(super) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
     let types = document
         .all("TypeDefinitions", "SimpleType")
         .flat_map(elements);
@@ -78,15 +84,15 @@ pub(super) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
             let name = node.parent().and_then(|parent| parent.attribute("name"));
             name.is_none_or(|name| !used.contains(name))
         })
-        .filter_map(|node| wrong(node).map(|text| at(node, &text)))
+        .filter_map(|node| wrong(node).map(|text| at(node, text)))
         .collect()
 }
 
-pub(super) fn categories(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn categories(document: &Document<'_>) -> Vec<Hit> {
     twice(document.all("LogCategories", "Category"), "name")
 }
 
-pub(super) fn tools(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn tools(document: &Document<'_>) -> Vec<Hit> {
     let root = twice(document.all("VendorAnnotations", "Tool"), "name");
     let of_variables = document.known().flat_map(|scalar| {
         named(scalar.node, "Annotations").flat_map(|list| twice(named(list, "Tool"), "name"))
@@ -94,7 +100,7 @@ pub(super) fn tools(document: &Document<'_>) -> Vec<Hit> {
     root.into_iter().chain(of_variables).collect()
 }
 
-pub(super) fn source_files(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn source_files(document: &Document<'_>) -> Vec<Hit> {
     let lists = document.all("CoSimulation", "SourceFiles");
     lists
         .flat_map(|list| twice(named(list, "File"), "name"))
@@ -102,23 +108,22 @@ pub(super) fn source_files(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// States can only be turned into bytes where there are states.
-pub(super) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
-    let parts = named(document.root, "CoSimulation");
-    let on = |node: Node<'_, '_>, name| matches!(node.attribute(name), Some("true" | "1"));
-    let wrong = parts
-        .filter(|node| on(*node, "canSerializeFMUstate") && !on(*node, "canGetAndSetFMUstate"));
-    wrong
-        .map(|node| {
-            at(
-                node,
-                "canSerializeFMUstate without canGetAndSetFMUstate: set both or none",
-            )
-        })
-        .collect()
+pub(crate) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
+    let capabilities = &document.read.capabilities;
+    let is_wrong = capabilities.can_serialize_fmu_state && !capabilities.can_get_and_set_fmu_state;
+    let state = match document.read.standard {
+        Version::Two => "FMUstate",
+        Version::Three => "FMUState",
+    };
+    let text = format!("canSerialize{state} without canGetAndSet{state}: set both or none");
+    let part = ["CoSimulation", "ModelExchange"]
+        .into_iter()
+        .find_map(|part| named(document.root, part).next());
+    Vec::from_iter(part.filter(|_| is_wrong).map(|node| at(node, text)))
 }
 
 /// The first of these elements with an attribute that an earlier one has, too.
-pub(super) fn twice<'a>(
+pub(crate) fn twice<'a>(
     nodes: impl Iterator<Item = Node<'a, 'a>>,
     attribute: &'static str,
 ) -> Vec<Hit> {
@@ -129,9 +134,9 @@ pub(super) fn twice<'a>(
         let element = node.tag_name().name();
         let text =
             format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
-        at(node, &text)
+        at(node, text)
     };
-    second.map(hit).into_iter().collect()
+    Vec::from_iter(second.map(hit))
 }
 
 /// Units are converted by a factor.
@@ -142,35 +147,35 @@ fn factor(node: Node<'_, '_>) -> Option<Hit> {
     nothing.then(|| {
         at(
             node,
-            &format!("{element}: factor is 0: nothing can be converted with it"),
+            format!("{element}: factor is 0: nothing can be converted with it"),
         )
     })
 }
 
-pub(super) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
     let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
     let mut types = document.all("TypeDefinitions", "SimpleType");
     let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
     let hit = |(node, name)| {
         let text =
             format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type");
-        at(node, &text)
+        at(node, text)
     };
-    same.map(hit).into_iter().collect()
+    Vec::from_iter(same.map(hit))
 }
 
 /// The date of the generation is an `xs:dateTime`.
-pub(super) fn date(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
     let text = document.root.attribute("generationDateAndTime");
     let wrong = text.filter(|text| !is_date(text.trim()));
     let hit = |text| {
         let wanted = "write it as 2009-12-08T14:33:22Z, or remove it";
         at(
             document.root,
-            &format!("generationDateAndTime is \"{text}\": {wanted}"),
+            format!("generationDateAndTime is \"{text}\": {wanted}"),
         )
     };
-    wrong.map(hit).into_iter().collect()
+    Vec::from_iter(wrong.map(hit))
 }
 
 fn is_date(text: &str) -> bool {
@@ -212,7 +217,7 @@ fn is_date(text: &str) -> bool {
 }
 
 /// Attributes that only FMUs for Model Exchange may have.
-pub(super) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
     if named(document.root, "ModelExchange").next().is_some() {
         return Vec::new();
     }
@@ -232,7 +237,7 @@ pub(super) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
             1 => String::new(),
             count => format!(" (so has each of {} more)", count - 1),
         };
-        scalar.finding(&format!(
+        scalar.finding(format!(
             "it has the attribute {name}{more}, which only an FMU for Model Exchange may have: remove it"
         ))
     });

@@ -4,63 +4,54 @@ use std::collections::HashSet;
 
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
-use super::document::NAME;
-use super::exported::functions;
-use super::hit::{Breach, Hit};
-use super::structure::short;
+use crate::document::NAME;
+use crate::exported::functions;
+use crate::finding::{Breach, Hit};
+use crate::structure::short;
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
-pub(super) struct Found {
-    pub(super) findings: Vec<Breach>,
-    pub(super) fatal: bool,
+pub(crate) struct Found {
+    pub(crate) findings: Vec<Breach>,
+    pub(crate) fatal: bool,
 }
 
-/// A platform: its folder, and the extension, format and machine of its binaries.
-type Platform = (&'static str, &'static str, BinaryFormat, Architecture);
+/// A platform: the folder, and the format and machine of its binaries.
+type Platform = (&'static str, BinaryFormat, Architecture);
 
 /// The platforms that a version names; in FMI 2.0 also aarch64 Linux and macOS as tools name them.
-fn platforms(version: Version) -> Vec<Platform> {
+fn platforms(version: Version) -> [Platform; 8] {
     use Architecture::{Aarch64, I386, X86_64};
+    use BinaryFormat::{Elf, MachO, Pe};
     let all = [
-        ("linux64", "x86_64-linux", "so", BinaryFormat::Elf, X86_64),
-        ("linux32", "x86-linux", "so", BinaryFormat::Elf, I386),
-        ("win64", "x86_64-windows", "dll", BinaryFormat::Pe, X86_64),
-        ("win32", "x86-windows", "dll", BinaryFormat::Pe, I386),
-        (
-            "darwin64",
-            "x86_64-darwin",
-            "dylib",
-            BinaryFormat::MachO,
-            X86_64,
-        ),
-        ("darwin32", "x86-darwin", "dylib", BinaryFormat::MachO, I386),
-        (
-            "aarch64-linux",
-            "aarch64-linux",
-            "so",
-            BinaryFormat::Elf,
-            Aarch64,
-        ),
-        (
-            "aarch64-darwin",
-            "aarch64-darwin",
-            "dylib",
-            BinaryFormat::MachO,
-            Aarch64,
-        ),
+        ("linux64", "x86_64-linux", Elf, X86_64),
+        ("linux32", "x86-linux", Elf, I386),
+        ("win64", "x86_64-windows", Pe, X86_64),
+        ("win32", "x86-windows", Pe, I386),
+        ("darwin64", "x86_64-darwin", MachO, X86_64),
+        ("darwin32", "x86-darwin", MachO, I386),
+        ("aarch64-linux", "aarch64-linux", Elf, Aarch64),
+        ("aarch64-darwin", "aarch64-darwin", MachO, Aarch64),
     ];
-    let of = |(two, three, extension, format, machine)| match version {
-        Version::Two => (two, extension, format, machine),
-        Version::Three => (three, extension, format, machine),
-    };
-    all.into_iter().map(of).collect()
+    all.map(|(two, three, format, machine)| match version {
+        Version::Two => (two, format, machine),
+        Version::Three => (three, format, machine),
+    })
+}
+
+/// The extension of a shared library.
+fn extension(format: BinaryFormat) -> &'static str {
+    match format {
+        BinaryFormat::Pe => "dll",
+        BinaryFormat::MachO => "dylib",
+        _ => "so",
+    }
 }
 
 const LIBRARY: &str = "binary-readable";
 const FUNCTIONS_THERE: &str = "binary-functions";
 
-pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
+pub(crate) fn broken(package: &mut Package) -> Result<Found, FmuError> {
     let entries = package.entries();
     let identifier = package.description().model_identifier.clone();
     let mut found = Found {
@@ -123,9 +114,9 @@ fn of_platform(
     package: &mut Package,
     entries: &[String],
     identifier: &str,
-    (platform, extension, format, machine): Platform,
+    (platform, format, machine): Platform,
 ) -> Result<Option<Breach>, FmuError> {
-    let folder = format!("binaries/{platform}/");
+    let (folder, extension) = (format!("binaries/{platform}/"), extension(format));
     let binaries: Vec<&str> = entries
         .iter()
         .filter_map(|entry| entry.strip_prefix(&folder))

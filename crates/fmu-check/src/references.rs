@@ -5,7 +5,7 @@ use std::str;
 
 use roxmltree::Node;
 
-use super::hit::{Breach, Hit};
+use crate::finding::{Breach, Hit};
 use fmu_import::{FmuError, Package, xml};
 
 const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
@@ -30,7 +30,7 @@ const ROLES: &str = "document requirement specification model parameter system t
     signature serialized-state meta-data other";
 
 /// The breaches in both files, as far as they are there.
-pub(super) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
+pub(crate) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
     let version = package.description().fmi_version.clone();
     let same = move |root: Node<'_, '_>| {
         let theirs = root.attribute("fmiVersion").unwrap_or_default();

@@ -1,9 +1,11 @@
 //! All rules of a check, a line each. A new rule is a function and a line here.
 
-use super::finding::Find::{Document, Either, Elsewhere, Three, Variable};
-use super::finding::Severity::{Error, Note, Warning};
-use super::finding::{Find, Rule, Severity};
-use super::{
+use fmu_import::description::About;
+
+use crate::finding::Find::{Document, Either, Elsewhere, Remark, Three, Variable};
+use crate::finding::Severity::{Error, Note, Warning};
+use crate::finding::{Find, Rule, Severity};
+use crate::{
     aliases, definitions, dependencies, names, schema, structure, three, values, variables,
 };
 
@@ -28,18 +30,20 @@ const MODEL: &str = "fmi2ModelDescription.xsd";
 const SCALAR: &str = "fmi2ScalarVariable.xsd";
 const TYPE: &str = "fmi2Type.xsd";
 
-/// The rule of this name.
-pub(super) fn named(id: &str) -> Option<&'static Rule> {
-    RULES.iter().find(|rule| rule.id == id)
+/// The rule of this name, which one of the files of this crate writes.
+pub(crate) fn named(id: &str) -> &'static Rule {
+    let rule = RULES.iter().find(|rule| rule.id == id);
+    rule.unwrap_or_else(|| panic!("there is no rule `{id}`"))
 }
 
 #[rustfmt::skip]
-pub(super) static RULES: &[Rule] = &[
+/// All rules, in the order of their findings.
+pub static RULES: &[Rule] = &[
     // The needs of any simulation.
     rule("description-readable", Error, "FMI 2.0.5, 2.2", "modelDescription.xml is well-formed and one of FMI 2.0 or 3.0 for Co-Simulation", Elsewhere),
     rule("archive-readable", Error, "FMI 2.0.5, 2.3", "the FMU is a sound zip archive with modelDescription.xml at its top", Elsewhere),
     // The schema.
-    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Either(values::encoding)),
+    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Remark(About::Encoding)),
     rule("xml-utf-8", Error, "FMI 2.0.5, 2.2", "the encoding is UTF-8", Either(values::other_encoding)),
     rule("xml-declaration", Warning, "FMI 2.0.5, 2.2", "the first line names the encoding", Either(values::no_encoding)),
     rule("schema-namespace", Error, MODEL, "the elements of FMI 2.0 are in no namespace", Document(schema::namespace)),
@@ -52,8 +56,8 @@ pub(super) static RULES: &[Rule] = &[
     rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Document(schema::empty_lists)),
     rule("schema-type-missing", Error, TYPE, "a SimpleType says of which type it is", Document(schema::typeless)),
     rule("schema-value", Error, MODEL, "values of their attribute's type", Document(schema::values)),
-    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Either(values::unreadable)),
-    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Either(values::left_out)),
+    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Remark(About::Value)),
+    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Remark(About::Variable)),
     // The definitions.
     rule("version", Error, "FMI 2.0.5, 2.2.1", "fmiVersion is 2.0", Document(values::version)),
     rule("date", Error, "FMI 2.0.5, 2.2.1", "generationDateAndTime is an xs:dateTime", Either(definitions::date)),
@@ -76,7 +80,7 @@ pub(super) static RULES: &[Rule] = &[
     rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
     rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
     // Variables.
-    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Either(values::names_twice)),
+    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Remark(About::Name)),
     rule("independent-single", Error, "FMI 2.0.5, 2.2.7", "one independent variable", Document(variables::independents)),
     rule("name-legal", Error, "FMI 2.0.5, 2.2.9", "a name is not empty, without line breaks and tabs", Variable(names::legal)),
     rule("variability", Error, "FMI 2.0.5, 2.2.7", "causality and variability go together", Variable(variables::kind)),
@@ -153,9 +157,9 @@ pub(super) static RULES: &[Rule] = &[
     rule("step-size", Note, "FMI 2.0.5, 4.2.2", "the communication step hardly changes the values", Elsewhere),
     // What FMI 3.0 writes in its own way.
     rule("three-token", Error, "FMI 3.0.2, 2.4", "instantiationToken is there", Three(three::token)),
-    rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(three::serialized_states)),
+    rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(definitions::serialized_states)),
     rule("three-type", Error, "FMI 3.0.2, 2.4.7", "a variable is of a type of FMI 3.0", Three(three::types)),
-    rule("display-unit-usable", Note, "FMI 3.0.2, 2.4.3", "every display unit can be used here", Three(values::not_usable)),
+    rule("display-unit-usable", Note, "FMI 3.0.2, 2.4.3", "every display unit can be used here", Remark(About::Limit)),
     rule("three-usable", Note, "FMI 3.0.2, 2.4.7", "every variable can be set or judged here", Three(three::unusable)),
     rule("three-reference", Error, "FMI 3.0.2, 2.4.7", "a value reference is that of one variable", Three(three::references)),
     rule("three-independent", Error, "FMI 3.0.2, 2.4.7", "one independent variable, a float without a start value", Three(three::independent)),
@@ -163,15 +167,15 @@ pub(super) static RULES: &[Rule] = &[
     rule("three-range", Error, "FMI 3.0.2, 2.4.7", "min, start and max do not contradict each other", Three(three::ranges)),
     rule("three-declared", Error, "FMI 3.0.2, 2.4.7", "declaredType and unit are defined", Three(three::declared)),
     rule("three-dimension", Error, "FMI 3.0.2, 2.4.7", "a dimension is a number, or a structural parameter or constant of type UInt64", Three(three::dimensions)),
-    rule("three-name", Error, "FMI 3.0.2, 2.4.1", "a name is not empty", Three(three::definitions::empty_names)),
-    rule("three-type-unique", Error, "FMI 3.0.2, 2.4.5", "types have names of their own", Three(three::definitions::types)),
-    rule("three-item-unique", Error, "FMI 3.0.2, 2.4.5", "items have names and values of their own", Three(three::definitions::items)),
-    rule("three-variability", Error, "FMI 3.0.2, 2.4.7", "causality, variability and type go together", Three(three::kinds::variabilities)),
-    rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Three(three::kinds::initial_values)),
-    rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Three(three::kinds::not_finite)),
-    rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::kinds::derivatives)),
-    rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::kinds::clocks)),
-    rule("three-lists", Error, "FMI 3.0.2, 2.4.8", "ModelStructure has each element once, with a kind for each dependency where kinds are given", Three(three::kinds::structure)),
+    rule("three-name", Error, "FMI 3.0.2, 2.4.1", "a name is not empty", Three(three::empty_names)),
+    rule("three-type-unique", Error, "FMI 3.0.2, 2.4.5", "types have names of their own", Three(definitions::types)),
+    rule("three-item-unique", Error, "FMI 3.0.2, 2.4.5", "items have names and values of their own", Three(definitions::items)),
+    rule("three-variability", Error, "FMI 3.0.2, 2.4.7", "causality, variability and type go together", Three(three::variabilities)),
+    rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Three(three::initial_values)),
+    rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Three(three::not_finite)),
+    rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::derivatives)),
+    rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::clocks)),
+    rule("three-lists", Error, "FMI 3.0.2, 2.4.8", "ModelStructure has each element once, with a kind for each dependency where kinds are given", Three(three::lists)),
     rule("three-outputs", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists every output, and only outputs", Three(three::outputs)),
     rule("three-structure", Error, "FMI 3.0.2, 2.4.8", "ModelStructure refers to variables", Three(three::structure)),
 ];

@@ -6,11 +6,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::child::{self, Outcome};
-use super::compare::{difference, largest_change};
-use super::hit::{Breach, Hit};
-use super::probe::{Life, Run, Setup};
-use super::{experiment, shown};
+use crate::child::{self, Outcome};
+use crate::compare::{difference, largest_change};
+use crate::finding::{Breach, Hit};
+use crate::probe::{Life, Run, Setup};
+use crate::{experiment, shown};
 use fmu_import::isolation::watch::Snapshot;
 use fmu_import::{Description, Package, Variable};
 use tempfile::TempDir;
@@ -19,7 +19,7 @@ use tempfile::TempDir;
 const FILLS: [u8; 2] = [0x55, 0xaa];
 
 /// An FMU that is probed.
-pub(super) struct Probes<'a> {
+pub(crate) struct Probes<'a> {
     fmu: &'a Description,
     columns: Vec<&'a Variable>,
     setup: Setup,
@@ -34,7 +34,7 @@ pub(super) struct Probes<'a> {
 
 impl<'a> Probes<'a> {
     /// Probes of the FMU unpacked in a folder; `scratch` is a folder for notes.
-    pub(super) fn new(
+    pub(crate) fn new(
         package: &'a Package,
         unpacked: &Path,
         scratch: &'a Path,
@@ -106,7 +106,7 @@ impl<'a> Probes<'a> {
     }
 
     /// The first file of its own folder that the FMU has changed.
-    pub(super) fn changed_file(&self) -> Option<&Path> {
+    pub(crate) fn changed_file(&self) -> Option<&Path> {
         if self.changed.get().is_none() {
             let place = self.files.difference(&Snapshot::of(&self.setup.fmu))?;
             // Nobody else sets it.
@@ -117,7 +117,7 @@ impl<'a> Probes<'a> {
     }
 
     /// All that the probes find. `described_well` says that the start values of the description count.
-    pub(super) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
+    pub(crate) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
         let (alone, refused) = self.alone()?;
         let mut found = shown::remarks(self.fmu, alone.report.as_ref());
         found.extend(refused);
