@@ -2,7 +2,6 @@
 //! is for Model Exchange only (FMI 2.0.5, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.7).
 
 use std::collections::{HashMap, HashSet};
-use std::iter::once;
 
 use fmu_import::Version;
 use roxmltree::Node;
@@ -10,42 +9,32 @@ use roxmltree::Node;
 use crate::document::{Document, Scalar, at, elements, named};
 use crate::finding::Hit;
 
-pub(crate) fn units(document: &Document<'_>) -> Vec<Hit> {
-    twice(document.all("UnitDefinitions", "Unit"), "name")
-}
-
-pub(crate) fn display_units(document: &Document<'_>) -> Vec<Hit> {
-    let units = document.all("UnitDefinitions", "Unit");
-    units
-        .flat_map(|unit| twice(named(unit, "DisplayUnit"), "name"))
-        .collect()
+/// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
+/// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.
+pub(crate) fn alike(
+    document: &Document<'_>,
+    path: &'static str,
+    attributes: &[&'static str],
+) -> Vec<Hit> {
+    let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
+    let mut steps = path.split('/');
+    let last = steps.next_back().unwrap_or_default();
+    let parents = steps.fold(vec![document.root], |nodes, step| {
+        let inner = nodes.into_iter().flat_map(elements);
+        inner.filter(|node| is(node, step)).collect()
+    });
+    let clash = |parent: Node<'_, '_>| {
+        let nodes = || elements(parent).filter(|node| is(node, last));
+        attributes
+            .iter()
+            .find_map(|attribute| twice(nodes(), attribute))
+    };
+    parents.into_iter().filter_map(clash).collect()
 }
 
 pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
     let units = document.all("UnitDefinitions", "Unit");
     units.flat_map(elements).filter_map(factor).collect()
-}
-
-/// The definitions of types, of either version.
-fn type_definitions<'a>(document: &Document<'a>) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
-    named(document.root, "TypeDefinitions").flat_map(elements)
-}
-
-pub(crate) fn types(document: &Document<'_>) -> Vec<Hit> {
-    twice(type_definitions(document), "name")
-}
-
-/// Items are in an element of their type in FMI 2.0, and in the definition itself in FMI 3.0.
-pub(crate) fn items(document: &Document<'_>) -> Vec<Hit> {
-    let lists = type_definitions(document).flat_map(|node| once(node).chain(elements(node)));
-    let clash = |node| {
-        let names = twice(named(node, "Item"), "name");
-        if names.is_empty() {
-            return twice(named(node, "Item"), "value");
-        }
-        names
-    };
-    lists.flat_map(clash).collect()
 }
 
 /// Units and ranges of types that cannot be.
@@ -62,16 +51,9 @@ pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
                 "min {min} is greater than max {max}: exchange or correct them"
             ));
         }
-        let shown = node.attribute("displayUnit");
-        match node.attribute("unit") {
-            None => {
-                shown.map(|shown| format!("displayUnit \"{shown}\" without a unit: add the unit"))
-            }
-            Some(unit) => {
-                let defined = document.read.units.get(unit).is_some();
-                (!defined)
-                    .then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
-            }
+        match (node.attribute("unit"), node.attribute("displayUnit")) {
+            (None, shown) => shown.map(unit_missing),
+            (Some(unit), _) => document.undefined_unit(unit),
         }
     };
     // Where a variable uses the type, the finding is the variable's.
@@ -85,25 +67,6 @@ pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
             name.is_none_or(|name| !used.contains(name))
         })
         .filter_map(|node| wrong(node).map(|text| at(node, text)))
-        .collect()
-}
-
-pub(crate) fn categories(document: &Document<'_>) -> Vec<Hit> {
-    twice(document.all("LogCategories", "Category"), "name")
-}
-
-pub(crate) fn tools(document: &Document<'_>) -> Vec<Hit> {
-    let root = twice(document.all("VendorAnnotations", "Tool"), "name");
-    let of_variables = document.known().flat_map(|scalar| {
-        named(scalar.node, "Annotations").flat_map(|list| twice(named(list, "Tool"), "name"))
-    });
-    root.into_iter().chain(of_variables).collect()
-}
-
-pub(crate) fn source_files(document: &Document<'_>) -> Vec<Hit> {
-    let lists = document.all("CoSimulation", "SourceFiles");
-    lists
-        .flat_map(|list| twice(named(list, "File"), "name"))
         .collect()
 }
 
@@ -122,21 +85,19 @@ pub(crate) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
     Vec::from_iter(part.filter(|_| is_wrong).map(|node| at(node, text)))
 }
 
+/// The fault of a display unit without a unit.
+pub(crate) fn unit_missing(shown: &str) -> String {
+    format!("displayUnit \"{shown}\" without a unit: add the unit")
+}
+
 /// The first of these elements with an attribute that an earlier one has, too.
-pub(crate) fn twice<'a>(
-    nodes: impl Iterator<Item = Node<'a, 'a>>,
-    attribute: &'static str,
-) -> Vec<Hit> {
+fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Option<Hit> {
     let mut seen = HashSet::new();
     let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
-    let second = known.find(|(_, value)| !seen.insert(*value));
-    let hit = |(node, value): (Node<'a, 'a>, &str)| {
-        let element = node.tag_name().name();
-        let text =
-            format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
-        at(node, text)
-    };
-    Vec::from_iter(second.map(hit))
+    let (node, value) = known.find(|(_, value)| !seen.insert(*value))?;
+    let element = node.tag_name().name();
+    let text = format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
+    Some(at(node, text))
 }
 
 /// Units are converted by a factor.
@@ -179,17 +140,6 @@ pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
 }
 
 fn is_date(text: &str) -> bool {
-    let like = |text: &str, pattern: &str| {
-        text.len() == pattern.len()
-            && text
-                .bytes()
-                .zip(pattern.bytes())
-                .all(|(is, wanted)| match wanted {
-                    b'0' => is.is_ascii_digit(),
-                    b'+' => matches!(is, b'+' | b'-'),
-                    other => is == other,
-                })
-    };
     const SECONDS: &str = "0000-00-00T00:00:00";
     /// Where month, day, hour, minute and second are, and from where to where they go.
     const FIELDS: [(usize, u8, u8); 5] = [
@@ -199,20 +149,20 @@ fn is_date(text: &str) -> bool {
         (14, 0, 59),
         (17, 0, 59),
     ];
-    let (Some(seconds), Some(rest)) = (text.get(..SECONDS.len()), text.get(SECONDS.len()..)) else {
+    let Some((seconds, rest)) = text.split_at_checked(SECONDS.len()) else {
         return false;
     };
+    let is_digit = |c: char| c.is_ascii_digit();
     let zone = match rest.strip_prefix('.') {
-        Some(fraction) => fraction.trim_start_matches(|c: char| c.is_ascii_digit()),
+        Some(fraction) => fraction.trim_start_matches(is_digit),
         None => rest,
     };
-    like(seconds, SECONDS)
-        && (["", "Z"].contains(&zone) || like(zone, "+00:00"))
+    let zone = zone.replace(is_digit, "0");
+    seconds.replace(is_digit, "0") == SECONDS
+        && ["", "Z", "+00:00", "-00:00"].contains(&&*zone)
         && FIELDS.iter().all(|(place, least, most)| {
-            let field = seconds
-                .get(*place..place + 2)
-                .and_then(|text| text.parse().ok());
-            field.is_some_and(|field: u8| (*least..=*most).contains(&field))
+            let field = seconds[*place..place + 2].parse();
+            field.is_ok_and(|field: u8| (*least..=*most).contains(&field))
         })
 }
 

@@ -68,7 +68,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// What the reader remarks on a part of the description.
+    /// The remarks of the reader on a part of the description.
     pub(crate) fn remarks(&self, about: About) -> Vec<Hit> {
         let remarks = self
             .read
@@ -132,6 +132,12 @@ impl<'a> Document<'a> {
         named(self.root, list).flat_map(move |list| named(list, of))
     }
 
+    /// The fault of a unit that is not defined.
+    pub(crate) fn undefined_unit(&self, unit: &str) -> Option<String> {
+        let undefined = self.read.units.get(unit).is_none();
+        undefined.then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+    }
+
     /// The definition of a variable's declared type.
     pub(crate) fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
         let name = scalar.typed.attribute("declaredType")?;
@@ -140,8 +146,8 @@ impl<'a> Document<'a> {
 
     /// An attribute of a variable's type: its own, or else that of its declared type.
     pub(crate) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
-        let own = scalar.typed.attribute(name);
-        own.or_else(|| self.declared(scalar)?.attribute(name))
+        let written = scalar.typed.attribute(name);
+        written.or_else(|| self.declared(scalar)?.attribute(name))
     }
 }
 

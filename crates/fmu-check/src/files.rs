@@ -11,7 +11,7 @@ use crate::structure::short;
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
-pub(crate) struct Found {
+pub(crate) struct Faults {
     pub(crate) findings: Vec<Breach>,
     pub(crate) fatal: bool,
 }
@@ -51,10 +51,10 @@ fn extension(format: BinaryFormat) -> &'static str {
 const LIBRARY: &str = "binary-readable";
 const FUNCTIONS_THERE: &str = "binary-functions";
 
-pub(crate) fn broken(package: &mut Package) -> Result<Found, FmuError> {
+pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     let entries = package.entries();
     let identifier = package.description().model_identifier.clone();
-    let mut found = Found {
+    let mut faults = Faults {
         findings: Vec::new(),
         fatal: false,
     };
@@ -62,30 +62,30 @@ pub(crate) fn broken(package: &mut Package) -> Result<Found, FmuError> {
         let those = entries.iter().filter(|entry| path(entry) == Some(wrong));
         let those: Vec<String> = those.cloned().collect();
         if !those.is_empty() {
-            found.findings.push((
+            faults.findings.push((
                 "archive-path",
                 Hit::plain(format!("{}: {wrong}", short(&those))),
             ));
-            found.fatal = true;
+            faults.fatal = true;
         }
     }
-    if found.fatal {
-        return Ok(found);
+    if faults.fatal {
+        return Ok(faults);
     }
     if !is_identifier(&identifier) {
         let text = format!(
             "modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"
         );
-        found
+        faults
             .findings
             .push(("model-identifier", Hit::of(NAME, text)));
     }
     let version = package.description().standard;
     for platform in platforms(version) {
         let wrong = of_platform(package, &entries, &identifier, platform)?;
-        found.fatal |= wrong.is_some() && platform.0 == version.platform();
+        faults.fatal |= wrong.is_some() && platform.0 == version.platform();
         if let Some(breach) = wrong {
-            add(&mut found.findings, breach, platform.0);
+            add(&mut faults.findings, breach, platform.0);
         }
     }
     let twice = package.entries_twice();
@@ -94,11 +94,11 @@ pub(crate) fn broken(package: &mut Package) -> Result<Found, FmuError> {
             "two entries of each of these names: {}: remove one",
             short(twice)
         );
-        found
+        faults
             .findings
             .push(("archive-entry-unique", Hit::plain(text)));
     }
-    Ok(found)
+    Ok(faults)
 }
 
 /// Adds a breach, or the platform to the one of the same rule: a wrong name is wrong on all platforms.

@@ -1,6 +1,7 @@
 //! Findings of a check, and its rules.
 
 use fmu_import::description::About;
+use roxmltree::Node;
 use serde::Serialize;
 
 use crate::document::{Document, Scalar};
@@ -49,7 +50,9 @@ pub(crate) enum Find {
     Document(fn(&Document<'_>) -> Vec<Hit>),
     /// Looks at one of FMI 3.0.
     Three(fn(&Document<'_>) -> Vec<Hit>),
-    /// Looks at one of either version.
+    /// Looks at one variable of FMI 3.0.
+    Each(fn(Node<'_, '_>, &Document<'_>) -> Option<String>),
+    /// Looks at a whole one of either version.
     Either(fn(&Document<'_>) -> Vec<Hit>),
     /// The reader of the model description remarks on it.
     Remark(About),

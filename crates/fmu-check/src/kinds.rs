@@ -51,7 +51,7 @@ pub(crate) fn initials(
     }
 }
 
-/// What to do about an `initial` that is none of those allowed.
+/// The remedy for an `initial` that is none of those allowed.
 pub(crate) fn remedy(initials: &[&str]) -> String {
     match initials {
         [] => "remove it".to_owned(),

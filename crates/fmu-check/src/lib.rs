@@ -187,22 +187,25 @@ impl Findings {
     /// The findings in the model description.
     fn described(&mut self, package: &mut Package) -> Result<(), CheckError> {
         let read = package.description().clone();
-        let found = package.with_document(|root| {
+        let findings = package.with_document(|root| {
             let document = Document::new(root, &read);
-            let mut found = Vec::new();
+            let mut findings = Vec::new();
             let is_three = read.standard == Version::Three;
             for rule in RULES {
                 let hits = match rule.find {
                     Find::Document(find) if !is_three => find(&document),
                     Find::Three(find) if is_three => find(&document),
+                    Find::Each(find) if is_three => {
+                        three::of_each(&document, |node| find(node, &document))
+                    }
                     Find::Either(find) => find(&document),
                     Find::Remark(about) => document.remarks(about),
                     _ => continue,
                 };
-                found.extend(hits.into_iter().map(|hit| Finding { rule, hit }));
+                findings.extend(hits.into_iter().map(|hit| Finding { rule, hit }));
             }
             for scalar in document.known() {
-                found.extend(RULES.iter().find_map(|rule| match rule.find {
+                findings.extend(RULES.iter().find_map(|rule| match rule.find {
                     Find::Variable(find) => {
                         let hit = scalar.finding(&find(scalar, &document)?);
                         Some(Finding { rule, hit })
@@ -210,12 +213,12 @@ impl Findings {
                     _ => None,
                 }));
             }
-            for finding in &mut found {
+            for finding in &mut findings {
                 document.locate(&mut finding.hit);
             }
-            found
+            findings
         })?;
-        self.all.extend(found);
+        self.all.extend(findings);
         Ok(())
     }
 

@@ -65,8 +65,8 @@ impl<'a> Probes<'a> {
     }
 
     fn run(&self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
-        let own = self.own_folder()?;
-        let fmu = own.as_ref().map_or(&*self.setup.fmu, TempDir::path);
+        let fresh = self.fresh_folder()?;
+        let fmu = fresh.as_ref().map_or(&*self.setup.fmu, TempDir::path);
         let setup = Setup {
             life,
             fmu: fmu.to_owned(),
@@ -96,13 +96,13 @@ impl<'a> Probes<'a> {
     }
 
     /// A newly unpacked FMU, where an earlier probe has changed the files of the first one.
-    fn own_folder(&self) -> io::Result<Option<TempDir>> {
+    fn fresh_folder(&self) -> io::Result<Option<TempDir>> {
         if self.changed_file().is_none() {
             return Ok(None);
         }
         let package = Package::open(self.original);
-        let own = package.and_then(|mut package| package.unpack_anew(self.scratch));
-        own.map(Some).map_err(io::Error::other)
+        let fresh = package.and_then(|mut package| package.unpack_anew(self.scratch));
+        fresh.map(Some).map_err(io::Error::other)
     }
 
     /// The first file of its own folder that the FMU has changed.
@@ -119,8 +119,8 @@ impl<'a> Probes<'a> {
     /// All that the probes find. `described_well` says that the start values of the description count.
     pub(crate) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
         let (alone, refused) = self.alone()?;
-        let mut found = shown::remarks(self.fmu, alone.report.as_ref());
-        found.extend(refused);
+        let mut breaches = shown::remarks(self.fmu, alone.report.as_ref());
+        breaches.extend(refused);
         let whole = match sound(&alone, 1) {
             Ok(runs) => &runs[0],
             Err(mut text) => {
@@ -131,32 +131,32 @@ impl<'a> Probes<'a> {
                     Some(report) if report.unloadable.is_some() => "binary-loads",
                     _ => "simulation-runs",
                 };
-                found.push((rule, Hit::plain(self.shortened(&text))));
-                return Ok(found);
+                breaches.push((rule, Hit::plain(self.shortened(&text))));
+                return Ok(breaches);
             }
         };
-        found.extend(shown::values(&self.columns, whole, described_well));
+        breaches.extend(shown::values(&self.columns, whole, described_well));
         if let Some(fate) = &alone.fate {
             let text = format!("{} failed after a whole simulation: {fate}", alone.stage);
-            found.push(("life-ends", Hit::plain(text)));
-            return Ok(found);
+            breaches.push(("life-ends", Hit::plain(text)));
+            return Ok(breaches);
         }
         if let Some(text) = &whole.unfinished {
-            found.push((
+            breaches.push((
                 "life-ends",
                 Hit::plain(format!("the simulation is whole, but: {text}")),
             ));
         }
         let stable = self.memory(whole)?;
         let unstable = stable.is_some();
-        found.extend(stable);
+        breaches.extend(stable);
         if unstable {
             // Nothing can be compared with what differs by itself.
-            return Ok(found);
+            return Ok(breaches);
         }
-        found.extend(self.lives(whole)?);
-        found.extend(self.halved(whole)?);
-        Ok(found)
+        breaches.extend(self.lives(whole)?);
+        breaches.extend(self.halved(whole)?);
+        Ok(breaches)
     }
 
     /// One simulation. A step that the FMU refuses and does not suggest itself is replaced by another, with a note.
@@ -217,21 +217,21 @@ impl<'a> Probes<'a> {
             .fmu
             .capabilities
             .can_be_instantiated_only_once_per_process;
-        let mut found = Vec::new();
+        let mut breaches = Vec::new();
         let reset = self.life(Life::Reset, whole)?;
         if reset.is_none() && !self.setup.changed.is_empty() {
-            found.extend(self.life(Life::Changed, whole)?);
+            breaches.extend(self.life(Life::Changed, whole)?);
         }
-        found.extend(reset);
+        breaches.extend(reset);
         if once {
-            return Ok(found);
+            return Ok(breaches);
         }
         let in_turn = self.life(Life::InTurn, whole)?;
         if in_turn.is_none() {
-            found.extend(self.life(Life::Together, whole)?);
+            breaches.extend(self.life(Life::Together, whole)?);
         }
-        found.extend(in_turn);
-        Ok(found)
+        breaches.extend(in_turn);
+        Ok(breaches)
     }
 
     /// The fault of two runs in one process, where one alone was `whole`.

@@ -39,9 +39,9 @@ pub(crate) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
         );
         Vec::from_iter((theirs != version).then_some(text))
     };
-    let mut found = in_file(package, TERMINALS, "terminals-version", same)?;
-    found.extend(in_file(package, MANIFEST, "references-manifest", manifest)?);
-    Ok(found)
+    let mut breaches = in_file(package, TERMINALS, "terminals-version", same)?;
+    breaches.extend(in_file(package, MANIFEST, "references-manifest", manifest)?);
+    Ok(breaches)
 }
 
 /// The breaches that `look` finds in an XML file.
@@ -92,11 +92,11 @@ fn manifest(root: Node<'_, '_>) -> Vec<String> {
             _ => {}
         }
     }
-    let own = |name: &str| FIXED.iter().any(|(known, _)| *known == name);
+    let is_fixed = |name: &str| FIXED.iter().any(|(known, _)| *known == name);
     attributes(
         root,
         &[],
-        |space, name| space == NAMESPACE && own(name),
+        |space, name| space == NAMESPACE && is_fixed(name),
         &mut wrong,
     );
     children(root, "Related", &mut wrong);

@@ -127,10 +127,10 @@ const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 /// Attributes that are none of FMI 2.0.
 pub(crate) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
-        let own = node
+        let given = node
             .attributes()
             .filter(|a| a.namespace() != Some(INSTANCE));
-        for attribute in own {
+        for attribute in given {
             let (foreign, attribute) = (attribute.namespace().is_some(), attribute.name());
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
@@ -264,10 +264,10 @@ pub(crate) fn values(document: &Document<'_>) -> Vec<Hit> {
         let typed = TYPED.iter().filter(|(elements, ..)| {
             elements.is_empty() || elements.split(' ').any(|one| one == element)
         });
-        for (_, names, is, what) in typed {
+        for (_, names, (is, what)) in typed {
             for name in names
                 .split(' ')
-                .filter(|name| known(attributes).any(|own| own == *name))
+                .filter(|name| known(attributes).any(|known| known == *name))
             {
                 if let Some(text) = node.attribute(name).filter(|text| !is(text.trim())) {
                     hits.push(at(node, format!("{name}=\"{text}\" is {what}")));
@@ -284,55 +284,51 @@ pub(crate) fn values(document: &Document<'_>) -> Vec<Hit> {
     wrong
 }
 
-/// The elements, or none for all; attributes; whether a text is one of their values, and what it is else.
-type Typed = (&'static str, &'static str, fn(&str) -> bool, &'static str);
+/// A type of values: whether a text is one of them, and what it is else.
+type Values = (fn(&str) -> bool, &'static str);
 
-/// Attributes that the reader does not use.
-const TYPED: [Typed; 7] = [
+const FLAG: Values = (
+    |text| ["true", "false", "1", "0"].contains(&text),
+    "neither true nor false",
+);
+const NUMBER: Values = (|text| text.parse::<f64>().is_ok(), "not a number");
+const WHOLE: Values = (|text| text.parse::<i32>().is_ok(), "not a whole number");
+const COUNT: Values = (
+    |text| text.parse::<u32>().is_ok(),
+    "not a whole number from 0 on",
+);
+const INITIAL: Values = (
+    |text| ["exact", "approx", "calculated"].contains(&text),
+    "none of exact, approx and calculated",
+);
+
+/// Attributes that the reader does not use: the elements, or none for all; the names; the type.
+const TYPED: [(&str, &str, Values); 7] = [
     // The reader takes these from the Co-Simulation part.
     (
         "ModelExchange",
         "needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUstate canSerializeFMUstate",
-        |text| ["true", "false", "1", "0"].contains(&text),
-        "neither true nor false",
+        FLAG,
     ),
-    (
-        "SimpleType/Real",
-        "min max nominal",
-        |text| text.parse::<f64>().is_ok(),
-        "not a number",
-    ),
+    ("SimpleType/Real", "min max nominal", NUMBER),
     (
         "SimpleType/Integer ScalarVariable/Enumeration",
         "min max",
-        |text| text.parse::<i32>().is_ok(),
-        "not a whole number",
+        WHOLE,
     ),
     (
         "",
         "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
          reinit canHandleMultipleSetPerTimeInstant",
-        |text| ["true", "false", "1", "0"].contains(&text),
-        "neither true nor false",
+        FLAG,
     ),
     (
         "",
         "maxOutputDerivativeOrder numberOfEventIndicators",
-        |text| text.parse::<u32>().is_ok(),
-        "not a whole number from 0 on",
+        COUNT,
     ),
-    (
-        "",
-        "value",
-        |text| text.parse::<i32>().is_ok(),
-        "not a whole number",
-    ),
-    (
-        "",
-        "initial",
-        |text| ["exact", "approx", "calculated"].contains(&text),
-        "none of exact, approx and calculated",
-    ),
+    ("", "value", WHOLE),
+    ("", "initial", INITIAL),
 ];
 
 fn known(list: &'static str) -> impl Iterator<Item = &'static str> {

@@ -28,7 +28,10 @@ fn reference(node: Node<'_, '_>) -> Option<u32> {
 }
 
 /// A finding at each variable where `wrong` says something.
-fn of_each(document: &Document<'_>, wrong: impl Fn(Node<'_, '_>) -> Option<String>) -> Vec<Hit> {
+pub(crate) fn of_each(
+    document: &Document<'_>,
+    wrong: impl Fn(Node<'_, '_>) -> Option<String>,
+) -> Vec<Hit> {
     variables(document)
         .filter_map(|node| Some(at(node, format!("{}: {}", name(node), wrong(node)?))))
         .collect()
@@ -57,24 +60,20 @@ pub(crate) fn empty_names(document: &Document<'_>) -> Vec<Hit> {
 const TYPES: &str = "Float32 Float64 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String Enumeration Binary \
     Clock";
 
-pub(crate) fn types(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        let kind = node.tag_name().name();
-        TYPES
-            .split(' ')
-            .all(|known| known != kind)
-            .then(|| format!("FMI 3.0 has no type `{kind}`: use one of its own"))
-    })
+pub(crate) fn types(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
+    let kind = node.tag_name().name();
+    TYPES
+        .split(' ')
+        .all(|known| known != kind)
+        .then(|| format!("FMI 3.0 has no type `{kind}`: use one of its own"))
 }
 
-pub(crate) fn unusable(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        // Unknown types and sizes are errors of other rules.
-        let is_other = matches!(node.tag_name().name(), "Binary" | "Clock");
-        let why = document.read.unusable.get(name(node));
-        let why = why.filter(|why| is_other || why.contains("more than"))?;
-        Some(format!("it cannot be set or judged here: {why}"))
-    })
+pub(crate) fn unusable(node: Node<'_, '_>, document: &Document<'_>) -> Option<String> {
+    // Unknown types and sizes are errors of other rules.
+    let is_other = matches!(node.tag_name().name(), "Binary" | "Clock");
+    let why = document.read.unusable.get(name(node));
+    let why = why.filter(|why| is_other || why.contains("more than"))?;
+    Some(format!("it cannot be set or judged here: {why}"))
 }
 
 pub(crate) fn references(document: &Document<'_>) -> Vec<Hit> {
@@ -113,27 +112,25 @@ pub(crate) fn independent(document: &Document<'_>) -> Vec<Hit> {
     vec![at(one, text)]
 }
 
-pub(crate) fn starts(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        let causality = node.attribute("causality").unwrap_or("local");
-        // The time has a rule of its own.
-        if node.tag_name().name() == "Clock" || causality == "independent" {
-            return None;
-        }
-        let initial = kinds::initial(node);
-        let given = node.has_attribute("start") || named(node, "Start").next().is_some();
-        let needed = matches!(causality, "parameter" | "structuralParameter" | "input")
-            || node.attribute("variability") == Some("constant")
-            || matches!(initial, "exact" | "approx");
-        let forbidden = initial == "calculated";
-        if needed && !given {
-            Some("it needs a start value".to_owned())
-        } else if forbidden && !needed && given {
-            Some("it is calculated, and has no start value: remove it".to_owned())
-        } else {
-            None
-        }
-    })
+pub(crate) fn starts(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
+    let causality = node.attribute("causality").unwrap_or("local");
+    // The time has a rule of its own.
+    if node.tag_name().name() == "Clock" || causality == "independent" {
+        return None;
+    }
+    let initial = kinds::initial(node);
+    let given = node.has_attribute("start") || named(node, "Start").next().is_some();
+    let needed = matches!(causality, "parameter" | "structuralParameter" | "input")
+        || node.attribute("variability") == Some("constant")
+        || matches!(initial, "exact" | "approx");
+    let forbidden = initial == "calculated";
+    if needed && !given {
+        Some("it needs a start value".to_owned())
+    } else if forbidden && !needed && given {
+        Some("it is calculated, and has no start value: remove it".to_owned())
+    } else {
+        None
+    }
 }
 
 pub(crate) fn ranges(document: &Document<'_>) -> Vec<Hit> {
@@ -187,8 +184,7 @@ pub(crate) fn declared(document: &Document<'_>) -> Vec<Hit> {
         else {
             return None;
         };
-        let defined = document.read.units.get(unit).is_some();
-        (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+        document.undefined_unit(unit)
     })
 }
 

@@ -1,5 +1,6 @@
 //! Numbers that cannot be right: of the experiment, and of single variables (FMI 2.0.5, sections 2.2.3, 2.2.5, 2.2.7).
 
+use crate::definitions::unit_missing;
 use crate::document::{Document, NAME, Scalar};
 use crate::finding::Hit;
 use fmu_import::Kind;
@@ -40,17 +41,9 @@ fn experiment(text: Option<String>) -> Vec<Hit> {
 }
 
 /// A number of the experiment that must be greater than 0.
-fn positive(name: &str, number: Option<f64>) -> Vec<Hit> {
+pub(crate) fn positive(name: &str, number: Option<f64>) -> Vec<Hit> {
     let wrong = number.filter(|number| !(*number > 0.0 && number.is_finite()));
     experiment(wrong.map(|number| format!("{name} is {number}; it must be greater than 0")))
-}
-
-pub(crate) fn step(document: &Document<'_>) -> Vec<Hit> {
-    positive("stepSize", document.read.default_experiment.step)
-}
-
-pub(crate) fn tolerance(document: &Document<'_>) -> Vec<Hit> {
-    positive("tolerance", document.read.default_experiment.tolerance)
 }
 
 pub(crate) fn stop(document: &Document<'_>) -> Vec<Hit> {
@@ -135,14 +128,14 @@ pub(crate) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Optio
             number(declared.attribute(name)?)?,
         ))
     };
-    let (name, (own, of_type)) = [
-        ("min", both("min").filter(|(own, other)| own < other)),
-        ("max", both("max").filter(|(own, other)| own > other)),
+    let (name, (number, of_type)) = [
+        ("min", both("min").filter(|(number, other)| number < other)),
+        ("max", both("max").filter(|(number, other)| number > other)),
     ]
     .into_iter()
     .find_map(|(name, wrong)| Some((name, wrong?)))?;
     Some(format!(
-        "{name} {own} goes beyond its type's {name} of {of_type}: narrow it"
+        "{name} {number} goes beyond its type's {name} of {of_type}: narrow it"
     ))
 }
 
@@ -156,16 +149,14 @@ pub(crate) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 }
 
 pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let unit = document.effective(scalar, "unit")?;
-    let defined = document.read.units.get(unit).is_some();
-    (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+    document.undefined_unit(document.effective(scalar, "unit")?)
 }
 
 /// A display unit says nothing without a unit.
 pub(crate) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
     let alone = document.effective(scalar, "unit").is_none();
-    alone.then(|| format!("displayUnit \"{shown}\" without a unit: add the unit"))
+    alone.then(|| unit_missing(shown))
 }
 
 /// An undefined display unit is ignored, as the standard says.

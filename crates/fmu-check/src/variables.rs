@@ -129,11 +129,11 @@ pub(crate) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option
 
 /// Types of another kind.
 pub(crate) fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let own = scalar.kind();
+    let wanted = scalar.kind();
     let kind = document.declared(scalar)?.tag_name().name();
     let name = scalar.typed.attribute("declaredType")?;
-    (kind != own).then(|| {
-        format!("declaredType \"{name}\" is a type of {kind}, but the variable is {own}: use a type of {own}")
+    (kind != wanted).then(|| {
+        format!("declaredType \"{name}\" is a type of {kind}, but the variable is {wanted}: use a type of {wanted}")
     })
 }
 

@@ -211,30 +211,9 @@ unsafe extern "C" {
     pub(crate) fn fmu_import_logger();
 }
 
-/// Takes a formatted message from `logger.c`.
+/// Takes a formatted message: from `logger.c`, or as the callback of FMI 3.0. The strings are zero-terminated or NULL.
 #[unsafe(no_mangle)]
-extern "C" fn fmu_import_log(
-    environment: *const c_void,
-    _instance: *const c_char,
-    status: c_int,
-    category: *const c_char,
-    message: *const c_char,
-) {
-    take(environment, status, category, message);
-}
-
-/// The callback of FMI 3.0, whose messages come formatted.
-pub(crate) unsafe extern "C" fn log_message(
-    environment: *const c_void,
-    status: c_int,
-    category: *const c_char,
-    message: *const c_char,
-) {
-    take(environment, status, category, message);
-}
-
-/// Takes a message of either version. The strings are zero-terminated or NULL.
-fn take(
+pub(crate) extern "C" fn fmu_import_log(
     environment: *const c_void,
     status: c_int,
     category: *const c_char,
@@ -307,7 +286,7 @@ mod tests {
     }
 
     fn say(environment: *const c_void, status: c_int, text: &CStr) {
-        fmu_import_log(environment, ptr::null(), status, ptr::null(), text.as_ptr());
+        fmu_import_log(environment, status, ptr::null(), text.as_ptr());
     }
 
     /// One test, as the seats are those of the whole process.
@@ -336,7 +315,7 @@ mod tests {
         say(ptr::without_provenance(1), 1, c"astray");
         assert_eq!(one.strays(), 1);
         let category = c"logStatusWarning".as_ptr();
-        fmu_import_log(own(&one), ptr::null(), 0, category, c"by category".as_ptr());
+        fmu_import_log(own(&one), 0, category, c"by category".as_ptr());
         let warnings = one.warnings();
         assert_eq!(
             (warnings.count, warnings.first.as_deref()),
@@ -347,7 +326,7 @@ mod tests {
         // An error outlasts what comes after it; a wild status is none.
         say(own(&one), -5, c"wild");
         assert_eq!(one.last().as_deref(), Some("of one"));
-        fmu_import_log(own(&one), ptr::null(), 0, ptr::null(), ptr::null());
+        fmu_import_log(own(&one), 0, ptr::null(), ptr::null());
         std::thread::scope(|scope| {
             let environment = own(&one).addr();
             for _ in 0..4 {

@@ -296,7 +296,7 @@ impl Reader {
         }
     }
 
-    /// What Model Exchange of FMI 2.0 declares beside its capabilities.
+    /// The declarations of Model Exchange of FMI 2.0 beside its capabilities.
     fn exchange(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
         let structure = child(root, "ModelStructure");
         let derivatives = structure.and_then(|structure| child(structure, "Derivatives"));

@@ -34,22 +34,22 @@ fn is_clear(node: Node<'_, '_>) -> bool {
 }
 
 /// The table of combinations of causality and variability.
-pub(crate) fn variabilities(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        let (causality, variability) = (causality(node), variability(node));
-        let allowed = kinds::variabilities(causality);
-        if is_clear(node) && !allowed.contains(&variability) {
-            let instead = allowed.join(" or ");
-            return Some(format!(
-                "causality {causality} and variability {variability} do not go together: set variability to {instead}"
-            ));
-        }
-        let kind = node.tag_name().name();
-        // What type the time is of is another rule's.
-        let wrong = variability == "continuous" && !is_float(node) && causality != "independent";
-        wrong.then(|| {
-            format!("only a Float32 or Float64 is continuous: set variability to discrete for this {kind}")
-        })
+pub(crate) fn variabilities(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
+    let (causality, variability) = (causality(node), variability(node));
+    let allowed = kinds::variabilities(causality);
+    if is_clear(node) && !allowed.contains(&variability) {
+        let instead = allowed.join(" or ");
+        return Some(format!(
+            "causality {causality} and variability {variability} do not go together: set variability to {instead}"
+        ));
+    }
+    let kind = node.tag_name().name();
+    // The type of the time is another rule's.
+    let wrong = variability == "continuous" && !is_float(node) && causality != "independent";
+    wrong.then(|| {
+        format!(
+            "only a Float32 or Float64 is continuous: set variability to discrete for this {kind}"
+        )
     })
 }
 
@@ -67,35 +67,31 @@ pub(crate) fn initial<'a>(node: Node<'a, 'a>) -> &'a str {
     node.attribute("initial").unwrap_or_else(usual)
 }
 
-pub(crate) fn initial_values(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        let initial = node.attribute("initial")?;
-        let allowed = initials(node);
-        if !is_clear(node)
-            || allowed.contains(&initial)
-            || !["exact", "approx", "calculated"].contains(&initial)
-        {
-            return None;
-        }
-        Some(format!(
-            "initial=\"{initial}\" is not allowed for causality {} and variability {}: {}",
-            causality(node),
-            variability(node),
-            kinds::remedy(allowed)
-        ))
-    })
+pub(crate) fn initial_values(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
+    let initial = node.attribute("initial")?;
+    let allowed = initials(node);
+    if !is_clear(node)
+        || allowed.contains(&initial)
+        || !["exact", "approx", "calculated"].contains(&initial)
+    {
+        return None;
+    }
+    Some(format!(
+        "initial=\"{initial}\" is not allowed for causality {} and variability {}: {}",
+        causality(node),
+        variability(node),
+        kinds::remedy(allowed)
+    ))
 }
 
 /// Numbers that the schema takes and no model can start from.
-pub(crate) fn not_finite(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        let start = node.attribute("start").filter(|_| is_float(node))?;
-        let wrong = start.split_whitespace().find(|text| {
-            let value = text.parse::<f64>();
-            value.is_ok_and(|value| !value.is_finite())
-        })?;
-        Some(format!("start {wrong} is no finite number: give one"))
-    })
+pub(crate) fn not_finite(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
+    let start = node.attribute("start").filter(|_| is_float(node))?;
+    let wrong = start.split_whitespace().find(|text| {
+        let value = text.parse::<f64>();
+        value.is_ok_and(|value| !value.is_finite())
+    })?;
+    Some(format!("start {wrong} is no finite number: give one"))
 }
 
 /// The variables by their value references.

@@ -1,4 +1,4 @@
-//! What a simulation leaves in its process: threads and processes that still run, signals that are handled in another way.
+//! The traces that a simulation leaves in its process: threads and processes that still run, signals that are handled in another way.
 
 use std::fs::{self, File};
 use std::io;
