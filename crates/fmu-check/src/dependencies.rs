@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use roxmltree::Node;
 
 use crate::document::{Document, Scalar, at};
-use crate::finding::Hit;
-use crate::structure::{position, states, structure, unknowns};
+use crate::hit::Hit;
+use crate::structure::{listed, scalar_of, states};
 
 const LISTS: [&str; 3] = ["Outputs", "Derivatives", "InitialUnknowns"];
 
@@ -76,8 +76,7 @@ pub(crate) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
 /// Only Reals depend on something by a factor.
 pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
     let wrong = every(document, |_, unknown| {
-        let scalar =
-            document.scalars[position(unknown.attribute("index")?, &document.scalars)?].as_ref()?;
+        let scalar = scalar_of(document, unknown.attribute("index")?)?;
         let kinds = unknown.attribute("dependenciesKind")?;
         let factor = kinds.split_whitespace().find(|kind| *kind != "dependent")?;
         let (name, kind) = (scalar.name, scalar.kind());
@@ -127,11 +126,9 @@ fn every(
 ) -> Vec<Hit> {
     let mut hits = Vec::new();
     for name in LISTS {
-        let listed = structure(document)
-            .into_iter()
-            .flat_map(|node| unknowns(node, name));
         hits.extend(
-            listed.filter_map(|node| Some(at(node, format!("{name}: {}", wrong(name, node)?)))),
+            listed(document, name)
+                .filter_map(|node| Some(at(node, format!("{name}: {}", wrong(name, node)?)))),
         );
     }
     hits

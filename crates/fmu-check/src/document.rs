@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use roxmltree::Node;
 
-use crate::finding::Hit;
+use crate::hit::Hit;
 use fmu_import::description::About;
 use fmu_import::{Description, Remark};
 

@@ -6,7 +6,7 @@ use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
 use crate::document::NAME;
 use crate::exported::functions;
-use crate::finding::{Breach, Hit};
+use crate::hit::{Breach, Hit};
 use crate::structure::short;
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 

@@ -2,6 +2,7 @@
 
 mod aliases;
 mod child;
+mod combinations;
 mod compare;
 mod definitions;
 mod dependencies;
@@ -11,14 +12,14 @@ mod exported;
 mod files;
 mod finding;
 mod formats;
-mod kinds;
+mod hit;
 mod names;
 mod probe;
 mod probes;
 mod references;
 mod rules;
 mod schema;
-mod shown;
+mod simulated;
 mod structure;
 mod three;
 mod values;
@@ -35,7 +36,8 @@ use thiserror::Error;
 
 use document::Document;
 use finding::Find;
-pub use finding::{Finding, Hit, Rule, Severity};
+pub use finding::{Finding, Rule, Severity};
+pub use hit::Hit;
 use probes::Probes;
 pub use rules::RULES;
 

@@ -1,16 +1,15 @@
 //! Short simulations of an FMU, each in a process of its own: alone, with fresh memory filled otherwise, after a reset,
 //! one after another, two at once, with half the step. What differs from the first, the FMU does not do by itself.
 
-use std::cell::OnceCell;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::child::{self, Outcome};
 use crate::compare::{difference, largest_change};
-use crate::finding::{Breach, Hit};
+use crate::hit::{Breach, Hit};
 use crate::probe::{Life, Run, Setup};
-use crate::{experiment, shown};
+use crate::{experiment, simulated};
 use fmu_import::isolation::watch::Snapshot;
 use fmu_import::{Description, Package, Variable};
 use tempfile::TempDir;
@@ -28,7 +27,7 @@ pub(crate) struct Probes<'a> {
     original: &'a Path,
     files: Snapshot,
     /// The first of these files that a probe was seen to change.
-    changed: OnceCell<PathBuf>,
+    changed: Option<PathBuf>,
     scratch: &'a Path,
 }
 
@@ -58,13 +57,13 @@ impl<'a> Probes<'a> {
             patience,
             original: package.path(),
             files: Snapshot::of(&setup.fmu),
-            changed: OnceCell::new(),
+            changed: None,
             scratch,
             setup,
         })
     }
 
-    fn run(&self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
+    fn run(&mut self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
         let fresh = self.fresh_folder()?;
         let fmu = fresh.as_ref().map_or(&*self.setup.fmu, TempDir::path);
         let setup = Setup {
@@ -77,7 +76,7 @@ impl<'a> Probes<'a> {
 
     /// A probe of an FMU that has ended in time alone. Where this one does not, the machine may be busy: it gets another
     /// chance before it is said to hang.
-    fn later(&self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
+    fn later(&mut self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
         const LONGER: u32 = 3;
         let timed_out = |outcome: &Outcome| outcome.fate.as_deref() == Some(child::TIMEOUT);
         let outcome = self.run(life, fill, self.patience)?;
@@ -96,7 +95,7 @@ impl<'a> Probes<'a> {
     }
 
     /// A newly unpacked FMU, where an earlier probe has changed the files of the first one.
-    fn fresh_folder(&self) -> io::Result<Option<TempDir>> {
+    fn fresh_folder(&mut self) -> io::Result<Option<TempDir>> {
         if self.changed_file().is_none() {
             return Ok(None);
         }
@@ -106,20 +105,18 @@ impl<'a> Probes<'a> {
     }
 
     /// The first file of its own folder that the FMU has changed.
-    pub(crate) fn changed_file(&self) -> Option<&Path> {
-        if self.changed.get().is_none() {
-            let place = self.files.difference(&Snapshot::of(&self.setup.fmu))?;
-            // Nobody else sets it.
-            let _ = self.changed.set(place);
+    pub(crate) fn changed_file(&mut self) -> Option<&Path> {
+        if self.changed.is_none() {
+            self.changed = self.files.difference(&Snapshot::of(&self.setup.fmu));
         }
-        let place = self.changed.get()?;
+        let place = self.changed.as_deref()?;
         Some(place.strip_prefix(&self.setup.fmu).unwrap_or(place))
     }
 
     /// All that the probes find. `described_well` says that the start values of the description count.
     pub(crate) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
         let (alone, refused) = self.alone()?;
-        let mut breaches = shown::remarks(self.fmu, alone.report.as_ref());
+        let mut breaches = simulated::remarks(self.fmu, alone.report.as_ref());
         breaches.extend(refused);
         let whole = match sound(&alone, 1) {
             Ok(runs) => &runs[0],
@@ -135,7 +132,7 @@ impl<'a> Probes<'a> {
                 return Ok(breaches);
             }
         };
-        breaches.extend(shown::values(&self.columns, whole, described_well));
+        breaches.extend(simulated::values(&self.columns, whole, described_well));
         if let Some(fate) = &alone.fate {
             let text = format!("{} failed after a whole simulation: {fate}", alone.stage);
             breaches.push(("life-ends", Hit::plain(text)));
@@ -184,7 +181,7 @@ impl<'a> Probes<'a> {
     }
 
     /// Whether the values depend on memory that was never written, or on nothing that can be named.
-    fn memory(&self, whole: &Run) -> io::Result<Option<Breach>> {
+    fn memory(&mut self, whole: &Run) -> io::Result<Option<Breach>> {
         let [filled, again, other] =
             [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.later(Life::Alone, Some(fill)));
         let (filled, again, other) = (filled?, again?, other?);
@@ -212,7 +209,7 @@ impl<'a> Probes<'a> {
     }
 
     /// Whether other lives give the same values.
-    fn lives(&self, whole: &Run) -> io::Result<Vec<Breach>> {
+    fn lives(&mut self, whole: &Run) -> io::Result<Vec<Breach>> {
         let once = self
             .fmu
             .capabilities
@@ -235,7 +232,7 @@ impl<'a> Probes<'a> {
     }
 
     /// The fault of two runs in one process, where one alone was `whole`.
-    fn life(&self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
+    fn life(&mut self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
         let reset = format!("{}Reset", self.fmu.standard.prefix());
         let (rule, what) = match life {
             Life::Reset => ("life-reset", format!("after {reset}")),
@@ -278,7 +275,7 @@ impl<'a> Probes<'a> {
     }
 
     /// How much half the step changes. It may: a note.
-    fn halved(&self, whole: &Run) -> io::Result<Option<Breach>> {
+    fn halved(&mut self, whole: &Run) -> io::Result<Option<Breach>> {
         const MUCH: f64 = 0.01;
         // Where it ends depends on the step that it refuses.
         if whole.ended.is_some() {

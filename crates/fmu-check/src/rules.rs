@@ -181,3 +181,17 @@ pub static RULES: &[Rule] = &[
     rule("three-outputs", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists every output, and only outputs", Three(three::outputs)),
     rule("three-structure", Error, "FMI 3.0.2, 2.4.8", "ModelStructure refers to variables", Three(three::structure)),
 ];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn each_rule_has_a_name_of_its_own() {
+        let names: HashSet<&str> = RULES.iter().map(|rule| rule.id).collect();
+        assert_eq!(names.len(), RULES.len());
+        assert_eq!(named("range").wants, "max is not less than min");
+    }
+}

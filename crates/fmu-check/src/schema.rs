@@ -4,7 +4,7 @@
 use roxmltree::Node;
 
 use crate::document::{Document, at, elements};
-use crate::finding::Hit;
+use crate::hit::Hit;
 use fmu_points::names::{did_you_mean, nearest};
 
 /// An element: its name, with its parent's where it has several; its attributes and its children. Those that must

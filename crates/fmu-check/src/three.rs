@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use roxmltree::Node;
 
 use crate::document::{Document, at, elements, named};
-use crate::finding::Hit;
+use crate::hit::Hit;
 use fmu_import::Kind;
 
 /// The variables in their order.

@@ -2,7 +2,7 @@
 
 use crate::definitions::unit_missing;
 use crate::document::{Document, NAME, Scalar};
-use crate::finding::Hit;
+use crate::hit::Hit;
 use fmu_import::Kind;
 
 /// The encoding in the XML declaration, where there is a declaration that names one.

@@ -2,14 +2,14 @@
 
 use fmu_import::Version;
 
+use crate::combinations;
 use crate::document::{Document, Scalar};
-use crate::finding::Hit;
-use crate::kinds;
+use crate::hit::Hit;
 use fmu_points::names::{did_you_mean, nearest};
 
 /// Whether the words are known. The reader remarks on others, and nothing follows from them.
 fn is_clear(scalar: &Scalar<'_>) -> bool {
-    kinds::are_known(Version::Two, scalar.causality, scalar.variability)
+    combinations::are_known(Version::Two, scalar.causality, scalar.variability)
 }
 
 /// There can be one independent variable.
@@ -26,7 +26,7 @@ pub(crate) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
         "input" | "output" | "independent" => "an",
         _ => "a",
     };
-    let allowed = kinds::variabilities(causality);
+    let allowed = combinations::variabilities(causality);
     (is_clear(scalar) && !allowed.contains(&variability)).then(|| {
         format!(
             "{article} {causality} cannot be {variability}: set variability to {}",
@@ -69,14 +69,14 @@ pub(crate) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
         initial,
         ..
     } = *scalar;
-    let initials = kinds::initials(Version::Two, causality, variability);
+    let initials = combinations::initials(Version::Two, causality, variability);
     let is_right = initials.contains(&initial) || initials.len() == 3;
     if !node.has_attribute("initial") || !is_clear(scalar) || is_right {
         return None;
     }
     Some(format!(
         "initial=\"{initial}\" is not allowed for causality {causality} and variability {variability}: {}",
-        kinds::remedy(initials)
+        combinations::remedy(initials)
     ))
 }
 

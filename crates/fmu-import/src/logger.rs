@@ -66,6 +66,10 @@ unsafe impl Sync for Seat {}
 struct Heard {
     messages: VecDeque<(i32, String)>,
     warnings: Warnings,
+    /// How many warnings there were when a call last returned one: those in between are that call's.
+    returned: u64,
+    /// Whether the first warning is that of a call.
+    is_named: bool,
     strays: u64,
 }
 
@@ -158,14 +162,32 @@ impl Log {
         self.forget_warnings();
     }
 
-    /// The messages that were warnings.
+    /// The warnings of messages and calls.
     pub(crate) fn warnings(&self) -> Warnings {
         locked(&self.seat.heard).warnings.clone()
     }
 
     /// Counts warnings from zero again; the messages stay.
     pub(crate) fn forget_warnings(&self) {
-        locked(&self.seat.heard).warnings = Warnings::default();
+        let mut heard = locked(&self.seat.heard);
+        (heard.warnings, heard.returned) = (Warnings::default(), 0);
+        heard.is_named = false;
+    }
+
+    /// Counts a call that returned a warning, unless it has logged one.
+    #[cold]
+    pub(crate) fn returned_warning(&self, function: &str) {
+        let last = self.last();
+        let mut heard = locked(&self.seat.heard);
+        heard.warnings.count += u64::from(heard.warnings.count == heard.returned);
+        heard.returned = heard.warnings.count;
+        if !heard.is_named {
+            heard.is_named = true;
+            heard.warnings.first = Some(match last {
+                Some(message) => format!("{function}: {message}"),
+                None => function.to_owned(),
+            });
+        }
     }
 
     /// The last message of an error, or else the last message at all.

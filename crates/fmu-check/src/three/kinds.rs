@@ -7,9 +7,9 @@ use roxmltree::Node;
 use fmu_import::Version;
 
 use super::{listed, name, of_each, reference, variables};
+use crate::combinations;
 use crate::document::{Document, at, elements, named};
-use crate::finding::Hit;
-use crate::kinds;
+use crate::hit::Hit;
 
 fn is_float(node: Node<'_, '_>) -> bool {
     matches!(node.tag_name().name(), "Float32" | "Float64")
@@ -30,13 +30,13 @@ fn variability<'a>(node: Node<'a, 'a>) -> &'a str {
 
 /// Whether the words are known. Others are findings of the schema, and nothing follows from them.
 fn is_clear(node: Node<'_, '_>) -> bool {
-    kinds::are_known(Version::Three, causality(node), variability(node))
+    combinations::are_known(Version::Three, causality(node), variability(node))
 }
 
 /// The table of combinations of causality and variability.
 pub(crate) fn variabilities(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
     let (causality, variability) = (causality(node), variability(node));
-    let allowed = kinds::variabilities(causality);
+    let allowed = combinations::variabilities(causality);
     if is_clear(node) && !allowed.contains(&variability) {
         let instead = allowed.join(" or ");
         return Some(format!(
@@ -56,7 +56,7 @@ pub(crate) fn variabilities(node: Node<'_, '_>, _: &Document<'_>) -> Option<Stri
 /// The values of `initial` that are allowed, the usual one first; none for kinds that are unknown.
 fn initials(node: Node<'_, '_>) -> &'static [&'static str] {
     match is_clear(node) {
-        true => kinds::initials(Version::Three, causality(node), variability(node)),
+        true => combinations::initials(Version::Three, causality(node), variability(node)),
         false => &[],
     }
 }
@@ -80,7 +80,7 @@ pub(crate) fn initial_values(node: Node<'_, '_>, _: &Document<'_>) -> Option<Str
         "initial=\"{initial}\" is not allowed for causality {} and variability {}: {}",
         causality(node),
         variability(node),
-        kinds::remedy(allowed)
+        combinations::remedy(allowed)
     ))
 }
 

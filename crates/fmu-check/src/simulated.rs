@@ -1,7 +1,7 @@
 //! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
 use crate::compare::number;
-use crate::finding::{Breach, Hit};
+use crate::hit::{Breach, Hit};
 use crate::probe::{Report, Run};
 use crate::structure::short;
 use fmu_import::{Causality, Description, Variable, Version};
