@@ -48,44 +48,34 @@ fn extension(format: BinaryFormat) -> &'static str {
     }
 }
 
-const LIBRARY: &str = "binary-readable";
-const FUNCTIONS_THERE: &str = "binary-functions";
-
 pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     let entries = package.entries();
     let identifier = package.description().model_identifier.clone();
-    let mut faults = Faults {
-        findings: Vec::new(),
-        fatal: false,
-    };
+    let (mut findings, mut fatal) = (Vec::new(), false);
     for wrong in [OUTSIDE, BACKSLASH] {
         let those = entries.iter().filter(|entry| path(entry) == Some(wrong));
         let those: Vec<String> = those.cloned().collect();
         if !those.is_empty() {
-            faults.findings.push((
-                "archive-path",
-                Hit::plain(format!("{}: {wrong}", short(&those))),
-            ));
-            faults.fatal = true;
+            let text = format!("{}: {wrong}", short(&those));
+            findings.push(("archive-path", Hit::plain(text)));
+            fatal = true;
         }
     }
-    if faults.fatal {
-        return Ok(faults);
+    if fatal {
+        return Ok(Faults { findings, fatal });
     }
     if !is_identifier(&identifier) {
         let text = format!(
             "modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"
         );
-        faults
-            .findings
-            .push(("model-identifier", Hit::of(NAME, text)));
+        findings.push(("model-identifier", Hit::of(NAME, text)));
     }
     let version = package.description().standard;
     for platform in platforms(version) {
         let wrong = of_platform(package, &entries, &identifier, platform)?;
-        faults.fatal |= wrong.is_some() && platform.0 == version.platform();
+        fatal |= wrong.is_some() && platform.0 == version.platform();
         if let Some(breach) = wrong {
-            add(&mut faults.findings, breach, platform.0);
+            add(&mut findings, breach, platform.0);
         }
     }
     let twice = package.entries_twice();
@@ -94,11 +84,9 @@ pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
             "two entries of each of these names: {}: remove one",
             short(twice)
         );
-        faults
-            .findings
-            .push(("archive-entry-unique", Hit::plain(text)));
+        findings.push(("archive-entry-unique", Hit::plain(text)));
     }
-    Ok(faults)
+    Ok(Faults { findings, fatal })
 }
 
 /// Adds a breach, or the platform to the one of the same rule: a wrong name is wrong on all platforms.
@@ -131,8 +119,12 @@ fn of_platform(
     if let Some(file) = binaries.iter().find(alike) {
         let name = format!("{folder}{file}");
         return match package.bytes_of(&name) {
-            Ok(bytes) => Ok(binary(&bytes, package.description(), format, machine)
-                .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
+            Ok(bytes) => {
+                let sound = sound(&bytes, package.description(), format, machine);
+                Ok(sound
+                    .err()
+                    .map(|(rule, wrong)| (rule, Hit::of(&name, wrong))))
+            }
             Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
                 Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
             }
@@ -182,26 +174,23 @@ fn is_identifier(name: &str) -> bool {
     name.chars().all(word) && !name.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// Faults of a binary by itself.
-fn binary(
+/// Whether a binary by itself is sound, or which rule it breaks.
+fn sound(
     bytes: &[u8],
     fmu: &Description,
     format: BinaryFormat,
     machine: Architecture,
-) -> Option<(&'static str, String)> {
+) -> Result<(), (&'static str, String)> {
     // A macOS library for several machines holds one for each.
     if format == BinaryFormat::MachO && bytes.starts_with(&[0xca, 0xfe, 0xba, 0xbe]) {
-        return None;
+        return Ok(());
     }
-    let file = match object::File::parse(bytes) {
-        Ok(file) => file,
-        Err(error) => {
-            return Some((
-                LIBRARY,
-                format!("no shared library ({error}): build the binary anew"),
-            ));
-        }
-    };
+    let unreadable = |text| ("binary-readable", text);
+    let file = object::File::parse(bytes).map_err(|error| {
+        unreadable(format!(
+            "no shared library ({error}): build the binary anew"
+        ))
+    })?;
     if (file.format(), file.architecture()) != (format, machine) {
         let text = format!(
             "a binary for {:?} in {:?} format, not for {machine:?} in {format:?}: put it into the folder of its \
@@ -209,17 +198,13 @@ fn binary(
             file.architecture(),
             file.format()
         );
-        return Some(("binary-machine", text));
+        return Err(("binary-machine", text));
     }
-    let exports = match exports(&file) {
-        Ok(exports) => exports,
-        Err(error) => {
-            return Some((
-                LIBRARY,
-                format!("its functions cannot be read ({error}): build it anew"),
-            ));
-        }
-    };
+    let exports = exports(&file).map_err(|error| {
+        unreadable(format!(
+            "its functions cannot be read ({error}): build it anew"
+        ))
+    })?;
     // macOS puts an underscore before the names of C.
     let has = |name: &str| exports.contains(name) || exports.contains(&format!("_{name}"));
     let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
@@ -229,29 +214,28 @@ fn binary(
         .map(|name| format!("{prefix}{name}"))
         .filter(|name| !has(name))
         .collect();
-    if absent.len() == functions.len() {
+    if absent.is_empty() {
+        return Ok(());
+    }
+    let text = if absent.len() < functions.len() {
+        let absent = short(&absent);
+        format!("the binary does not export {absent}: every function of FMI {number} must be there")
+    } else {
         let step = match fmu.interface {
             Interface::CoSimulation => format!("{prefix}DoStep"),
             Interface::ModelExchange => format!("{prefix}SetTime"),
         };
-        let prefixed = exports
-            .iter()
-            .find(|export| export.ends_with(&format!("_{step}")));
-        let text = prefixed.map_or_else(
-            || format!("the binary exports none of the functions of FMI {number}: export them"),
-            |name| {
-                format!("the binary exports {name} instead of {step}: build it without a prefix of the functions")
-            },
-        );
-        return Some((FUNCTIONS_THERE, text));
-    }
-    (!absent.is_empty()).then(|| {
-        let absent = short(&absent);
-        let text = format!(
-            "the binary does not export {absent}: every function of FMI {number} must be there"
-        );
-        (FUNCTIONS_THERE, text)
-    })
+        let end = format!("_{step}");
+        match exports.iter().find(|export| export.ends_with(&end)) {
+            Some(name) => format!(
+                "the binary exports {name} instead of {step}: build it without a prefix of the functions"
+            ),
+            None => {
+                format!("the binary exports none of the functions of FMI {number}: export them")
+            }
+        }
+    };
+    Err(("binary-functions", text))
 }
 
 /// The names that a library exports.

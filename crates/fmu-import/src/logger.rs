@@ -315,10 +315,10 @@ mod tests {
     #[test]
     fn messages_find_their_instance_and_nothing_else() {
         let [one, other] = [Log::open(), Log::open()];
-        let own = |log: &Log| log.seat.callbacks.environment;
-        say(own(&one), 3, c"of\n one");
+        let ticket_of = |log: &Log| log.seat.callbacks.environment;
+        say(ticket_of(&one), 3, c"of\n one");
         assert_eq!(one.warnings(), Warnings::default());
-        say(own(&other), 77, c"of the other");
+        say(ticket_of(&other), 77, c"of the other");
         assert_eq!(one.last().as_deref(), Some("of one"));
         assert_eq!(other.last().as_deref(), Some("of the other"));
         // Between two, nobody knows whose a foreign ticket is.
@@ -326,18 +326,18 @@ mod tests {
             say(ptr::without_provenance(foreign), 3, c"lost");
         }
         assert_eq!((one.strays(), other.strays()), (0, 0));
-        let late = own(&other);
+        let late = ticket_of(&other);
         drop(other);
         say(late, 3, c"too late");
         // Another takes a seat of its own, not the one just left.
         let next = Log::open();
-        assert_ne!(own(&next), late);
+        assert_ne!(ticket_of(&next), late);
         assert_eq!(next.last(), None);
         drop(next);
         say(ptr::without_provenance(1), 1, c"astray");
         assert_eq!(one.strays(), 1);
         let category = c"logStatusWarning".as_ptr();
-        fmu_import_log(own(&one), 0, category, c"by category".as_ptr());
+        fmu_import_log(ticket_of(&one), 0, category, c"by category".as_ptr());
         let warnings = one.warnings();
         assert_eq!(
             (warnings.count, warnings.first.as_deref()),
@@ -346,11 +346,11 @@ mod tests {
         one.forget_warnings();
         assert_eq!(one.warnings(), Warnings::default());
         // An error outlasts what comes after it; a wild status is none.
-        say(own(&one), -5, c"wild");
+        say(ticket_of(&one), -5, c"wild");
         assert_eq!(one.last().as_deref(), Some("of one"));
-        fmu_import_log(own(&one), 0, ptr::null(), ptr::null());
+        fmu_import_log(ticket_of(&one), 0, ptr::null(), ptr::null());
         std::thread::scope(|scope| {
-            let environment = own(&one).addr();
+            let environment = ticket_of(&one).addr();
             for _ in 0..4 {
                 scope.spawn(move || {
                     for _ in 0..1000 {
