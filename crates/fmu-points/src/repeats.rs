@@ -5,10 +5,8 @@
 //! differently.
 
 use std::collections::BTreeSet;
-use std::hash::{DefaultHasher, Hash, Hasher};
 
-use rand::rngs::StdRng;
-use rand::{SeedableRng, seq};
+use sampling::random::{self, Purpose, Random};
 
 /// So many points are computed twice where that takes little time: they find 95 % of the FMUs that differ in 5 % of
 /// their points.
@@ -26,11 +24,16 @@ impl Repeats {
     /// Chooses among `count` points of these indexes, which ascend.
     pub fn among(seed: u64, count: u64, mut indexes: impl Iterator<Item = u64>) -> Self {
         let count = usize::try_from(count).unwrap_or(usize::MAX);
-        let mut random = StdRng::seed_from_u64(seed);
-        let places = seq::index::sample(&mut random, count, ENOUGH.min(count));
+        let mut random = Random::new(seed, Purpose::Audit, 0);
+        let mut places = BTreeSet::new();
+        // Floyd's way: each set of places is as probable, and no list of all points is needed.
+        for last in count.saturating_sub(ENOUGH)..count {
+            if !places.insert(random.below(last + 1)) {
+                places.insert(last);
+            }
+        }
         let mut passed = 0;
-        let chosen = places.into_iter().collect::<BTreeSet<usize>>();
-        let chosen = chosen.into_iter().map(|place| {
+        let chosen = places.into_iter().map(|place| {
             let index = indexes.nth(place - passed);
             passed = place + 1;
             index.expect("there are as many indexes as the caller says")
@@ -61,9 +64,7 @@ impl Repeats {
 
     /// The place of a point in an order that depends on the seed alone.
     pub fn rank(&self, index: u64) -> u64 {
-        let mut hasher = DefaultHasher::new();
-        (self.seed, index).hash(&mut hasher);
-        hasher.finish()
+        random::bits(self.seed, Purpose::Audit, index, 1)
     }
 }
 

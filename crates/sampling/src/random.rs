@@ -40,6 +40,8 @@ pub enum Purpose {
     Between = 13,
     /// Numbers for whatever has no purpose of its own, such as an example.
     Unstated = 14,
+    /// Points that are computed twice.
+    Audit = 15,
 }
 
 /// Random numbers one after the other. Numbers of different purposes or streams are independent, so what a task draws does not depend on the thread that runs it, nor on other tasks.
@@ -133,8 +135,8 @@ pub(crate) fn to_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) * 2.0_f64.powi(-52)
 }
 
-/// 64 random bits.
-pub(crate) fn bits(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> u64 {
+/// The 64 random bits of a place: those of a [`Random`] have the number of the draw and the stream.
+pub fn bits(seed: u64, purpose: Purpose, index: u64, dimension: u32) -> u64 {
     let counter = [low(index), high(index), dimension, purpose as u32];
     let [a, b, ..] = philox(counter, [low(seed), high(seed)]);
     u64::from(b) << 32 | u64::from(a)
