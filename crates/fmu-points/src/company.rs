@@ -26,6 +26,8 @@ pub struct Company {
     failed: BTreeMap<String, Indexes>,
     /// These fail alone, too.
     sound: BTreeSet<String>,
+    /// Points that were repeated alone in an earlier part of the run: of which kind they failed then, if they did.
+    repeated: BTreeMap<u64, Option<String>>,
 }
 
 impl Company {
@@ -47,6 +49,19 @@ impl Company {
         }
     }
 
+    /// Notes a point that gave results in one try and none in another while others ran.
+    pub fn note_fickle(&mut self, index: u64) {
+        if !self.sound.contains(FICKLE) {
+            let points = self.failed.entry(FICKLE.to_owned());
+            points.or_default().insert(index);
+        }
+    }
+
+    /// Notes what came of a point that an earlier part of the run has repeated alone: it does not come again.
+    pub fn recall(&mut self, index: u64, failure: Option<&Failure>) {
+        self.repeated.insert(index, failure.map(kind));
+    }
+
     /// Notes what happened while others ran.
     pub(crate) fn heed(&mut self, event: &Event) {
         match event {
@@ -57,10 +72,7 @@ impl Company {
                     self.note(*index, failure);
                 }
             }
-            Event::Fickle(index) if !self.sound.contains(FICKLE) => {
-                let points = self.failed.entry(FICKLE.to_owned());
-                points.or_default().insert(*index);
-            }
+            Event::Fickle(index) => self.note_fickle(*index),
             _ => {}
         }
     }
@@ -96,6 +108,10 @@ impl Company {
             loop {
                 let mut changed = false;
                 for index in spread(&mut open, count) {
+                    if let Some(known) = self.repeated.remove(&index) {
+                        changed |= kind != FICKLE && known.as_ref() != Some(&kind);
+                        continue;
+                    }
                     let mut outcome = Ok(());
                     let mut take = |event| {
                         if let Event::Answer(_, answer, _) = &event {
@@ -155,6 +171,8 @@ mod tests {
     use super::*;
     use crate::conduct::Separation;
 
+    type Again = (u64, Option<Failure>);
+
     /// Alone, the points below this number fail for a reason of their own.
     struct Shy(u64);
 
@@ -179,19 +197,28 @@ mod tests {
 
     /// How many points came again, and how many of them passed.
     fn repeated(own: u64, crowded: u64) -> (usize, usize) {
+        let again = settled(own, crowded, &[]);
+        let passed = again.iter().filter(|(_, failure)| failure.is_none());
+        (again.len(), passed.count())
+    }
+
+    /// The points that come again, in their order, and why they fail alone; an earlier part of the run has repeated some.
+    fn settled(own: u64, crowded: u64, before: &[Again]) -> Vec<Again> {
         let mut company = Company::default();
         (0..crowded + 10).for_each(|index| company.heed(&answer(index, own, crowded)));
+        for (index, failure) in before {
+            company.recall(*index, failure.as_ref());
+        }
         let mut workers: Vec<Box<dyn Worker>> = vec![Box::new(Shy(own))];
         let job = |index| Job {
             index,
             values: Vec::new(),
         };
-        let (mut again, mut passed) = (0, 0);
+        let mut again = Vec::new();
         let never = AtomicBool::new(false);
         let over = company.settle::<RunError>(&mut workers, &job, &never, &mut |event| {
-            if let Event::Answer(_, answer, _) = event {
-                again += 1;
-                passed += usize::from(answer.is_ok());
+            if let Event::Answer(index, answer, _) = event {
+                again.push((index, answer.err()));
             }
             Ok(ControlFlow::Continue(()))
         });
@@ -199,7 +226,19 @@ mod tests {
         // What is known of a kind is not tried again.
         company.heed(&answer(0, own, crowded));
         assert!(company.is_settled());
-        (again, passed)
+        again
+    }
+
+    /// Wherever the repetition was interrupted, what follows is what would have followed.
+    #[test]
+    fn what_was_repeated_before_does_not_come_again() {
+        for (own, crowded) in [(0, 30), (30, 30), (10, 40)] {
+            let whole = settled(own, crowded, &[]);
+            for begun in 0..=whole.len() {
+                let (before, after) = whole.split_at(begun);
+                assert_eq!(settled(own, crowded, before), after, "{own} {crowded}");
+            }
+        }
     }
 
     #[test]

@@ -21,6 +21,13 @@ impl Indexes {
         }
     }
 
+    /// Whether an index is in it.
+    pub fn has(&self, index: u64) -> bool {
+        let word = usize::try_from(index / 64).ok();
+        let word = word.and_then(|place| self.0.get(place));
+        word.is_some_and(|word| word >> (index % 64) & 1 == 1)
+    }
+
     /// Adds an index.
     pub fn insert(&mut self, index: u64) {
         self.set(index, true);

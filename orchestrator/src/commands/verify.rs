@@ -281,7 +281,7 @@ fn compute(
             let mut outcomes = finished.outcomes()?;
             // A run that was killed had several points under way, and left gaps.
             for index in 0..verification.source.len() {
-                if let Some(outcome) = outcomes.get(index)? {
+                if let Some(outcome) = outcomes.first(index)? {
                     enough = front.add(index, ending.counts(judge, &outcome));
                 }
                 if enough {

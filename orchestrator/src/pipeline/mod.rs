@@ -130,6 +130,8 @@ pub struct Pipeline<'a> {
     company: Company,
     /// How many were repeated alone so far, and how many of these passed; none while others run.
     alone: Option<[u64; 2]>,
+    /// How many an earlier part of the run has repeated so without telling it, and how many of these passed.
+    alone_before: [u64; 2],
     /// Warnings in points of which the next event is that they failed.
     said: HashMap<u64, Box<Notices>>,
     progress: Progress,
@@ -159,6 +161,7 @@ impl<'a> Pipeline<'a> {
             let differs = finished.conduct().reproducible == Some(false);
             crew.recall(finished.refuted, !differs);
         }
+        let alone_before = finished.as_ref().map_or([0; 2], |finished| finished.alone);
         Self {
             model,
             crew: crew.map(|(crew, _)| crew),
@@ -175,6 +178,7 @@ impl<'a> Pipeline<'a> {
             before,
             company: Company::default(),
             alone: None,
+            alone_before,
             said: HashMap::new(),
             progress,
             synced: Instant::now(),
@@ -272,8 +276,15 @@ impl<'a> Pipeline<'a> {
         if let Some(finished) = &self.finished {
             let mut outcomes = finished.outcomes()?;
             for index in finished.crowded().filter(|index| set.contains(index)) {
-                if let Some(Err(failure)) = outcomes.get(index)? {
-                    self.company.note(index, &failure);
+                match outcomes.first(index)? {
+                    Some(Err(failure)) => self.company.note(index, &failure),
+                    Some(Ok(_)) => self.company.note_fickle(index),
+                    None => {}
+                }
+                if finished.was_repeated(index)
+                    && let Some(alone) = outcomes.get(index)?
+                {
+                    self.company.recall(index, alone.as_ref().err());
                 }
             }
         }
@@ -372,9 +383,12 @@ impl<'a> Pipeline<'a> {
                 self.said.insert(index, notices);
                 None
             }
-            Event::Fickle(_) => None,
+            Event::Fickle(index) => {
+                self.journal.note(&Note::Crowded(index))?;
+                None
+            }
             Event::Alone => {
-                self.alone = Some([0; 2]);
+                self.alone = Some(std::mem::take(&mut self.alone_before));
                 None
             }
             Event::Settled => {

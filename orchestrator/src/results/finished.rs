@@ -1,6 +1,6 @@
 //! The journal, read again.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -29,8 +29,12 @@ pub struct Finished {
     apart: bool,
     /// Points that were computed in such processes, or in less strictly separated ones, do not count.
     pub refuted: Option<Separation>,
-    /// Points that failed while others ran, and have not been repeated alone.
+    /// Points that failed while others ran, of which no line says that they do not come again.
     crowded: Indexes,
+    /// Points that were repeated alone, each with the place of its first line.
+    repeated: BTreeMap<u64, u64>,
+    /// How many of the crowded points were repeated alone, and how many of these passed.
+    pub alone: [u64; 2],
     /// How many points are finished.
     pub count: u64,
     /// Checksums of the sets of points, by the index of their first point.
@@ -46,6 +50,7 @@ pub struct Finished {
 const NOWHERE: u64 = u64::MAX;
 /// Files are shorter than 2^62 bytes.
 const SEPARATION: u32 = 62;
+const PLACE: u64 = (1 << SEPARATION) - 1;
 
 /// One position per point, 8 bytes each.
 fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
@@ -80,6 +85,8 @@ impl Finished {
             apart: false,
             refuted: None,
             crowded: Indexes::default(),
+            repeated: BTreeMap::new(),
+            alone: [0; 2],
         };
         loop {
             let place = lines.place();
@@ -113,9 +120,11 @@ impl Finished {
             }
             Some((index, rest)) => {
                 let word = rest.split(' ').next().unwrap_or("");
-                let separation = separation(word).unwrap_or(Separation::New);
+                let separation = separation(word);
+                let passed = separation.is_some();
+                let separation = separation.unwrap_or(Separation::New);
                 let place = place | (separation as u64) << SEPARATION;
-                self.note(index.parse().ok(), place);
+                self.note(index.parse().ok(), place, passed);
             }
             None => self.ended |= line == "end",
         }
@@ -132,8 +141,8 @@ impl Finished {
             }
             Note::Crowded(index) => self.crowded.insert(index),
             Note::Settled { repeated, passed } => {
-                self.crowded = Indexes::default();
-                let noted = self.noted.get_or_insert(Conduct::NONE);
+                (self.crowded, self.alone) = (Indexes::default(), [0; 2]);
+                let noted = self.noted.get_or_insert_default();
                 noted.repeated_alone += repeated;
                 noted.passed_alone += passed;
             }
@@ -148,19 +157,16 @@ impl Finished {
                     // Nothing is left of which the notes so far tell.
                     (self.apart, self.noted) = (true, None);
                 }
-                for slot in &mut self.places {
-                    if *slot != NOWHERE && *slot >> SEPARATION >= separation as u64 {
-                        *slot = NOWHERE;
-                        self.count -= 1;
-                    }
-                }
+                self.of(separation)
+                    .into_iter()
+                    .for_each(|index| self.forget(index));
             }
         }
     }
 
     /// How the points were computed.
     pub fn conduct(&self) -> Conduct {
-        let mut conduct = self.noted.clone().unwrap_or(Conduct::NONE);
+        let mut conduct = self.noted.clone().unwrap_or_default();
         let used = |slot: &u64| *slot != NOWHERE && *slot >> SEPARATION == Separation::Used as u64;
         conduct.isolation = if self.places.iter().any(used) {
             // A run that was killed may not have noted it.
@@ -194,9 +200,14 @@ impl Finished {
             .collect()
     }
 
-    /// Points that failed while others ran, as far as they count and have not been repeated alone.
+    /// Points that failed while others ran, of which no line says that they do not come again, as far as they count.
     pub fn crowded(&self) -> impl Iterator<Item = u64> + '_ {
         self.crowded.iter().filter(|&index| self.has(index))
+    }
+
+    /// Whether a point was repeated alone, since it had failed while others ran.
+    pub fn was_repeated(&self, index: u64) -> bool {
+        self.repeated.contains_key(&index)
     }
 
     /// Points that were computed in used processes, those noted last first.
@@ -214,7 +225,7 @@ impl Finished {
     /// Where the line of a finished point is.
     fn place(&self, index: u64) -> Option<u64> {
         let slot = *self.places.get(usize::try_from(index).ok()?)?;
-        (slot != NOWHERE).then_some(slot & ((1 << SEPARATION) - 1))
+        (slot != NOWHERE).then_some(slot & PLACE)
     }
 
     /// A set that differs from the one that began here makes an end of all that followed that. So does one that is not
@@ -229,16 +240,28 @@ impl Finished {
     /// Forgets all points from an index on.
     fn forget_from(&mut self, first: u64) {
         self.sets.retain(|&other, _| other < first);
-        let first = usize::try_from(first).unwrap_or(usize::MAX);
-        for slot in self.places.iter_mut().skip(first) {
-            self.count -= u64::from(*slot != NOWHERE);
-            *slot = NOWHERE;
-        }
+        (first..self.places.len() as u64).for_each(|index| self.forget(index));
     }
 
-    fn note(&mut self, index: Option<usize>, place: u64) {
+    /// Forgets a point.
+    fn forget(&mut self, index: u64) {
+        let slot = &mut self.places[index as usize];
+        self.count -= u64::from(*slot != NOWHERE);
+        *slot = NOWHERE;
+        self.crowded.remove(index);
+        self.repeated.remove(&index);
+    }
+
+    fn note(&mut self, index: Option<usize>, place: u64, passed: bool) {
         let Some(index) = index else { return };
-        self.crowded.remove(index as u64);
+        let (point, before) = (index as u64, self.places.get(index));
+        if let (true, Some(&before)) = (self.crowded.has(point), before)
+            && before != NOWHERE
+        {
+            self.repeated.entry(point).or_insert(before);
+            self.alone[0] += 1;
+            self.alone[1] += u64::from(passed);
+        }
         if self.header.points.is_none() && index >= self.places.len() {
             self.places.resize(index + 1, NOWHERE);
         }
@@ -286,13 +309,27 @@ impl Outcomes<'_> {
         Ok(noted.map(|(outcome, _)| outcome))
     }
 
+    /// The outcome of a point before it was repeated alone, where it was; else its outcome, if it is finished.
+    ///
+    /// # Errors
+    /// When the journal cannot be read any more.
+    pub fn first(&mut self, index: u64) -> Result<Option<Outcome>, ResultsError> {
+        let place = self.finished.repeated.get(&index).map(|slot| slot & PLACE);
+        let noted = self.read(index, place.or(self.finished.place(index)))?;
+        Ok(noted.map(|(outcome, _)| outcome))
+    }
+
     /// The outcome of a point, if it is finished, and what the FMU said beside its results.
     ///
     /// # Errors
     /// When the journal cannot be read any more.
     pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, ResultsError> {
+        self.read(index, self.finished.place(index))
+    }
+
+    fn read(&mut self, index: u64, place: Option<u64>) -> Result<Option<Noted>, ResultsError> {
         let path = &self.finished.path;
-        let Some(place) = self.finished.place(index) else {
+        let Some(place) = place else {
             return Ok(None);
         };
         self.lines.seek(place).map_err(ResultsError::io(path))?;

@@ -6,6 +6,7 @@ use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use crate::durability::{is_of_point, killed};
 use crate::isolation::STUDY;
 use crate::support::{Bench, Said, model};
 
@@ -365,4 +366,74 @@ fn points_that_fail_because_of_others_are_repeated_alone() {
         );
     }
     assert_eq!(bench.read("1/points.csv"), bench.read("2/points.csv"));
+}
+
+/// A run that is killed while points are repeated alone leaves a beginning of its journal. Resumed, it repeats the others
+/// and ends with the files of an undisturbed one, also where a verdict is waited for, and in an analysis.
+#[test]
+fn an_interrupted_repetition_alone_goes_on_as_if_nothing_had_been() {
+    let study = STUDY.replace("points = 1000", "method = \"monte-carlo\"\npoints = 24");
+    let study = format!("{study}[verdict]\nshare = \"50 %\"\n");
+    let verify = ["verify", "study.toml", "--extra-runs", "0"];
+    let until = [&verify[..], &["--until", "verdict", "--points", "24"]].concat();
+    let analysis = ["sensitivity", "study.toml", "--base", "4"];
+    for (command, state, files) in [
+        (&verify[..], "", ["points.csv", "summary.json"]),
+        (&until, "", ["points.csv", "summary.json"]),
+        (
+            &analysis,
+            "/sensitivity",
+            ["sensitivity.json", "sensitivity-runs.csv"],
+        ),
+    ] {
+        let bench = Bench::empty();
+        bench.fmu("lag.fmu", &["PORT", "SLOW", "SLOW_START"], &model("", ""));
+        bench.write("study.toml", &study);
+        let run = |folder: &str, more: &[&str]| {
+            let mut command = bench.command(&[command, &["--output", folder], more].concat());
+            let port = bench.path("port");
+            let said: Said = command.env("LAG_PORT", port).output().unwrap().into();
+            assert!([0, 1, 3].contains(&said.code), "{}", said.err);
+            let read = |name: &str| bench.read(&format!("{folder}/{name}"));
+            let files = files.map(read);
+            if files[1].starts_with('{') {
+                let summary = bench.summary(folder);
+                let told = ["failed", "verified", "repeated_alone", "passed_alone"];
+                return [
+                    files[0].clone(),
+                    told.map(|key| format!("{key} {}; ", summary[key])).concat(),
+                ];
+            }
+            files
+        };
+        let whole = run("whole", &["--jobs", "2"]);
+        let journal = bench.read(&format!("whole{state}/journal.txt"));
+        let lines: Vec<&str> = journal.lines().collect();
+        let settled = lines.iter().position(|line| line.contains("\"Settled\""));
+        let settled = settled.expect("two points at a time want the same port");
+        let (_, repeated) = lines[settled].split_once("\"repeated\":").unwrap();
+        let repeated = repeated
+            .split(|c: char| !c.is_ascii_digit())
+            .next()
+            .unwrap();
+        let alone = (0..settled).rev().filter(|&k| is_of_point(lines[k]));
+        let alone: Vec<usize> = alone.take(repeated.parse().unwrap()).collect();
+        let first = alone.last().copied().unwrap();
+        for end in [first, alone[alone.len() / 2], settled] {
+            let into = format!("killed-{end}");
+            killed(
+                &bench,
+                &format!("whole{state}"),
+                &format!("{into}{state}"),
+                |journal| {
+                    journal.truncate(end);
+                },
+            );
+            assert_eq!(
+                run(&into, &["--jobs", "2", "--resume"]),
+                whole,
+                "{command:?} {end}"
+            );
+        }
+    }
 }

@@ -349,8 +349,8 @@ fn shards_share_the_dear_points_and_grow() {
 
 /// A folder with the journal of another one, of which some lines were changed, and nothing else that a killed run would
 /// not have.
-fn killed(bench: &Bench, from: &str, into: &str, change: impl Fn(&mut Vec<String>)) {
-    fs::create_dir(bench.path(into)).unwrap();
+pub fn killed(bench: &Bench, from: &str, into: &str, change: impl Fn(&mut Vec<String>)) {
+    fs::create_dir_all(bench.path(into)).unwrap();
     for file in ["request.json", "study.toml"] {
         fs::copy(
             bench.path(&format!("{from}/{file}")),
@@ -365,7 +365,7 @@ fn killed(bench: &Bench, from: &str, into: &str, change: impl Fn(&mut Vec<String
 }
 
 /// Whether a line of the journal is that of a point.
-fn is_of_point(line: &str) -> bool {
+pub fn is_of_point(line: &str) -> bool {
     line.split(' ')
         .nth(1)
         .is_some_and(|word| word.parse::<u64>().is_ok())
