@@ -10,8 +10,8 @@ use clap::Args;
 use crate::error::CommandError;
 use crate::pipeline::Shard;
 use crate::pipeline::folder::Earlier;
+use fmu_points::Limits;
 use fmu_points::crew::Place;
-use fmu_points::process::Limits;
 use fmu_points::{Isolation, system};
 
 /// Shards of a run, and resuming.

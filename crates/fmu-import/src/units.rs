@@ -44,9 +44,9 @@ pub struct Units(IndexMap<String, Unit>);
 /// A change of unit: `to = factor * from + offset`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Conversion {
-    /// The factor of a value.
+    /// What a value is multiplied by.
     pub factor: f64,
-    /// The offset that is added then.
+    /// What is added to it then.
     pub offset: f64,
 }
 

@@ -1,4 +1,4 @@
-//! How a worker gets a child that works for it.
+//! How a worker gets a child.
 //!
 //! On Unix that is a fork, which has all that the worker has. Windows has no forks: there a child is this program once
 //! more, and is told what it needs.
@@ -9,9 +9,8 @@ use std::sync::Arc;
 use fmu_import::isolation::{Child, Keeper};
 use fmu_import::{Library, Package};
 
-use crate::child::Work;
 use crate::system::Shared;
-use crate::wire::Setup;
+use crate::wire::{Order, Setup};
 
 /// What a worker has for its children.
 #[cfg_attr(
@@ -34,14 +33,19 @@ pub(crate) struct Estate<'a> {
 pub(crate) unsafe fn child(
     keeper: &mut Keeper,
     estate: &mut Estate<'_>,
-    work: &Work,
+    order: &Order,
 ) -> io::Result<Child> {
-    use crate::child;
     // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {
-            let (package, library) = (estate.package.as_mut(), estate.library.clone());
-            child::work(place, estate.setup, package, library, estate.progress, work);
+            let child = crate::child::Child {
+                place,
+                setup: estate.setup,
+                package: estate.package.as_mut(),
+                library: estate.library.clone(),
+                progress: estate.progress,
+            };
+            child.obey(order);
         })
     }
 }
@@ -54,15 +58,13 @@ pub(crate) unsafe fn child(
 pub(crate) unsafe fn child(
     keeper: &mut Keeper,
     estate: &mut Estate<'_>,
-    work: &Work,
+    order: &Order,
 ) -> io::Result<Child> {
     let mut command = std::process::Command::new(crate::system::program()?);
     command.arg(CHILD).arg(estate.progress.name());
     let mut child = keeper.start(&mut command)?;
     child.send(&serde_json::to_vec(estate.setup)?)?;
-    let mut order = Vec::new();
-    work.put(&mut order)?;
-    child.send(&order)?;
+    child.send(&crate::wire::bytes(order))?;
     Ok(child)
 }
 
@@ -78,21 +80,25 @@ pub(crate) const CHILD: &str = "fmu-points-child";
 pub(crate) fn serve(progress: &str) -> io::Result<()> {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    use crate::child;
     use fmu_import::isolation::Place;
     use fmu_import::isolation::keeper::leave;
 
     let mut place = Place::take()?;
     let missing = || io::Error::other("the worker has gone");
     let setup: Setup = serde_json::from_slice(&place.receive().ok_or_else(missing)?)?;
-    let work = Work::of(&place.receive().ok_or_else(missing)?)?;
+    let order = crate::wire::read(&place.receive().ok_or_else(missing)?);
+    let order: Order = order.ok_or_else(|| io::Error::other("an order is damaged"))?;
     let progress = Shared::open(progress.to_owned())?;
     let mut package = Package::open(&setup.fmu).map_err(io::Error::other)?;
+    let child = crate::child::Child {
+        place,
+        setup: &setup,
+        package: Some(&mut package),
+        library: None,
+        progress: &progress,
+    };
     // A panic ends this process as it would end a fork.
-    let work = AssertUnwindSafe(|| {
-        child::work(place, &setup, Some(&mut package), None, &progress, &work);
-    });
-    if catch_unwind(work).is_err() {
+    if catch_unwind(AssertUnwindSafe(|| child.obey(&order))).is_err() {
         std::process::abort()
     }
     leave()

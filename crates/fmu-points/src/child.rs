@@ -5,120 +5,186 @@ use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::join;
 use crate::notices::Notices;
-use crate::points::Job;
-use crate::runner::{Habit, Runner};
+use crate::points::{Job, Simulated};
+use crate::runner::Runner;
 use crate::system::{self, Shared};
 use crate::task::Record;
-use crate::wire::{
-    End, Odd, Reader, Setup, Trouble, mark, put_end, put_results, put_trouble, put_value, speech,
-};
-#[cfg(any(windows, test))]
-use crate::wire::{Way, put_job};
+use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::{Place, Traces};
 use fmu_import::{Library, Package, Value, complaints};
 
-/// Answers of many points are sent after this time at the latest, when the next point is done.
+/// What is said of many points is sent after this time at the latest, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
 
-/// What a worker wants of its child.
-#[derive(Debug)]
-pub(crate) enum Work {
-    /// One point.
-    Alone(Job),
-    /// All points that come.
-    Serve(Habit),
-    /// One point with its trajectory.
-    Record(Record),
+/// A worker's child.
+pub(crate) struct Child<'a> {
+    pub(crate) place: Place,
+    pub(crate) setup: &'a Setup,
+    pub(crate) package: Option<&'a mut Package>,
+    /// The FMU, where the worker has loaded it.
+    pub(crate) library: Option<Arc<Library>>,
+    /// How many points of its present message it has begun.
+    pub(crate) progress: &'a Shared,
 }
 
-/// A child that is not a fork is told its work.
-#[cfg(any(windows, test))]
-impl Work {
-    pub(crate) fn put(&self, into: &mut Vec<u8>) -> std::io::Result<()> {
-        match self {
-            Self::Alone(job) => {
-                Way::New.put(into);
-                put_job(job.index, &job.values, into);
-            }
-            Self::Serve(habit) => Way::Used(*habit).put(into),
-            Self::Record(record) => {
-                Way::Recorded.put(into);
-                into.extend(serde_json::to_vec(record)?);
-            }
+impl Child<'_> {
+    /// Does what the worker wants.
+    pub(crate) fn obey(mut self, order: &Order) {
+        let begun = Instant::now();
+        let alone = match order {
+            Order::New(jobs) | Order::Forked(jobs) => jobs.first(),
+            Order::Used(..) | Order::Recorded(_) => None,
+        };
+        if let (Some(_), Some(byte)) = (alone, self.setup.fill) {
+            paint_stack(byte);
         }
-        Ok(())
+        let Some(library) = self.loaded() else {
+            return;
+        };
+        let all = &self.setup.cases;
+        let first = alone.map_or(0, |job| join::case_of(job.index, all.len()));
+        let mut tasks = all.iter().skip(first).map(|case| case.task.clone());
+        let Some(task) = tasks.next() else { return };
+        let runner = Runner::new(library, task);
+        match (order, alone) {
+            (Order::Used(reuse, _), _) => self.serve(runner.with_further(tasks).trusting(*reuse)),
+            (Order::Recorded(record), _) => self.record(runner, record),
+            (_, Some(job)) => self.alone(runner, job, begun),
+            (_, None) => {}
+        }
     }
 
-    pub(crate) fn of(order: &[u8]) -> std::io::Result<Self> {
-        let damaged = || std::io::Error::other("an order is damaged");
-        let mut reader = Reader(order);
-        Ok(match reader.way().ok_or_else(damaged)? {
-            Way::New | Way::Forked => Self::Alone(reader.job().ok_or_else(damaged)?),
-            Way::Used(habit) => Self::Serve(habit),
-            Way::Recorded => Self::Record(serde_json::from_slice(reader.0)?),
-        })
+    fn say(&mut self, said: &Said) {
+        self.place.send(&bytes(said));
     }
-}
 
-/// Does the work of a worker's child.
-pub(crate) fn work(
-    place: Place,
-    setup: &Setup,
-    package: Option<&mut Package>,
-    library: Option<Arc<Library>>,
-    progress: &Shared,
-    work: &Work,
-) {
-    match work {
-        Work::Alone(job) => alone(place, setup, package, library, job),
-        Work::Serve(habit) => serve(place, setup, package, library, *habit, progress),
-        Work::Record(values) => record(place, setup, package, values),
-    }
-}
-
-/// Runs one point, and tells its answer before the instance is ended.
-fn alone(
-    mut place: Place,
-    setup: &Setup,
-    package: Option<&mut Package>,
-    library: Option<Arc<Library>>,
-    job: &Job,
-) {
-    let begun = Instant::now();
-    if let Some(byte) = setup.fill {
-        paint_stack(byte);
-    }
-    let Some(library) = loaded(&mut place, setup, package, library) else {
-        return;
-    };
-    let Some(case) = setup.cases.get(join::case_of(job.index, setup.cases.len())) else {
-        return;
-    };
-    let mut runner = Runner::new(library, case.task.clone());
-    let before = Before::now();
-    let instance = runner.alone(&job.values, |runner, answer| {
-        let times = runner.ready().map_or([0.0; 2], |ready| {
-            [ready - begun, ready.elapsed()].map(|time| time.as_secs_f32())
+    /// Runs one point, and tells its answer before the instance is ended.
+    fn alone(&mut self, mut runner: Runner, job: &Job, begun: Instant) {
+        let before = Before::now();
+        let instance = runner.alone(&job.values, |runner, answer| {
+            let mut reply = reply(job.index, runner, answer);
+            if let Some(ready) = runner.ready() {
+                reply.start = (ready - begun).as_secs_f32();
+                reply.simulated = ready.elapsed().as_secs_f32();
+            }
+            reply.odd = before.odd(runner, answer.err(), true);
+            self.say(&Said::Replies(vec![reply]));
         });
-        let odd = before.odd(runner, answer.err(), true);
-        let mut said = vec![speech::REPLIES];
-        match answer {
-            Ok(values) => put_results(job.index, times, values, Some(runner.notices()), &mut said),
-            Err(failure) => put(job.index, times, failure, runner, &mut said),
+        let notices = runner.notices();
+        if notices.unfinished.is_some() || notices.version.is_some() {
+            self.say(&Said::Farewell(notices.clone()));
         }
-        mark(odd, &mut said[1..]);
-        place.send(&said);
-    });
-    let notices = runner.notices();
-    if notices.unfinished.is_some() || notices.version.is_some() {
-        let mut said = vec![speech::FAREWELL];
-        said.extend(serde_json::to_vec(notices).unwrap_or_default());
-        place.send(&said);
+        drop(instance);
     }
-    drop(instance);
+
+    /// Runs points until there are no further ones, or until one does not end plainly.
+    fn serve(&mut self, mut runner: Runner) {
+        let before = Before::now();
+        let mut replies = Vec::new();
+        while let Some(jobs) = self
+            .place
+            .receive()
+            .and_then(|jobs| read::<Vec<Job>>(&jobs))
+        {
+            let mut sent = Instant::now();
+            let last = jobs.len();
+            for (job, begun) in jobs.iter().zip(1..) {
+                self.progress.set(begun as u64);
+                runner.turn_to(join::case_of(job.index, self.setup.cases.len()));
+                let failure = runner.run(&job.values).err();
+                let answer = failure.as_ref().map_or(Ok(runner.results()), Err);
+                let mut reply = reply(job.index, &runner, answer);
+                reply.odd = before.odd(&runner, failure.as_ref(), self.setup.careful);
+                let mut odd = reply.odd;
+                replies.push(reply);
+                if odd.is_none() && begun < last && sent.elapsed() <= HOLD {
+                    continue;
+                }
+                if !self.setup.careful && before.traces.has_other_signals() {
+                    // Any of the points since the last look may have changed them: only the first of these was surely
+                    // sound.
+                    replies.truncate(1);
+                    odd = Some(Reason::Signals);
+                    replies[0].odd = odd;
+                }
+                self.say(&Said::Replies(std::mem::take(&mut replies)));
+                if odd.is_some() {
+                    return;
+                }
+                sent = Instant::now();
+            }
+        }
+    }
+
+    /// Runs a point and sends its trajectory.
+    fn record(&mut self, mut runner: Runner, record: &Record) {
+        const FULL: usize = 1 << 13;
+        let (mut rows, mut sent) = (Vec::new(), Instant::now());
+        let ended = runner.trajectory(&record.values, |time, instance| {
+            rows.push(Value::Real(time));
+            for &column in &record.columns {
+                rows.push(instance.value(column)?);
+            }
+            if rows.len() > FULL || sent.elapsed() > HOLD {
+                self.say(&Said::Rows(std::mem::take(&mut rows)));
+                sent = Instant::now();
+            }
+            Ok(())
+        });
+        self.say(&Said::Rows(rows));
+        if ended.is_ok() {
+            tell(runner.notices());
+        }
+        self.say(&Said::Ended(ended.err()));
+        runner.end();
+        if let Some(error) = &runner.notices().unfinished {
+            crate::tell::line!("note: the simulation is whole, but its end failed: {error}");
+        }
+    }
+
+    /// The FMU, loaded here where the worker has not done so; the worker is told.
+    fn loaded(&mut self) -> Option<Arc<Library>> {
+        if let Some(library) = self.library.take() {
+            self.say(&Said::Loaded(None));
+            return Some(library);
+        }
+        // Only a worker that fills memory is there for finding out.
+        let before = self.setup.fill.map(|_| Belongings::now());
+        match self.package.as_mut()?.load() {
+            Ok(library) => {
+                let forkable = before.map(|before| before.allow_forks(&Belongings::now()));
+                self.say(&Said::Loaded(forkable));
+                Some(library)
+            }
+            Err(error) => {
+                self.say(&Said::Unloadable(error.at(&self.setup.name).to_string()));
+                None
+            }
+        }
+    }
+}
+
+/// What is said of a point.
+fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply {
+    let notices = runner.notices();
+    let answer = answer.map(|values| Simulated::new(values, notices));
+    let answer = answer.map_err(|failure| Trouble {
+        from: match runner.was_refused() {
+            true => Origin::Refusal { licence: false },
+            false => Origin::Fmu,
+        },
+        failure: failure.clone(),
+        notices: Box::new(Notices {
+            warnings: notices.warnings,
+            first_warning: notices.first_warning.clone(),
+            ..Notices::default()
+        }),
+    });
+    Reply::new(index, answer)
 }
 
 /// What this process was like before a point.
@@ -136,7 +202,7 @@ impl Before {
     }
 
     /// What is odd after a point that ended so; signals take long to look at.
-    fn odd(&self, runner: &Runner, failure: Option<&Failure>, signals: bool) -> Option<Odd> {
+    fn odd(&self, runner: &Runner, failure: Option<&Failure>, signals: bool) -> Option<Reason> {
         let notices = runner.notices();
         let complained = match failure {
             // The FMU was not even asked.
@@ -145,132 +211,14 @@ impl Before {
             None => notices.ended.is_some() || notices.unfinished.is_some() || notices.warnings > 0,
         };
         if complained || complaints() != self.complaints {
-            Some(Odd::Complaint)
+            Some(Reason::Complaints)
         } else if self.traces.has_further_threads() {
-            Some(Odd::Threads)
+            Some(Reason::Threads)
         } else if signals && self.traces.has_other_signals() {
-            Some(Odd::Signals)
+            Some(Reason::Signals)
         } else {
             None
         }
-    }
-}
-
-/// Runs points until there are no further ones, or until one does not end plainly.
-fn serve(
-    mut place: Place,
-    setup: &Setup,
-    package: Option<&mut Package>,
-    library: Option<Arc<Library>>,
-    habit: Habit,
-    progress: &Shared,
-) {
-    let Some(library) = loaded(&mut place, setup, package, library) else {
-        return;
-    };
-    let mut tasks = setup.cases.iter().map(|case| case.task.clone());
-    let Some(first) = tasks.next() else { return };
-    let runner = Runner::new(library, first).with_further(tasks);
-    let mut runner = runner.with_habit(habit);
-    let mut said = vec![speech::REPLIES];
-    let before = Before::now();
-    while let Some(message) = place.receive() {
-        let mut sent = Instant::now();
-        let (mut jobs, mut begun, mut first) = (Reader(&message), 0, None);
-        while let Some(job) = jobs.job() {
-            begun += 1;
-            progress.set(begun);
-            runner.turn_to(join::case_of(job.index, setup.cases.len()));
-            let at = said.len();
-            let failure = runner.run(&job.values).err();
-            match &failure {
-                None => {
-                    let (values, notices) = (runner.results(), runner.notices());
-                    put_results(job.index, [0.0; 2], values, Some(notices), &mut said);
-                }
-                Some(failure) => put(job.index, [0.0; 2], failure, &runner, &mut said),
-            }
-            let end_of_first = *first.get_or_insert(said.len());
-            let odd = before.odd(&runner, failure.as_ref(), setup.careful);
-            let full = odd.is_some() || jobs.0.is_empty() || sent.elapsed() > HOLD;
-            if !full {
-                continue;
-            }
-            if !setup.careful && before.traces.has_other_signals() {
-                // Any of the points since the last look may have changed them: only the first of these was surely sound.
-                said.truncate(end_of_first);
-                mark(Some(Odd::Signals), &mut said[1..]);
-                return place.send(&said);
-            }
-            mark(odd, &mut said[at..]);
-            place.send(&said);
-            if odd.is_some() {
-                return;
-            }
-            said.truncate(1);
-            (sent, first) = (Instant::now(), None);
-        }
-    }
-}
-
-/// Appends why a point has no results.
-fn put(index: u64, times: [f32; 2], failure: &Failure, runner: &Runner, said: &mut Vec<u8>) {
-    let failure = failure.clone();
-    let trouble = if runner.was_refused() {
-        let licence = false;
-        Trouble::Refused { failure, licence }
-    } else {
-        let said = runner.notices().clone();
-        let notices = Notices {
-            warnings: said.warnings,
-            first_warning: said.first_warning,
-            ..Notices::default()
-        };
-        let notices = Box::new(notices);
-        Trouble::Failed { failure, notices }
-    };
-    put_trouble(index, times, &trouble, said);
-}
-
-/// Runs a point and sends its trajectory.
-fn record(mut place: Place, setup: &Setup, package: Option<&mut Package>, record: &Record) {
-    const FULL: usize = 1 << 16;
-    let Some(library) = loaded(&mut place, setup, package, None) else {
-        return;
-    };
-    let Some(case) = setup.cases.first() else {
-        return;
-    };
-    let mut runner = Runner::new(library, case.task.clone());
-    let (mut said, mut sent) = (vec![speech::ROWS], Instant::now());
-    put_end(&End::Not, &mut said);
-    let empty = said.len();
-    let ended = runner.trajectory(&record.values, |time, instance| {
-        put_value(&Value::Real(time), &mut said);
-        for &column in &record.columns {
-            put_value(&instance.value(column)?, &mut said);
-        }
-        if said.len() > FULL || sent.elapsed() > HOLD {
-            place.send(&said);
-            said.truncate(empty);
-            sent = Instant::now();
-        }
-        Ok(())
-    });
-    place.send(&said);
-    let end = match ended {
-        Ok(()) => {
-            tell(runner.notices());
-            End::Done
-        }
-        Err(failure) => End::Failed(failure),
-    };
-    said.truncate(1);
-    put_end(&end, &mut said);
-    place.send(&said);
-    runner.end();
-    if let Some(error) = &runner.notices().unfinished {
-        crate::tell::line!("note: the simulation is whole, but its end failed: {error}");
     }
 }
 
@@ -287,36 +235,6 @@ fn tell(notices: &Notices) {
             "note: warnings of the FMU: {}; the first: {first}",
             notices.warnings
         );
-    }
-}
-
-/// The FMU, loaded here where the worker has not done so; the worker is told.
-fn loaded(
-    place: &mut Place,
-    setup: &Setup,
-    package: Option<&mut Package>,
-    library: Option<Arc<Library>>,
-) -> Option<Arc<Library>> {
-    if let Some(library) = library {
-        place.send(&[speech::LOADED]);
-        return Some(library);
-    }
-    let package = package?;
-    // Only a worker that fills memory is there for finding out.
-    let before = setup.fill.map(|_| Belongings::now());
-    match package.load() {
-        Ok(library) => {
-            let mut said = vec![speech::LOADED];
-            said.extend(before.map(|before| u8::from(before.allow_forks(&Belongings::now()))));
-            place.send(&said);
-            Some(library)
-        }
-        Err(error) => {
-            let mut said = vec![speech::UNLOADABLE];
-            said.extend(error.at(&setup.name).to_string().bytes());
-            place.send(&said);
-            None
-        }
     }
 }
 
@@ -378,33 +296,4 @@ fn paint_stack(byte: u8) {
     let mut paint = [0_u8; SIZE];
     paint.fill(byte);
     std::hint::black_box(&mut paint);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn work_arrives_as_it_was_sent() {
-        let same = |work: &Work| {
-            let mut order = Vec::new();
-            work.put(&mut order).unwrap();
-            assert_eq!(
-                format!("{:?}", Work::of(&order).unwrap()),
-                format!("{work:?}")
-            );
-            order
-        };
-        let values = vec![0.1, f64::INFINITY, -0.0, f64::NAN];
-        let order = same(&Work::Alone(Job { index: 7, values }));
-        assert!(Work::of(&order[..order.len() - 1]).is_err());
-        same(&Work::Serve(Habit::Reset));
-        same(&Work::Serve(Habit::Renew));
-        let columns = Vec::new();
-        same(&Work::Record(Record {
-            values: vec![1.0 / 3.0],
-            columns,
-        }));
-        assert!(Work::of(&[]).is_err());
-    }
 }

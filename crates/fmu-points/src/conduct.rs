@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 /// How points share processes, as the user wishes it and as it turned out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Isolation {
     /// Every point alone in a process of its own
+    #[default]
     Fresh,
     /// Processes are used for many points once that is proven, and under audit
     Audited,
@@ -75,7 +76,7 @@ impl Reason {
 }
 
 /// How the points of a run were computed, and what their audits found.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conduct {
     /// How points shared processes.
     pub isolation: Isolation,
@@ -104,19 +105,6 @@ pub struct Conduct {
 }
 
 impl Conduct {
-    /// Nothing was computed yet.
-    pub const NONE: Self = Self {
-        isolation: Isolation::Fresh,
-        isolation_reason: None,
-        audits: 0,
-        audits_of_shared: 0,
-        audit_mismatches: 0,
-        reproducible: None,
-        repeated_alone: 0,
-        passed_alone: 0,
-        changed_file: None,
-    };
-
     /// How all points were computed, of which some were computed so and others otherwise.
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -138,7 +126,8 @@ impl Conduct {
 
     /// The findings since `before`. Where the FMU was found to change its folder meanwhile, they begin anew.
     pub fn since(self, before: Option<&Self>) -> Self {
-        let before = before.unwrap_or(&Self::NONE);
+        let none = Self::default();
+        let before = before.unwrap_or(&none);
         Self {
             audits: self.audits.saturating_sub(before.audits),
             audits_of_shared: self

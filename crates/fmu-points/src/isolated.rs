@@ -2,28 +2,31 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::conduct::{Reason, Separation};
 use crate::failure::Failure;
 use crate::ground::Ground;
-use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
+use crate::points::{Event, Job, Limits, Post, RunError, Simulated, Worker};
 use crate::policy::{Plan, Policy, Probed, Wait};
-use crate::process::{Gone, Limits, Process};
-use crate::runner::Habit;
+use crate::process::{Gone, Process};
+use crate::runner::Reuse;
 use crate::task::Case;
-use crate::wire::{Odd, Reply, Trouble, Way};
+use crate::wire::{Order, Origin, Reply, Trouble};
 
 /// The bytes with which unwritten memory is filled for comparison.
 const FILLS: [u8; 2] = [0x55, 0xaa];
 
+/// So many audits, each in a child of its own, have one worker.
+const AUDITS_OF_A_WORKER: u32 = 20;
+
 /// A worker with processes of its own.
 #[derive(Debug)]
 pub(crate) struct Isolated {
-    policy: Arc<Policy>,
+    policy: Arc<Mutex<Policy>>,
     /// For points with a folder of their own.
-    apart: Arc<Policy>,
+    apart: Arc<Mutex<Policy>>,
     ground: Arc<Ground>,
     /// Where working directories are made.
     home: Option<PathBuf>,
@@ -33,6 +36,8 @@ pub(crate) struct Isolated {
     forking: Process,
     /// The worker of the process that runs many points.
     using: Process,
+    /// The worker of audits, and how many it has made.
+    auditing: (Process, u32),
     /// Whether the last point that ran in a used process was odd.
     behind_odd: bool,
 }
@@ -52,20 +57,26 @@ type Found = Result<Simulated, Trouble>;
 
 impl Isolated {
     pub(crate) fn new(
-        [policy, apart]: [Arc<Policy>; 2],
+        [policy, apart]: [Arc<Mutex<Policy>>; 2],
         ground: Arc<Ground>,
         home: Option<&Path>,
         cases: &[Case],
         limits: Limits,
     ) -> Self {
-        let worker = || {
-            let worker = Process::new(&ground.shared, &ground.name, cases, limits);
-            worker.on(&ground).at(home).lasting()
+        let worker = |lasting| {
+            let mut worker = Process::new(&ground.shared, &ground.name, cases, limits);
+            worker.ground = Some(Arc::clone(&ground));
+            worker.home = home.map(Path::to_owned);
+            worker.lasting = lasting;
+            worker
         };
+        let mut auditing = worker(false);
+        auditing.setup.fill = Some(FILLS[0]);
         let known = ground.changed().is_some();
         Self {
-            forking: worker(),
-            using: worker(),
+            forking: worker(true),
+            using: worker(true),
+            auditing: (auditing, 0),
             policy: if known { Arc::clone(&apart) } else { policy },
             apart,
             ground,
@@ -76,6 +87,15 @@ impl Isolated {
         }
     }
 
+    fn policy(&self) -> MutexGuard<'_, Policy> {
+        locked(&self.policy)
+    }
+
+    /// The most independent processes.
+    fn strictest(&self) -> Separation {
+        self.policy().strictest()
+    }
+
     /// One try of a point alone.
     fn once(
         &mut self,
@@ -84,35 +104,39 @@ impl Isolated {
         fill: Option<u8>,
         post: &Post<'_>,
     ) -> Result<Reply, Gone> {
-        let jobs = std::slice::from_ref(job);
         let mut reply = None;
-        let mut take = |own| reply = Some(own);
-        let ran = if separation == Separation::Forked {
-            self.forking.run(Way::Forked, jobs, post.stopped, &mut take)
-        } else {
-            let own = match separation {
-                Separation::Apart => Some(self.ground.own()),
-                _ => None,
-            };
-            let own = own.transpose();
-            let own = own.map_err(|error| Gone::Start(error.to_string()))?;
-            let shared = &self.ground;
-            let fmu = own.as_ref().map_or(&*shared.shared, |own| own.path());
-            let worker = Process::new(fmu, &shared.name, &self.cases, self.limits);
-            let worker = if own.is_none() {
-                worker.on(shared)
-            } else {
-                worker
-            };
-            let mut worker = worker.at(self.home.as_deref()).with_fill(fill);
-            worker.run(Way::New, jobs, post.stopped, &mut take)
+        let (stopped, mut take) = (post.stopped, |own| reply = Some(own));
+        let jobs = std::slice::from_ref(job);
+        let shared = self.ground.shared.clone();
+        let ran = match separation {
+            Separation::Forked => self.forking.run(Order::Forked, jobs, stopped, &mut take),
+            Separation::Apart => {
+                let folder = self.ground.own();
+                let folder = folder.map_err(|error| Gone::Start(error.to_string()))?;
+                let mut worker = self.new_worker(folder.path(), fill);
+                worker.run(Order::New, jobs, stopped, &mut take)
+            }
+            _ if fill == Some(FILLS[0]) => {
+                let (worker, count) = &mut self.auditing;
+                // Where things lie in memory is drawn anew with each worker.
+                if *count % AUDITS_OF_A_WORKER == 0 {
+                    worker.end();
+                }
+                *count += 1;
+                worker.run(Order::New, jobs, stopped, &mut take)
+            }
+            _ => {
+                let mut worker = self.new_worker(&shared, fill);
+                worker.ground = Some(Arc::clone(&self.ground));
+                worker.run(Order::New, jobs, stopped, &mut take)
+            }
         };
         let failure = match (ran, reply) {
             (_, Some(reply)) => {
                 match &reply.answer {
-                    Ok(_) => self.policy.instantiated(f64::from(reply.start)),
-                    Err(Trouble::Unloadable(_)) => {}
-                    Err(_) => self.policy.loaded(),
+                    Ok(_) => self.policy().instantiated(f64::from(reply.start)),
+                    Err(trouble) if trouble.from == Origin::Loading => {}
+                    Err(_) => self.policy().loaded = true,
                 }
                 return Ok(reply);
             }
@@ -121,13 +145,17 @@ impl Isolated {
             (Err(gone), None) => return Err(gone),
         };
         Ok(Reply {
-            index: job.index,
-            answer: Err(Trouble::Lost(failure)),
-            start: 0.0,
-            simulated: 0.0,
-            odd: Some(Odd::Complaint),
-            forkable: None,
+            odd: Some(Reason::Complaints),
+            ..Reply::new(job.index, Err(Trouble::lost(failure)))
         })
+    }
+
+    /// A worker for one point.
+    fn new_worker(&self, fmu: &Path, fill: Option<u8>) -> Process {
+        let mut worker = Process::new(fmu, &self.ground.name, &self.cases, self.limits);
+        worker.home.clone_from(&self.home);
+        worker.setup.fill = fill;
+        worker
     }
 
     /// The same, but a licence is waited for.
@@ -142,10 +170,15 @@ impl Isolated {
         let (since, mut pause) = (Instant::now(), Duration::from_millis(20));
         loop {
             let reply = self.once(job, separation, fill, post)?;
-            let Err(Trouble::Refused { licence, failure }) = &reply.answer else {
+            let Err(trouble) = &reply.answer else {
                 return Ok(reply);
             };
-            match self.policy.wait(*licence, since, self.limits.time) {
+            let Origin::Refusal { licence } = trouble.from else {
+                return Ok(reply);
+            };
+            let failure = &trouble.failure;
+            let wait = self.policy().wait(licence, since, self.limits.time);
+            match wait {
                 Wait::No => return Ok(reply),
                 Wait::Again => {}
                 Wait::Told(longest) => crate::tell::line!(
@@ -160,12 +193,24 @@ impl Isolated {
             }
             // A process that waits for further points keeps its licence, perhaps the only one.
             self.using.end();
-            if self.policy.share_licences() {
+            if self.policy().share_licences() {
                 post.send(Event::Void(Separation::Used));
             }
             pause_for(pause, post)?;
             pause = LONGEST.min(pause * 3 / 2);
         }
+    }
+
+    /// Why the FMU cannot be loaded, where it never was.
+    fn unloadable(&self, found: &Found) -> Option<String> {
+        let trouble = found.as_ref().err()?;
+        let never = trouble.from == Origin::Loading && !self.policy().loaded;
+        never.then(|| trouble.failure.to_string())
+    }
+
+    /// A point in a process as independent as can be.
+    fn anew(&mut self, job: &Job, fill: Option<u8>, post: &mut Post<'_>) -> Result<Reply, Gone> {
+        self.licensed(job, self.strictest(), fill, post)
     }
 
     /// A point alone; one that fails is tried once more, in a new process.
@@ -180,25 +225,22 @@ impl Isolated {
         let first = self.licensed(job, separation, None, post)?;
         if first.answer.is_ok() {
             let took = ready.then(|| begun.elapsed().as_secs_f64());
-            self.policy.note(job, &first, separation, took);
+            self.policy().note(job, &first, separation, took);
             return Ok((first.answer, separation));
         }
-        let first = first.answer;
-        let second = self
-            .licensed(job, self.policy.strictest(), None, post)?
-            .answer;
-        if second.is_ok() && speaks_of_the_fmu(&first) {
-            if self.policy.has_company() {
+        let second = self.anew(job, None, post)?.answer;
+        if second.is_ok() && speaks_of_the_fmu(&first.answer) {
+            if self.policy().company {
                 post.send(Event::Fickle(job.index));
             } else {
                 self.explain(job, separation, &second, post)?;
             }
         }
-        if let (Err(Trouble::Unloadable(reason)), false) = (&second, self.policy.has_loaded()) {
+        if let Some(reason) = self.unloadable(&second) {
             // No point is to blame, whichever worker finds it first.
-            return Err(Gone::Start(reason.clone()));
+            return Err(Gone::Start(reason));
         }
-        Ok((second, self.policy.strictest()))
+        Ok((second, self.strictest()))
     }
 
     /// A point alone, with its answer.
@@ -212,15 +254,15 @@ impl Isolated {
         let (found, separation) = self.alone(job, separation, post)?;
         let values = found.as_ref().ok().map(|found| found.values.clone());
         if values.is_none() {
-            self.policy.note_odd(Some(Odd::Complaint));
+            self.policy().note_odd(Some(Reason::Complaints));
         }
         tell(post, job.index, found, separation);
-        self.policy.spend(separation, begun.elapsed().as_secs_f64());
-        let Some(values) = values.filter(|_| self.policy.audits()) else {
-            return Ok(());
-        };
-        let in_any_case = self.policy.chooses(job.index, false);
-        if in_any_case || self.policy.audits_alone() {
+        let mut policy = self.policy();
+        policy.spend(separation, begun.elapsed().as_secs_f64());
+        let in_any_case = policy.chooses(job.index, false);
+        let wanted = policy.audits() && (in_any_case || policy.audits_alone());
+        drop(policy);
+        if let Some(values) = values.filter(|_| wanted) {
             let point = Done {
                 job,
                 values,
@@ -240,33 +282,26 @@ impl Isolated {
         new: &Found,
         post: &mut Post<'_>,
     ) -> Result<(), Gone> {
-        let again = if separation == self.policy.strictest() {
-            None
+        if separation != self.strictest() && is_same(new, &self.anew(job, None, post)?.answer) {
+            self.refute(separation, post);
         } else {
-            Some(
-                self.licensed(job, self.policy.strictest(), None, post)?
-                    .answer,
-            )
-        };
-        match again {
-            Some(again) if is_same(new, &again) => self.refute(separation, post),
-            _ => self.give_up_reproducing(post),
+            self.give_up_reproducing(post);
         }
         Ok(())
     }
 
     /// Whether one try gave results and the other none, which may be the fault of what ran meanwhile.
     fn is_crowd(&self, one: &Found, other: &Found) -> bool {
-        self.policy.has_company() && one.is_ok() != other.is_ok()
+        self.policy().company && one.is_ok() != other.is_ok()
     }
 
     fn refute(&mut self, separation: Separation, post: &mut Post<'_>) {
-        self.policy.refute(separation);
+        self.policy().refute(separation);
         post.send(Event::Void(separation));
     }
 
     fn give_up_reproducing(&mut self, post: &mut Post<'_>) {
-        self.policy.give_up_reproducing();
+        self.policy().give_up_reproducing();
         // Forks share what new processes would draw anew.
         post.send(Event::Void(Separation::Forked));
     }
@@ -276,6 +311,7 @@ impl Isolated {
         self.policy = Arc::clone(&self.apart);
         self.forking.end();
         self.using.end();
+        self.auditing.0.end();
         post.send(Event::Void(Separation::New));
     }
 
@@ -285,9 +321,9 @@ impl Isolated {
         let found = self.compare(job, post);
         let nothing = Probed::Nothing;
         let probed = found.as_ref().map_or(nothing, |(probed, _)| *probed);
-        self.policy.probed(probed, begun.elapsed());
+        self.policy().probed(probed, begun.elapsed());
         let (probed, answer) = found?;
-        let new = self.policy.strictest();
+        let new = self.strictest();
         let answer = match answer {
             // Memory was filled to find differences, and new processes differ. The result that counts is the one
             // without filling.
@@ -297,13 +333,13 @@ impl Isolated {
             }
             Some(reply) => {
                 let each = begun.elapsed().as_secs_f64() / 2.0;
-                self.policy.note(job, &reply, new, Some(each));
+                self.policy().note(job, &reply, new, Some(each));
                 reply.answer
             }
             None => self.alone(job, new, post)?.0,
         };
         if answer.is_err() {
-            self.policy.note_odd(Some(Odd::Complaint));
+            self.policy().note_odd(Some(Reason::Complaints));
         }
         tell(post, job.index, answer, new);
         Ok(())
@@ -312,12 +348,11 @@ impl Isolated {
     /// A point under two patterns of unwritten memory, and in a fork.
     fn compare(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(Probed, Option<Reply>), Gone> {
         let [first, second] = FILLS.map(Some);
-        let first = self.licensed(job, self.policy.strictest(), first, post)?;
-        if let (Err(Trouble::Unloadable(reason)), false) = (&first.answer, self.policy.has_loaded())
-        {
-            return Err(Gone::Unloadable(reason.clone()));
+        let first = self.anew(job, first, post)?;
+        if let Some(reason) = self.unloadable(&first.answer) {
+            return Err(Gone::Unloadable(reason));
         }
-        let second = self.licensed(job, self.policy.strictest(), second, post)?;
+        let second = self.anew(job, second, post)?;
         let same = is_same(&first.answer, &second.answer);
         // A process that was ended from outside tells nothing about the FMU.
         let mut told = speaks_of_the_fmu(&first.answer) && speaks_of_the_fmu(&second.answer);
@@ -326,8 +361,8 @@ impl Isolated {
             told = false;
         }
         if told && (first.answer.is_ok() || second.answer.is_ok()) {
-            let new = self.policy.strictest();
-            self.policy.audited(job.index, same, new);
+            let new = self.strictest();
+            self.policy().audited(job.index, same, new);
         }
         if !same {
             let probed = if told {
@@ -338,8 +373,8 @@ impl Isolated {
             return Ok((probed, None));
         }
         let mut probed = Probed::NoForks;
-        let shared = self.policy.strictest() == Separation::New;
-        if first.forkable == Some(true) && shared && !self.policy.is_dear() {
+        let shared = self.strictest() == Separation::New;
+        if first.forkable == Some(true) && shared && !self.policy().is_dear() {
             let forked = self.licensed(job, Separation::Forked, None, post)?;
             if is_same(&first.answer, &forked.answer) {
                 probed = Probed::Alike;
@@ -348,9 +383,9 @@ impl Isolated {
         Ok((probed, Some(first)))
     }
 
-    /// Finds out whether processes may be used again: points that are known, in both orders and repeated.
-    fn trial(&mut self, post: &Post<'_>) -> Result<(), Gone> {
-        let proof = self.policy.proof();
+    /// Finds out whether processes may be used again, and how: points that are known, in both orders and repeated.
+    fn trial(&mut self, post: &Post<'_>) -> Result<Result<Reuse, Reason>, Gone> {
+        let proof = self.policy().proof();
         let forward = 0..proof.len();
         let orders: Vec<usize> = forward
             .clone()
@@ -366,9 +401,9 @@ impl Isolated {
             })
             .collect();
         let mut outcome = Err(Reason::OtherResults);
-        for habit in [Habit::Reset, Habit::Renew] {
+        for reuse in [Reuse::Reset, Reuse::Renew] {
             let (mut same, mut odd) = (true, None);
-            let way = Way::Used(habit);
+            let way = |jobs| Order::Used(reuse, jobs);
             let ran = self.using.run(way, &jobs, post.stopped, &mut |reply| {
                 let known = orders.get(reply.index as usize).map(|&k| &proof[k].1);
                 let own = reply.answer.as_ref().ok();
@@ -379,9 +414,9 @@ impl Isolated {
             });
             match (ran, odd) {
                 // The points ended plainly alone.
-                (Ok(()), Some(odd)) if same => outcome = Err(odd.reason()),
+                (Ok(()), Some(odd)) if same => outcome = Err(odd),
                 (Ok(()), None) if same => {
-                    outcome = Ok(habit);
+                    outcome = Ok(reuse);
                     break;
                 }
                 (Ok(()) | Err(Gone::Lost(_)), _) => {}
@@ -389,18 +424,17 @@ impl Isolated {
             }
             self.using.end();
         }
-        self.policy.tried(outcome);
-        Ok(())
+        Ok(outcome)
     }
 
     /// Runs points in one process; each that fails there is run alone. Some are audited.
-    fn used(&mut self, jobs: &[Job], habit: Habit, post: &mut Post<'_>) -> Result<(), Gone> {
+    fn used(&mut self, jobs: &[Job], reuse: Reuse, post: &mut Post<'_>) -> Result<(), Gone> {
         let begun = Instant::now();
-        self.policy.note_reuse();
+        self.policy().reused = true;
         let mut open: BTreeMap<u64, &Job> = jobs.iter().map(|job| (job.index, job)).collect();
         let mut failed = Vec::new();
         let mut done = Vec::new();
-        let way = Way::Used(habit);
+        let way = |jobs| Order::Used(reuse, jobs);
         let stopped = post.stopped;
         let (policy, mut behind_odd) = (Arc::clone(&self.policy), self.behind_odd);
         let ran = self.using.run(way, jobs, stopped, &mut |reply| {
@@ -420,10 +454,10 @@ impl Isolated {
                 }
                 Err(trouble) => {
                     failed.push((job, Err(trouble)));
-                    reply.odd.or(Some(Odd::Complaint))
+                    reply.odd.or(Some(Reason::Complaints))
                 }
             };
-            policy.note_odd(odd);
+            locked(&policy).note_odd(odd);
             behind_odd = odd.is_some();
         });
         self.behind_odd = behind_odd;
@@ -431,13 +465,13 @@ impl Isolated {
             Ok(()) => {}
             Err(Gone::Lost(failure)) => {
                 // The worker was lost: which point it was is not known, so none of them is to blame yet.
-                let lost = |job| (job, Err(Trouble::Lost(failure.clone())));
+                let lost = |job| (job, Err(Trouble::lost(failure.clone())));
                 failed.extend(open.into_values().map(lost));
             }
             Err(gone) => return Err(gone),
         }
-        self.policy
-            .spend(Separation::Used, begun.elapsed().as_secs_f64());
+        let took = begun.elapsed().as_secs_f64();
+        self.policy().spend(Separation::Used, took);
         for (job, used) in failed {
             self.again(job, &used, post)?;
         }
@@ -446,17 +480,18 @@ impl Isolated {
 
     /// A point that failed in a used process, alone.
     fn again(&mut self, job: &Job, used: &Found, post: &mut Post<'_>) -> Result<(), Gone> {
-        let separation = self.policy.alone();
-        let (found, separation) = match used {
+        let separation = self.policy().alone();
+        let late = |trouble: &Trouble| trouble.failure == Failure::Timeout;
+        let (found, separation) = match used.as_ref().is_err_and(late) {
             // It has had its second try with this one.
-            Err(Trouble::Lost(Failure::Timeout)) => (
+            true => (
                 self.licensed(job, separation, None, post)?.answer,
                 separation,
             ),
-            _ => self.alone(job, separation, post)?,
+            false => self.alone(job, separation, post)?,
         };
         if found.is_ok() && speaks_of_the_fmu(used) {
-            self.policy.audited(job.index, false, Separation::Used);
+            self.policy().audited(job.index, false, Separation::Used);
             self.refute(Separation::Used, post);
         }
         tell(post, job.index, found, separation);
@@ -466,19 +501,20 @@ impl Isolated {
     /// Computes some of the points of a used process again: those that are chosen, those right behind an odd one, and others
     /// as far as there is time.
     fn audit_some(&mut self, done: &[Done<'_>], post: &mut Post<'_>) -> Result<(), Gone> {
-        if !self.policy.audits() || done.is_empty() {
+        if !self.policy().audits() || done.is_empty() {
             return Ok(());
         }
         let mut others = Vec::new();
         for point in done {
-            if !self.policy.chooses(point.job.index, point.behind_odd) {
+            let chosen = self.policy().chooses(point.job.index, point.behind_odd);
+            if !chosen {
                 others.push(point);
             } else if !self.audit(point, true, post)? {
                 return Ok(());
             }
         }
         let last = post.left == Some(0);
-        let count = self.policy.audits_of_used(last);
+        let count = self.policy().audits_of_used(last);
         if count == 0 {
             return Ok(());
         }
@@ -489,7 +525,7 @@ impl Isolated {
             (
                 !latest,
                 !point.behind_odd,
-                self.policy.rank(point.job.index),
+                self.policy().rank(point.job.index),
             )
         };
         others.sort_by_cached_key(rank);
@@ -511,23 +547,22 @@ impl Isolated {
     ) -> Result<bool, Gone> {
         let (job, separation) = (point.job, point.separation);
         let begun = Instant::now();
-        let new = self.policy.strictest();
-        let again = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
+        let again = self.anew(job, Some(FILLS[0]), post)?.answer;
         let behind_odd = in_any_case && point.behind_odd;
         let took = begun.elapsed().as_secs_f64();
-        self.policy
+        self.policy()
             .note_audit(took, separation, in_any_case, behind_odd);
         // A process that was ended from outside tells nothing about the FMU.
         if !speaks_of_the_fmu(&again) {
             return Ok(true);
         }
         let first = Ok(point.values.clone().into());
-        if separation == new && self.is_crowd(&first, &again) {
+        if separation == self.strictest() && self.is_crowd(&first, &again) {
             post.send(Event::Fickle(job.index));
             return Ok(true);
         }
         let agreed = is_same(&first, &again);
-        self.policy.audited(job.index, agreed, separation);
+        self.policy().audited(job.index, agreed, separation);
         if !agreed {
             self.judge(job, separation, &again, post)?;
         }
@@ -536,12 +571,11 @@ impl Isolated {
 
     /// A point in a new process whose unwritten memory holds something else, with its answer.
     fn run_as_audit(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), Gone> {
-        let new = self.policy.strictest();
-        let mut found = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
+        let mut found = self.anew(job, Some(FILLS[0]), post)?.answer;
         if found.is_err() {
-            found = self.licensed(job, new, Some(FILLS[0]), post)?.answer;
+            found = self.anew(job, Some(FILLS[0]), post)?.answer;
         }
-        tell(post, job.index, found, new);
+        tell(post, job.index, found, self.strictest());
         Ok(())
     }
 
@@ -553,14 +587,13 @@ impl Isolated {
         new: &Found,
         post: &mut Post<'_>,
     ) -> Result<(), Gone> {
-        let strictest = self.policy.strictest();
-        if separation == strictest {
+        if separation == self.strictest() {
             self.give_up_reproducing(post);
             return Ok(());
         }
         self.refute(separation, post);
         for fill in [Some(FILLS[1]), None] {
-            let again = self.licensed(job, strictest, fill, post)?.answer;
+            let again = self.anew(job, fill, post)?.answer;
             let told = speaks_of_the_fmu(&again) && !self.is_crowd(new, &again);
             if told && !is_same(new, &again) {
                 self.give_up_reproducing(post);
@@ -575,19 +608,18 @@ impl Worker for Isolated {
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         let mut jobs = jobs;
         while let Some((job, rest)) = jobs.split_first() {
-            let plan = self.policy.plan(post.left.map(|left| left + jobs.len()));
+            let left = post.left.map(|left| left + jobs.len());
+            let plan = self.policy().plan(left);
             let done = match plan {
                 Plan::Probe => self.probe(job, post),
                 Plan::Alone(separation) => self.answer_alone(job, separation, post),
                 Plan::Audit => self.run_as_audit(job, post),
                 Plan::Trial => {
                     let tried = self.trial(post);
-                    if tried.is_err() {
-                        self.policy.untried();
-                    }
-                    tried
+                    self.policy().tried(tried.as_ref().ok().copied());
+                    tried.map(|_| ())
                 }
-                Plan::Used(habit) => self.used(jobs, habit, post),
+                Plan::Used(reuse) => self.used(jobs, reuse, post),
             };
             match done {
                 Ok(()) => {}
@@ -616,10 +648,9 @@ impl Worker for Isolated {
     /// A point that gives results now gives them twice, or the FMU is not reproducible.
     fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), RunError> {
         loop {
-            let new = self.policy.strictest();
-            let found = self.licensed(job, new, None, post).and_then(|first| {
+            let found = self.anew(job, None, post).and_then(|first| {
                 if first.answer.is_ok() {
-                    let second = self.licensed(job, new, None, post)?;
+                    let second = self.anew(job, None, post)?;
                     let told = speaks_of_the_fmu(&second.answer);
                     if told && !is_same(&first.answer, &second.answer) {
                         self.give_up_reproducing(post);
@@ -628,7 +659,7 @@ impl Worker for Isolated {
                 Ok(first.answer)
             });
             match found {
-                Ok(found) => tell(post, job.index, found, new),
+                Ok(found) => tell(post, job.index, found, self.strictest()),
                 Err(Gone::Stopped) => {}
                 Err(Gone::Disturbed) => {
                     self.leave_the_shared_folder(post);
@@ -646,12 +677,24 @@ impl Worker for Isolated {
     }
 }
 
+/// The policy that workers have together.
+pub(crate) fn locked(policy: &Mutex<Policy>) -> MutexGuard<'_, Policy> {
+    // Every change leaves it sound.
+    policy.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Hands over the outcome of a point, and the FMU's warnings before it failed.
 fn tell(post: &mut Post<'_>, index: u64, found: Found, separation: Separation) {
-    if let Some(notices) = found.as_ref().err().and_then(Trouble::notices) {
-        post.send(Event::Said(index, Box::new(notices.clone())));
-    }
-    let answer = found.map_err(Trouble::failure);
+    let answer = found.map_err(
+        |Trouble {
+             failure, notices, ..
+         }| {
+            if !notices.is_empty() {
+                post.send(Event::Said(index, notices));
+            }
+            failure
+        },
+    );
     post.send(Event::Answer(index, answer, separation));
 }
 
@@ -670,16 +713,14 @@ fn pause_for(pause: Duration, post: &Post<'_>) -> Result<(), Gone> {
 /// Whether an answer comes from the FMU, and not from what happened around its process: a lack of time or memory,
 /// a signal from outside.
 fn speaks_of_the_fmu(found: &Found) -> bool {
-    match found {
-        Ok(_) | Err(Trouble::Failed { .. }) => true,
-        Err(Trouble::Lost(failure)) => match failure.cause() {
-            Failure::Crashed(text) => {
-                let by_the_fmu = ["SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"];
-                by_the_fmu.iter().any(|signal| text.starts_with(signal))
-            }
-            cause => matches!(cause, Failure::Exited(..)),
-        },
-        Err(Trouble::Refused { .. } | Trouble::Unloadable(_)) => false,
+    let Err(trouble) = found else { return true };
+    match (trouble.from, trouble.failure.cause()) {
+        (Origin::Fmu, _) | (Origin::Process, Failure::Exited(..)) => true,
+        (Origin::Process, Failure::Crashed(text)) => {
+            let by_the_fmu = ["SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS"];
+            by_the_fmu.iter().any(|signal| text.starts_with(signal))
+        }
+        _ => false,
     }
 }
 
@@ -688,7 +729,7 @@ fn speaks_of_the_fmu(found: &Found) -> bool {
 fn is_same(one: &Found, other: &Found) -> bool {
     match (one, other) {
         (Ok(one), Ok(other)) => bits(&one.values).eq(bits(&other.values)),
-        (Err(one), Err(other)) => one.clone().failure().class() == other.clone().failure().class(),
+        (Err(one), Err(other)) => one.failure.class() == other.failure.class(),
         _ => false,
     }
 }

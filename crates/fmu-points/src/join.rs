@@ -11,15 +11,18 @@ use crate::failure::{Failure, OfCase};
 use crate::notices::Notices;
 use crate::points::{Job, Simulated};
 use crate::task::Case;
-use crate::wire::{Reply, Trouble};
+use crate::wire::{Origin, Reply, Trouble};
 
 /// The outcome of one simulation.
 type Found = Result<Simulated, Trouble>;
 
-/// The indexes of a point's simulations, each with the point's values.
-pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = (u64, &[f64])> {
+/// A point's simulations.
+pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {
     let first = job.index * cases as u64;
-    (first..first + cases as u64).map(|index| (index, &job.values[..]))
+    (first..first + cases as u64).map(|index| Job {
+        index,
+        values: job.values.clone(),
+    })
 }
 
 /// The number of the case of a simulation.
@@ -104,12 +107,17 @@ pub(crate) fn joined(cases: &[Part], found: Vec<Found>) -> Found {
     };
     let mut notices = Notices::default();
     for (case, found) in found.iter().enumerate() {
-        if let Some(own) = said(found) {
+        let own = match found {
+            Ok(found) => found.notices.as_deref(),
+            Err(trouble) => Some(&*trouble.notices),
+        };
+        if let Some(own) = own {
             notices.add(own, &name(case));
         }
     }
-    let gravest = (0..found.len()).filter(|&case| found[case].is_err());
-    let Some(worst) = gravest.min_by_key(|&case| rank(&found[case])) else {
+    let from = |&case: &usize| found[case].as_ref().err().map(|trouble| trouble.from);
+    let failed = (0..found.len()).filter(|&case| found[case].is_err());
+    let Some(worst) = failed.min_by_key(from) else {
         let values = found.into_iter().flatten().flat_map(|found| found.values);
         return Ok(Simulated {
             values: values.collect(),
@@ -119,63 +127,36 @@ pub(crate) fn joined(cases: &[Part], found: Vec<Found>) -> Found {
     let values = cases.iter().zip(&found);
     let values = values.flat_map(|(case, found)| known(found, case.results));
     let values: Vec<Option<f64>> = values.collect();
-    let of_case = |failure: Failure| {
-        Failure::InCase(Box::new(OfCase {
-            case: name(worst),
-            failure: without_values(failure),
-            values: values.clone(),
-        }))
+    let trouble = found.into_iter().nth(worst).and_then(Result::err);
+    let trouble = trouble.expect("the worst one failed");
+    let case = name(worst);
+    let failure = match (trouble.from, trouble.failure) {
+        (Origin::Loading, failure) => failure,
+        (_, mut failure) => {
+            if let Failure::NotFinite(partial) = &mut failure {
+                // They stand among those of all cases.
+                partial.values.clear();
+            }
+            Failure::InCase(Box::new(OfCase {
+                case,
+                failure,
+                values,
+            }))
+        }
     };
-    match found.into_iter().nth(worst) {
-        Some(Err(Trouble::Failed { failure, .. })) => Err(Trouble::Failed {
-            failure: of_case(failure),
-            notices: Box::new(notices),
-        }),
-        Some(Err(Trouble::Refused { failure, licence })) => Err(Trouble::Refused {
-            failure: of_case(failure),
-            licence,
-        }),
-        Some(Err(Trouble::Lost(failure))) => Err(Trouble::Lost(of_case(failure))),
-        Some(other) => other,
-        None => Err(Trouble::Lost(Failure::Crashed("no answer came".to_owned()))),
-    }
-}
-
-/// What decides first about the point: an FMU that cannot be loaded or gives no instance is no matter of one case.
-fn rank(found: &Found) -> u8 {
-    match found {
-        Err(Trouble::Unloadable(_)) => 0,
-        Err(Trouble::Refused { .. }) => 1,
-        Err(Trouble::Lost(_)) => 2,
-        Err(Trouble::Failed { .. }) => 3,
-        Ok(_) => 4,
-    }
-}
-
-/// The FMU's remarks in one case.
-fn said(found: &Found) -> Option<&Notices> {
-    match found {
-        Ok(found) => found.notices.as_deref(),
-        Err(trouble) => trouble.notices(),
-    }
+    Err(Trouble {
+        from: trouble.from,
+        failure,
+        notices: Box::new(notices),
+    })
 }
 
 /// The results of a case, as far as there are any.
 fn known(found: &Found, count: usize) -> Vec<Option<f64>> {
-    let values = |failure: &Failure| (0..count).map(|k| failure.value(k)).collect();
     match found {
         Ok(found) => found.values.iter().copied().map(Some).collect(),
-        Err(Trouble::Failed { failure, .. } | Trouble::Lost(failure)) => values(failure),
-        Err(Trouble::Refused { .. } | Trouble::Unloadable(_)) => vec![None; count],
+        Err(trouble) => (0..count).map(|k| trouble.failure.value(k)).collect(),
     }
-}
-
-/// The same failure; its values stand among those of all cases.
-fn without_values(mut failure: Failure) -> Failure {
-    if let Failure::NotFinite(partial) = &mut failure {
-        partial.values.clear();
-    }
-    failure
 }
 
 #[cfg(test)]
@@ -222,18 +203,13 @@ mod tests {
 
     fn reply(index: u64, answer: Found) -> Reply {
         Reply {
-            index,
-            answer,
-            start: 0.5,
-            simulated: 0.0,
-            odd: None,
             forkable: Some(true),
+            ..Reply::new(index, answer)
         }
     }
 
     fn failed(failure: Failure) -> Found {
-        let notices = Box::default();
-        Err(Trouble::Failed { failure, notices })
+        Err(Trouble::new(Origin::Fmu, failure))
     }
 
     #[test]
@@ -247,7 +223,7 @@ mod tests {
         let runs: Vec<(u64, usize)> = [job(3), job(4)]
             .iter()
             .flat_map(|job| split(job, 2))
-            .map(|(index, _)| (index, case_of(index, 2)))
+            .map(|job| (job.index, case_of(job.index, 2)))
             .collect();
         assert_eq!(runs, [(6, 0), (7, 1), (8, 0), (9, 1)]);
         assert!(join.add(reply(9, Ok(vec![3.0, 4.0].into()))).is_none());
@@ -261,7 +237,7 @@ mod tests {
     fn a_broken_case_costs_the_point_and_is_named() {
         let good = || Ok(vec![1.0, 2.0].into());
         let broken = joined(&parts(&cases()), vec![good(), failed(Failure::Timeout)]).unwrap_err();
-        let failure = broken.failure();
+        let failure = broken.failure;
         assert_eq!(failure.to_string(), "case fast: timeout");
         let values = |failure: &Failure| [0, 1, 2, 3].map(|k| failure.value(k));
         assert_eq!(values(&failure), [Some(1.0), Some(2.0), None, None]);
@@ -269,20 +245,20 @@ mod tests {
         let partial = Failure::NotFinite(Partial::new("y", &[3.0, f64::NAN]));
         let failure = joined(&parts(&cases()), vec![failed(partial), good()])
             .unwrap_err()
-            .failure();
+            .failure;
         assert_eq!(failure.to_string(), "case slow: not finite: y");
         assert_eq!(values(&failure), [Some(3.0), None, Some(1.0), Some(2.0)]);
     }
 
     #[test]
     fn what_befalls_the_process_comes_before_what_the_fmu_says() {
-        let lost = || Err(Trouble::Lost(Failure::Timeout));
+        let lost = || Err(Trouble::lost(Failure::Timeout));
         let said = || failed(Failure::Error("no".to_owned()));
         let worst = joined(&parts(&cases()), vec![said(), lost()]).unwrap_err();
-        assert!(matches!(worst, Trouble::Lost(_)), "{worst:?}");
-        let unloadable = Err(Trouble::Unloadable("no file".to_owned()));
+        assert_eq!(worst.from, Origin::Process);
+        let unloadable = Err(Trouble::unloadable("no file".to_owned()));
         let worst = joined(&parts(&cases()), vec![lost(), unloadable]).unwrap_err();
-        assert_eq!(worst.failure(), Failure::Unloadable("no file".to_owned()));
+        assert_eq!(worst.failure, Failure::Unloadable("no file".to_owned()));
     }
 
     #[test]

@@ -1,5 +1,57 @@
-//! Points of any FMU in isolated processes.
+//! Points of any FMU in isolated processes. A point is a simulation with values of its own for some parameters; its answer
+//! is a few numbers, or why there are none.
+//!
+//! ```no_run
+//! use std::time::Duration;
+//!
+//! use fmu_import::Package;
+//! use fmu_points::task::{Probe, Schedule, Slot, Statistic, Task};
+//! use fmu_points::{Crew, Isolation, Limits, Place, stop};
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     // The processes in which the FMU runs are this program once more.
+//!     fmu_points::serve_if_worker();
+//!     let mut package = Package::open("pendulum.fmu".as_ref())?;
+//!     let fmu = package.description();
+//!     let task = Task {
+//!         varied: Slot::of(&fmu.variables["length"]).into_iter().collect(),
+//!         observed: Probe::of(&fmu.variables["angle"], Statistic::Max).into_iter().collect(),
+//!         ..Task::new(Schedule::suggested(fmu))
+//!     };
+//!     let limits = Limits { time: Duration::from_secs(60), memory: 1 << 30 };
+//!     let place = Place::Processes(limits, Isolation::Audited);
+//!     let folder = stop::scratch()?;
+//!     let crew = Crew::new(&mut package, place, folder.path(), 4)?;
+//!     for answer in crew.answers(&task, &[vec![0.5], vec![1.0]])? {
+//!         match answer {
+//!             Ok(values) => println!("{values:?}"),
+//!             Err(failure) => println!("{failure}"),
+//!         }
+//!     }
+//!     Ok(())
+//! }
+//! ```
+//!
+//! # Processes
+//!
+//! The *supervisor* is the program that asks for points. Each of its [workers](Worker) is a process of the same program,
+//! which loads the FMU and never instantiates it. A worker's *children* run the FMU. How a child is born, and whether it
+//! has run other points before, is its [`Separation`]; [`Isolation`] is what a user wants of it, and [`Conduct`] how it
+//! turned out.
+//!
+//! A simulation is plain data, which the processes send each other:
+//!
+//! ```
+//! use fmu_points::task::Schedule;
+//!
+//! let (start, stop, step) = (0.0, 1.0, 0.3);
+//! let schedule = Schedule { start, stop, step, window_start: start, leap: false, tolerance: None };
+//! assert_eq!(schedule.check(), Ok(()));
+//! // The last step is shorter.
+//! assert_eq!((schedule.steps(), schedule.time(4)), (4, 1.0));
+//! ```
 
+mod as_json;
 mod batch;
 mod birth;
 mod child;
@@ -34,8 +86,9 @@ use std::ffi::OsString;
 
 pub use company::Company;
 pub use conduct::{Conduct, Isolation, Separation};
+pub use crew::{Crew, Place};
 pub use indexes::Indexes;
-pub use points::{Answer, Event, Job, Post, RunError, Simulated, Worker};
+pub use points::{Answer, Event, Job, Limits, Post, RunError, Simulated, Worker};
 pub use pool::run;
 
 /// Makes this process a worker, or a worker's child, where a supervisor has started it as such, and does not return then.

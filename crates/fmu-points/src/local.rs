@@ -8,7 +8,7 @@ use crate::join::{Part, joined, parts};
 use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
 use crate::runner::Runner;
 use crate::task::Case;
-use crate::wire::Trouble;
+use crate::wire::{Origin, Trouble};
 use fmu_import::Library;
 
 /// Runs points on an instance of its own.
@@ -45,11 +45,11 @@ impl Local {
     ) -> Result<Simulated, Failure> {
         let runs = (0..cases.len()).map(|case| {
             runner.turn_to(case);
-            let notices = Box::default();
-            Self::run_case(runner, values).map_err(|failure| Trouble::Failed { failure, notices })
+            let failed = |failure| Trouble::new(Origin::Fmu, failure);
+            Self::run_case(runner, values).map_err(failed)
         });
         let runs: Vec<_> = runs.collect();
-        joined(cases, runs).map_err(Trouble::failure)
+        joined(cases, runs).map_err(|trouble| trouble.failure)
     }
 }
 

@@ -1,9 +1,12 @@
 //! Points, those who run them, and what may happen meanwhile.
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::as_json;
 use crate::conduct::Separation;
 use crate::failure::Failure;
 use crate::notices::Notices;
@@ -37,8 +40,25 @@ pub enum RunError {
     Disturbed,
 }
 
+/// Limits on a point's time and memory.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Limits {
+    /// The longest time that a point may take.
+    pub time: Duration,
+    /// The most memory that its process may occupy, bytes.
+    pub memory: u64,
+}
+
+impl Limits {
+    /// No limits: for a single point, while a person is watching.
+    pub const NONE: Self = Self {
+        time: Duration::MAX,
+        memory: u64::MAX,
+    };
+}
+
 /// A point to run: its index, and its parameters in the FMU's units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// The index of the point.
     pub index: u64,
@@ -50,11 +70,12 @@ pub struct Job {
 pub type Answer = Result<Vec<f64>, Failure>;
 
 /// A simulated point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulated {
     /// The results in the FMU's units.
     pub values: Vec<f64>,
     /// The FMU's remarks beside them, if there were any.
+    #[serde(with = "as_json")]
     pub notices: Option<Box<Notices>>,
 }
 

@@ -10,14 +10,13 @@
 //! time.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::conduct::{Conduct, Isolation, Reason, Separation};
 use crate::points::Job;
 use crate::repeats::{ENOUGH, Repeats};
-use crate::runner::Habit;
-use crate::wire::{Odd, Reply};
+use crate::runner::Reuse;
+use crate::wire::Reply;
 
 /// The next task of a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +30,7 @@ pub(crate) enum Plan {
     /// Find out whether processes may be used again, and [report](Policy::tried).
     Trial,
     /// Run points in one process.
-    Used(Habit),
+    Used(Reuse),
 }
 
 /// The result of a probe.
@@ -161,47 +160,45 @@ impl Readings {
     }
 }
 
-/// Decides how points share processes, from all that is known of the FMU.
-#[derive(Debug)]
+/// Decides how points share processes, from all that is known of the FMU. The workers of a run have it together.
+#[derive(Debug, Default)]
 pub(crate) struct Policy {
-    wish: Isolation,
+    /// How the user wishes points to share processes.
+    pub(crate) wish: Isolation,
     /// A tool stands behind the FMU.
     tool: bool,
     /// Whether points run beside others.
-    company: bool,
-    /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
-    strictest: Separation,
+    pub(crate) company: bool,
+    /// Whether the FMU changes its folder, so that each point has one of its own.
+    apart: bool,
     /// Whether every point runs as strictly as an audited one: in a process of its own.
     auditing: bool,
     /// The points that are computed twice in any case; none where nothing is audited.
-    repeats: OnceLock<Repeats>,
-    state: Mutex<State>,
-}
-
-#[derive(Debug)]
-struct State {
+    repeats: Option<Repeats>,
     /// How points are run alone; unknown at first.
     alone: Option<Separation>,
     probing: bool,
     probes: u32,
     probe_time: Duration,
-    reuse: Reuse,
-    reused: bool,
+    sharing: Sharing,
+    /// Whether points were computed in a used process.
+    pub(crate) reused: bool,
     proof: Vec<Proof>,
-    reproducible: bool,
+    /// Whether new processes differ among themselves.
+    differing: bool,
     audits: Audits,
     /// Time spent on points in used processes, and on those that ran alone.
     spent: [Spent; 2],
     /// What was odd about the latest points.
-    latest: VecDeque<Option<Odd>>,
+    latest: VecDeque<Option<Reason>>,
     /// How many points were computed alone.
     alone_so_far: usize,
     /// Which part of the time of a point alone its simulation takes.
     simulating: Readings,
     /// The shortest start of an instance from the start of its process on, s.
     start: Option<f64>,
-    /// Whether the FMU has ever been loaded.
-    loaded: bool,
+    /// Whether the FMU has ever been loaded: if not, it will never be.
+    pub(crate) loaded: bool,
     /// When an instance was made last.
     instance: Option<Instant>,
     /// Whether the user was told that a licence is waited for, and whether that was in vain.
@@ -209,61 +206,36 @@ struct State {
     hopeless: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reuse {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Sharing {
+    #[default]
     Untried,
     OnTrial,
-    Earned(Habit),
+    Earned(Reuse),
     Refused(Reason),
 }
 
 impl Policy {
-    pub(crate) fn new(wish: Isolation, tool: bool) -> Self {
-        let reuse = match wish {
-            Isolation::Audited => Reuse::Untried,
-            Isolation::Reuse => Reuse::Earned(Habit::Reset),
-            Isolation::Fresh | Isolation::InProcess => Reuse::Refused(Reason::Asked),
-        };
+    /// A policy for points of an FMU with a tool behind it or not, which run beside others or not.
+    pub(crate) fn new(wish: Isolation, tool: bool, company: bool) -> Self {
         Self {
             wish,
             tool,
-            company: false,
-            strictest: Separation::New,
-            auditing: false,
-            repeats: OnceLock::new(),
-            state: Mutex::new(State {
-                alone: None,
-                probing: false,
-                probes: 0,
-                probe_time: Duration::ZERO,
-                reuse,
-                reused: false,
-                proof: Vec::new(),
-                reproducible: true,
-                audits: Audits::default(),
-                spent: [Spent::default(); 2],
-                latest: VecDeque::new(),
-                alone_so_far: 0,
-                simulating: Readings::default(),
-                start: None,
-                loaded: false,
-                instance: None,
-                told: false,
-                hopeless: false,
-            }),
+            company,
+            sharing: match wish {
+                Isolation::Audited => Sharing::Untried,
+                Isolation::Reuse => Sharing::Earned(Reuse::Reset),
+                Isolation::Fresh | Isolation::InProcess => Sharing::Refused(Reason::Asked),
+            },
+            ..Self::default()
         }
     }
 
-    /// The same for points that run beside others.
-    pub(crate) fn in_company(self, company: bool) -> Self {
-        Self { company, ..self }
-    }
-
     /// A policy for points that have an unpacked FMU each.
-    pub(crate) fn apart(tool: bool) -> Self {
+    pub(crate) fn apart(tool: bool, company: bool) -> Self {
         Self {
-            strictest: Separation::Apart,
-            ..Self::new(Isolation::Fresh, tool)
+            apart: true,
+            ..Self::new(Isolation::Fresh, tool, company)
         }
     }
 
@@ -271,87 +243,72 @@ impl Policy {
     pub(crate) fn auditing() -> Self {
         Self {
             auditing: true,
-            ..Self::new(Isolation::Fresh, false)
+            ..Self::new(Isolation::Fresh, false, false)
         }
-    }
-
-    /// How the user wishes points to share processes.
-    pub(crate) fn wish(&self) -> Isolation {
-        self.wish
-    }
-
-    /// Whether points run beside others.
-    pub(crate) fn has_company(&self) -> bool {
-        self.company
     }
 
     /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
     pub(crate) fn strictest(&self) -> Separation {
-        self.strictest
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        // Every change leaves it sound.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        match self.apart {
+            true => Separation::Apart,
+            false => Separation::New,
+        }
     }
 
     /// The next task; `left` is the number of points to come, where it is known.
-    pub(crate) fn plan(&self, left: Option<usize>) -> Plan {
+    pub(crate) fn plan(&mut self, left: Option<usize>) -> Plan {
         if self.auditing {
             return Plan::Audit;
         }
-        let mut state = self.state();
-        let Some(alone) = state.alone else {
-            if state.probing {
-                return Plan::Alone(self.strictest);
+        let Some(alone) = self.alone else {
+            if std::mem::replace(&mut self.probing, true) {
+                return Plan::Alone(self.strictest());
             }
-            state.probing = true;
             return Plan::Probe;
         };
-        match state.reuse {
+        match self.sharing {
             // Whoever wants that gets it.
-            Reuse::Earned(habit) if self.wish == Isolation::Reuse || !state.is_odd() => {
-                Plan::Used(habit)
+            Sharing::Earned(reuse) if self.wish == Isolation::Reuse || !self.is_odd() => {
+                Plan::Used(reuse)
             }
-            Reuse::Untried if self.is_worth_a_trial(&state, left) => {
-                state.reuse = Reuse::OnTrial;
+            Sharing::Untried if self.is_worth_a_trial(left) => {
+                self.sharing = Sharing::OnTrial;
                 Plan::Trial
             }
             _ => Plan::Alone(alone),
         }
     }
 
-    /// Whether reuse saves more than its trial takes.
-    fn is_worth_a_trial(&self, state: &State, left: Option<usize>) -> bool {
-        let dear = self.is_dear_in(state);
+    /// Whether sharing saves more than its trial takes.
+    fn is_worth_a_trial(&self, left: Option<usize>) -> bool {
+        let dear = self.is_dear();
         let wanted = if dear { 1 } else { PROOF };
-        if state.proof.len() < wanted || state.is_odd() || state.is_long() {
+        if self.proof.len() < wanted || self.is_odd() || self.is_long() {
             return false;
         }
         // The trial runs each point three times and starts a process; it must stay a small part of what is left.
         const PART: usize = 20;
         // A search asks for few points at a time: one that has asked for so many will probably ask for as many again.
-        let left = left.map_or(usize::MAX, |left| left.max(state.alone_so_far));
+        let left = left.map_or(usize::MAX, |left| left.max(self.alone_so_far));
         left > if dear { 4 } else { 3 * PART * wanted }
     }
 
     /// Notes what a probe found and how long it took.
-    pub(crate) fn probed(&self, found: Probed, took: Duration) {
-        let mut state = self.state();
-        state.probing = false;
-        state.probe_time += took;
+    pub(crate) fn probed(&mut self, found: Probed, took: Duration) {
+        self.probing = false;
+        self.probe_time += took;
         match found {
             Probed::Nothing => {}
-            Probed::Different => state.give_up_reproducing(self.strictest),
-            Probed::NoForks => state.alone = Some(self.strictest),
+            Probed::Different => self.give_up_reproducing(),
+            Probed::NoForks => self.alone = Some(self.strictest()),
             // Meanwhile an audit may have shown that forks, or new processes, differ: that stays so.
-            Probed::Alike if state.alone.is_some() => {}
+            Probed::Alike if self.alone.is_some() => {}
             Probed::Alike => {
-                state.probes += 1;
-                let long = state.probe_time > Duration::from_secs(1);
-                let enough = long || state.probes >= PROBES || self.wish == Isolation::Reuse;
-                if enough || self.is_dear_in(&state) {
-                    state.alone = Some(Separation::Forked);
+                self.probes += 1;
+                let long = self.probe_time > Duration::from_secs(1);
+                let enough = long || self.probes >= PROBES || self.wish == Isolation::Reuse;
+                if enough || self.is_dear() {
+                    self.alone = Some(Separation::Forked);
                 }
             }
         }
@@ -359,81 +316,73 @@ impl Policy {
 
     /// How points are run alone, as far as that is known.
     pub(crate) fn alone(&self) -> Separation {
-        self.state().alone.unwrap_or(self.strictest)
+        self.alone.unwrap_or(self.strictest())
     }
 
     /// Whether a single probe is enough, because every start costs much.
     pub(crate) fn is_dear(&self) -> bool {
-        self.is_dear_in(&self.state())
-    }
-
-    fn is_dear_in(&self, state: &State) -> bool {
-        self.tool || state.start.is_some_and(|start| start > DEAR)
+        self.tool || self.start.is_some_and(|start| start > DEAR)
     }
 
     /// Notes a point with results that was computed alone, and how long that took, s, where nothing else was started for it.
-    pub(crate) fn note(&self, job: &Job, reply: &Reply, separation: Separation, took: Option<f64>) {
+    pub(crate) fn note(
+        &mut self,
+        job: &Job,
+        reply: &Reply,
+        separation: Separation,
+        took: Option<f64>,
+    ) {
         let Ok(found) = &reply.answer else { return };
-        let mut state = self.state();
-        state.alone_so_far += 1;
-        state.note_odd(reply.odd);
-        if let (true, Some(took)) = (separation == self.strictest, took) {
+        self.alone_so_far += 1;
+        self.note_odd(reply.odd);
+        if let (true, Some(took)) = (separation == self.strictest(), took) {
             // An audit takes as long.
-            state.audits.times.note(took);
+            self.audits.times.note(took);
         }
-        if let (true, Some(took)) = (state.alone == Some(separation), took) {
+        if let (true, Some(took)) = (self.alone == Some(separation), took) {
             let part = f64::from(reply.simulated) / took.max(1e-9);
-            state.simulating.note(part);
+            self.simulating.note(part);
         }
         let plain = reply.odd.is_none();
-        if plain && state.proof.len() < PROOF && self.wish == Isolation::Audited {
-            state.proof.push((job.clone(), found.values.clone()));
+        if plain && self.proof.len() < PROOF && self.wish == Isolation::Audited {
+            self.proof.push((job.clone(), found.values.clone()));
         }
     }
 
-    /// Notes what was odd about a point that ran in a used process, or failed.
-    pub(crate) fn note_odd(&self, odd: Option<Odd>) {
-        self.state().note_odd(odd);
+    /// Notes what was odd about a point.
+    pub(crate) fn note_odd(&mut self, odd: Option<Reason>) {
+        if self.latest.len() == LATEST {
+            self.latest.pop_front();
+        }
+        self.latest.push_back(odd);
     }
 
     /// Notes that an instance was made, and how long it took from the start of its process, s.
-    pub(crate) fn instantiated(&self, start: f64) {
-        let mut state = self.state();
-        state.instance = Some(Instant::now());
-        state.loaded = true;
-        state.hopeless = false;
-        state.start = Some(state.start.map_or(start, |least| least.min(start)));
-    }
-
-    /// Notes that the FMU was loaded, whatever came after that.
-    pub(crate) fn loaded(&self) {
-        self.state().loaded = true;
-    }
-
-    /// Whether the FMU was ever loaded: if not, it will never be.
-    pub(crate) fn has_loaded(&self) -> bool {
-        self.state().loaded
+    pub(crate) fn instantiated(&mut self, start: f64) {
+        self.instance = Some(Instant::now());
+        self.loaded = true;
+        self.hopeless = false;
+        self.start = Some(self.start.map_or(start, |least| least.min(start)));
     }
 
     /// Whether a refused instance is to be asked for again: it spoke of a licence, or the tool behind the FMU
     /// gave one before. A point waits no longer than it may take, and where nobody got an instance for a whole round, no
     /// further one is waited for until somebody does.
-    pub(crate) fn wait(&self, spoken: bool, since: Instant, limit: Duration) -> Wait {
-        let mut state = self.state();
-        let wanted = spoken || self.tool && state.instance.is_some();
-        if !wanted || state.hopeless {
+    pub(crate) fn wait(&mut self, spoken: bool, since: Instant, limit: Duration) -> Wait {
+        let wanted = spoken || self.tool && self.instance.is_some();
+        if !wanted || self.hopeless {
             return Wait::No;
         }
-        let round = state.instance.map_or(FIRST_LICENCE, |_| LICENCE).min(limit);
-        let last = state.instance.map_or(since, |last| last.max(since));
+        let round = self.instance.map_or(FIRST_LICENCE, |_| LICENCE).min(limit);
+        let last = self.instance.map_or(since, |last| last.max(since));
         if last.elapsed() >= round {
-            state.hopeless = true;
+            self.hopeless = true;
             return Wait::GivenUp(round);
         }
         if since.elapsed() >= limit {
             return Wait::No;
         }
-        if std::mem::replace(&mut state.told, true) {
+        if std::mem::replace(&mut self.told, true) {
             Wait::Again
         } else {
             Wait::Told(round)
@@ -442,186 +391,120 @@ impl Policy {
 
     /// There are too few licences: no process may keep one between points. Says whether some did, so that their points
     /// have to be computed again, because their last audits will not come.
-    pub(crate) fn share_licences(&self) -> bool {
-        let mut state = self.state();
-        if self.wish != Isolation::Audited || matches!(state.reuse, Reuse::Refused(_)) {
+    pub(crate) fn share_licences(&mut self) -> bool {
+        if self.wish != Isolation::Audited || matches!(self.sharing, Sharing::Refused(_)) {
             return false;
         }
-        state.reuse = Reuse::Refused(Reason::ScarceLicences);
-        state.reused
+        self.sharing = Sharing::Refused(Reason::ScarceLicences);
+        self.reused
     }
 
-    /// The points on which reuse is to be proven.
-    pub(crate) fn proof(&self) -> Vec<Proof> {
-        let mut state = self.state();
-        if self.is_dear_in(&state) {
-            state.proof.truncate(1);
+    /// The points on which sharing is to be proven.
+    pub(crate) fn proof(&mut self) -> Vec<Proof> {
+        if self.is_dear() {
+            self.proof.truncate(1);
         }
-        state.proof.clone()
+        self.proof.clone()
     }
 
-    /// Notes what a trial found: the habit with which points came out the same, or why there is none.
-    pub(crate) fn tried(&self, habit: Result<Habit, Reason>) {
-        let mut state = self.state();
-        if state.reuse == Reuse::OnTrial {
-            state.reuse = habit.map_or_else(Reuse::Refused, Reuse::Earned);
-            state.proof = Vec::new();
-        }
-    }
-
-    /// Notes that a trial was interrupted.
-    pub(crate) fn untried(&self) {
-        let mut state = self.state();
-        if state.reuse == Reuse::OnTrial {
-            state.reuse = Reuse::Untried;
+    /// Notes what a trial found: how instances are used again where points came out the same, or why they are not; nothing
+    /// where it was interrupted.
+    pub(crate) fn tried(&mut self, found: Option<Result<Reuse, Reason>>) {
+        if self.sharing == Sharing::OnTrial {
+            self.sharing = match found {
+                None => Sharing::Untried,
+                Some(Ok(reuse)) => Sharing::Earned(reuse),
+                Some(Err(reason)) => Sharing::Refused(reason),
+            };
+            if found.is_some() {
+                self.proof = Vec::new();
+            }
         }
     }
 
-    /// Notes that points were computed in a used process.
-    pub(crate) fn note_reuse(&self) {
-        self.state().reused = true;
-    }
-
-    /// Chooses the points that are computed twice in any case.
-    pub(crate) fn repeat(&self, repeats: &Repeats) {
-        // Later sets of points of the same run keep the first choice.
-        let _ = self.repeats.set(repeats.clone());
+    /// Chooses the points that are computed twice in any case. Later sets of points of the same run keep the first choice.
+    pub(crate) fn repeat(&mut self, repeats: &Repeats) {
+        self.repeats.get_or_insert_with(|| repeats.clone());
     }
 
     /// Whether points are computed twice now and then: not where the user wants none, nor once it is known that they
     /// differ.
     pub(crate) fn audits(&self) -> bool {
         let wanted = matches!(self.wish, Isolation::Fresh | Isolation::Audited);
-        wanted && self.repeats.get().is_some() && self.state().reproducible
+        wanted && self.repeats.is_some() && !self.differing
     }
 
     /// Whether a point is computed twice whatever share of the time that takes: one of those that were chosen, or one of
     /// the first that came right behind an odd one. There must be time for it.
     pub(crate) fn chooses(&self, index: u64, behind_odd: bool) -> bool {
-        let chosen = self.repeats.get().is_some_and(|own| own.has(index));
-        let state = self.state();
-        let wanted = chosen || behind_odd && state.audits.behind_odd < ENOUGH;
-        wanted
-            && !self.is_dear_in(&state)
-            && state.audits.in_any_case + state.time_of_audit() <= LITTLE
+        let chosen = self.repeats.as_ref().is_some_and(|own| own.has(index));
+        let wanted = chosen || behind_odd && self.audits.behind_odd < ENOUGH;
+        wanted && !self.is_dear() && self.audits.in_any_case + self.time_of_audit() <= LITTLE
     }
 
     /// The place of a point in the order in which points are audited.
     pub(crate) fn rank(&self, index: u64) -> u64 {
-        self.repeats.get().map_or(0, |repeats| repeats.rank(index))
+        self.repeats
+            .as_ref()
+            .map_or(0, |repeats| repeats.rank(index))
     }
 
     /// Notes the time that points took, s.
-    pub(crate) fn spend(&self, separation: Separation, took: f64) {
-        self.state().spent[kind(separation)].computed += took;
+    pub(crate) fn spend(&mut self, separation: Separation, took: f64) {
+        self.spent[kind(separation)].computed += took;
     }
 
     /// Whether a point that ran alone is audited, as far as the share of the time goes.
     pub(crate) fn audits_alone(&self) -> bool {
-        let state = self.state();
-        let spent = &state.spent[1];
-        SHARE * spent.computed >= spent.audited + state.time_of_audit()
+        let spent = &self.spent[1];
+        SHARE * spent.computed >= spent.audited + self.time_of_audit()
     }
 
     /// How many of the points that a used process has just computed are audited beside the chosen ones.
     pub(crate) fn audits_of_used(&self, last: bool) -> u32 {
-        let state = self.state();
-        state.spent[0].audits(state.time_of_audit(), last)
+        self.spent[0].audits(self.time_of_audit(), last)
     }
 
     /// Notes how long an audit took, s; `in_any_case`: whatever share of the time that is.
     pub(crate) fn note_audit(
-        &self,
+        &mut self,
         took: f64,
         separation: Separation,
         in_any_case: bool,
         behind_odd: bool,
     ) {
-        let mut state = self.state();
-        let spent = &mut state.spent[kind(separation)];
+        let spent = &mut self.spent[kind(separation)];
         spent.audited += took;
         spent.audits += 1;
-        let audits = &mut state.audits;
+        let audits = &mut self.audits;
         audits.times.note(took);
         audits.in_any_case += if in_any_case { took } else { 0.0 };
         audits.behind_odd += usize::from(behind_odd);
     }
 
     /// Notes what came of an audit of a point that had been computed in such a process.
-    pub(crate) fn audited(&self, index: u64, agreed: bool, separation: Separation) {
+    pub(crate) fn audited(&mut self, index: u64, agreed: bool, separation: Separation) {
         let used = separation == Separation::Used;
-        self.state().audits.note(index, agreed, used);
+        self.audits.note(index, agreed, used);
     }
 
     /// Points of this separation are not to be had any more. Those that there are do not count.
-    pub(crate) fn refute(&self, separation: Separation) {
-        let mut state = self.state();
-        state.reuse = Reuse::Refused(Reason::OtherResults);
+    pub(crate) fn refute(&mut self, separation: Separation) {
+        self.sharing = Sharing::Refused(Reason::OtherResults);
         if separation == Separation::Forked {
-            state.alone = Some(self.strictest);
+            self.alone = Some(self.strictest());
         }
     }
 
     /// New processes differ among themselves.
-    pub(crate) fn give_up_reproducing(&self) {
-        self.state().give_up_reproducing(self.strictest);
+    pub(crate) fn give_up_reproducing(&mut self) {
+        self.differing = true;
+        self.alone = Some(self.strictest());
+        self.sharing = Sharing::Refused(Reason::NotReproducible);
     }
 
-    /// How the points were computed.
-    pub(crate) fn conduct(&self) -> Conduct {
-        let state = self.state();
-        Conduct {
-            isolation: match (self.wish, state.reuse) {
-                (Isolation::Audited, Reuse::Earned(_)) if state.reused => Isolation::Audited,
-                (Isolation::Reuse, Reuse::Earned(_)) => Isolation::Reuse,
-                (Isolation::InProcess, _) => Isolation::InProcess,
-                _ => Isolation::Fresh,
-            },
-            isolation_reason: self.reason(&state),
-            audits: state.audits.points.len() as u64,
-            audits_of_shared: state.audits.shared,
-            audit_mismatches: state.audits.mismatches,
-            reproducible: match self.wish {
-                _ if !state.reproducible => Some(false),
-                Isolation::Reuse | Isolation::InProcess => None,
-                _ if state.audits.points.is_empty() => None,
-                _ => Some(true),
-            },
-            ..Conduct::NONE
-        }
-    }
-
-    /// Why points run alone, where they do.
-    fn reason(&self, state: &State) -> Option<Reason> {
-        let odd = state.latest.iter().flatten().next_back();
-        match state.reuse {
-            _ if self.wish == Isolation::InProcess => None,
-            _ if self.strictest == Separation::Apart => Some(Reason::ChangedFolder),
-            Reuse::Refused(reason) => Some(reason),
-            _ if self.wish == Isolation::Reuse => None,
-            _ if state.is_odd() => odd.map(|odd| odd.reason()),
-            Reuse::Earned(_) => None,
-            _ if state.is_long() => Some(Reason::LongPoints),
-            _ => Some(Reason::FewPoints),
-        }
-    }
-}
-
-/// The place of a separation's time: shared processes, or points that ran alone.
-fn kind(separation: Separation) -> usize {
-    usize::from(separation != Separation::Used)
-}
-
-impl State {
     fn time_of_audit(&self) -> f64 {
         self.audits.times.median().unwrap_or(SHORT)
-    }
-
-    fn note_odd(&mut self, odd: Option<Odd>) {
-        if self.latest.len() == LATEST {
-            self.latest.pop_front();
-        }
-        self.latest.push_back(odd);
     }
 
     /// Whether so many points leave a process that no other may use that sharing saves nothing.
@@ -634,11 +517,47 @@ impl State {
         self.simulating.median().is_some_and(|part| part > LONG)
     }
 
-    fn give_up_reproducing(&mut self, strictest: Separation) {
-        self.reproducible = false;
-        self.alone = Some(strictest);
-        self.reuse = Reuse::Refused(Reason::NotReproducible);
+    /// How the points were computed.
+    pub(crate) fn conduct(&self) -> Conduct {
+        Conduct {
+            isolation: match (self.wish, self.sharing) {
+                (Isolation::Audited, Sharing::Earned(_)) if self.reused => Isolation::Audited,
+                (Isolation::Reuse, Sharing::Earned(_)) => Isolation::Reuse,
+                (Isolation::InProcess, _) => Isolation::InProcess,
+                _ => Isolation::Fresh,
+            },
+            isolation_reason: self.reason(),
+            audits: self.audits.points.len() as u64,
+            audits_of_shared: self.audits.shared,
+            audit_mismatches: self.audits.mismatches,
+            reproducible: match self.wish {
+                _ if self.differing => Some(false),
+                Isolation::Reuse | Isolation::InProcess => None,
+                _ if self.audits.points.is_empty() => None,
+                _ => Some(true),
+            },
+            ..Conduct::default()
+        }
     }
+
+    /// Why points run alone, where they do.
+    fn reason(&self) -> Option<Reason> {
+        match self.sharing {
+            _ if self.wish == Isolation::InProcess => None,
+            _ if self.apart => Some(Reason::ChangedFolder),
+            Sharing::Refused(reason) => Some(reason),
+            _ if self.wish == Isolation::Reuse => None,
+            _ if self.is_odd() => self.latest.iter().flatten().next_back().copied(),
+            Sharing::Earned(_) => None,
+            _ if self.is_long() => Some(Reason::LongPoints),
+            _ => Some(Reason::FewPoints),
+        }
+    }
+}
+
+/// The place of a separation's time: shared processes, or points that ran alone.
+fn kind(separation: Separation) -> usize {
+    usize::from(separation != Separation::Used)
 }
 
 #[cfg(test)]

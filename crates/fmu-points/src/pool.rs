@@ -123,9 +123,8 @@ fn pass<E: From<RunError>>(
 /// Which points were computed how, and which of them have to be computed again.
 #[derive(Debug, Default)]
 struct Ledger {
-    new: Indexes,
-    forked: Indexes,
-    used: Indexes,
+    /// The points by the process in which they were computed.
+    computed: [Indexes; Separation::COUNT],
     again: Indexes,
     /// Results from such processes are void.
     void: Option<Separation>,
@@ -143,9 +142,9 @@ impl Ledger {
             }
             Event::Answer(index, _, separation) => {
                 self.again.remove(index);
-                self.new.set(index, separation == Separation::New);
-                self.forked.set(index, separation == Separation::Forked);
-                self.used.set(index, separation == Separation::Used);
+                for (kind, points) in self.computed.iter_mut().enumerate() {
+                    points.set(index, kind == separation as usize);
+                }
             }
             Event::Void(separation) => {
                 if self.void.is_some_and(|void| void <= separation) {
@@ -155,12 +154,8 @@ impl Ledger {
                 for index in earlier(separation) {
                     self.again.insert(index);
                 }
-                self.again.take(&mut self.used);
-                if separation <= Separation::Forked {
-                    self.again.take(&mut self.forked);
-                }
-                if separation <= Separation::New {
-                    self.again.take(&mut self.new);
+                for points in &mut self.computed[separation as usize..] {
+                    self.again.take(points);
                 }
             }
             Event::Said(..) | Event::Fickle(_) | Event::Alone | Event::Settled | Event::Idle => {}

@@ -15,10 +15,10 @@ use tempfile::TempDir;
 use crate::failure::Failure;
 use crate::ground::Ground;
 use crate::join::{Join, split};
-use crate::points::{Job, RunError};
+use crate::points::{Job, Limits, RunError};
 use crate::system;
 use crate::task::Case;
-use crate::wire::{Reader, Reply, Setup, Way, put_job};
+use crate::wire::{Order, Reply, Said, Setup, bytes, read};
 use crate::working_directory;
 use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::keeper::signal_name;
@@ -32,23 +32,6 @@ const LOOK: Duration = Duration::from_millis(20);
 /// How much longer than a point, and the end of its instance, a worker's answer may take: it waits for children to end,
 /// and for room to fork.
 const MARGIN: Duration = Duration::from_secs(20);
-
-/// Limits on a point's time and memory.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// The longest time that a point may take.
-    pub time: Duration,
-    /// The most memory that its process may occupy, bytes.
-    pub memory: u64,
-}
-
-impl Limits {
-    /// No limits: for a single point, while a person is watching.
-    pub const NONE: Self = Self {
-        time: Duration::MAX,
-        memory: u64::MAX,
-    };
-}
 
 /// Why a worker gives no further answers.
 #[derive(Debug)]
@@ -80,13 +63,14 @@ impl From<Gone> for RunError {
 /// A worker, started when it is needed and replaced when it is lost.
 #[derive(Debug)]
 pub(crate) struct Process {
-    setup: Setup,
-    limits: Limits,
-    /// What it shares with other processes.
-    ground: Option<Arc<Ground>>,
+    pub(crate) setup: Setup,
+    /// The folder that it shares with other processes, where it does: answers count while that is as it was unpacked.
+    pub(crate) ground: Option<Arc<Ground>>,
     /// Where its working directory is made; none where that is the supervisor's own.
-    home: Option<PathBuf>,
-    lasting: bool,
+    pub(crate) home: Option<PathBuf>,
+    /// Whether it is for many points: it gets a control group where there can be such, which takes the system longer than
+    /// most points.
+    pub(crate) lasting: bool,
     running: Option<Running>,
 }
 
@@ -110,8 +94,7 @@ impl Process {
             name: name.to_owned(),
             place: None,
             cases: cases.to_vec(),
-            time: (limits.time < Duration::MAX).then_some(limits.time.as_secs_f64()),
-            memory: limits.memory,
+            limits,
             ticket: 0,
             fill: None,
             echo: false,
@@ -119,7 +102,6 @@ impl Process {
         };
         Self {
             setup,
-            limits,
             ground: None,
             home: None,
             lasting: false,
@@ -127,63 +109,29 @@ impl Process {
         }
     }
 
-    /// The same, in a folder that other processes share: answers count while it is as it was unpacked.
-    pub(crate) fn on(mut self, ground: &Arc<Ground>) -> Self {
-        self.ground = Some(Arc::clone(ground));
-        self
-    }
-
-    /// The same, with an empty working directory, made within this folder.
-    pub(crate) fn at(mut self, home: Option<&Path>) -> Self {
-        self.home = home.map(Path::to_owned);
-        self
-    }
-
-    /// The same, but for many points: it gets a control group where there can be such, which takes the system longer
-    /// than most points.
-    pub(crate) fn lasting(mut self) -> Self {
-        self.lasting = true;
-        self
-    }
-
-    /// The same, but memory that the FMU has not written holds this byte.
-    pub(crate) fn with_fill(mut self, fill: Option<u8>) -> Self {
-        self.setup.fill = fill;
-        self
-    }
-
-    /// The same, but what the FMU prints is shown on standard error.
-    pub(crate) fn with_echo(mut self, echo: bool) -> Self {
-        self.setup.echo = echo;
-        self
-    }
-
-    /// Lets points be run, and hands over what comes of each.
+    /// Lets points be run, and hands over what comes of each. `way` makes the order of the simulations of all cases.
     pub(crate) fn run(
         &mut self,
-        way: Way,
+        way: impl FnOnce(Vec<Job>) -> Order,
         jobs: &[Job],
         stopped: &dyn Fn() -> bool,
         answer: &mut dyn FnMut(Reply),
     ) -> Result<(), Gone> {
-        let mut order = Vec::new();
-        way.put(&mut order);
         let mut join = Join::new(&self.setup.cases);
         let count = self.setup.cases.len();
-        let runs = jobs.iter().flat_map(|job| split(job, count));
-        runs.for_each(|run| put_job(run.0, run.1, &mut order));
+        let runs: Vec<Job> = jobs.iter().flat_map(|job| split(job, count)).collect();
         let ground = self.ground.clone();
         let disturbed = || ground.as_ref().is_some_and(|own| own.changed().is_some());
-        let (mut left, mut spoilt) = (jobs.len() * count, false);
-        let ran = self.order(&order, stopped, &mut |payload| {
+        let (mut left, mut spoilt) = (runs.len(), false);
+        let ran = self.order(&way(runs), stopped, &mut |said| {
             spoilt = disturbed();
             if spoilt {
                 return false;
             }
-            let mut reader = Reader(payload);
-            while let Some(reply) = reader.reply() {
-                left = left.saturating_sub(1);
-                join.add(reply).into_iter().for_each(&mut *answer);
+            if let Said::Replies(replies) = said {
+                left = left.saturating_sub(replies.len());
+                let whole = replies.into_iter().filter_map(|reply| join.add(reply));
+                whole.for_each(&mut *answer);
             }
             left > 0
         });
@@ -195,41 +143,26 @@ impl Process {
         ran
     }
 
-    /// Sends an order, and hands over the payloads that come, while `more` says that more are to come.
+    /// Sends an order, and hands over what is said to it, while `more` says that more is to come.
     pub(crate) fn order(
         &mut self,
-        order: &[u8],
+        order: &Order,
         stopped: &dyn Fn() -> bool,
-        more: &mut dyn FnMut(&[u8]) -> bool,
+        more: &mut dyn FnMut(Said) -> bool,
     ) -> Result<(), Gone> {
-        let limits = self.limits;
-        let result = self.running().and_then(|running| {
-            running.order(order)?;
-            loop {
-                let payload = running.wait(limits, stopped)?;
-                if !more(&payload) {
-                    return Ok(());
-                }
-            }
-        });
-        if result.is_err() {
-            self.end();
-        }
-        result
+        let mut running = match self.running.take() {
+            Some(running) => running,
+            None => Running::start(&self.setup, self.home.as_deref(), self.lasting)?,
+        };
+        running.order(&bytes(order))?;
+        while more(running.wait(self.setup.limits, stopped)?) {}
+        self.running = Some(running);
+        Ok(())
     }
 
     /// Whether there is a worker already.
     pub(crate) fn is_running(&self) -> bool {
         self.running.is_some()
-    }
-
-    fn running(&mut self) -> Result<&mut Running, Gone> {
-        if self.running.is_none() {
-            let running = Running::start(&self.setup, self.home.as_deref(), self.lasting)?;
-            self.running = Some(running);
-        }
-        let missing = || Gone::Start("no worker".to_owned());
-        self.running.as_mut().ok_or_else(missing)
     }
 
     /// Ends the worker with all its children; the next order gets another one.
@@ -312,14 +245,16 @@ impl Running {
         }
     }
 
-    /// Waits for the next payload, or until the worker is given up.
-    fn wait(&mut self, limits: Limits, stopped: &dyn Fn() -> bool) -> Result<Vec<u8>, Gone> {
+    /// Waits for what is said next, or until the worker is given up.
+    fn wait(&mut self, limits: Limits, stopped: &dyn Fn() -> bool) -> Result<Said, Gone> {
         let begun = Instant::now();
         loop {
             match self.replies.arrived() {
                 Ok(Some(payload)) => {
                     self.answered = true;
-                    return Ok(payload);
+                    let damaged =
+                        || Gone::Lost(Failure::Crashed("its answer is damaged".to_owned()));
+                    return read(&payload).ok_or_else(damaged);
                 }
                 Ok(None) => {}
                 Err(broken) => return Err(Gone::Lost(Failure::Crashed(broken.to_string()))),

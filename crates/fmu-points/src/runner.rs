@@ -13,6 +13,8 @@ mod windows;
 use std::sync::Arc;
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
 use crate::task::{Task, place};
@@ -77,21 +79,15 @@ impl Scene {
     }
 }
 
-/// How a process that runs many points goes from one to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Habit {
-    /// One instance for all points, which is reset.
-    Reset,
-    /// An instance for each point.
-    Renew,
-}
-
 /// How a used instance gets ready for the next point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reuse {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Reuse {
+    /// It is reset; where it cannot be, one that is restored takes its place.
     Reset,
+    /// It is given back its first state; where that is not possible, it is replaced.
     Restore,
-    Never,
+    /// Another one takes its place.
+    Renew,
 }
 
 /// An instance, and its first state where that is needed.
@@ -154,12 +150,12 @@ impl Runner {
     }
 
     /// The same, but instances are used again in a way that others compare with fresh processes.
-    pub fn with_habit(mut self, habit: Habit) -> Self {
-        self.trusted = true;
-        if habit == Habit::Renew {
-            self.reuse = Reuse::Never;
+    pub fn trusting(self, reuse: Reuse) -> Self {
+        Self {
+            reuse,
+            trusted: true,
+            ..self
         }
-        self
     }
 
     /// Whether the last point failed because the FMU refused an instance, such as for want of a licence.
@@ -310,7 +306,7 @@ impl Runner {
         let fresh = self.prepared().and_then(|held| self.once(held, values));
         let after = fresh.as_ref().map(|()| bits(&self.scene.results));
         if before != after {
-            self.reuse = Reuse::Never;
+            self.reuse = Reuse::Renew;
         }
         self.trusted = true;
         fresh
@@ -381,8 +377,8 @@ impl Runner {
             } = &mut used;
             let (ready, otherwise) = match (self.reuse, first) {
                 (Reuse::Reset, _) => (instance.reset().is_ok(), Reuse::Restore),
-                (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Never),
-                _ => (false, Reuse::Never),
+                (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Renew),
+                _ => (false, Reuse::Renew),
             };
             if ready {
                 used.reused = true;

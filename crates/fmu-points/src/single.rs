@@ -5,10 +5,10 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
-use crate::points::{Answer, Job, RunError};
-use crate::process::{Gone, Limits, Process};
+use crate::points::{Answer, Job, Limits, RunError};
+use crate::process::{Gone, Process};
 use crate::task::{Case, Record, Task};
-use crate::wire::{End, Reader, Trouble, Way};
+use crate::wire::{Order, Origin, Said};
 use fmu_import::{Handle, Value};
 
 /// Takes a row of a trajectory: the time, s, and the values then.
@@ -31,9 +31,10 @@ pub struct Recorder<'a> {
 
 impl Recorder<'_> {
     fn process(&self, cases: &[Case]) -> Process {
-        Process::new(self.fmu, self.name, cases, self.limits)
-            .at(self.home)
-            .with_echo(self.echo)
+        let mut process = Process::new(self.fmu, self.name, cases, self.limits);
+        process.home = self.home.map(Path::to_owned);
+        process.setup.echo = self.echo;
+        process
     }
 
     /// Runs a point as a study does, each case in a new process; a point that fails is tried once more.
@@ -52,15 +53,17 @@ impl Recorder<'_> {
         let mut answer = None;
         let mut process = self.process(cases);
         let jobs = std::slice::from_ref(job);
-        let run = process.run(Way::New, jobs, &|| false, &mut |reply| {
+        let run = process.run(Order::New, jobs, &|| false, &mut |reply| {
             answer = Some(reply.answer);
         });
         match (answer, run) {
-            (Some(Err(Trouble::Unloadable(reason))), _) => Err(RunError::Unloadable(reason)),
+            (Some(Err(trouble)), _) if trouble.from == Origin::Loading => {
+                Err(RunError::Unloadable(trouble.failure.to_string()))
+            }
             // An FMU that breaks its process at the end costs no answer.
             (Some(answer), Ok(()) | Err(Gone::Lost(_))) => {
                 let answer = answer.map(|found| found.values);
-                Ok(answer.map_err(Trouble::failure))
+                Ok(answer.map_err(|trouble| trouble.failure))
             }
             (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
             (None, Ok(())) => Err(RunError::Lost("it gave no answer".to_owned())),
@@ -97,14 +100,10 @@ impl Recording {
         until: Option<Instant>,
         mut row: impl FnMut(f64, &[Value]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let record = Record {
+        let order = Order::Recorded(Record {
             values: values.to_vec(),
             columns: columns.to_vec(),
-        };
-        let mut order = Vec::new();
-        Way::Recorded.put(&mut order);
-        let text = serde_json::to_vec(&record);
-        order.extend(text.map_err(|error| RunError::Start(error.to_string()))?);
+        });
         let is_late = || until.is_some_and(|until| Instant::now() >= until);
         let mut handed_over = 0;
         for last in [false, true] {
@@ -117,7 +116,7 @@ impl Recording {
                 handed_over = number;
                 row(time, values)
             };
-            let attempt = self.attempt(&order, columns, &is_late, &mut keep);
+            let attempt = self.attempt(&order, columns.len(), &is_late, &mut keep);
             if !matches!(attempt, Ok(None)) {
                 // It may be at the point still.
                 self.process.end();
@@ -134,8 +133,8 @@ impl Recording {
     /// One try: the failure, if there is one.
     fn attempt<E: From<RunError>>(
         &mut self,
-        order: &[u8],
-        columns: &[Handle],
+        order: &Order,
+        columns: usize,
         is_late: &dyn Fn() -> bool,
         row: Row<'_, E>,
     ) -> Result<Option<Failure>, E> {
@@ -148,31 +147,22 @@ impl Recording {
             Some(done) => done.elapsed() > FAREWELL,
             None => is_late(),
         };
-        let ended = self.process.order(order, &enough, &mut |payload| {
-            let mut reader = Reader(payload);
-            match reader.end() {
-                Some(End::Not) => {}
-                Some(End::Done) => {
+        let ended = self.process.order(order, &enough, &mut |said| {
+            match said {
+                Said::Rows(values) => {
+                    let mut rows = values.chunks(1 + columns);
+                    let taken = rows.try_for_each(|values| row(values[0].number(), &values[1..]));
+                    let taken = taken.map_err(|error| outcome = Err(error));
+                    return taken.is_ok();
+                }
+                Said::Ended(None) => {
                     let ended = done.replace(Some(Instant::now())).is_some();
                     return self.echo && !ended;
                 }
-                Some(End::Failed(failure)) => {
-                    outcome = Ok(Some(failure));
-                    return false;
-                }
-                None => {
-                    let damaged = RunError::Lost("its answer is damaged".to_owned());
-                    outcome = Err(damaged.into());
-                    return false;
-                }
+                Said::Ended(failure) => outcome = Ok(failure),
+                _ => outcome = Err(RunError::Lost("its answer is damaged".to_owned()).into()),
             }
-            while let Some((time, values)) = reader.row(columns) {
-                if let Err(error) = row(time, &values) {
-                    outcome = Err(error);
-                    return false;
-                }
-            }
-            true
+            false
         });
         match ended {
             Ok(()) => outcome,

@@ -13,8 +13,10 @@ pub use slot::Slot;
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::{Handle, Value};
-use sampling::statistics::{Accumulator, Direction, Statistic};
+use fmu_import::{Handle, Value, Variable};
+use sampling::statistics::{Accumulator, Direction};
+
+pub use sampling::statistics::Statistic;
 
 /// A simulation without the values that vary from point to point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -30,6 +32,19 @@ pub struct Task {
     pub inputs: Vec<Series>,
     /// Observed statistics, in the order of the results.
     pub observed: Vec<Probe>,
+}
+
+impl Task {
+    /// A simulation in which nothing varies, and nothing is observed.
+    pub fn new(schedule: Schedule) -> Self {
+        Self {
+            schedule,
+            fixed: Vec::new(),
+            varied: Vec::new(),
+            inputs: Vec::new(),
+            observed: Vec::new(),
+        }
+    }
 }
 
 /// One of the simulations of a point. A point of a study without cases has one; else it has one a case.
@@ -49,7 +64,7 @@ impl Case {
 }
 
 /// A point that is run with its trajectory.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// The point's values.
     pub values: Vec<f64>,
@@ -106,6 +121,18 @@ impl Detail {
 }
 
 impl Probe {
+    /// A statistic of a variable; none where that is a text.
+    pub fn of(variable: &Variable, statistic: Statistic) -> Option<Self> {
+        Some(Self {
+            name: variable.name.clone(),
+            handle: variable.number_handle()?,
+            statistic,
+            window: None,
+            curve: None,
+            detail: None,
+        })
+    }
+
     /// Whether only the value at the end is asked for.
     pub fn is_final(&self) -> bool {
         self.statistic == Statistic::Final && self.curve.is_none() && self.detail.is_none()

@@ -12,15 +12,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::birth::{self, Estate};
-use crate::child::{self, Work};
+use crate::child;
+use crate::conduct::Reason;
 use crate::failure::Failure;
-use crate::points::Job;
-use crate::runner::Habit;
+use crate::points::{Job, Limits};
+use crate::runner::Reuse;
 use crate::system::{self, Shared, Streams};
-use crate::task::Record;
-use crate::wire::{
-    End, Odd, Reader, Reply, Setup, Trouble, Way, put_end, put_job, put_reply, put_trouble, speech,
-};
+use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, frame};
 use fmu_import::{FmuError, Library, Package};
@@ -68,7 +66,8 @@ pub(crate) fn serve() -> io::Result<()> {
         setup,
     };
     while let Some(order) = orders.wait()? {
-        service.obey(&order)?;
+        let order = read(&order).ok_or_else(|| io::Error::other("an order is damaged"))?;
+        service.obey(order)?;
         service.output.send()?;
     }
     Ok(())
@@ -83,104 +82,63 @@ struct Service {
     /// The FMU, once this process has loaded it. It is never instantiated here.
     library: Option<Arc<Library>>,
     /// The child that runs many points.
-    used: Option<(Habit, Child)>,
+    used: Option<(Reuse, Child)>,
     /// How many points of its present message that child has begun.
     progress: Shared,
 }
 
 impl Service {
-    fn obey(&mut self, order: &[u8]) -> io::Result<()> {
-        let mut reader = Reader(order);
-        let damaged = || io::Error::other("an order is damaged");
-        let way = reader.way().ok_or_else(damaged)?;
-        if let Way::Recorded = way {
-            let record: Record = serde_json::from_slice(reader.0)?;
-            return self.record(&record);
-        }
-        let mut jobs = VecDeque::new();
-        while let Some(job) = reader.job() {
-            jobs.push_back(job);
-        }
-        if let Way::Used(habit) = way {
-            return self.run_used(habit, jobs);
+    fn obey(&mut self, order: Order) -> io::Result<()> {
+        if let Order::Used(reuse, jobs) = order {
+            return self.run_used(reuse, jobs.into());
         }
         // A child that stays would be taken for one left behind.
         self.used = None;
-        for job in &jobs {
-            let reply = self.run_alone(way, job)?;
-            put_reply(&reply, &mut self.output.held);
+        let (jobs, one): (_, fn(Vec<Job>) -> Order) = match order {
+            Order::New(jobs) => (jobs, Order::New),
+            Order::Forked(jobs) => (jobs, Order::Forked),
+            other => return self.record(&other),
+        };
+        for job in jobs {
+            let index = job.index;
+            let reply = self.run_alone(index, &one(vec![job]))?;
+            self.output.held.push(reply);
             self.output.send_in_time()?;
         }
         Ok(())
     }
 
     /// Runs a point in a child of its own.
-    fn run_alone(&mut self, way: Way, job: &Job) -> io::Result<Reply> {
-        let mut reply = Reply {
-            index: job.index,
-            answer: Err(Trouble::Lost(Failure::Timeout)),
-            start: 0.0,
-            simulated: 0.0,
-            odd: None,
-            forkable: None,
+    fn run_alone(&mut self, index: u64, order: &Order) -> io::Result<Reply> {
+        let (mut child, forkable) = match self.begin(order)? {
+            Ok(begun) => begun,
+            Err(trouble) => return Ok(Reply::new(index, Err(trouble))),
         };
-        if let Err(reason) = self.prepare(way) {
-            reply.answer = Err(Trouble::Unloadable(reason));
-            return Ok(reply);
-        }
-        let library = self.library.clone().filter(|_| way == Way::Forked);
-        clear(self.setup.place.as_deref())?;
-        let mut child = match self.begin(library, &Work::Alone(job.clone())) {
-            Ok(child) => child,
-            Err(error) => {
-                reply.answer = Err(Trouble::Lost(no_process(&error)));
-                return Ok(reply);
+        let mut replies = match self.hear(&mut child) {
+            Ok(Said::Replies(replies)) => replies,
+            Ok(_) => Vec::new(),
+            Err(loss) => {
+                drop(child);
+                let trouble = Trouble::lost(self.failure(&loss)?);
+                let reply = Reply::new(index, Err(trouble));
+                return Ok(Reply { forkable, ..reply });
             }
         };
-        let mut loaded = way == Way::Forked;
-        loop {
-            let said = match child.answer(&mut self.keeper, bounds(&self.setup)) {
-                Ok(said) => said,
-                Err(loss) => {
-                    drop(child);
-                    let failure = self.failure(&loss)?;
-                    reply.answer = Err(if loaded {
-                        Trouble::Lost(failure)
-                    } else {
-                        Trouble::Unloadable(self.loading(&loss, &failure))
-                    });
-                    return Ok(reply);
-                }
-            };
-            match said.split_first() {
-                Some((&speech::LOADED, flag)) => {
-                    loaded = true;
-                    reply.forkable = flag.first().map(|&flag| flag == 1);
-                }
-                Some((&speech::UNLOADABLE, reason)) => {
-                    let reason = String::from_utf8_lossy(reason).into_owned();
-                    reply.answer = Err(Trouble::Unloadable(reason));
-                    break;
-                }
-                Some((&speech::REPLIES, replies)) => {
-                    let forkable = reply.forkable;
-                    reply = match Reader(replies).reply() {
-                        Some(own) => Reply { forkable, ..own },
-                        None => {
-                            let failure = self.failure(&Loss::Mute)?;
-                            let answer = Err(Trouble::Lost(failure));
-                            Reply { answer, ..reply }
-                        }
-                    };
-                    break;
-                }
-                _ => break,
-            }
-        }
+        let mut reply = match replies.pop() {
+            Some(reply) => reply,
+            None => Reply::new(index, Err(Trouble::lost(self.failure(&Loss::Mute)?))),
+        };
+        reply.forkable = forkable;
         let parting = child.part(&mut self.keeper, grace(&self.setup));
         self.note_parting(&parting, &mut reply)?;
         self.hear_of_licences(&mut reply);
         Ok(reply)
+    }
+
+    /// What a child says next.
+    fn hear(&mut self, child: &mut Child) -> Result<Said, Loss> {
+        let said = child.answer(&mut self.keeper, bounds(&self.setup))?;
+        read(&said).ok_or(Loss::Mute)
     }
 
     /// Notes what the FMU did when its simulation was ended.
@@ -188,10 +146,8 @@ impl Service {
         let Ok(simulated) = &mut reply.answer else {
             return Ok(());
         };
-        if let Some((&speech::FAREWELL, said)) =
-            parting.words.as_deref().and_then(<[u8]>::split_first)
-        {
-            simulated.notices = serde_json::from_slice(said).ok();
+        if let Some(Said::Farewell(notices)) = parting.words.as_deref().and_then(read) {
+            simulated.notices = Some(Box::new(notices));
         }
         if let Some(why) = self.why_unfinished(parting)? {
             let notices = simulated.notices.get_or_insert_default();
@@ -219,13 +175,13 @@ impl Service {
     }
 
     /// Opens the FMU; loads it into this process where children are to have it loaded already.
-    fn prepare(&mut self, way: Way) -> Result<(), String> {
+    fn prepare(&mut self, order: &Order) -> Result<(), String> {
         // The user knows the file, not the folder into which it was unpacked.
         let named = |error: FmuError| error.at(&self.setup.name).to_string();
         if self.package.is_none() {
             self.package = Some(Package::open(&self.setup.fmu).map_err(named)?);
         }
-        if let (Way::Forked, None, Some(package)) = (way, &self.library, &mut self.package) {
+        if let (Order::Forked(_), None, Some(package)) = (order, &self.library, &mut self.package) {
             let library = self.keeper.blindly(|| package.load());
             // Its initialisers may have changed what this process does about its children.
             system::adopt_orphans();
@@ -236,22 +192,24 @@ impl Service {
 
     /// A refusal may speak of a licence in what the FMU printed.
     fn hear_of_licences(&mut self, reply: &mut Reply) {
-        if let Err(Trouble::Refused { licence, failure }) = &mut reply.answer {
-            let text = format!("{failure}\n{}", self.keeper.text());
+        if let Err(trouble) = &mut reply.answer
+            && let Origin::Refusal { licence } = &mut trouble.from
+        {
+            let text = format!("{}\n{}", trouble.failure, self.keeper.text());
             *licence |= lacks_licence(&text);
         }
     }
 
     /// Runs points in one child. When the child is lost, the point that it was running is answered as lost, and
     /// another child runs the rest; likewise behind a point that did not end plainly.
-    fn run_used(&mut self, habit: Habit, mut jobs: VecDeque<Job>) -> io::Result<()> {
-        if self.used.as_ref().is_some_and(|(own, _)| *own != habit) {
+    fn run_used(&mut self, reuse: Reuse, mut jobs: VecDeque<Job>) -> io::Result<()> {
+        if self.used.as_ref().is_some_and(|(own, _)| *own != reuse) {
             self.used = None;
         }
         let mut in_vain = false;
         while !jobs.is_empty() {
             let before = jobs.len();
-            let Some(loss) = self.attempt(habit, &mut jobs)? else {
+            let Some(loss) = self.attempt(reuse, &mut jobs)? else {
                 continue;
             };
             self.used = None;
@@ -265,12 +223,12 @@ impl Service {
             let at = at.or((in_vain && answered == 0).then_some(0));
             in_vain = answered == 0;
             if let Some(job) = at.and_then(|at| jobs.remove(at)) {
-                let trouble = Trouble::Lost(failure);
-                put_trouble(job.index, [0.0; 2], &trouble, &mut self.output.held);
+                let reply = Reply::new(job.index, Err(Trouble::lost(failure)));
+                self.output.held.push(reply);
                 in_vain = false;
             }
         }
-        let swollen = |child: &Child| child.resident() > self.setup.memory / 2;
+        let swollen = |child: &Child| child.resident() > self.setup.limits.memory / 2;
         // A leak costs a restart now and then, long before it costs a point.
         if self.used.as_ref().is_some_and(|(_, child)| swollen(child)) {
             self.used = None;
@@ -279,44 +237,38 @@ impl Service {
     }
 
     /// Lets the child run points until all are answered, or one was odd, or it is lost.
-    fn attempt(&mut self, habit: Habit, jobs: &mut VecDeque<Job>) -> io::Result<Option<Loss>> {
+    fn attempt(&mut self, reuse: Reuse, jobs: &mut VecDeque<Job>) -> io::Result<Option<Loss>> {
         self.progress.set(0);
         let mut child = match self.used.take() {
             Some((_, child)) => child,
-            None => match self.begin_used(habit)? {
-                Ok(child) => child,
+            None => match self.begin(&Order::Used(reuse, Vec::new()))? {
+                Ok((child, _)) => child,
                 Err(trouble) => {
-                    for job in jobs.drain(..) {
-                        put_trouble(job.index, [0.0; 2], &trouble, &mut self.output.held);
-                    }
+                    let same = |job: Job| Reply::new(job.index, Err(trouble.clone()));
+                    self.output.held.extend(jobs.drain(..).map(same));
                     return Ok(None);
                 }
             },
         };
-        let mut message = Vec::new();
-        jobs.iter()
-            .for_each(|job| put_job(job.index, &job.values, &mut message));
-        if child.send(&message).is_err() {
+        if child.send(&bytes(jobs)).is_err() {
             return Ok(Some(Loss::Mute));
         }
         while !jobs.is_empty() {
-            let said = match child.answer(&mut self.keeper, bounds(&self.setup)) {
-                Ok(said) => said,
+            let replies = match self.hear(&mut child) {
+                Ok(Said::Replies(replies)) => replies,
+                Ok(_) => return Ok(Some(Loss::Mute)),
                 Err(loss) => return Ok(Some(loss)),
             };
-            let Some((&speech::REPLIES, replies)) = said.split_first() else {
-                return Ok(Some(Loss::Mute));
-            };
-            let mut reader = Reader(replies);
-            while let Some(mut reply) = reader.reply() {
+            for mut reply in replies {
                 if jobs.front().is_none_or(|job| job.index != reply.index) {
                     return Ok(Some(Loss::Mute));
                 }
                 jobs.pop_front();
                 self.hear_of_licences(&mut reply);
-                put_reply(&reply, &mut self.output.held);
-                if let Some(odd) = reply.odd {
-                    self.setup.careful |= odd == Odd::Signals;
+                let odd = reply.odd;
+                self.output.held.push(reply);
+                if odd.is_some() {
+                    self.setup.careful |= odd == Some(Reason::Signals);
                     // It frees its instance, and ends.
                     child.part(&mut self.keeper, grace(&self.setup));
                     self.output.send_in_time()?;
@@ -325,39 +277,46 @@ impl Service {
             }
             self.output.send_in_time()?;
         }
-        self.used = Some((habit, child));
+        self.used = Some((reuse, child));
         Ok(None)
     }
 
-    /// A child that has loaded the FMU and waits for points.
-    fn begin_used(&mut self, habit: Habit) -> io::Result<Result<Child, Trouble>> {
-        if let Err(reason) = self.prepare(Way::Used(habit)) {
-            return Ok(Err(Trouble::Unloadable(reason)));
+    /// A child that has loaded the FMU, and whether its process may be forked, where that was looked at; or why there is
+    /// none.
+    fn begin(&mut self, order: &Order) -> io::Result<Result<(Child, Option<bool>), Trouble>> {
+        if let Err(reason) = self.prepare(order) {
+            return Ok(Err(Trouble::unloadable(reason)));
         }
         clear(self.setup.place.as_deref())?;
-        let mut child = match self.begin(self.library.clone(), &Work::Serve(habit)) {
+        let library = self.library.clone();
+        let library = library.filter(|_| matches!(order, Order::Forked(_)));
+        let is_loaded = library.is_some();
+        let mut child = match self.child(library, order) {
             Ok(child) => child,
-            Err(error) => return Ok(Err(Trouble::Lost(no_process(&error)))),
+            Err(error) => {
+                let text = format!("the system starts no further process: {error}");
+                return Ok(Err(Trouble::lost(Failure::Crashed(text))));
+            }
         };
-        let said = child.answer(&mut self.keeper, bounds(&self.setup));
-        match said.as_deref().map(<[u8]>::split_first) {
-            Ok(Some((&speech::LOADED, _))) => Ok(Ok(child)),
-            Ok(Some((&speech::UNLOADABLE, reason))) => {
-                let reason = String::from_utf8_lossy(reason).into_owned();
-                Ok(Err(Trouble::Unloadable(reason)))
+        let loss = match self.hear(&mut child) {
+            Ok(Said::Loaded(forkable)) => return Ok(Ok((child, forkable))),
+            Ok(Said::Unloadable(reason)) => {
+                child.part(&mut self.keeper, grace(&self.setup));
+                return Ok(Err(Trouble::unloadable(reason)));
             }
-            Ok(_) => Ok(Err(Trouble::Lost(self.failure(&Loss::Mute)?))),
-            Err(loss) => {
-                let loss = loss.clone();
-                drop(child);
-                let failure = self.failure(&loss)?;
-                Ok(Err(Trouble::Unloadable(self.loading(&loss, &failure))))
-            }
-        }
+            Ok(_) => Loss::Mute,
+            Err(loss) => loss,
+        };
+        drop(child);
+        let failure = self.failure(&loss)?;
+        Ok(Err(match is_loaded {
+            true => Trouble::lost(failure),
+            false => Trouble::unloadable(self.loading(&loss, &failure)),
+        }))
     }
 
     /// A child at work; waits for room where the system has none at the moment.
-    fn begin(&mut self, library: Option<Arc<Library>>, work: &Work) -> io::Result<Child> {
+    fn child(&mut self, library: Option<Arc<Library>>, order: &Order) -> io::Result<Child> {
         const PAUSES: [u64; 5] = [1, 10, 100, 500, 1000];
         let mut estate = Estate {
             setup: &self.setup,
@@ -368,57 +327,40 @@ impl Service {
         for pause in PAUSES {
             // SAFETY: where children are forks, a worker has a single thread; loading the FMU has started none, or it is
             // not loaded here.
-            if let Ok(child) = unsafe { birth::child(&mut self.keeper, &mut estate, work) } {
+            if let Ok(child) = unsafe { birth::child(&mut self.keeper, &mut estate, order) } {
                 return Ok(child);
             }
             std::thread::sleep(Duration::from_millis(pause));
         }
         // SAFETY: a single thread, as in the loop.
-        unsafe { birth::child(&mut self.keeper, &mut estate, work) }
+        unsafe { birth::child(&mut self.keeper, &mut estate, order) }
     }
 
     /// Runs a point with its trajectory.
-    fn record(&mut self, record: &Record) -> io::Result<()> {
-        self.used = None;
-        let failed = |failure| {
-            let mut end = Vec::new();
-            put_end(&End::Failed(failure), &mut end);
-            end
-        };
-        if let Err(reason) = self.prepare(Way::Recorded) {
-            return self.output.put(&failed(Failure::Unloadable(reason)));
-        }
-        clear(self.setup.place.as_deref())?;
-        let mut child = match self.begin(None, &Work::Record(record.clone())) {
-            Ok(child) => child,
-            Err(error) => return self.output.put(&failed(no_process(&error))),
+    fn record(&mut self, order: &Order) -> io::Result<()> {
+        let mut child = match self.begin(order)? {
+            Ok((child, _)) => child,
+            Err(trouble) => return self.output.say(&Said::Ended(Some(trouble.failure))),
         };
         loop {
-            let said = match child.answer(&mut self.keeper, bounds(&self.setup)) {
-                Ok(said) => said,
-                Err(loss) => {
-                    drop(child);
-                    let failure = self.failure(&loss)?;
-                    return self.output.put(&failed(failure));
-                }
-            };
-            match said.split_first() {
-                Some((&speech::LOADED, _)) => {}
-                Some((&speech::UNLOADABLE, reason)) => {
-                    let reason = String::from_utf8_lossy(reason).into_owned();
-                    self.output.put(&failed(Failure::Unloadable(reason)))?;
-                    break;
-                }
-                Some((&speech::ROWS, rows)) => {
-                    self.output.put(rows)?;
-                    if !matches!(Reader(rows).end(), Some(End::Not)) {
+            // Rows are handed on as they came.
+            let said = child.answer(&mut self.keeper, bounds(&self.setup));
+            let said = said.and_then(|said| match read(&said) {
+                Some(Said::Rows(_)) => Ok((said, false)),
+                Some(Said::Ended(_)) => Ok((said, true)),
+                _ => Err(Loss::Mute),
+            });
+            match said {
+                Ok((said, ended)) => {
+                    self.output.write(&said)?;
+                    if ended {
                         break;
                     }
                 }
-                _ => {
-                    let failure = self.failure(&Loss::Mute)?;
-                    self.output.put(&failed(failure))?;
-                    break;
+                Err(loss) => {
+                    drop(child);
+                    let failure = self.failure(&loss)?;
+                    return self.output.say(&Said::Ended(Some(failure)));
                 }
             }
         }
@@ -428,9 +370,7 @@ impl Service {
             self.keeper.hear();
         }
         if self.setup.echo {
-            let mut end = Vec::new();
-            put_end(&End::Done, &mut end);
-            self.output.put(&end)?;
+            self.output.say(&Said::Ended(None))?;
         }
         Ok(())
     }
@@ -462,7 +402,7 @@ impl Service {
         let reason = match loss {
             Loss::Memory => format!(
                 "it takes more memory than the {:.0} MB that a worker may; raise --memory-limit or use fewer --jobs",
-                self.setup.memory as f64 / f64::from(1 << 20)
+                self.setup.limits.memory as f64 / f64::from(1 << 20)
             ),
             Loss::Timeout => "it takes a longer time than --point-timeout".to_owned(),
             _ => failure.to_string(),
@@ -495,16 +435,9 @@ fn lacks_licence(text: &str) -> bool {
         .any(|line| line.contains("licen") && LACK.iter().any(|word| line.contains(word)))
 }
 
-fn no_process(error: &io::Error) -> Failure {
-    Failure::Crashed(format!("the system starts no further process: {error}"))
-}
-
 fn bounds(setup: &Setup) -> Bounds {
-    let time = setup.time.map(Duration::try_from_secs_f64);
-    Bounds {
-        time: time.and_then(Result::ok).unwrap_or(Duration::MAX),
-        memory: setup.memory,
-    }
+    let Limits { time, memory } = setup.limits;
+    Bounds { time, memory }
 }
 
 /// Makes the working directory empty for the next child, whatever the last one has left there.
@@ -524,14 +457,14 @@ fn clear(place: Option<&Path>) -> io::Result<()> {
 
 /// How long a child may take to end its instance.
 fn grace(setup: &Setup) -> Duration {
-    bounds(setup).time.min(GRACE)
+    setup.limits.time.min(GRACE)
 }
 
 /// Where replies go.
 struct Output {
     to: File,
     ticket: u64,
-    held: Vec<u8>,
+    held: Vec<Reply>,
     sent: Instant,
 }
 
@@ -546,15 +479,19 @@ impl Output {
 
     fn send(&mut self) -> io::Result<()> {
         if !self.held.is_empty() {
-            frame::write(&mut self.to, self.ticket, &self.held)?;
-            self.held.clear();
+            let held = std::mem::take(&mut self.held);
+            self.say(&Said::Replies(held))?;
         }
         self.sent = Instant::now();
         Ok(())
     }
 
-    fn put(&mut self, payload: &[u8]) -> io::Result<()> {
-        frame::write(&mut self.to, self.ticket, payload)
+    fn say(&mut self, said: &Said) -> io::Result<()> {
+        self.write(&bytes(said))
+    }
+
+    fn write(&mut self, said: &[u8]) -> io::Result<()> {
+        frame::write(&mut self.to, self.ticket, said)
     }
 }
 

@@ -7,8 +7,8 @@ use super::CommandError;
 use crate::options::Means;
 use crate::results::ResultsError;
 use crate::session::Verification;
+use fmu_points::Limits;
 use fmu_points::crew::{Crew, Place};
-use fmu_points::process::Limits;
 use fmu_points::stop;
 use fmu_points::{Event, Job, Post};
 

@@ -14,7 +14,7 @@ use crate::reruns::Wish;
 use crate::results::summary::Run;
 use crate::results::{MOST_EXTRA_RUNS, ResultsError, parquet};
 use crate::session::{Request, SessionError, Verification};
-use fmu_points::process::Limits;
+use fmu_points::Limits;
 
 pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
     let folders = options.folders.iter().map(|folder| shard_in(folder));

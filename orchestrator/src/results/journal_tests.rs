@@ -108,7 +108,7 @@ fn what_does_not_count_is_open_again() {
         audits_of_shared: 5,
         audit_mismatches: 0,
         reproducible: Some(true),
-        ..Conduct::NONE
+        ..Conduct::default()
     };
     journal.note(&Note::Conduct(audited.clone())).unwrap();
     journal.flush().unwrap();

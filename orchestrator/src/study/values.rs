@@ -28,28 +28,8 @@ pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String
 /// When it cannot be set, or is a text.
 pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
     settable(variable)?;
-    let handle = variable
-        .number_handle()
-        .ok_or("a text cannot vary; set it under [fixed]")?;
-    let (min, max) = variable.kind.range();
-    Ok(Slot {
-        name: variable.name.clone(),
-        handle,
-        min,
-        max,
-        items: items(variable),
-    })
-}
-
-/// The values of an enumeration's items, growing.
-fn items(variable: &Variable) -> Vec<i64> {
-    let Kind::Enumeration { items, .. } = &variable.kind else {
-        return Vec::new();
-    };
-    let mut values: Vec<i64> = items.iter().map(|(_, value)| *value).collect();
-    values.sort_unstable();
-    values.dedup();
-    values
+    let slot = Slot::of(variable);
+    slot.ok_or_else(|| "a text cannot vary; set it under [fixed]".to_owned())
 }
 
 /// How a number without a unit was read, where people see its variable in another unit.

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn a_probe_that_ends_late_changes_nothing_that_is_known() {
     for give_up in [true, false] {
-        let policy = Policy::new(Isolation::Audited, false);
+        let mut policy = Policy::new(Isolation::Audited, false, false);
         assert_eq!(policy.plan(None), Plan::Probe);
         match give_up {
             true => policy.give_up_reproducing(),
@@ -20,7 +20,7 @@ fn a_probe_that_ends_late_changes_nothing_that_is_known() {
 }
 
 /// A point that was computed alone, and of which the simulation took so long, s.
-fn alone(simulated: f32, odd: Option<Odd>) -> Reply {
+fn alone(simulated: f32, odd: Option<Reason>) -> Reply {
     Reply {
         index: 0,
         answer: Ok(vec![1.0].into()),
@@ -37,7 +37,7 @@ const JOB: Job = Job {
 };
 
 fn probed(left: usize) -> Policy {
-    let policy = Policy::new(Isolation::Audited, false);
+    let mut policy = Policy::new(Isolation::Audited, false, false);
     for _ in 0..PROBES {
         assert_eq!(policy.plan(Some(left)), Plan::Probe);
         policy.probed(Probed::Alike, Duration::ZERO);
@@ -48,7 +48,7 @@ fn probed(left: usize) -> Policy {
 /// A search asks for a few points, looks at them, and asks again.
 #[test]
 fn a_search_that_asks_for_few_points_at_a_time_earns_reuse() {
-    let policy = probed(10);
+    let mut policy = probed(10);
     let mut points = 0;
     while let Plan::Alone(separation) = policy.plan(Some(10)) {
         policy.note(&JOB, &alone(0.001, None), separation, Some(0.01));
@@ -65,7 +65,7 @@ fn a_search_that_asks_for_few_points_at_a_time_earns_reuse() {
 #[test]
 fn no_single_reading_of_a_clock_decides() {
     for machine in [1e-4, 1.0, 1e3] {
-        let policy = probed(1000);
+        let mut policy = probed(1000);
         for number in 0..PROOF {
             let took = machine * if number % 3 == 0 { 500.0 } else { 1.0 };
             let reply = alone(0.1 * machine as f32, None);
@@ -74,7 +74,7 @@ fn no_single_reading_of_a_clock_decides() {
         assert_eq!(policy.plan(Some(1000)), Plan::Trial);
     }
     // A refusal because points take long is none for good.
-    let policy = probed(1000);
+    let mut policy = probed(1000);
     for _ in 0..PROOF {
         policy.note(&JOB, &alone(0.95, None), Separation::Forked, Some(1.0));
     }
@@ -89,28 +89,30 @@ fn no_single_reading_of_a_clock_decides() {
 /// Where many points are odd, sharing saves nothing, until they are not any more.
 #[test]
 fn odd_points_run_alone_while_they_are_many() {
-    let policy = probed(1000);
-    let note = |odd| policy.note(&JOB, &alone(0.1, odd), Separation::Forked, Some(1.0));
-    (0..PROOF).for_each(|_| note(None));
+    let mut policy = probed(1000);
+    let note = |policy: &mut Policy, odd| {
+        policy.note(&JOB, &alone(0.1, odd), Separation::Forked, Some(1.0))
+    };
+    (0..PROOF).for_each(|_| note(&mut policy, None));
     assert_eq!(policy.plan(Some(1000)), Plan::Trial);
-    policy.tried(Ok(Habit::Reset));
-    policy.note_reuse();
+    policy.tried(Some(Ok(Reuse::Reset)));
+    policy.reused = true;
     for place in 0..LATEST {
-        policy.note_odd((place % 50 == 0).then_some(Odd::Complaint));
+        policy.note_odd((place % 50 == 0).then_some(Reason::Complaints));
     }
-    assert_eq!(policy.plan(Some(1000)), Plan::Used(Habit::Reset));
-    (0..=MANY).for_each(|_| policy.note_odd(Some(Odd::Threads)));
+    assert_eq!(policy.plan(Some(1000)), Plan::Used(Reuse::Reset));
+    (0..=MANY).for_each(|_| policy.note_odd(Some(Reason::Threads)));
     assert_eq!(policy.plan(Some(1000)), Plan::Alone(Separation::Forked));
     assert_eq!(policy.conduct().isolation_reason, Some(Reason::Threads));
-    (0..LATEST).for_each(|_| note(None));
-    assert_eq!(policy.plan(Some(1000)), Plan::Used(Habit::Reset));
+    (0..LATEST).for_each(|_| note(&mut policy, None));
+    assert_eq!(policy.plan(Some(1000)), Plan::Used(Reuse::Reset));
     assert_eq!(policy.conduct().isolation_reason, None);
 }
 
 /// A text that names a licence must not cost a round of waiting for each point.
 #[test]
 fn a_licence_is_waited_for_once_in_vain() {
-    let policy = Policy::new(Isolation::Audited, false);
+    let mut policy = Policy::new(Isolation::Audited, false, false);
     let limit = Duration::from_secs(3);
     let now = Instant::now();
     assert_eq!(policy.wait(false, now, limit), Wait::No);

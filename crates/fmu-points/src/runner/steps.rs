@@ -19,11 +19,7 @@ impl Runner {
         }
         let [before, even, after] = points.parts(steps);
         self.advance_each::<WATCH>(instance, points, before)?;
-        if WATCH {
-            self.watch_evenly(instance, points, even)?;
-        } else {
-            advance_evenly(instance, points, even)?;
-        }
+        self.advance_evenly::<WATCH>(instance, points, even)?;
         self.advance_each::<WATCH>(instance, points, after)
     }
 
@@ -45,24 +41,30 @@ impl Runner {
         Ok(())
     }
 
-    /// Takes even steps without inputs and reads real variables. Their statistics follow some steps at a
-    /// time: that takes less than to look at each value by itself.
+    /// Takes even steps without inputs and reads real variables: by far the most, so they are handed over many at a time.
+    /// Statistics follow some steps at a time, too: that takes less than to look at each value by itself.
     #[inline(never)]
-    fn watch_evenly(
+    fn advance_evenly<const WATCH: bool>(
         &mut self,
         instance: &mut Instance,
         points: &CommunicationPoints,
         steps: Range<u64>,
     ) -> Result<(), Call> {
         let watched = &mut self.scene.watched;
+        let most = if WATCH { watched.most } else { Together::MOST };
         let mut first = steps.start;
         while first < steps.end {
-            let count = watched.steps.fill(points, first..steps.end, watched.most);
+            let count = watched.steps.fill(points, first..steps.end, most);
             let (begins, sizes) = watched.steps.first(count);
-            let (references, values) = (&watched.references, &mut watched.values);
+            let (references, values) = match WATCH {
+                true => (&watched.references[..], &mut watched.values[..]),
+                false => (&[][..], &mut [][..]),
+            };
             let (done, outcome) = instance.steps(begins, sizes, references, values);
-            // Where the FMU ends the simulation by itself, the steps before count.
-            watched.take(done);
+            if WATCH {
+                // Where the FMU ends the simulation by itself, the steps before count.
+                watched.take(done);
+            }
             outcome?;
             first += count as u64;
         }
@@ -86,24 +88,6 @@ impl Runner {
         }
         Ok(())
     }
-}
-
-/// Takes even steps without inputs: by far the most, so they are handed over many at a time.
-#[inline(never)]
-fn advance_evenly(
-    instance: &mut Instance,
-    points: &CommunicationPoints,
-    steps: Range<u64>,
-) -> Result<(), Call> {
-    let mut together = Together::default();
-    let mut first = steps.start;
-    while first < steps.end {
-        let count = together.fill(points, first..steps.end, Together::MOST);
-        let (begins, sizes) = together.first(count);
-        instance.steps(begins, sizes, &[], &mut []).1?;
-        first += count as u64;
-    }
-    Ok(())
 }
 
 /// Even steps that are handed over together.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::{Content, Handle, Value};
+use fmu_import::{Content, Handle, Kind, Value, Variable};
 
 /// A variable that takes a point's value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +21,24 @@ pub struct Slot {
 }
 
 impl Slot {
+    /// How a variable takes a number; none where it is a text.
+    pub fn of(variable: &Variable) -> Option<Self> {
+        let (min, max) = variable.kind.range();
+        let mut items = match &variable.kind {
+            Kind::Enumeration { items, .. } => items.iter().map(|(_, value)| *value).collect(),
+            _ => Vec::new(),
+        };
+        items.sort_unstable();
+        items.dedup();
+        Some(Self {
+            name: variable.name.clone(),
+            handle: variable.number_handle()?,
+            min,
+            max,
+            items,
+        })
+    }
+
     /// Whether the FMU allows the value.
     ///
     /// # Errors

@@ -1,0 +1,110 @@
+//! Variables that are one under several names: they have the same base type and value reference (FMI 2.0.5, section
+//! 2.2.7).
+
+use super::document::{Aliases, Document, Scalar};
+
+/// Only one of them can be set, and have a start value; they agree in constancy.
+pub(super) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let earlier = Earlier::of(scalar, document)?;
+    let Aliases {
+        first,
+        settable,
+        independent,
+        started,
+        ..
+    } = earlier.aliases;
+    let first = earlier.at(Some(first))?;
+    let when = |position, is: bool| earlier.at(position).filter(|_| is);
+    let constant = |scalar: &Scalar<'_>| scalar.variability == "constant";
+    let (other, wrong) = if let Some(other) = when(settable, scalar.is_settable()) {
+        (other, "and both can be set")
+    } else if let Some(other) = when(settable, scalar.causality == "independent") {
+        (other, "and that can be set, but this is the time")
+    } else if let Some(other) = when(independent, scalar.is_settable()) {
+        (other, "and this can be set, but that is the time")
+    } else if constant(first) != constant(scalar) {
+        (first, "but only one of them is constant")
+    } else if !constant(first) {
+        let other = when(started, scalar.start().is_some())?;
+        (other, "and both have a start value")
+    } else if !same(first.start()?, scalar.start()?) {
+        (first, "but their values differ")
+    } else {
+        return None;
+    };
+    Some(earlier.clash(other, wrong))
+}
+
+/// They agree in their unit, too.
+pub(super) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let earlier = Earlier::of(scalar, document)?;
+    let other = earlier.at(earlier.aliases.united)?;
+    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
+    let differ = one.zip(two).is_some_and(|(one, two)| one != two);
+    differ.then(|| earlier.clash(other, "but their units differ"))
+}
+
+/// One of them with a unit and another without.
+pub(super) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let earlier = Earlier::of(scalar, document)?;
+    let other = earlier.at(Some(earlier.aliases.first))?;
+    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
+    let (reference, name) = (earlier.reference, other.name);
+    (one != two).then(|| {
+        format!("valueReference {reference} is {name}'s, too, but only one of them has a unit: give it to both")
+    })
+}
+
+/// They may change at the same times.
+pub(super) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let earlier = Earlier::of(scalar, document)?;
+    let other = earlier.at(Some(earlier.aliases.first))?;
+    let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);
+    (one != two).then(|| {
+        format!(
+            "valueReference {reference} is {}'s, too, but that is {one} and this is {two}: give both the same variability",
+            other.name
+        )
+    })
+}
+
+/// The variables before one that are the same under another name.
+struct Earlier<'d, 'a> {
+    document: &'d Document<'a>,
+    aliases: Aliases,
+    reference: &'a str,
+    name: &'a str,
+}
+
+impl<'d, 'a> Earlier<'d, 'a> {
+    fn of(scalar: &Scalar<'a>, document: &'d Document<'a>) -> Option<Self> {
+        Some(Self {
+            document,
+            aliases: document.aliases.get(scalar.position).copied()??,
+            reference: scalar.node.attribute("valueReference")?,
+            name: scalar.name,
+        })
+    }
+
+    /// The variable at a place; none where it has the same name, which is a finding of its own.
+    fn at(&self, position: Option<usize>) -> Option<&'d Scalar<'a>> {
+        let scalar = self.document.scalars.get(position?)?.as_ref()?;
+        (scalar.name != self.name).then_some(scalar)
+    }
+
+    fn clash(&self, other: &Scalar<'_>, wrong: &str) -> String {
+        format!(
+            "valueReference {} is {}'s, too, {wrong}: give one of them a valueReference of its own",
+            self.reference, other.name
+        )
+    }
+}
+
+/// Whether two values are the same, however they are written.
+fn same(one: &str, other: &str) -> bool {
+    let numbers = [one, other].map(|text| text.trim().parse::<f64>().ok());
+    match numbers {
+        [Some(one), Some(other)] => one == other,
+        _ => one == other,
+    }
+}

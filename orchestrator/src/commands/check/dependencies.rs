@@ -1,0 +1,162 @@
+//! Dependencies of the unknowns in `ModelStructure` (FMI 2.0.5, section 2.2.8).
+
+use std::collections::HashSet;
+
+use roxmltree::Node;
+
+use super::document::{Document, Scalar, at};
+use super::hit::Hit;
+use super::structure::{position, states, structure, unknowns};
+
+const LISTS: [&str; 3] = ["Outputs", "Derivatives", "InitialUnknowns"];
+
+/// The kinds that every list knows, and those of `Outputs` and `Derivatives` only.
+const KINDS: [&str; 2] = ["dependent", "constant"];
+const LATER_KINDS: [&str; 3] = ["fixed", "tunable", "discrete"];
+
+/// Dependencies are on variables, with a kind each where kinds are given.
+pub(super) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
+    every(document, |name, unknown| {
+        let strange = dependencies_on(unknown)
+            .find(|(_, place)| place.is_none_or(|place| place >= document.scalars.len()));
+        if let Some((index, _)) = strange {
+            return Some(format!(
+                "a dependency on index {index}, which is none of the {} variables: indexes count them from 1",
+                document.scalars.len()
+            ));
+        }
+        kinds(name, unknown)
+    })
+}
+
+/// Faults of the kinds.
+fn kinds(list: &str, unknown: Node<'_, '_>) -> Option<String> {
+    let kinds: Vec<&str> = unknown
+        .attribute("dependenciesKind")?
+        .split_whitespace()
+        .collect();
+    let later: &[&str] = match list {
+        "InitialUnknowns" => &[],
+        _ => &LATER_KINDS,
+    };
+    if let Some(kind) = kinds
+        .iter()
+        .find(|kind| !KINDS.contains(kind) && !later.contains(kind))
+    {
+        let known = [&KINDS[..], later].concat();
+        return Some(format!(
+            "dependenciesKind {kind} is none of {}",
+            known.join(", ")
+        ));
+    }
+    let count = dependencies_on(unknown).count();
+    (count != kinds.len()).then(|| {
+        format!(
+            "{count} dependencies, but {} dependenciesKind: give one for each",
+            kinds.len()
+        )
+    })
+}
+
+/// Dependencies are sorted by index, each there once.
+pub(super) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
+    every(document, |_, unknown| {
+        let places: Vec<usize> = dependencies_on(unknown)
+            .filter_map(|(_, place)| place)
+            .collect();
+        let pair = places.windows(2).find(|pair| pair[0] >= pair[1])?;
+        Some(format!(
+            "dependencies: index {} after {}: sort them by index, each once",
+            pair[1] + 1,
+            pair[0] + 1
+        ))
+    })
+}
+
+/// Only Reals depend on something by a factor.
+pub(super) fn factors(document: &Document<'_>) -> Vec<Hit> {
+    let wrong = every(document, |_, unknown| {
+        let scalar =
+            document.scalars[position(unknown.attribute("index")?, &document.scalars)?].as_ref()?;
+        let kinds = unknown.attribute("dependenciesKind")?;
+        let factor = kinds.split_whitespace().find(|kind| *kind != "dependent")?;
+        let (name, kind) = (scalar.name, scalar.kind());
+        (kind != "Real").then(|| {
+            format!(
+                "dependenciesKind {factor} for {name}, which is no Real but {kind}: write dependent"
+            )
+        })
+    });
+    first_of(wrong)
+}
+
+/// Dependencies are on variables that are known: not on what is computed itself.
+pub(super) fn unknown(document: &Document<'_>) -> Vec<Hit> {
+    let states = states(document);
+    let wrong = every(document, |name, unknown| {
+        let computed = dependencies_on(unknown).find_map(|(_, place)| {
+            let scalar = document.scalars.get(place?)?.as_ref()?;
+            (!is_known(scalar, name, &states)).then_some(scalar)
+        })?;
+        Some(format!(
+            "a dependency on {}, which is neither {}: remove it",
+            computed.name,
+            match name {
+                "InitialUnknowns" => "an input nor has initial=\"exact\"",
+                _ => "an input nor a state",
+            }
+        ))
+    });
+    first_of(wrong)
+}
+
+/// Whether unknowns of a list may depend on a variable.
+fn is_known(scalar: &Scalar<'_>, list: &str, states: &HashSet<usize>) -> bool {
+    let always = matches!(scalar.causality, "input" | "independent");
+    let tunable = scalar.causality == "parameter" && scalar.variability == "tunable";
+    match list {
+        "InitialUnknowns" => always || scalar.initial == "exact",
+        _ => always || tunable || states.contains(&scalar.position),
+    }
+}
+
+/// Faults of each unknown.
+fn every(
+    document: &Document<'_>,
+    wrong: impl Fn(&'static str, Node<'_, '_>) -> Option<String>,
+) -> Vec<Hit> {
+    let mut hits = Vec::new();
+    for name in LISTS {
+        let listed = structure(document)
+            .into_iter()
+            .flat_map(|node| unknowns(node, name));
+        hits.extend(
+            listed.filter_map(|node| Some(at(node, &format!("{name}: {}", wrong(name, node)?)))),
+        );
+    }
+    hits
+}
+
+/// The first of many that are all alike.
+fn first_of(mut hits: Vec<Hit>) -> Vec<Hit> {
+    let more = hits.len().saturating_sub(1);
+    hits.truncate(1);
+    if let Some(first) = hits.first_mut().filter(|_| more > 0) {
+        first.text += &format!(" (so it is with {more} more)");
+    }
+    hits
+}
+
+/// The indexes on which an unknown depends, with their places among the variables, from 0.
+fn dependencies_on<'a>(unknown: Node<'a, 'a>) -> impl Iterator<Item = (&'a str, Option<usize>)> {
+    let text = unknown.attribute("dependencies").unwrap_or_default();
+    text.split_whitespace().map(|index| {
+        (
+            index,
+            index
+                .parse::<usize>()
+                .ok()
+                .and_then(|index| index.checked_sub(1)),
+        )
+    })
+}

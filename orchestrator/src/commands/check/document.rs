@@ -1,0 +1,233 @@
+//! `modelDescription.xml` as the rules see it: its elements with their lines, its variables in their order.
+
+use std::collections::HashMap;
+
+use roxmltree::Node;
+
+use super::hit::Hit;
+use fmu_import::Description;
+
+/// The name of the file.
+pub(super) const NAME: &str = "modelDescription.xml";
+
+/// A model description, as it is written and as it was read.
+pub(super) struct Document<'a> {
+    pub(super) root: Node<'a, 'a>,
+    /// The variables in their order, which `ModelStructure` counts; none where one cannot be read.
+    pub(super) scalars: Vec<Option<Scalar<'a>>>,
+    /// The element of each type definition, `Real` for instance, by its name.
+    pub(super) types: HashMap<&'a str, Node<'a, 'a>>,
+    pub(super) read: &'a Description,
+    /// For the variables in their order, those before them that have the same value reference and base type.
+    pub(super) aliases: Vec<Option<Aliases>>,
+    /// Where each line begins, bytes.
+    lines: Vec<usize>,
+}
+
+/// Of variables that are one under several names, the first of each sort.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aliases {
+    pub(super) first: usize,
+    pub(super) settable: Option<usize>,
+    pub(super) independent: Option<usize>,
+    /// With a start value.
+    pub(super) started: Option<usize>,
+    /// With a unit.
+    pub(super) united: Option<usize>,
+}
+
+impl<'a> Document<'a> {
+    pub(super) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
+        let scalars: Vec<Option<Scalar<'a>>> = named(root, "ModelVariables")
+            .flat_map(|list| named(list, "ScalarVariable"))
+            .enumerate()
+            .map(|(position, node)| Scalar::new(node, position))
+            .collect();
+        let types = named(root, "TypeDefinitions")
+            .flat_map(|list| named(list, "SimpleType"))
+            .filter_map(|node| Some((node.attribute("name")?, elements(node).next()?)))
+            .collect();
+        let mut document = Self {
+            root,
+            scalars,
+            types,
+            read,
+            aliases: Vec::new(),
+            lines: starts_of_lines(root.document().input_text()),
+        };
+        document.aliases = document.aliases();
+        document
+    }
+
+    /// A finding with its line.
+    pub(super) fn located(&self, hit: Hit) -> Hit {
+        let line = hit.position.map(|position| self.line(position));
+        Hit {
+            line: hit.line.or(line),
+            ..hit
+        }
+    }
+
+    /// The line of a position, from 1.
+    pub(super) fn line(&self, position: usize) -> usize {
+        self.lines.partition_point(|start| *start <= position)
+    }
+
+    fn aliases(&self) -> Vec<Option<Aliases>> {
+        let mut groups: HashMap<(&'a str, &'a str), Aliases> = HashMap::new();
+        let earlier = |scalar: &Option<Scalar<'a>>| {
+            let scalar = scalar.as_ref()?;
+            let key = (
+                scalar.base(),
+                scalar.node.attribute("valueReference")?.trim(),
+            );
+            let before = groups.get(&key).copied();
+            let group = groups.entry(key).or_insert(Aliases {
+                first: scalar.position,
+                settable: None,
+                independent: None,
+                started: None,
+                united: None,
+            });
+            for (first, is) in [
+                (&mut group.settable, scalar.is_settable()),
+                (&mut group.independent, scalar.causality == "independent"),
+                (&mut group.started, scalar.start().is_some()),
+                (&mut group.united, self.effective(scalar, "unit").is_some()),
+            ] {
+                if first.is_none() && is {
+                    *first = Some(scalar.position);
+                }
+            }
+            before
+        };
+        self.scalars.iter().map(earlier).collect()
+    }
+
+    /// The variables that can be read.
+    pub(super) fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
+        self.scalars.iter().flatten()
+    }
+
+    /// All elements of one kind within the lists of another.
+    pub(super) fn all(
+        &self,
+        list: &'static str,
+        of: &'static str,
+    ) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+        named(self.root, list).flat_map(move |list| named(list, of))
+    }
+
+    /// The definition of a variable's declared type.
+    pub(super) fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
+        let name = scalar.typed.attribute("declaredType")?;
+        self.types.get(name).copied()
+    }
+
+    /// An attribute of a variable's type: its own, or else that of its declared type.
+    pub(super) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
+        let own = scalar.typed.attribute(name);
+        own.or_else(|| self.declared(scalar)?.attribute(name))
+    }
+}
+
+fn starts_of_lines(text: &str) -> Vec<usize> {
+    let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+    std::iter::once(0)
+        .chain(ends.map(|(at, _)| at + 1))
+        .collect()
+}
+
+/// A finding at an element.
+pub(super) fn at(node: Node<'_, '_>, text: &str) -> Hit {
+    Hit {
+        position: Some(node.range().start),
+        ..Hit::of(NAME, text.to_owned())
+    }
+}
+
+/// The child elements; those of foreign namespaces don't count.
+pub(super) fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children()
+        .filter(|child| child.is_element() && child.tag_name().namespace().is_none())
+}
+
+/// The child elements of this name.
+pub(super) fn named<'a>(
+    node: Node<'a, 'a>,
+    name: &'static str,
+) -> impl Iterator<Item = Node<'a, 'a>> {
+    elements(node).filter(move |child| child.tag_name().name() == name)
+}
+
+/// A variable as it is written.
+#[derive(Clone, Copy)]
+pub(super) struct Scalar<'a> {
+    pub(super) node: Node<'a, 'a>,
+    /// The element of its type, `Real` for instance.
+    pub(super) typed: Node<'a, 'a>,
+    /// Its place among the variables, from 0.
+    pub(super) position: usize,
+    pub(super) name: &'a str,
+    pub(super) causality: &'a str,
+    pub(super) variability: &'a str,
+    /// As written, or as the standard has it for the causality and variability; empty where there is none.
+    pub(super) initial: &'a str,
+}
+
+impl<'a> Scalar<'a> {
+    fn new(node: Node<'a, 'a>, position: usize) -> Option<Self> {
+        let types = ["Real", "Integer", "Boolean", "String", "Enumeration"];
+        let typed = elements(node).find(|child| types.contains(&child.tag_name().name()))?;
+        let causality = node.attribute("causality").unwrap_or("local");
+        // The standard's default is continuous, which only a Real can be; tools mean discrete.
+        let otherwise = match typed.tag_name().name() {
+            "Real" => "continuous",
+            _ => "discrete",
+        };
+        let variability = node.attribute("variability").unwrap_or(otherwise);
+        let default = match (causality, variability) {
+            ("input" | "independent", _) => "",
+            ("parameter", _) | (_, "constant") => "exact",
+            _ => "calculated",
+        };
+        Some(Self {
+            node,
+            typed,
+            position,
+            name: node
+                .attribute("name")
+                .unwrap_or("a variable without a name"),
+            causality,
+            variability,
+            initial: node.attribute("initial").unwrap_or(default),
+        })
+    }
+
+    /// `Real`, `Integer`, `Boolean`, `String` or `Enumeration`.
+    pub(super) fn kind(&self) -> &'a str {
+        self.typed.tag_name().name()
+    }
+
+    /// The type of the calls that reach it: enumerations are integers to them.
+    fn base(&self) -> &'a str {
+        match self.kind() {
+            "Enumeration" => "Integer",
+            kind => kind,
+        }
+    }
+
+    pub(super) fn start(&self) -> Option<&'a str> {
+        self.typed.attribute("start")
+    }
+
+    /// Whether an importer may set it freely.
+    pub(super) fn is_settable(&self) -> bool {
+        matches!(self.causality, "parameter" | "input")
+    }
+
+    /// A finding at this variable.
+    pub(super) fn finding(&self, text: &str) -> Hit {
+        at(self.node, &format!("{}: {text}", self.name))
+    }
+}

@@ -1,0 +1,78 @@
+//! The probes' simulations: which variables they read, for how long, and which parameters they change.
+
+use fmu_import::{Causality, Description, Handle, Kind, Value, Variability, Variable};
+use fmu_points::task::Schedule;
+
+/// All outputs and parameters; without outputs, local variables.
+pub(super) fn columns(fmu: &Description) -> Vec<&Variable> {
+    const LOCALS: usize = 100;
+    let mut columns: Vec<&Variable> = fmu.with(Causality::Output).collect();
+    if columns.is_empty() {
+        let varying = |variable: &&Variable| variable.variability != Variability::Constant;
+        columns = fmu
+            .with(Causality::Local)
+            .filter(varying)
+            .take(LOCALS)
+            .collect();
+    }
+    let numbers = fmu
+        .with(Causality::Parameter)
+        .filter(|variable| variable.number_handle().is_some());
+    columns.extend(numbers);
+    columns
+}
+
+/// How many steps a probe takes.
+const STEPS: f64 = 10.0;
+
+/// A few steps of the suggested experiment, or of another where that is of no use.
+pub(super) fn schedule(fmu: &Description) -> Schedule {
+    let mut schedule = Schedule::suggested(fmu);
+    let passes = schedule.stop > schedule.start;
+    if !passes {
+        schedule.stop = schedule.start + 1.0;
+    }
+    if !(schedule.step > 0.0 && schedule.step.is_finite()) {
+        schedule.step = (schedule.stop - schedule.start) / 500.0;
+    }
+    schedule.stop = schedule.stop.min(schedule.start + STEPS * schedule.step);
+    schedule.tolerance = schedule.tolerance.filter(|tolerance| *tolerance > 0.0);
+    schedule
+}
+
+/// The same number of steps, of another size.
+pub(super) fn with_step(schedule: Schedule, step: f64) -> Schedule {
+    Schedule {
+        step,
+        stop: schedule.start + STEPS * step,
+        ..schedule
+    }
+}
+
+/// Other values of real parameters: a little more than the start, within the range.
+pub(super) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
+    const MORE: f64 = 1.01;
+    let parameters = fmu
+        .with(Causality::Parameter)
+        .filter(|variable| variable.is_settable());
+    let other = |variable: &Variable| {
+        let Kind::Real {
+            start: Some(start),
+            min,
+            max,
+            ..
+        } = variable.kind
+        else {
+            return None;
+        };
+        let value = [start * MORE, start / MORE].into_iter().find(|value| {
+            value.is_finite()
+                && *value != start
+                && min.is_none_or(|min| *value >= min)
+                && max.is_none_or(|max| *value <= max)
+        })?;
+        let Handle { reference, .. } = variable.handle();
+        Some((reference, Value::Real(value)))
+    };
+    parameters.filter_map(other).collect()
+}

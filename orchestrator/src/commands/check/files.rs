@@ -1,0 +1,273 @@
+//! Checks of the archive: safe paths, and binaries of the right name, machine and functions.
+
+use std::collections::HashSet;
+
+use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
+
+use super::document::NAME;
+use super::exported::functions;
+use super::hit::{Breach, Hit};
+use super::structure::short;
+use fmu_import::{Description, FmuError, Interface, Package, Version};
+
+/// Faults of the files, and whether this machine's binary has one.
+pub(super) struct Found {
+    pub(super) findings: Vec<Breach>,
+    pub(super) fatal: bool,
+}
+
+/// A platform: its folder, and the extension, format and machine of its binaries.
+type Platform = (&'static str, &'static str, BinaryFormat, Architecture);
+
+/// The platforms that a version names; in FMI 2.0 also aarch64 Linux and macOS as tools name them.
+fn platforms(version: Version) -> Vec<Platform> {
+    use Architecture::{Aarch64, I386, X86_64};
+    let all = [
+        ("linux64", "x86_64-linux", "so", BinaryFormat::Elf, X86_64),
+        ("linux32", "x86-linux", "so", BinaryFormat::Elf, I386),
+        ("win64", "x86_64-windows", "dll", BinaryFormat::Pe, X86_64),
+        ("win32", "x86-windows", "dll", BinaryFormat::Pe, I386),
+        (
+            "darwin64",
+            "x86_64-darwin",
+            "dylib",
+            BinaryFormat::MachO,
+            X86_64,
+        ),
+        ("darwin32", "x86-darwin", "dylib", BinaryFormat::MachO, I386),
+        (
+            "aarch64-linux",
+            "aarch64-linux",
+            "so",
+            BinaryFormat::Elf,
+            Aarch64,
+        ),
+        (
+            "aarch64-darwin",
+            "aarch64-darwin",
+            "dylib",
+            BinaryFormat::MachO,
+            Aarch64,
+        ),
+    ];
+    let of = |(two, three, extension, format, machine)| match version {
+        Version::Two => (two, extension, format, machine),
+        Version::Three => (three, extension, format, machine),
+    };
+    all.into_iter().map(of).collect()
+}
+
+const LIBRARY: &str = "binary-readable";
+const FUNCTIONS_THERE: &str = "binary-functions";
+
+pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
+    let entries = package.entries();
+    let identifier = package.description().model_identifier.clone();
+    let mut found = Found {
+        findings: Vec::new(),
+        fatal: false,
+    };
+    for wrong in [OUTSIDE, BACKSLASH] {
+        let those = entries.iter().filter(|entry| path(entry) == Some(wrong));
+        let those: Vec<String> = those.cloned().collect();
+        if !those.is_empty() {
+            found.findings.push((
+                "archive-path",
+                Hit::plain(format!("{}: {wrong}", short(&those))),
+            ));
+            found.fatal = true;
+        }
+    }
+    if found.fatal {
+        return Ok(found);
+    }
+    if !is_identifier(&identifier) {
+        let text = format!(
+            "modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"
+        );
+        found
+            .findings
+            .push(("model-identifier", Hit::of(NAME, text)));
+    }
+    let version = package.description().standard;
+    for platform in platforms(version) {
+        let wrong = of_platform(package, &entries, &identifier, platform)?;
+        found.fatal |= wrong.is_some() && platform.0 == version.platform();
+        if let Some(breach) = wrong {
+            add(&mut found.findings, breach, platform.0);
+        }
+    }
+    let twice = package.entries_twice();
+    if !twice.is_empty() {
+        let text = format!(
+            "two entries of each of these names: {}: remove one",
+            short(twice)
+        );
+        found
+            .findings
+            .push(("archive-entry-unique", Hit::plain(text)));
+    }
+    Ok(found)
+}
+
+/// Adds a breach, or the platform to the one of the same rule: a wrong name is wrong on all platforms.
+fn add(findings: &mut Vec<Breach>, (rule, hit): Breach, platform: &str) {
+    match findings.iter_mut().find(|(known, _)| *known == rule) {
+        Some((_, known)) => known.text += &format!("; the same for {platform}"),
+        None => findings.push((rule, hit)),
+    }
+}
+
+/// Faults of a platform's binary.
+fn of_platform(
+    package: &mut Package,
+    entries: &[String],
+    identifier: &str,
+    (platform, extension, format, machine): Platform,
+) -> Result<Option<Breach>, FmuError> {
+    let folder = format!("binaries/{platform}/");
+    let binaries: Vec<&str> = entries
+        .iter()
+        .filter_map(|entry| entry.strip_prefix(&folder))
+        .filter(|file| !file.contains('/') && file.ends_with(&format!(".{extension}")))
+        .collect();
+    let wanted = format!("{identifier}.{extension}");
+    // Windows does not tell upper from lower case.
+    let alike = |file: &&&str| match format {
+        BinaryFormat::Pe => file.eq_ignore_ascii_case(&wanted),
+        _ => **file == wanted,
+    };
+    if let Some(file) = binaries.iter().find(alike) {
+        let name = format!("{folder}{file}");
+        return match package.bytes_of(&name) {
+            Ok(bytes) => Ok(binary(&bytes, package.description(), format, machine)
+                .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
+            Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
+                Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
+            }
+            Err(error) => Err(error),
+        };
+    }
+    if let Some(entry) = entries.iter().find(|entry| miswritten(entry, &folder)) {
+        let text =
+            format!("the folder's name is {folder}, as names differ by upper and lower case");
+        return Ok(Some(("binary-folder", Hit::of(entry, text))));
+    }
+    Ok(binaries.first().map(|other| {
+        let text = format!(
+            "the binary is named otherwise than modelIdentifier, `{identifier}`: call it {wanted}"
+        );
+        ("binary-name", Hit::of(&format!("{folder}{other}"), text))
+    }))
+}
+
+/// Whether an entry is in a folder that differs by upper and lower case only.
+fn miswritten(entry: &str, folder: &str) -> bool {
+    let start = entry.get(..folder.len());
+    start.is_some_and(|start| start != folder && start.eq_ignore_ascii_case(folder))
+}
+
+const OUTSIDE: &str =
+    "the path leads outside the archive: pack the FMU with relative paths below it";
+const BACKSLASH: &str = "the path contains a backslash: pack the FMU with forward slashes";
+
+/// Faults of an entry's path (FMI 2.0.5, section 2.3).
+fn path(entry: &str) -> Option<&'static str> {
+    let outside = entry.starts_with('/')
+        || entry.split(['/', '\\']).any(|part| part == "..")
+        || entry.get(1..3) == Some(":\\")
+        || entry.get(1..3) == Some(":/");
+    if outside {
+        Some(OUTSIDE)
+    } else if entry.contains('\\') {
+        Some(BACKSLASH)
+    } else {
+        None
+    }
+}
+
+fn is_identifier(name: &str) -> bool {
+    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    name.chars().all(word) && !name.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// Faults of a binary by itself.
+fn binary(
+    bytes: &[u8],
+    fmu: &Description,
+    format: BinaryFormat,
+    machine: Architecture,
+) -> Option<(&'static str, String)> {
+    // A macOS library for several machines holds one for each.
+    if format == BinaryFormat::MachO && bytes.starts_with(&[0xca, 0xfe, 0xba, 0xbe]) {
+        return None;
+    }
+    let file = match object::File::parse(bytes) {
+        Ok(file) => file,
+        Err(error) => {
+            return Some((
+                LIBRARY,
+                format!("no shared library ({error}): build the binary anew"),
+            ));
+        }
+    };
+    if (file.format(), file.architecture()) != (format, machine) {
+        let text = format!(
+            "a binary for {:?} in {:?} format, not for {machine:?} in {format:?}: put it into the folder of its \
+             platform, or build it for this one",
+            file.architecture(),
+            file.format()
+        );
+        return Some(("binary-machine", text));
+    }
+    let exports = match exports(&file) {
+        Ok(exports) => exports,
+        Err(error) => {
+            return Some((
+                LIBRARY,
+                format!("its functions cannot be read ({error}): build it anew"),
+            ));
+        }
+    };
+    // macOS puts an underscore before the names of C.
+    let has = |name: &str| exports.contains(name) || exports.contains(&format!("_{name}"));
+    let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
+    let functions = functions(fmu);
+    let absent: Vec<String> = functions
+        .iter()
+        .map(|name| format!("{prefix}{name}"))
+        .filter(|name| !has(name))
+        .collect();
+    if absent.len() == functions.len() {
+        let step = match fmu.interface {
+            Interface::CoSimulation => format!("{prefix}DoStep"),
+            Interface::ModelExchange => format!("{prefix}SetTime"),
+        };
+        let prefixed = exports
+            .iter()
+            .find(|export| export.ends_with(&format!("_{step}")));
+        let text = prefixed.map_or_else(
+            || format!("the binary exports none of the functions of FMI {number}: export them"),
+            |name| {
+                format!("the binary exports {name} instead of {step}: build it without a prefix of the functions")
+            },
+        );
+        return Some((FUNCTIONS_THERE, text));
+    }
+    (!absent.is_empty()).then(|| {
+        let absent = short(&absent);
+        let text = format!(
+            "the binary does not export {absent}: every function of FMI {number} must be there"
+        );
+        (FUNCTIONS_THERE, text)
+    })
+}
+
+/// The names that a library exports.
+fn exports(file: &object::File<'_>) -> object::Result<HashSet<String>> {
+    let name = |export: object::Export<'_>| match export.name() {
+        NameOrOrdinal::Name(name) => String::from_utf8_lossy(name).into_owned(),
+        NameOrOrdinal::Ordinal(_) => String::new(),
+    };
+    file.exports()?.map(|export| export.map(name)).collect()
+}

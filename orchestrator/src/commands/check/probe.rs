@@ -1,0 +1,352 @@
+//! One probe of an FMU's life, in a process of its own: the child's side.
+//!
+//! It notes what it is about to call and writes what it saw into files, so that whatever the FMU does to the process
+//! and its descriptors, the other side knows how far it came.
+
+use std::fs::OpenOptions;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
+use fmu_points::system;
+use fmu_points::task::Schedule;
+
+/// The hidden command that runs a probe.
+pub(super) const COMMAND: &str = "probe";
+
+/// Kinds of probes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Life {
+    /// One simulation.
+    Alone,
+    /// Two on one instance, reset between.
+    Reset,
+    /// The same, and the first with changed parameters.
+    Changed,
+    /// Two instances, one after another.
+    InTurn,
+    /// Two instances at once, their steps in turn.
+    Together,
+    /// One with half the step size.
+    Halved,
+}
+
+/// The task.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Setup {
+    pub(super) fmu: PathBuf,
+    pub(super) life: Life,
+    pub(super) schedule: Schedule,
+    pub(super) columns: Vec<Handle>,
+    pub(super) changed: Vec<(u32, Value)>,
+    pub(super) supervisor: u32,
+    /// The files for what is about to be called, and for what was seen.
+    pub(super) stage: PathBuf,
+    pub(super) result: PathBuf,
+}
+
+/// Observations of a process.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Report {
+    /// Why the binary cannot be loaded.
+    pub(super) unloadable: Option<String>,
+    pub(super) version: Option<String>,
+    pub(super) types_platform: Option<String>,
+    /// Messages with a foreign environment.
+    pub(super) strays: u64,
+    pub(super) runs: Vec<Run>,
+}
+
+/// Observations of one simulation.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Run {
+    pub(super) times: Vec<f64>,
+    /// A row per time: the bits of each column's value; of a text its hash.
+    pub(super) rows: Vec<Vec<u64>>,
+    pub(super) ended: Option<f64>,
+    pub(super) warnings: u64,
+    pub(super) first_warning: Option<String>,
+    /// Why it failed, and why it could not be terminated.
+    pub(super) failure: Option<String>,
+    /// Whether that was a step which it refused (`fmi2Discard`).
+    pub(super) refused: bool,
+    pub(super) unfinished: Option<String>,
+}
+
+/// Runs the probe that a file describes.
+///
+/// # Errors
+/// When the files cannot be read or written.
+pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
+    let setup: Setup = serde_json::from_slice(&std::fs::read(setup)?)?;
+    system::end_with(setup.supervisor)?;
+    let mut probe = Probe {
+        report: Report::default(),
+        setup: &setup,
+        version: Version::Two,
+    };
+    probe.at("loading");
+    let library = Package::open(&setup.fmu).and_then(|mut package| {
+        probe.version = package.description().standard;
+        package.load()
+    });
+    match library {
+        Err(error) => probe.report.unloadable = Some(error.to_string()),
+        Ok(library) => probe.live(&library)?,
+    }
+    probe.save()?;
+    probe.at("the end of its process");
+    Ok(())
+}
+
+struct Probe<'a> {
+    report: Report,
+    setup: &'a Setup,
+    /// By which the functions are called that its notes name.
+    version: Version,
+}
+
+/// A simulation under way.
+struct Live {
+    instance: Instance,
+    run: Run,
+    open: bool,
+}
+
+impl Probe<'_> {
+    /// Notes what comes next, in a line of its own: file systems write a file to the disk at once that is emptied and
+    /// written again, and a probe makes twenty notes. No descriptor is kept for it, since an FMU may close or replace
+    /// those that it did not open. Where the FMU leaves no room for another one, the note is missing, and nothing else.
+    fn at(&self, stage: &str) {
+        let stage = stage.replace(Version::Two.prefix(), self.version.prefix());
+        let notes = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&self.setup.stage);
+        let _ = notes.and_then(|mut notes| notes.write_all(format!("{stage}\n").as_bytes()));
+    }
+
+    /// Writes what has been seen so far.
+    fn save(&self) -> io::Result<()> {
+        let text = serde_json::to_vec(&self.report)?;
+        std::fs::write(&self.setup.result, text)
+    }
+
+    fn live(&mut self, library: &Arc<Library>) -> io::Result<()> {
+        self.report.version = library.version();
+        self.report.types_platform = library.types_platform();
+        let halved = Schedule {
+            step: self.setup.schedule.step / 2.0,
+            ..self.setup.schedule
+        };
+        let schedule = match self.setup.life {
+            Life::Halved => halved,
+            _ => self.setup.schedule,
+        };
+        match self.setup.life {
+            Life::Alone | Life::Halved => {
+                let live = self.simulated(library, &schedule, "")?;
+                self.free(live, "")
+            }
+            Life::Reset | Life::Changed => self.twice_on_one(library, &schedule),
+            Life::InTurn => {
+                let first = self.simulated(library, &schedule, "the first ")?;
+                self.free(first, "the first ")?;
+                let second = self.simulated(library, &schedule, "the second ")?;
+                self.free(second, "the second ")
+            }
+            Life::Together => self.two_at_once(library, &schedule),
+        }
+    }
+
+    fn twice_on_one(&mut self, library: &Arc<Library>, schedule: &Schedule) -> io::Result<()> {
+        let changed = match self.setup.life {
+            Life::Changed => &self.setup.changed[..],
+            _ => &[],
+        };
+        let Some(mut live) = self.begin(library, schedule, changed, "")? else {
+            return Ok(());
+        };
+        self.steps(&mut [&mut live], schedule)?;
+        self.terminate(&mut live, "")?;
+        self.report.runs.push(std::mem::take(&mut live.run));
+        self.at("fmi2Reset");
+        if let Err(call) = live.instance.reset() {
+            live.run.failure = Some(call.to_string());
+        } else {
+            let started = self.start(&mut live, schedule, &[], " after fmi2Reset")?;
+            if started {
+                self.steps(&mut [&mut live], schedule)?;
+            }
+            self.terminate(&mut live, " after fmi2Reset")?;
+        }
+        self.report.runs.push(std::mem::take(&mut live.run));
+        self.free(Some(live), "")
+    }
+
+    fn two_at_once(&mut self, library: &Arc<Library>, schedule: &Schedule) -> io::Result<()> {
+        let first = self.begin(library, schedule, &[], "the first ")?;
+        let Some(mut first) = first else {
+            return Ok(());
+        };
+        let Some(mut second) = self.begin(library, schedule, &[], "the second ")? else {
+            return Ok(());
+        };
+        self.steps(&mut [&mut first, &mut second], schedule)?;
+        for live in [first, second] {
+            let live = self.ended(live, "")?;
+            self.free(Some(live), "")?;
+        }
+        Ok(())
+    }
+
+    /// One simulation, up to its end; none where there is no instance.
+    fn simulated(
+        &mut self,
+        library: &Arc<Library>,
+        schedule: &Schedule,
+        which: &str,
+    ) -> io::Result<Option<Live>> {
+        let Some(mut live) = self.begin(library, schedule, &[], which)? else {
+            return Ok(None);
+        };
+        self.steps(&mut [&mut live], schedule)?;
+        self.ended(live, which).map(Some)
+    }
+
+    /// Terminates, and keeps what was seen.
+    fn ended(&mut self, mut live: Live, which: &str) -> io::Result<Live> {
+        self.terminate(&mut live, which)?;
+        self.report.strays += live.instance.strays();
+        self.report.runs.push(std::mem::take(&mut live.run));
+        Ok(live)
+    }
+
+    /// An initialised instance. What fails is noted as a run of its own.
+    fn begin(
+        &mut self,
+        library: &Arc<Library>,
+        schedule: &Schedule,
+        changed: &[(u32, Value)],
+        which: &str,
+    ) -> io::Result<Option<Live>> {
+        self.at(&format!("{which}fmi2Instantiate"));
+        let instance = match Instance::new(library, "probe") {
+            Ok(instance) => instance,
+            Err(call) => {
+                self.report.runs.push(Run {
+                    failure: Some(call.to_string()),
+                    ..Run::default()
+                });
+                return Ok(None);
+            }
+        };
+        let mut live = Live {
+            instance,
+            run: Run::default(),
+            open: false,
+        };
+        self.start(&mut live, schedule, changed, "")?;
+        Ok(Some(live))
+    }
+
+    /// Initialises. Whether that went well.
+    fn start(
+        &mut self,
+        live: &mut Live,
+        schedule: &Schedule,
+        changed: &[(u32, Value)],
+        when: &str,
+    ) -> io::Result<bool> {
+        self.at(&format!("the initialisation{when}"));
+        let mut begin = || -> Result<(), Call> {
+            let instance = &mut live.instance;
+            instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
+            for (reference, value) in changed {
+                instance.set(*reference, value)?;
+            }
+            instance.initialise()?;
+            note(instance, self.setup, schedule.start, &mut live.run)
+        };
+        let begun = begin();
+        live.open = begun.is_ok();
+        live.run.failure = begun.err().map(|call| call.to_string());
+        Ok(live.open)
+    }
+
+    /// Takes all steps, of several instances in turn.
+    fn steps(&mut self, lives: &mut [&mut Live], schedule: &Schedule) -> io::Result<()> {
+        let points = schedule.points();
+        for index in 0..points.steps {
+            let (time, next) = (points.at(index), points.at(index + 1));
+            self.at(&format!("fmi2DoStep at {time} s"));
+            for live in lives.iter_mut().filter(|live| live.open) {
+                let Live { instance, run, .. } = &mut **live;
+                let mut at = next;
+                let mut outcome = instance.step(time, next - time);
+                if let Err(Call {
+                    ended: Some(end), ..
+                }) = &outcome
+                {
+                    at = end.at;
+                    run.ended = Some(at);
+                    outcome = Ok(());
+                }
+                let outcome = outcome.and_then(|()| note(instance, self.setup, at, run));
+                run.refused = matches!(&outcome, Err(call) if call.status == Status::Discard);
+                run.failure = outcome.err().map(|call| call.to_string());
+                live.open = run.failure.is_none() && run.ended.is_none();
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends a simulation that was initialised.
+    fn terminate(&mut self, live: &mut Live, which: &str) -> io::Result<()> {
+        let warnings = live.instance.warnings();
+        live.run.warnings = warnings.count;
+        live.run.first_warning = warnings.first;
+        if live.run.failure.is_none() {
+            self.at(&match which.strip_prefix(' ') {
+                Some(when) => format!("fmi2Terminate {when}"),
+                None => format!("{which}fmi2Terminate"),
+            });
+            live.run.unfinished = live.instance.terminate().err().map(|call| call.to_string());
+        }
+        Ok(())
+    }
+
+    /// Frees an instance, after what it showed has been written down.
+    fn free(&mut self, live: Option<Live>, which: &str) -> io::Result<()> {
+        self.save()?;
+        self.at(&format!("{which}fmi2FreeInstance"));
+        drop(live);
+        Ok(())
+    }
+}
+
+/// Adds a row.
+fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Result<(), Call> {
+    let folder = setup.fmu.to_string_lossy();
+    let row = setup.columns.iter().map(|column| {
+        Ok(match instance.value(*column)? {
+            Value::Real(value) => value.to_bits(),
+            Value::Integer(value) => value.cast_unsigned(),
+            Value::Boolean(value) => u64::from(value),
+            Value::String(text) => {
+                // Where the FMU was unpacked is no difference between two simulations.
+                let mut hasher = DefaultHasher::new();
+                text.replace(&*folder, "").hash(&mut hasher);
+                hasher.finish()
+            }
+        })
+    });
+    let row = row.collect::<Result<Vec<u64>, Call>>()?;
+    run.times.push(time);
+    run.rows.push(row);
+    Ok(())
+}

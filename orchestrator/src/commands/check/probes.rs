@@ -1,0 +1,357 @@
+//! Short simulations of an FMU, each in a process of its own: alone, with fresh memory filled otherwise, after a reset,
+//! one after another, two at once, with half the step. What differs from the first, the FMU does not do by itself.
+
+use std::cell::OnceCell;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::child::{self, Outcome};
+use super::compare::{difference, largest_change};
+use super::hit::{Breach, Hit};
+use super::probe::{Life, Run, Setup};
+use super::{experiment, shown};
+use fmu_import::isolation::watch::Snapshot;
+use fmu_import::{Description, Package, Variable};
+use tempfile::TempDir;
+
+/// Bytes with which glibc fills memory, to see whether the FMU reads memory that it never wrote.
+const FILLS: [u8; 2] = [0x55, 0xaa];
+
+/// An FMU that is probed.
+pub(super) struct Probes<'a> {
+    fmu: &'a Description,
+    columns: Vec<&'a Variable>,
+    setup: Setup,
+    patience: Duration,
+    /// The FMU as the user gave it, and its unpacked files as they were at first.
+    original: &'a Path,
+    files: Snapshot,
+    /// The first of these files that a probe was seen to change.
+    changed: OnceCell<PathBuf>,
+    scratch: &'a Path,
+}
+
+impl<'a> Probes<'a> {
+    /// Probes of the FMU unpacked in a folder; `scratch` is a folder for notes.
+    pub(super) fn new(
+        package: &'a Package,
+        unpacked: &Path,
+        scratch: &'a Path,
+        patience: Duration,
+    ) -> io::Result<Self> {
+        let fmu = package.description();
+        let columns = experiment::columns(fmu);
+        let setup = Setup {
+            fmu: std::path::absolute(unpacked)?,
+            life: Life::Alone,
+            schedule: experiment::schedule(fmu),
+            columns: columns.iter().map(|variable| variable.handle()).collect(),
+            changed: experiment::changed(fmu),
+            supervisor: std::process::id(),
+            stage: scratch.join("probe.stage"),
+            result: scratch.join("probe.json"),
+        };
+        Ok(Self {
+            fmu,
+            columns,
+            patience,
+            original: package.path(),
+            files: Snapshot::of(&setup.fmu),
+            changed: OnceCell::new(),
+            scratch,
+            setup,
+        })
+    }
+
+    fn run(&self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
+        let own = self.own_folder()?;
+        let fmu = own.as_ref().map_or(&*self.setup.fmu, TempDir::path);
+        let setup = Setup {
+            life,
+            fmu: fmu.to_owned(),
+            ..self.setup.clone()
+        };
+        child::run(&setup, patience, fill)
+    }
+
+    /// A probe of an FMU that has ended in time alone. Where this one does not, the machine may be busy: it gets another
+    /// chance before it is said to hang.
+    fn later(&self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
+        const LONGER: u32 = 3;
+        let timed_out = |outcome: &Outcome| outcome.fate.as_deref() == Some(child::TIMEOUT);
+        let outcome = self.run(life, fill, self.patience)?;
+        if !timed_out(&outcome) {
+            return Ok(outcome);
+        }
+        let patience = LONGER * self.patience;
+        let mut outcome = self.run(life, fill, patience)?;
+        if timed_out(&outcome) {
+            let [longer, usual] = [patience, self.patience].map(|time| time.as_secs_f64());
+            outcome.fate = Some(format!(
+                "not done after {longer} s, where a first simulation was done within {usual} s"
+            ));
+        }
+        Ok(outcome)
+    }
+
+    /// A newly unpacked FMU, where an earlier probe has changed the files of the first one.
+    fn own_folder(&self) -> io::Result<Option<TempDir>> {
+        if self.changed_file().is_none() {
+            return Ok(None);
+        }
+        let package = Package::open(self.original);
+        let own = package.and_then(|mut package| package.unpack_anew(self.scratch));
+        own.map(Some).map_err(io::Error::other)
+    }
+
+    /// The first file of its own folder that the FMU has changed.
+    pub(super) fn changed_file(&self) -> Option<&Path> {
+        if self.changed.get().is_none() {
+            let place = self.files.difference(&Snapshot::of(&self.setup.fmu))?;
+            // Nobody else sets it.
+            let _ = self.changed.set(place);
+        }
+        let place = self.changed.get()?;
+        Some(place.strip_prefix(&self.setup.fmu).unwrap_or(place))
+    }
+
+    /// All that the probes find. `described_well` says that the start values of the description count.
+    pub(super) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
+        let (alone, refused) = self.alone()?;
+        let mut found = shown::remarks(self.fmu, alone.report.as_ref());
+        found.extend(refused);
+        let whole = match sound(&alone, 1) {
+            Ok(runs) => &runs[0],
+            Err(mut text) => {
+                if text.ends_with(child::TIMEOUT) {
+                    text += &format!(" after {} s (--patience)", self.patience.as_secs_f64());
+                }
+                let rule = match &alone.report {
+                    Some(report) if report.unloadable.is_some() => "binary-loads",
+                    _ => "simulation-runs",
+                };
+                found.push((rule, Hit::plain(self.shortened(&text))));
+                return Ok(found);
+            }
+        };
+        found.extend(shown::values(&self.columns, whole, described_well));
+        if let Some(fate) = &alone.fate {
+            let text = format!("{} failed after a whole simulation: {fate}", alone.stage);
+            found.push(("life-ends", Hit::plain(text)));
+            return Ok(found);
+        }
+        if let Some(text) = &whole.unfinished {
+            found.push((
+                "life-ends",
+                Hit::plain(format!("the simulation is whole, but: {text}")),
+            ));
+        }
+        let stable = self.memory(whole)?;
+        let unstable = stable.is_some();
+        found.extend(stable);
+        if unstable {
+            // Nothing can be compared with what differs by itself.
+            return Ok(found);
+        }
+        found.extend(self.lives(whole)?);
+        found.extend(self.halved(whole)?);
+        Ok(found)
+    }
+
+    /// One simulation. A step that the FMU refuses and does not suggest itself is replaced by another, with a note.
+    fn alone(&mut self) -> io::Result<(Outcome, Option<Breach>)> {
+        const STEPS: [f64; 5] = [1.0, 0.1, 0.01, 0.001, 0.0001];
+        let first = self.run(Life::Alone, None, self.patience)?;
+        if !refused(&first) || self.fmu.default_experiment.step.is_some() {
+            return Ok((first, None));
+        }
+        let usual = self.setup.schedule;
+        for step in STEPS {
+            self.setup.schedule = experiment::with_step(usual, step);
+            let outcome = self.run(Life::Alone, None, self.patience)?;
+            if sound(&outcome, 1).is_ok() {
+                let text = format!(
+                    "it refuses the communication step of {} s and suggests none (stepSize); with {step} s it runs: \
+                     simulate it with that",
+                    usual.step
+                );
+                return Ok((outcome, Some(("step-suggested", Hit::plain(text)))));
+            }
+        }
+        self.setup.schedule = usual;
+        Ok((first, None))
+    }
+
+    /// Whether the values depend on memory that was never written, or on nothing that can be named.
+    fn memory(&self, whole: &Run) -> io::Result<Option<Breach>> {
+        let [filled, again, other] =
+            [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.later(Life::Alone, Some(fill)));
+        let (filled, again, other) = (filled?, again?, other?);
+        let all = [&filled, &again, &other].map(|outcome| sound(outcome, 1).map(|runs| &runs[0]));
+        let [filled, again, other] = &all;
+        let differ = |one: &Result<&Run, String>, two: &Result<&Run, String>| match (one, two) {
+            (Ok(one), Ok(two)) => difference(&self.columns, one, two),
+            (Ok(_), Err(text)) | (Err(text), Ok(_)) => Some(text.clone()),
+            (Err(_), Err(_)) => None,
+        };
+        if let Some(text) = differ(filled, again) {
+            let text = format!(
+                "two simulations of the same differ (clock, random numbers, addresses): {text}"
+            );
+            return Ok(Some(("reproducible", Hit::plain(text))));
+        }
+        let whole = Ok(whole);
+        let text = differ(filled, other).or_else(|| differ(&whole, filled));
+        Ok(text.map(|text| {
+            let text = format!(
+                "it reads memory that it never wrote: with fresh memory filled otherwise, {text}"
+            );
+            ("memory-written", Hit::plain(text))
+        }))
+    }
+
+    /// Whether other lives give the same values.
+    fn lives(&self, whole: &Run) -> io::Result<Vec<Breach>> {
+        let once = self
+            .fmu
+            .capabilities
+            .can_be_instantiated_only_once_per_process;
+        let mut found = Vec::new();
+        let reset = self.life(Life::Reset, whole)?;
+        if reset.is_none() && !self.setup.changed.is_empty() {
+            found.extend(self.life(Life::Changed, whole)?);
+        }
+        found.extend(reset);
+        if once {
+            return Ok(found);
+        }
+        let in_turn = self.life(Life::InTurn, whole)?;
+        if in_turn.is_none() {
+            found.extend(self.life(Life::Together, whole)?);
+        }
+        found.extend(in_turn);
+        Ok(found)
+    }
+
+    /// The fault of two runs in one process, where one alone was `whole`.
+    fn life(&self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
+        let reset = format!("{}Reset", self.fmu.standard.prefix());
+        let (rule, what) = match life {
+            Life::Reset => ("life-reset", format!("after {reset}")),
+            Life::Changed => (
+                "life-reset",
+                format!("after a simulation with changed parameters and {reset}"),
+            ),
+            Life::InTurn => (
+                "life-again",
+                "in a second instance after the first was freed".to_owned(),
+            ),
+            Life::Together => (
+                "life-instances",
+                "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)"
+                    .to_owned(),
+            ),
+            // These are one run.
+            Life::Alone | Life::Halved => return Ok(None),
+        };
+        let outcome = self.later(life, None)?;
+        let runs = match sound(&outcome, 2) {
+            // With changed parameters it may fail, and that says nothing of the reset.
+            Err(_) if life == Life::Changed && !first_is_whole(&outcome) => return Ok(None),
+            Err(text) => return Ok(Some(unlike(rule, &what, &text))),
+            // With changed parameters the first run must differ.
+            Ok(runs) if life == Life::Changed => &runs[1..],
+            Ok(runs) => runs,
+        };
+        let fate = || Some(format!("{}: {}", outcome.stage, outcome.fate.as_ref()?));
+        let unfinished = || {
+            let text = runs.iter().find_map(|run| run.unfinished.clone());
+            text.filter(|_| whole.unfinished.is_none())
+        };
+        let text = runs
+            .iter()
+            .find_map(|run| difference(&self.columns, whole, run))
+            .or_else(fate)
+            .or_else(unfinished);
+        Ok(text.map(|text| unlike(rule, &what, &text)))
+    }
+
+    /// How much half the step changes. It may: a note.
+    fn halved(&self, whole: &Run) -> io::Result<Option<Breach>> {
+        const MUCH: f64 = 0.01;
+        // Where it ends depends on the step that it refuses.
+        if whole.ended.is_some() {
+            return Ok(None);
+        }
+        let outcome = self.later(Life::Halved, None)?;
+        let text = match sound(&outcome, 1) {
+            Err(text) => Some(format!("with half the communication step, {text}")),
+            Ok(runs) => {
+                let most = largest_change(&self.columns, whole, &runs[0]);
+                let most = most.filter(|(share, _)| *share > MUCH);
+                most.map(|(share, name)| {
+                    let step = self.setup.schedule.step;
+                    format!(
+                        "with half the communication step of {step} s, {name} changes by {:.2} % of its size",
+                        100.0 * share
+                    )
+                })
+            }
+        };
+        Ok(text.map(|text| ("step-size", Hit::plain(text))))
+    }
+
+    /// A message without the folder into which the FMU was unpacked.
+    fn shortened(&self, text: &str) -> String {
+        let folder = self.setup.fmu.display();
+        text.replace(&format!("{folder}/"), "")
+            .replace(&format!("{folder}: "), "")
+    }
+}
+
+/// The runs of a process, as many as there must be, or why there are not.
+fn sound(outcome: &Outcome, count: usize) -> Result<&[Run], String> {
+    let stage = &outcome.stage;
+    let Some(report) = &outcome.report else {
+        let fate = outcome.fate.as_deref().unwrap_or("it ended without a word");
+        return Err(format!("{stage} failed: {fate}"));
+    };
+    if let Some(text) = &report.unloadable {
+        return Err(format!("the binary cannot be loaded: {text}"));
+    }
+    if let Some(text) = report.runs.iter().find_map(|run| run.failure.as_ref()) {
+        return Err(format!("a simulation failed: {text}"));
+    }
+    if report.runs.len() < count {
+        let fate = outcome.fate.as_deref().unwrap_or("it ended without a word");
+        return Err(format!("{stage} failed: {fate}"));
+    }
+    Ok(&report.runs)
+}
+
+/// Whether the first of two runs is there and came to its end.
+fn first_is_whole(outcome: &Outcome) -> bool {
+    let first = outcome
+        .report
+        .as_ref()
+        .and_then(|report| report.runs.first());
+    first.is_some_and(|run| run.failure.is_none())
+}
+
+/// A life that is not as one alone.
+fn unlike(rule: &'static str, what: &str, text: &str) -> Breach {
+    (
+        rule,
+        Hit::plain(format!("{what}, {text}: it must be as alone")),
+    )
+}
+
+/// Whether a simulation ended with a step that the FMU refused.
+fn refused(outcome: &Outcome) -> bool {
+    let first = outcome
+        .report
+        .as_ref()
+        .and_then(|report| report.runs.first());
+    first.is_some_and(|run| run.refused)
+}

@@ -1,0 +1,177 @@
+//! All rules of a check, a line each. A new rule is a function and a line here.
+
+use super::finding::Find::{Document, Either, Elsewhere, Three, Variable};
+use super::finding::Severity::{Error, Note, Warning};
+use super::finding::{Find, Rule, Severity};
+use super::{
+    aliases, definitions, dependencies, names, schema, structure, three, values, variables,
+};
+
+const fn rule(
+    id: &'static str,
+    severity: Severity,
+    source: &'static str,
+    wants: &'static str,
+    find: Find,
+) -> Rule {
+    Rule {
+        id,
+        severity,
+        source,
+        wants,
+        find,
+    }
+}
+
+const XML: &str = "XML 1.0, 4.3.3";
+const MODEL: &str = "fmi2ModelDescription.xsd";
+const SCALAR: &str = "fmi2ScalarVariable.xsd";
+const TYPE: &str = "fmi2Type.xsd";
+
+/// The rule of this name.
+pub(super) fn named(id: &str) -> Option<&'static Rule> {
+    RULES.iter().find(|rule| rule.id == id)
+}
+
+#[rustfmt::skip]
+pub(super) static RULES: &[Rule] = &[
+    // The needs of any simulation.
+    rule("description-readable", Error, "FMI 2.0.5, 2.2", "modelDescription.xml is well-formed and one of FMI 2.0 or 3.0 for Co-Simulation", Elsewhere),
+    rule("archive-readable", Error, "FMI 2.0.5, 2.3", "the FMU is a sound zip archive with modelDescription.xml at its top", Elsewhere),
+    // The schema.
+    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Either(values::encoding)),
+    rule("xml-utf-8", Error, "FMI 2.0.5, 2.2", "the encoding is UTF-8", Either(values::other_encoding)),
+    rule("xml-declaration", Warning, "FMI 2.0.5, 2.2", "the first line names the encoding", Either(values::no_encoding)),
+    rule("schema-namespace", Error, MODEL, "the elements of FMI 2.0 are in no namespace", Document(schema::namespace)),
+    rule("schema-attribute", Error, MODEL, "only attributes of FMI 2.0", Document(schema::unknown_attributes)),
+    rule("schema-attribute-missing", Error, MODEL, "all required attributes", Document(schema::missing_attributes)),
+    rule("schema-element", Error, MODEL, "only elements of FMI 2.0", Document(schema::unknown_elements)),
+    rule("schema-element-missing", Error, MODEL, "all required elements", Document(schema::missing_elements)),
+    rule("schema-text", Error, MODEL, "no text between elements", Document(schema::text)),
+    rule("schema-order", Error, MODEL, "elements in the schema's order, single ones once", Document(schema::order)),
+    rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Document(schema::empty_lists)),
+    rule("schema-type-missing", Error, TYPE, "a SimpleType says of which type it is", Document(schema::typeless)),
+    rule("schema-value", Error, MODEL, "values of their attribute's type", Document(schema::values)),
+    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Either(values::unreadable)),
+    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Either(values::left_out)),
+    // The definitions.
+    rule("version", Error, "FMI 2.0.5, 2.2.1", "fmiVersion is 2.0", Document(values::version)),
+    rule("date", Error, "FMI 2.0.5, 2.2.1", "generationDateAndTime is an xs:dateTime", Either(definitions::date)),
+    rule("naming-convention", Error, "FMI 2.0.5, 2.2.1", "variableNamingConvention is flat or structured", Either(names::convention)),
+    rule("structured-name", Error, "FMI 2.0.5, 2.2.9", "structured names follow the grammar", Document(names::structured)),
+    rule("unit-unique", Error, "FMI 2.0.5, 2.2.2", "units have names of their own", Either(definitions::units)),
+    rule("display-unit-unique", Error, "FMI 2.0.5, 2.2.2", "display units of a unit have names of their own", Either(definitions::display_units)),
+    rule("unit-factor", Error, "FMI 2.0.5, 2.2.2", "a factor is not zero", Either(definitions::factors)),
+    rule("type-unique", Error, "FMI 2.0.5, 2.2.3", "types have names of their own", Document(definitions::types)),
+    rule("type-name", Error, "FMI 2.0.5, 2.2.3", "a type is not called as a variable", Document(definitions::types_and_variables)),
+    rule("type-attributes", Error, "FMI 2.0.5, 2.2.3", "a type's range and units make sense", Document(definitions::type_attributes)),
+    rule("item-unique", Error, "FMI 2.0.5, 2.2.3", "items have names and values of their own", Document(definitions::items)),
+    rule("category-unique", Error, "FMI 2.0.5, 2.2.4", "log categories have names of their own", Either(definitions::categories)),
+    rule("step-size-positive", Error, "FMI 2.0.5, 2.2.5", "stepSize is greater than 0", Either(values::step)),
+    rule("tolerance-positive", Error, "FMI 2.0.5, 2.2.5", "tolerance is greater than 0", Either(values::tolerance)),
+    rule("stop-after-start", Error, "FMI 2.0.5, 2.2.5", "stopTime is later than startTime", Either(values::stop)),
+    rule("step-within", Warning, "FMI 2.0.5, 2.2.5", "stepSize is not longer than the experiment", Either(values::long_step)),
+    rule("tool-unique", Error, "FMI 2.0.5, 2.2.6", "annotations are of a tool each", Document(definitions::tools)),
+    rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(definitions::source_files)),
+    rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
+    rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
+    // Variables.
+    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Either(values::names_twice)),
+    rule("independent-single", Error, "FMI 2.0.5, 2.2.7", "one independent variable", Document(variables::independents)),
+    rule("name-legal", Error, "FMI 2.0.5, 2.2.9", "a name is not empty, without line breaks and tabs", Variable(names::legal)),
+    rule("variability", Error, "FMI 2.0.5, 2.2.7", "causality and variability go together", Variable(variables::kind)),
+    rule("continuous-real", Error, "FMI 2.0.5, 2.2.7", "only a Real is continuous", Variable(variables::continuous)),
+    rule("initial", Error, "FMI 2.0.5, 2.2.7", "initial goes with causality and variability", Variable(variables::initial)),
+    rule("start-needed", Error, "FMI 2.0.5, 2.2.7", "inputs, parameters, constants and exact ones have a start value", Variable(variables::startless)),
+    rule("start-forbidden", Error, "FMI 2.0.5, 2.2.7", "calculated ones and the time have no start value", Variable(variables::started)),
+    rule("type-declared", Error, "FMI 2.0.5, 2.2.7", "declaredType is defined", Variable(variables::undeclared)),
+    rule("type-fits", Error, "FMI 2.0.5, 2.2.7", "declaredType is of the variable's type", Variable(variables::mistyped)),
+    rule("derivative-name", Error, "FMI 2.0.5, 2.2.9", "a structured name der(...) is the one of a Real", Variable(names::of_real)),
+    rule("derivative", Error, "FMI 2.0.5, 2.2.7", "derivative is the index of a continuous Real", Variable(variables::derivative)),
+    rule("range", Error, "FMI 2.0.5, 2.2.7", "max is not less than min", Variable(values::range)),
+    rule("start-in-range", Error, "FMI 2.0.5, 2.2.7", "start lies between min and max", Variable(values::start)),
+    rule("start-finite", Error, "FMI 2.0.5, 2.2.7", "start is a finite number", Variable(values::infinite)),
+    rule("start-item", Error, "FMI 2.0.5, 2.2.7", "start is an item of the type", Variable(values::item)),
+    rule("nominal-positive", Error, "FMI 2.0.5, 2.2.7", "nominal is greater than 0", Variable(values::nominal)),
+    rule("unit-defined", Error, "FMI 2.0.5, 2.2.7", "unit is defined", Variable(values::unit)),
+    rule("display-unit-alone", Error, "FMI 2.0.5, 2.2.3", "displayUnit has a unit", Variable(values::display_unit_alone)),
+    rule("alias", Error, "FMI 2.0.5, 2.2.7", "of several names one can be set and has a start value; all are constant or none is", Variable(aliases::alias)),
+    rule("alias-unit", Error, "FMI 2.0.5, 2.2.7", "several names have one unit", Variable(aliases::unit)),
+    rule("variability-given", Warning, "FMI 2.0.5, 2.2.7", "what is no Real has a variability, as the default is continuous", Variable(variables::variability_missing)),
+    rule("range-of-type", Warning, "FMI 2.0.5, 2.2.7", "a variable's range lies within its type's", Variable(values::beyond_type)),
+    rule("display-unit-defined", Warning, "FMI 2.0.5, 2.2.3", "displayUnit is defined for the unit, as it is ignored otherwise", Variable(values::display_unit)),
+    rule("alias-unit-missing", Warning, "FMI 2.0.5, 2.2.7", "several names all have a unit or none has", Variable(aliases::without_unit)),
+    rule("alias-variability", Note, "FMI 2.0.5, 2.2.7", "several names have one variability", Variable(aliases::variability)),
+    // The structure.
+    rule("outputs", Error, "FMI 2.0.5, 2.2.8", "Outputs lists outputs, each once", Document(structure::outputs)),
+    rule("outputs-complete", Error, "FMI 2.0.5, 2.2.8", "Outputs lists every output", Document(structure::outputs_missing)),
+    rule("outputs-none", Note, "FMI 2.0.5, 2.2.8", "there is something to compare with", Document(structure::no_outputs)),
+    rule("derivatives", Error, "FMI 2.0.5, 2.2.8", "Derivatives lists derivatives of local variables and outputs, each once", Document(structure::derivatives)),
+    rule("derivatives-continuous", Warning, "FMI 2.0.5, 2.2.8", "state derivatives are continuous", Document(structure::derivatives_discrete)),
+    rule("derivatives-complete", Warning, "FMI 2.0.5, 2.2.8", "Derivatives is there where states are declared", Document(structure::derivatives_missing)),
+    rule("initial-unknowns", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists variables that are computed initially, each once", Document(structure::initial_unknowns)),
+    rule("initial-unknowns-sorted", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns is sorted by index", Document(structure::initial_unknowns_unsorted)),
+    rule("initial-unknowns-complete", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists all outputs, calculated parameters, states and derivatives that are computed", Document(structure::initial_unknowns_missing)),
+    rule("initial-unknowns-surplus", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists nothing else", Document(structure::initial_unknowns_surplus)),
+    rule("dependencies", Error, "FMI 2.0.5, 2.2.8", "dependencies are on variables, with a kind each where kinds are given", Document(dependencies::dependencies)),
+    rule("dependencies-sorted", Error, "FMI 2.0.5, 2.2.8", "dependencies are sorted by index, each once", Document(dependencies::unsorted)),
+    rule("dependencies-known", Warning, "FMI 2.0.5, 2.2.8", "dependencies are on inputs, states and what else is known", Document(dependencies::unknown)),
+    rule("dependencies-factor", Warning, "FMI 2.0.5, 2.2.8", "only a Real depends on something by a factor", Document(dependencies::factors)),
+    // The archive.
+    rule("archive-path", Error, "FMI 2.0.5, 2.3", "paths are relative, with forward slashes", Elsewhere),
+    rule("archive-entry-unique", Warning, "FMI 2.0.5, 2.3", "entries have names of their own", Elsewhere),
+    rule("terminals-version", Warning, "FMI 3.0.2, 2.4.10", "terminalsAndIcons.xml and modelDescription.xml name the same version", Elsewhere),
+    rule("references-manifest", Warning, "FMI-LS-REF 1.0.0-beta.1", "the manifest of related files keeps to its schema", Elsewhere),
+    rule("model-identifier", Error, "FMI 2.0.5, 4.3.1", "modelIdentifier is a C identifier", Elsewhere),
+    rule("binary-there", Error, "FMI 2.0.5, 2.3", "there is a binary for this machine", Elsewhere),
+    rule("binary-folder", Error, "FMI 2.0.5, 2.3", "binaries lie in binaries/PLATFORM", Elsewhere),
+    rule("binary-name", Error, "FMI 2.0.5, 2.3", "a binary is named as modelIdentifier", Elsewhere),
+    rule("binary-machine", Error, "FMI 2.0.5, 2.3", "a binary is one for its platform", Elsewhere),
+    rule("binary-readable", Error, "FMI 2.0.5, 2.3", "a binary is a shared library", Elsewhere),
+    rule("binary-functions", Error, "FMI 2.0.5, 2.1.1", "a binary exports every function of its version of FMI", Elsewhere),
+    rule("binary-libraries", Error, "FMI 2.0.5, 2.3", "the libraries that a binary needs are there", Elsewhere),
+    // The life of an FMU.
+    rule("execution-tool", Note, "FMI 2.0.5, 4.3.1", "the FMU runs by itself", Elsewhere),
+    rule("binary-loads", Error, "FMI 2.0.5, 2.3", "the binary can be loaded", Elsewhere),
+    rule("binary-version", Warning, "FMI 2.0.5, 2.1.4", "the binary calls itself one of its description's version", Elsewhere),
+    rule("binary-types", Warning, "FMI 2.0.5, 2.1.4", "fmi2GetTypesPlatform returns default", Elsewhere),
+    rule("simulation-runs", Error, "FMI 2.0.5, 4.2.4", "a simulation with the start values runs", Elsewhere),
+    rule("step-suggested", Note, "FMI 2.0.5, 2.2.5", "an FMU that refuses steps suggests one that it takes", Elsewhere),
+    rule("output-finite", Error, "a study would be wrong", "outputs are finite numbers", Elsewhere),
+    rule("output-range", Warning, "FMI 2.0.5, 2.2.3", "outputs keep to their range", Elsewhere),
+    rule("start-agrees", Error, "FMI 2.0.5, 2.2.7", "the binary starts with the start values of the description", Elsewhere),
+    rule("warnings", Warning, "FMI 2.0.5, 2.1.3", "calls return fmi2OK", Elsewhere),
+    rule("logger-environment", Warning, "FMI 2.0.5, 2.1.5", "the logger gets its environment", Elsewhere),
+    rule("early-end", Note, "FMI 2.0.5, 4.2.2", "a simulation goes on to its stop time", Elsewhere),
+    rule("life-ends", Error, "FMI 2.0.5, 2.1.6", "a simulation ends and is freed in order", Elsewhere),
+    rule("reproducible", Warning, "a study would differ from run to run", "the same simulation gives the same values", Elsewhere),
+    rule("files-kept", Warning, "a study would take longer", "the FMU leaves the files of its own folder as they are", Elsewhere),
+    rule("memory-written", Error, "a study would be wrong", "no memory is read that was never written", Elsewhere),
+    rule("life-reset", Error, "FMI 2.0.5, 2.1.6", "fmi2Reset takes everything back", Elsewhere),
+    rule("life-again", Error, "FMI 2.0.5, 2.1.5", "a second instance is as the first", Elsewhere),
+    rule("life-instances", Error, "FMI 2.0.5, 4.3.1", "several instances do not disturb each other, or canBeInstantiatedOnlyOncePerProcess is set", Elsewhere),
+    rule("step-size", Note, "FMI 2.0.5, 4.2.2", "the communication step hardly changes the values", Elsewhere),
+    // What FMI 3.0 writes in its own way.
+    rule("three-token", Error, "FMI 3.0.2, 2.4", "instantiationToken is there", Three(three::token)),
+    rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(three::serialized_states)),
+    rule("three-type", Error, "FMI 3.0.2, 2.4.7", "a variable is of a type of FMI 3.0", Three(three::types)),
+    rule("display-unit-usable", Note, "FMI 3.0.2, 2.4.3", "every display unit can be used here", Three(values::not_usable)),
+    rule("three-usable", Note, "FMI 3.0.2, 2.4.7", "every variable can be set or judged here", Three(three::unusable)),
+    rule("three-reference", Error, "FMI 3.0.2, 2.4.7", "a value reference is that of one variable", Three(three::references)),
+    rule("three-independent", Error, "FMI 3.0.2, 2.4.7", "one independent variable, a float without a start value", Three(three::independent)),
+    rule("three-start", Error, "FMI 3.0.2, 2.4.7", "what is set or exact has a start value, what is calculated has none", Three(three::starts)),
+    rule("three-range", Error, "FMI 3.0.2, 2.4.7", "min, start and max do not contradict each other", Three(three::ranges)),
+    rule("three-declared", Error, "FMI 3.0.2, 2.4.7", "declaredType and unit are defined", Three(three::declared)),
+    rule("three-dimension", Error, "FMI 3.0.2, 2.4.7", "a dimension is a number, or a structural parameter or constant of type UInt64", Three(three::dimensions)),
+    rule("three-name", Error, "FMI 3.0.2, 2.4.1", "a name is not empty", Three(three::definitions::empty_names)),
+    rule("three-type-unique", Error, "FMI 3.0.2, 2.4.5", "types have names of their own", Three(three::definitions::types)),
+    rule("three-item-unique", Error, "FMI 3.0.2, 2.4.5", "items have names and values of their own", Three(three::definitions::items)),
+    rule("three-variability", Error, "FMI 3.0.2, 2.4.7", "causality, variability and type go together", Three(three::kinds::variabilities)),
+    rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Three(three::kinds::initial_values)),
+    rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Three(three::kinds::not_finite)),
+    rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::kinds::derivatives)),
+    rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::kinds::clocks)),
+    rule("three-lists", Error, "FMI 3.0.2, 2.4.8", "ModelStructure has each element once, with a kind for each dependency where kinds are given", Three(three::kinds::structure)),
+    rule("three-outputs", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists every output, and only outputs", Three(three::outputs)),
+    rule("three-structure", Error, "FMI 3.0.2, 2.4.8", "ModelStructure refers to variables", Three(three::structure)),
+];

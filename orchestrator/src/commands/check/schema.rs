@@ -1,0 +1,419 @@
+//! The elements and attributes of `modelDescription.xml` (FMI 2.0.5, sections 2.2 and 4.3.1): what is none of
+//! them is a typing error, or belongs into an annotation.
+
+use roxmltree::Node;
+
+use super::document::{Document, at, elements};
+use super::hit::Hit;
+use fmu_points::names::{did_you_mean, nearest};
+
+/// An element: its name, with its parent's where it has several; its attributes and its children. Those that must
+/// be there are marked by `!`, unless the reader remarks on them itself.
+type Element = (&'static str, &'static str, &'static str);
+
+const ELEMENTS: [Element; 32] = [
+    (
+        "fmiModelDescription",
+        "fmiVersion modelName! guid! description author version copyright license generationTool \
+         generationDateAndTime variableNamingConvention numberOfEventIndicators",
+        "ModelExchange CoSimulation UnitDefinitions TypeDefinitions LogCategories DefaultExperiment \
+         VendorAnnotations ModelVariables! ModelStructure!",
+    ),
+    (
+        "ModelExchange",
+        "modelIdentifier! needsExecutionTool completedIntegratorStepNotNeeded \
+         canBeInstantiatedOnlyOncePerProcess canNotUseMemoryManagementFunctions canGetAndSetFMUstate \
+         canSerializeFMUstate providesDirectionalDerivative",
+        "SourceFiles",
+    ),
+    (
+        "CoSimulation",
+        "modelIdentifier! needsExecutionTool canHandleVariableCommunicationStepSize canInterpolateInputs \
+         maxOutputDerivativeOrder canRunAsynchronuously canBeInstantiatedOnlyOncePerProcess \
+         canNotUseMemoryManagementFunctions canGetAndSetFMUstate canSerializeFMUstate \
+         providesDirectionalDerivative",
+        "SourceFiles",
+    ),
+    ("SourceFiles", "", "File"),
+    ("File", "name!", ""),
+    ("UnitDefinitions", "", "Unit"),
+    ("Unit", "name", "BaseUnit DisplayUnit"),
+    ("BaseUnit", "kg m s A K mol cd rad factor offset", ""),
+    ("DisplayUnit", "name! factor offset", ""),
+    ("TypeDefinitions", "", "SimpleType"),
+    (
+        "SimpleType",
+        "name! description",
+        "Real Integer Boolean String Enumeration",
+    ),
+    (
+        "SimpleType/Real",
+        "quantity unit displayUnit relativeQuantity min max nominal unbounded",
+        "",
+    ),
+    ("SimpleType/Integer", "quantity min max", ""),
+    ("SimpleType/Boolean", "", ""),
+    ("SimpleType/String", "", ""),
+    ("SimpleType/Enumeration", "quantity", "Item"),
+    ("Item", "name! value! description", ""),
+    ("LogCategories", "", "Category"),
+    ("Category", "name! description", ""),
+    (
+        "DefaultExperiment",
+        "startTime stopTime tolerance stepSize",
+        "",
+    ),
+    ("VendorAnnotations", "", "Tool"),
+    ("ModelVariables", "", "ScalarVariable"),
+    (
+        "ScalarVariable",
+        "name valueReference description causality variability initial canHandleMultipleSetPerTimeInstant",
+        "Real Integer Boolean String Enumeration Annotations",
+    ),
+    (
+        "ScalarVariable/Real",
+        "declaredType quantity unit displayUnit relativeQuantity min max nominal unbounded start derivative reinit",
+        "",
+    ),
+    (
+        "ScalarVariable/Integer",
+        "declaredType quantity min max start",
+        "",
+    ),
+    ("ScalarVariable/Boolean", "declaredType start", ""),
+    ("ScalarVariable/String", "declaredType start", ""),
+    (
+        "ScalarVariable/Enumeration",
+        "declaredType! quantity min max start",
+        "",
+    ),
+    ("Annotations", "", "Tool"),
+    // Anything may be in it.
+    ("Tool", "name!", "*"),
+    ("ModelStructure", "", "Outputs Derivatives InitialUnknowns"),
+    ("Unknown", "index! dependencies dependenciesKind", ""),
+];
+
+/// The three lists of `ModelStructure`.
+const UNKNOWNS: Element = ("", "", "Unknown");
+
+fn element(parent: &str, name: &str) -> Option<Element> {
+    if parent == "ModelStructure" {
+        return Some(UNKNOWNS);
+    }
+    let found = |wanted: &str| ELEMENTS.into_iter().find(|(known, ..)| *known == wanted);
+    found(&format!("{parent}/{name}")).or_else(|| found(name))
+}
+
+/// Elements that hold at least one element.
+const MANY_WITHIN: [&str; 10] = [
+    "SourceFiles",
+    "UnitDefinitions",
+    "TypeDefinitions",
+    "LogCategories",
+    "VendorAnnotations",
+    "Annotations",
+    "ModelVariables",
+    "Outputs",
+    "Derivatives",
+    "InitialUnknowns",
+];
+
+/// Elements of which a variable or a type has one.
+const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
+
+/// Elements of which there may be many beside each other.
+const MANY: [&str; 9] = [
+    "File",
+    "Unit",
+    "DisplayUnit",
+    "SimpleType",
+    "Item",
+    "Category",
+    "Tool",
+    "ScalarVariable",
+    "Unknown",
+];
+
+/// A namespace that the elements of FMI 2.0 have not.
+pub(super) fn namespace(document: &Document<'_>) -> Vec<Hit> {
+    let space = document.root.tag_name().namespace();
+    let text = |space: &str| {
+        format!("the namespace \"{space}\": the elements of FMI 2.0 have none, remove it")
+    };
+    let hit = |space| at(document.root, &text(space));
+    space.map(hit).into_iter().collect()
+}
+
+/// The namespace of attributes that every document may have, to name its schema.
+const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
+
+/// Attributes that are none of FMI 2.0.
+pub(super) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, attributes, _), hits| {
+        let own = node
+            .attributes()
+            .filter(|a| a.namespace() != Some(INSTANCE));
+        for attribute in own {
+            let (foreign, attribute) = (attribute.namespace().is_some(), attribute.name());
+            if foreign || known(attributes).all(|known| known != attribute) {
+                let meant = did_you_mean(nearest(attribute, known(attributes)));
+                let name = node.tag_name().name();
+                let text =
+                    format!("`{name}` has no attribute `{attribute}` in FMI 2.0: remove it{meant}");
+                hits.push(at(node, &text));
+            }
+        }
+    })
+}
+
+/// Attributes that must be there.
+pub(super) fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, attributes, _), hits| {
+        for attribute in missing(attributes).filter(|wanted| !node.has_attribute(*wanted)) {
+            let name = node.tag_name().name();
+            hits.push(at(
+                node,
+                &format!("`{name}` needs the attribute `{attribute}`: add it"),
+            ));
+        }
+    })
+}
+
+/// Elements that are none of FMI 2.0.
+pub(super) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        for child in node.children().filter(Node::is_element) {
+            let inner = child.tag_name().name();
+            let foreign = child.tag_name().namespace().is_some();
+            let strange = foreign || known(children).all(|known| known != inner);
+            if children != "*" && strange {
+                let meant = did_you_mean(nearest(inner, known(children)));
+                let text = format!(
+                    "`{}` has no element `{inner}` in FMI 2.0: remove it, or put it into an annotation{meant}",
+                    node.tag_name().name()
+                );
+                hits.push(at(child, &text));
+            }
+        }
+    })
+}
+
+/// Text between elements.
+pub(super) fn text(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        let texts = node.children().filter(Node::is_text);
+        let stray = texts
+            .filter_map(|text| Some(text.text()?.trim()))
+            .find(|text| !text.is_empty());
+        if let Some(stray) = stray.filter(|_| children != "*") {
+            let text = format!(
+                "the text `{}` in `{}`: remove it",
+                start_of(stray),
+                node.tag_name().name()
+            );
+            hits.push(at(node, &text));
+        }
+    })
+}
+
+/// The first characters of a text.
+fn start_of(text: &str) -> String {
+    const FEW: usize = 20;
+    let mut start: String = text.chars().take(FEW).collect();
+    if text.chars().nth(FEW).is_some() {
+        start += "...";
+    }
+    start
+}
+
+/// Elements that must be there.
+pub(super) fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        for wanted in missing(children) {
+            if elements(node).all(|child| child.tag_name().name() != wanted) {
+                let name = node.tag_name().name();
+                hits.push(at(
+                    node,
+                    &format!("`{name}` needs the element `{wanted}`: add it"),
+                ));
+            }
+        }
+    })
+}
+
+/// Elements in another order than the schema's, or twice.
+pub(super) fn order(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (_, _, children), hits| {
+        if children != "*" {
+            hits.extend(disordered(node, &Vec::from_iter(known(children))));
+        }
+    })
+}
+
+/// Lists in which there is nothing.
+pub(super) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
+    visit(document, |node, (name, _, children), hits| {
+        let own = node.tag_name().name();
+        let list = MANY_WITHIN.contains(&own) || name == "SimpleType/Enumeration";
+        if list && elements(node).next().is_none() {
+            let remedy = match name {
+                "SimpleType/Enumeration" => "add its items",
+                _ => "remove it, or add one",
+            };
+            hits.push(at(
+                node,
+                &format!("`{own}` has no `{children}` in it: {remedy}"),
+            ));
+        }
+    })
+}
+
+/// Type definitions without a type.
+pub(super) fn typeless(document: &Document<'_>) -> Vec<Hit> {
+    let types = document.all("TypeDefinitions", "SimpleType");
+    let bare = types.filter(|node| elements(*node).next().is_none());
+    bare.map(|node| {
+        at(
+            node,
+            "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration",
+        )
+    })
+    .collect()
+}
+
+/// Values that are not of their attribute's type, where nobody else reads them.
+pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
+    let mut wrong = visit(document, |node, (element, attributes, _), hits| {
+        let typed = TYPED.iter().filter(|(elements, ..)| {
+            elements.is_empty() || elements.split(' ').any(|one| one == element)
+        });
+        for (_, names, is, what) in typed {
+            for name in names
+                .split(' ')
+                .filter(|name| known(attributes).any(|own| own == *name))
+            {
+                if let Some(text) = node.attribute(name).filter(|text| !is(text.trim())) {
+                    hits.push(at(node, &format!("{name}=\"{text}\" is {what}")));
+                }
+            }
+        }
+    });
+    let remarks = &document.read.remarks;
+    // The reader has remarked on faults in the parts that it uses.
+    wrong.retain(|hit| {
+        let line = hit.position.map(|position| document.line(position));
+        remarks.iter().all(|remark| Some(remark.line) != line)
+    });
+    wrong
+}
+
+/// The elements, or none for all; attributes; whether a text is one of their values, and what it is else.
+type Typed = (&'static str, &'static str, fn(&str) -> bool, &'static str);
+
+/// Attributes that the reader does not use.
+const TYPED: [Typed; 7] = [
+    // The reader takes these from the Co-Simulation part.
+    (
+        "ModelExchange",
+        "needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUstate canSerializeFMUstate",
+        |text| ["true", "false", "1", "0"].contains(&text),
+        "neither true nor false",
+    ),
+    (
+        "SimpleType/Real",
+        "min max nominal",
+        |text| text.parse::<f64>().is_ok(),
+        "not a number",
+    ),
+    (
+        "SimpleType/Integer ScalarVariable/Enumeration",
+        "min max",
+        |text| text.parse::<i32>().is_ok(),
+        "not a whole number",
+    ),
+    (
+        "",
+        "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
+         reinit canHandleMultipleSetPerTimeInstant",
+        |text| ["true", "false", "1", "0"].contains(&text),
+        "neither true nor false",
+    ),
+    (
+        "",
+        "maxOutputDerivativeOrder numberOfEventIndicators",
+        |text| text.parse::<u32>().is_ok(),
+        "not a whole number from 0 on",
+    ),
+    (
+        "",
+        "value",
+        |text| text.parse::<i32>().is_ok(),
+        "not a whole number",
+    ),
+    (
+        "",
+        "initial",
+        |text| ["exact", "approx", "calculated"].contains(&text),
+        "none of exact, approx and calculated",
+    ),
+];
+
+fn known(list: &'static str) -> impl Iterator<Item = &'static str> {
+    list.split(' ').map(|word| word.trim_end_matches('!'))
+}
+
+fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
+    list.split(' ').filter_map(|word| word.strip_suffix('!'))
+}
+
+/// Hands over all elements that the standard knows, and their descriptions.
+fn visit(
+    document: &Document<'_>,
+    mut look: impl FnMut(Node<'_, '_>, Element, &mut Vec<Hit>),
+) -> Vec<Hit> {
+    let mut hits = Vec::new();
+    let mut open = vec![(document.root, "")];
+    while let Some((node, parent)) = open.pop() {
+        let Some(element) = element(parent, node.tag_name().name()) else {
+            continue;
+        };
+        look(node, element, &mut hits);
+        let inner = elements(node).filter(|child| {
+            element.2 != "*" && known(element.2).any(|known| known == child.tag_name().name())
+        });
+        let begin = open.len();
+        open.extend(inner.map(|child| (child, node.tag_name().name())));
+        open[begin..].reverse();
+    }
+    hits
+}
+
+/// The first child that comes after one that it must come before, or comes a second time.
+fn disordered(node: Node<'_, '_>, order: &[&str]) -> Option<Hit> {
+    let mut last: Option<usize> = None;
+    elements(node).find_map(|child| {
+        let name = child.tag_name().name();
+        let place = order.iter().position(|known| *known == name)?;
+        let wrong = match last {
+            Some(before) if TYPES.contains(&name) && TYPES.contains(&order[before]) => {
+                format!("a second type `{name}`: leave the right one only")
+            }
+            // The schema leaves the order of these two open.
+            Some(before) if (name, order[before]) == ("ModelExchange", "CoSimulation") => {
+                return None;
+            }
+            Some(before) if place < before => {
+                format!("`{name}` after `{}`: put it before that", order[before])
+            }
+            Some(before) if place == before && !MANY.contains(&name) => {
+                format!("a second `{name}`: put all into the first one")
+            }
+            _ => {
+                last = Some(place);
+                return None;
+            }
+        };
+        Some(at(child, &wrong))
+    })
+}

@@ -1,0 +1,142 @@
+//! Findings in a simulation that ended soundly: warnings, values that cannot be right.
+
+use super::compare::number;
+use super::hit::{Breach, Hit};
+use super::probe::{Report, Run};
+use super::structure::short;
+use fmu_import::{Causality, Description, Variable, Version};
+
+/// The FMU's declarations and remarks, apart from its values.
+pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
+    let mut found = Vec::new();
+    let mut tell = |rule, text: String| found.push((rule, Hit::plain(text)));
+    if fmu.capabilities.needs_execution_tool {
+        let text = "it needs the tool that wrote it (needsExecutionTool)";
+        tell("execution-tool", text.to_owned());
+    }
+    let Some(report) = report else {
+        return found;
+    };
+    let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
+    for (rule, function, usual, own) in [
+        ("binary-version", "GetVersion", number, &report.version),
+        (
+            "binary-types",
+            "GetTypesPlatform",
+            "default",
+            &report.types_platform,
+        ),
+    ] {
+        let function = format!("{prefix}{function}");
+        // FMI 3.0.1 and 3.0.2 are 3.0, too.
+        let same = |own: &str| match fmu.standard {
+            Version::Two => own == usual,
+            Version::Three => own.starts_with(usual),
+        };
+        if let Some(other) = own.as_deref().filter(|own| !same(own)) {
+            let text = format!(
+                "{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers"
+            );
+            tell(rule, text);
+        }
+    }
+    if report.strays > 0 {
+        let text = format!(
+            "the logger is called with an environment that is not the one of {prefix}Instantiate: pass {} on",
+            match fmu.standard {
+                Version::Two => "componentEnvironment",
+                Version::Three => "instanceEnvironment",
+            }
+        );
+        tell("logger-environment", text);
+    }
+    for run in &report.runs {
+        if run.warnings > 0 {
+            let first = run.first_warning.as_deref().unwrap_or_default();
+            let text = format!(
+                "calls that returned {prefix}Warning: {}; the first: {first}",
+                run.warnings
+            );
+            tell("warnings", text);
+        }
+        if let Some(time) = run.ended {
+            let text = format!(
+                "it ends the simulation by itself, at {time} s ({})",
+                match fmu.standard {
+                    Version::Two => "fmi2Terminated",
+                    Version::Three => "terminateSimulation",
+                }
+            );
+            tell("early-end", text);
+        }
+    }
+    found
+}
+
+/// Values that cannot be right: infinite ones, ones beyond their range, and, where the description counts, start values
+/// that are not the binary's.
+pub(super) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
+    let (mut found, mut infinite) = (Vec::new(), Vec::new());
+    for (place, variable) in columns.iter().enumerate() {
+        let rows = run.rows.iter();
+        let values = rows.filter_map(|row| number(row[place], variable));
+        if variable.causality == Causality::Parameter {
+            continue;
+        }
+        // Before the first step, some are not known yet.
+        if let Some(value) = values.clone().skip(1).find(|value| !value.is_finite()) {
+            infinite.push(format!("{} is {value}", variable.name));
+        }
+        found.extend(beyond(variable, values));
+    }
+    if !infinite.is_empty() {
+        let text = format!(
+            "{} in a simulation: no criterion can use it",
+            short(&infinite)
+        );
+        found.push(("output-finite", Hit::plain(text)));
+    }
+    if described_well {
+        found.extend(other_starts(columns, run));
+    }
+    found
+}
+
+/// Parameters that the binary starts with another value than the description says.
+fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
+    const ROUNDING: f64 = 1e-6;
+    let first = run.rows.first()?;
+    let parameters = columns.iter().zip(first);
+    let others: Vec<String> = parameters
+        .filter(|(variable, _)| variable.causality == Causality::Parameter)
+        .filter_map(|(variable, bits)| {
+            let (start, value) = (variable.kind.start()?, number(*bits, variable)?);
+            let differs = (value - start).abs() > ROUNDING * start.abs().max(value.abs());
+            let Variable { name, line, .. } = variable;
+            differs.then(|| {
+                format!("{name} (line {line}): start is {start}, but the binary's is {value}")
+            })
+        })
+        .collect();
+    let text = || format!("{}: correct the description or the binary", short(&others));
+    (!others.is_empty()).then(|| ("start-agrees", Hit::of(super::document::NAME, text())))
+}
+
+/// A variable that leaves the range that the FMU declares for it.
+fn beyond(variable: &Variable, values: impl Iterator<Item = f64> + Clone) -> Option<Breach> {
+    let (min, max) = variable.kind.range();
+    // A range that is none is a finding of its own.
+    if min.zip(max).is_some_and(|(min, max)| min > max) {
+        return None;
+    }
+    let below = min.and_then(|min| Some((values.clone().find(|value| *value < min)?, min, "min")));
+    let beyond = below.or_else(|| {
+        max.and_then(|max| Some((values.clone().find(|value| *value > max)?, max, "max")))
+    });
+    let (value, bound, name) = beyond?;
+    let text = format!(
+        "{}: {value} in a simulation, beyond its {name} of {bound}: correct the range or the model",
+        variable.name
+    );
+    Some(("output-range", Hit::plain(text)))
+}

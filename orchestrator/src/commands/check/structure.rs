@@ -1,0 +1,290 @@
+//! `ModelStructure` (FMI 2.0.5, section 2.2.8): its lists name variables by their index, counted from 1.
+
+use std::collections::HashSet;
+
+use roxmltree::Node;
+
+use super::document::{Document, Scalar, at, named};
+use super::hit::Hit;
+
+/// The variables in their order, which the lists count.
+pub(super) type Scalars<'a> = [Option<Scalar<'a>>];
+
+/// The element itself. Without it the schema's rules have said so.
+pub(super) fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
+    named(document.root, "ModelStructure").next()
+}
+
+fn is_output(scalar: &Scalar<'_>) -> bool {
+    scalar.causality == "output"
+}
+
+fn is_guessed(scalar: &Scalar<'_>) -> bool {
+    ["calculated", "approx"].contains(&scalar.initial)
+}
+
+/// Whether a list of `ModelStructure` is there.
+fn has_list(document: &Document<'_>, name: &'static str) -> bool {
+    structure(document).is_some_and(|node| named(node, name).next().is_some())
+}
+
+pub(super) fn outputs(document: &Document<'_>) -> Vec<Hit> {
+    list(document, "Outputs", &|scalar| {
+        (!is_output(scalar)).then_some("is no output")
+    })
+}
+
+pub(super) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
+    if !outputs(document).is_empty() {
+        return Vec::new();
+    }
+    missing(document, "Outputs", &is_output)
+}
+
+pub(super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+    list(document, "Derivatives", &|scalar| {
+        if !scalar.typed.has_attribute("derivative") {
+            return Some("has no attribute derivative");
+        }
+        let state = state_of(scalar, &document.scalars);
+        let state = state.and_then(|place| document.scalars[place].as_ref());
+        let local = state.is_none_or(|state| ["local", "output"].contains(&state.causality));
+        (!local).then_some("is the derivative of a variable that is neither local nor an output")
+    })
+}
+
+/// State derivatives that do not change continuously.
+pub(super) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
+    if !derivatives(document).is_empty() {
+        return Vec::new();
+    }
+    list(document, "Derivatives", &|scalar| {
+        let continuous = scalar.variability == "continuous";
+        (!continuous).then_some("is not continuous")
+    })
+}
+
+/// States are declared, but no state derivatives.
+pub(super) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
+    if has_list(document, "Derivatives") {
+        return Vec::new();
+    }
+    missing(document, "Derivatives", &|scalar| {
+        let state = state_of(scalar, &document.scalars);
+        let state = state.and_then(|place| document.scalars[place].as_ref());
+        // A state that cannot be is a finding of its own.
+        let possible = |state: &Scalar<'_>| {
+            state.kind() == "Real"
+                && state.variability == "continuous"
+                && state.position != scalar.position
+        };
+        state.is_some_and(possible) && !scalar.is_settable()
+    })
+}
+
+pub(super) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+    list(
+        document,
+        "InitialUnknowns",
+        &|scalar| match scalar.causality {
+            "parameter" => Some("is a parameter, so known initially"),
+            "input" => Some("is an input, so known initially"),
+            _ => None,
+        },
+    )
+}
+
+/// Outputs, calculated parameters, states and their derivatives that are computed initially.
+pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
+    if !initial_unknowns(document).is_empty() {
+        return Vec::new();
+    }
+    let states = states_and_derivatives(document);
+    missing(document, "InitialUnknowns", &|scalar| {
+        let computed = is_output(scalar) || states.contains(&scalar.position);
+        scalar.causality == "calculatedParameter" || computed && is_guessed(scalar)
+    })
+}
+
+/// The positions of the states and their derivatives, as `Derivatives` lists them.
+fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
+    let derivatives = listed(document, "Derivatives")
+        .filter_map(|unknown| position(unknown.attribute("index")?, &document.scalars))
+        .collect();
+    &states(document) | &derivatives
+}
+
+/// The positions of the states: the variables of which `Derivatives` lists the derivatives.
+pub(super) fn states(document: &Document<'_>) -> HashSet<usize> {
+    let state = |unknown: Node<'_, '_>| {
+        let derivative = position(unknown.attribute("index")?, &document.scalars)?;
+        state_of(document.scalars[derivative].as_ref()?, &document.scalars)
+    };
+    listed(document, "Derivatives").filter_map(state).collect()
+}
+
+/// The position of the variable of which this one is the derivative.
+fn state_of(scalar: &Scalar<'_>, scalars: &Scalars<'_>) -> Option<usize> {
+    position(scalar.typed.attribute("derivative")?, scalars)
+}
+
+/// Entries that the list is not made for.
+pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
+    let Some(structure) = structure(document) else {
+        return Vec::new();
+    };
+    if !initial_unknowns(document).is_empty() {
+        return Vec::new();
+    }
+    let states = states_and_derivatives(document);
+    let surplus = |unknown: &Node<'_, '_>| {
+        let place = position(unknown.attribute("index")?, &document.scalars)?;
+        let scalar = document.scalars[place].as_ref()?;
+        // An output that is not computed does no harm here.
+        let wanted = scalar.causality == "calculatedParameter"
+            || is_output(scalar)
+            || states.contains(&place) && is_guessed(scalar);
+        (!wanted).then_some(scalar.name.to_owned())
+    };
+    let names: Vec<String> = unknowns(structure, "InitialUnknowns")
+        .filter_map(|node| surplus(&node))
+        .collect();
+    let text = format!(
+        "InitialUnknowns: {} is no output, calculated parameter, state or state derivative that is computed \
+         initially: remove it",
+        short(&names)
+    );
+    if names.is_empty() {
+        Vec::new()
+    } else {
+        vec![at(structure, &text)]
+    }
+}
+
+pub(super) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
+    let unsorted = structure(document).and_then(|node| unsorted(node, "InitialUnknowns"));
+    if initial_unknowns(document).is_empty() {
+        unsorted.into_iter().collect()
+    } else {
+        Vec::new()
+    }
+}
+
+/// Nothing is forbidden about it, but a study has to look elsewhere.
+pub(super) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
+    if document.known().any(is_output) {
+        return Vec::new();
+    }
+    let text = "no outputs: simulate records the local variables, and criteria may use them";
+    vec![Hit::of(super::document::NAME, text.to_owned())]
+}
+
+/// The unknowns of one list, where there is a `ModelStructure`.
+fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
+    let structure = structure(document).into_iter();
+    structure.flat_map(move |node| unknowns(node, name))
+}
+
+/// The unknowns of one list.
+pub(super) fn unknowns<'a>(
+    structure: Node<'a, 'a>,
+    name: &'static str,
+) -> impl Iterator<Item = Node<'a, 'a>> {
+    named(structure, name).flat_map(|list| named(list, "Unknown"))
+}
+
+/// The first unknown of a list that comes after one of a greater index.
+fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<Hit> {
+    let index = |unknown: &Node<'_, '_>| unknown.attribute("index")?.trim().parse::<usize>().ok();
+    let mut greatest = 0;
+    unknowns(structure, name).find_map(|unknown| {
+        let index = index(&unknown)?;
+        if index < greatest {
+            let text = format!("{name}: index {index} after {greatest}: sort the list by index");
+            return Some(at(unknown, &text));
+        }
+        greatest = index;
+        None
+    })
+}
+
+/// The position of the variable of an index.
+pub(super) fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
+    let position = index.trim().parse::<usize>().ok()?.checked_sub(1)?;
+    (position < scalars.len()).then_some(position)
+}
+
+/// The unknowns of one list that cannot be: `unfit` says why a variable cannot be in it.
+fn list(
+    document: &Document<'_>,
+    name: &'static str,
+    unfit: &dyn Fn(&Scalar<'_>) -> Option<&'static str>,
+) -> Vec<Hit> {
+    let scalars = &document.scalars;
+    let mut seen = HashSet::new();
+    let wrong = listed(document, name).filter_map(|unknown| {
+        let index = unknown.attribute("index")?;
+        let wrong = match position(index, scalars) {
+            None => format!(
+                "is none of the {} variables: indexes count them from 1",
+                scalars.len()
+            ),
+            Some(position) if !seen.insert(position) => {
+                "is listed twice: remove one of them".to_owned()
+            }
+            Some(position) => {
+                let scalar = scalars[position].as_ref()?;
+                format!(
+                    "is {}, which {}: correct the index or remove it",
+                    scalar.name,
+                    unfit(scalar)?
+                )
+            }
+        };
+        Some(at(unknown, &format!("{name}: index {index} {wrong}")))
+    });
+    wrong.collect()
+}
+
+/// The variables that a list must have but has not, in one finding.
+fn missing(
+    document: &Document<'_>,
+    name: &'static str,
+    wanted: &dyn Fn(&Scalar<'_>) -> bool,
+) -> Vec<Hit> {
+    let (Some(structure), scalars) = (structure(document), &document.scalars[..]) else {
+        return Vec::new();
+    };
+    // An entry without an index means nothing.
+    if unknowns(structure, name).any(|unknown| !unknown.has_attribute("index")) {
+        return Vec::new();
+    }
+    let listed: HashSet<usize> = unknowns(structure, name)
+        .filter_map(|unknown| position(unknown.attribute("index")?, scalars))
+        .collect();
+    let absent: Vec<String> = (1..)
+        .zip(scalars)
+        .filter_map(|(index, scalar)| Some((index, scalar.as_ref()?)))
+        .filter(|(index, scalar)| wanted(scalar) && !listed.contains(&(index - 1)))
+        .map(|(index, scalar)| format!("{} (index {index})", scalar.name))
+        .collect();
+    if absent.is_empty() {
+        return Vec::new();
+    }
+    let text = format!(
+        "ModelStructure does not list {} in {name}: add {} there",
+        short(&absent),
+        if absent.len() == 1 { "it" } else { "them" }
+    );
+    vec![at(structure, &text)]
+}
+
+/// The first few of many.
+pub(super) fn short(names: &[String]) -> String {
+    const FEW: usize = 5;
+    let mut text = names[..names.len().min(FEW)].join(", ");
+    if names.len() > FEW {
+        text += &format!(" and {} more", names.len() - FEW);
+    }
+    text
+}

@@ -1,0 +1,181 @@
+//! Rules about the variables' causality, variability, start values and each other (FMI 2.0.5, section 2.2.7).
+
+use super::document::{Document, Scalar};
+use super::hit::Hit;
+use fmu_points::names::{did_you_mean, nearest};
+
+const CAUSALITIES: [&str; 6] = [
+    "parameter",
+    "calculatedParameter",
+    "input",
+    "output",
+    "local",
+    "independent",
+];
+
+const VARIABILITIES: [&str; 5] = ["constant", "fixed", "tunable", "discrete", "continuous"];
+
+/// Whether the words are known. The reader remarks on others, and nothing follows from them.
+fn is_clear(scalar: &Scalar<'_>) -> bool {
+    CAUSALITIES.contains(&scalar.causality) && VARIABILITIES.contains(&scalar.variability)
+}
+
+/// There can be one independent variable.
+pub(super) fn independents(document: &Document<'_>) -> Vec<Hit> {
+    let mut all = document.known().filter(|s| s.causality == "independent");
+    let second = all.nth(1);
+    let text = "a second independent variable: there can be one, the time";
+    second
+        .map(|scalar| scalar.finding(text))
+        .into_iter()
+        .collect()
+}
+
+/// The combination of causality and variability (section 2.2.7, the table of allowed combinations).
+pub(super) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let (variabilities, article): (&[_], _) = match scalar.causality {
+        _ if !is_clear(scalar) => return None,
+        "parameter" | "calculatedParameter" => (&["fixed", "tunable"], "a"),
+        "input" => (&["discrete", "continuous"], "an"),
+        "output" => (&["constant", "discrete", "continuous"], "an"),
+        "independent" => (&["continuous"], "an"),
+        _ => (&VARIABILITIES, "a"),
+    };
+    (!variabilities.contains(&scalar.variability)).then(|| {
+        format!(
+            "{article} {} cannot be {}: set variability to {}",
+            scalar.causality,
+            scalar.variability,
+            variabilities.join(" or ")
+        )
+    })
+}
+
+/// Only a Real is continuous, and the time is a Real.
+pub(super) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let kind = scalar.kind();
+    if kind == "Real" {
+        return None;
+    }
+    if scalar.causality == "independent" {
+        return Some(format!(
+            "the independent variable is a Real, not {kind}: change its type"
+        ));
+    }
+    (scalar.variability == "continuous").then(|| {
+        format!("only a Real can be continuous: set variability to discrete, or fixed for a parameter, for this {kind}")
+    })
+}
+
+/// The default is continuous, which only a Real can be; tools mean discrete.
+pub(super) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let kind = scalar.kind();
+    let missing = kind != "Real" && !scalar.node.has_attribute("variability");
+    missing.then(|| {
+        format!("no variability, and the default, continuous, is for a Real only: set it to discrete for this {kind}")
+    })
+}
+
+/// Allowed values of `initial` (section 2.2.7, the table of allowed combinations).
+pub(super) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let Scalar {
+        node,
+        causality,
+        variability,
+        initial,
+        ..
+    } = *scalar;
+    let initials: &[_] = match (causality, variability) {
+        _ if !is_clear(scalar) => return None,
+        ("input" | "independent", _) => &[],
+        ("parameter", _) | (_, "constant") => &["exact"],
+        ("calculatedParameter", _) | ("local", "fixed" | "tunable") => &["calculated", "approx"],
+        _ => &["exact", "approx", "calculated"],
+    };
+    if !node.has_attribute("initial") || initials.contains(&initial) || initials.len() == 3 {
+        return None;
+    }
+    let remedy = match initials {
+        [] => "remove it".to_owned(),
+        some => format!("set it to {}", some.join(" or ")),
+    };
+    Some(format!(
+        "initial=\"{initial}\" is not allowed for causality {causality} and variability {variability}: {remedy}"
+    ))
+}
+
+/// Start values that must be there.
+pub(super) fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let reason = needs_start(scalar)?;
+    (scalar.start().is_none() && is_clear(scalar))
+        .then(|| format!("no start value, which {reason} needs: add start"))
+}
+
+/// Start values that must not be there.
+pub(super) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar) {
+        return None;
+    }
+    Some(
+        match scalar.causality {
+            "independent" => "the independent variable cannot have a start value: remove start",
+            _ => {
+                "a variable with initial=\"calculated\", which is the default here, cannot have a start value: remove \
+                 start, or set initial to exact or approx"
+            }
+        }
+        .to_owned(),
+    )
+}
+
+/// Why a variable needs a start value.
+fn needs_start(scalar: &Scalar<'_>) -> Option<String> {
+    Some(match (scalar.causality, scalar.initial) {
+        ("input", _) => "every input".to_owned(),
+        ("parameter", _) => "every parameter".to_owned(),
+        (_, "exact") if scalar.variability == "constant" => "every constant".to_owned(),
+        (_, initial @ ("exact" | "approx")) => format!("initial=\"{initial}\""),
+        _ => return None,
+    })
+}
+
+/// Types that are declared nowhere.
+pub(super) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let name = scalar.typed.attribute("declaredType")?;
+    let known = || document.types.keys().copied();
+    (!document.types.contains_key(name)).then(|| {
+        format!(
+            "declaredType \"{name}\" is not defined: add it to TypeDefinitions or remove it{}",
+            did_you_mean(nearest(name, known()))
+        )
+    })
+}
+
+/// Types of another kind.
+pub(super) fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let own = scalar.kind();
+    let kind = document.declared(scalar)?.tag_name().name();
+    let name = scalar.typed.attribute("declaredType")?;
+    (kind != own).then(|| {
+        format!("declaredType \"{name}\" is a type of {kind}, but the variable is {own}: use a type of {own}")
+    })
+}
+
+/// `derivative` is the index of the continuous Real of which this is the derivative.
+pub(super) fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let scalars = &document.scalars;
+    let text = scalar.typed.attribute("derivative")?;
+    let index = text.trim().parse::<usize>().ok();
+    let state = index.and_then(|index| scalars.get(index.checked_sub(1)?)?.as_ref());
+    let wrong = match state {
+        None => format!("is none of the {} variables, counted from 1", scalars.len()),
+        Some(state) if state.node == scalar.node => "is the variable itself".to_owned(),
+        Some(state) if state.kind() != "Real" || state.variability != "continuous" => {
+            format!("is {}, no continuous Real", state.name)
+        }
+        Some(_) => return None,
+    };
+    Some(format!(
+        "derivative=\"{text}\" {wrong}: give the index of the state"
+    ))
+}
