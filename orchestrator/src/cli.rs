@@ -108,12 +108,6 @@ pub enum Command {
     Completion(Completion),
     /// Writes manual pages into a folder: one of the program and one of each command
     Manual(Manual),
-    /// Simulates once for `check`
-    #[command(hide = true)]
-    Probe {
-        /// File that describes the simulation
-        setup: PathBuf,
-    },
     /// Writes the report of a finished study again
     Report(Report),
     /// A method that asks for points of a study

@@ -6,6 +6,7 @@ use orchestrator::{cli, commands};
 
 fn main() -> ExitCode {
     fmu_points::serve_if_worker();
+    fmu_check::serve_if_probe();
     let said = cli::parse().map(commands::run);
     let error = match said {
         Ok(Ok(code)) => return code,

@@ -409,7 +409,7 @@ fn needed(name: &Path, platform: &str) -> bool {
     }
 }
 
-/// What has been copied from a folder: links may lead around in circles, and to what has no end.
+/// The amount that has been copied from a folder: links may lead around in circles, and to what has no end.
 #[derive(Default)]
 struct Copy {
     entries: usize,

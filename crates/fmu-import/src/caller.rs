@@ -2,7 +2,7 @@
 
 use std::ffi::c_int;
 
-use crate::call::{Call, Status, Warnings};
+use crate::call::{Call, Status};
 use crate::floating_point::{Mode, within};
 use crate::logger::{Log, complain};
 
@@ -10,22 +10,10 @@ use crate::logger::{Log, complain};
 #[derive(Debug)]
 pub(crate) struct Caller {
     pub(crate) log: Log,
-    warned: Warned,
     /// The FMU's own mode, which its next call finds again.
     pub(crate) mode: Mode,
     /// Whether a call ended with `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
     pub(crate) dead: bool,
-}
-
-/// Calls that returned a warning.
-#[derive(Debug, Default)]
-struct Warned {
-    /// How many of them logged no warning.
-    silent: u64,
-    /// How many warnings had been logged at the last of them.
-    logged: u64,
-    /// The first one: its function and the FMU's message.
-    first: Option<String>,
 }
 
 impl Caller {
@@ -33,7 +21,6 @@ impl Caller {
     pub(crate) fn new(mode: Mode) -> Self {
         Self {
             log: Log::open(),
-            warned: Warned::default(),
             mode,
             dead: false,
         }
@@ -51,44 +38,12 @@ impl Caller {
         match status {
             0 => Ok(()),
             1 => {
-                self.warned(function);
+                complain();
+                self.log.returned_warning(function);
                 Ok(())
             }
             status => Err(self.failed(function, Status::from(status))),
         }
-    }
-
-    #[cold]
-    fn warned(&mut self, function: &str) {
-        complain();
-        let logged = self.log.warnings().count;
-        self.warned.silent += u64::from(logged == self.warned.logged);
-        self.warned.logged = logged;
-        if self.warned.first.is_none() {
-            self.warned.first = Some(match self.log.last() {
-                Some(message) => format!("{function}: {message}"),
-                None => function.to_owned(),
-            });
-        }
-    }
-
-    pub(crate) fn warnings(&self) -> Warnings {
-        let logged = self.log.warnings();
-        Warnings {
-            count: logged.count + self.warned.silent,
-            first: self.warned.first.clone().or(logged.first),
-        }
-    }
-
-    pub(crate) fn forget_warnings(&mut self) {
-        self.log.forget_warnings();
-        self.warned = Warned::default();
-    }
-
-    /// Forgets what the FMU has said so far.
-    pub(crate) fn forget_messages(&mut self) {
-        self.log.clear();
-        self.warned = Warned::default();
     }
 
     #[cold]

@@ -19,7 +19,7 @@ pub struct Description {
     pub standard: Version,
     /// The interface by which it is run: Co-Simulation where it has that.
     pub interface: Interface,
-    /// What Model Exchange declares; nothing of another interface.
+    /// The declarations of Model Exchange; nothing of another interface.
     #[serde(skip)]
     pub exchange: ExchangeSizes,
     /// The model's name, for people.
@@ -73,7 +73,7 @@ impl Interface {
     }
 }
 
-/// What a description of Model Exchange declares.
+/// The declarations of a description of Model Exchange.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExchangeSizes {
     /// How many continuous states there are.
@@ -106,7 +106,7 @@ pub enum About {
     Name,
     /// A variable that cannot be used.
     Variable,
-    /// What the standard allows, and cannot be used here.
+    /// Something that the standard allows, and that cannot be used here.
     Limit,
 }
 

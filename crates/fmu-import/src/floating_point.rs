@@ -30,36 +30,36 @@ impl Mode {
     };
 }
 
-/// Makes a call of the FMU in its own mode `own`, and keeps there how it leaves that.
+/// Makes a call of the FMU in its own mode, `theirs`, and keeps there how it leaves that.
 ///
 /// The caller must not be inlined into code with floating-point numbers: the compiler may move such code between the
 /// FMU's return and the moment at which the usual mode is restored.
 #[inline(always)]
-pub(crate) fn within<T>(own: &mut Mode, call: impl FnOnce() -> T) -> T {
-    if *own != Mode::USUAL {
-        return apart(own, call);
+pub(crate) fn within<T>(theirs: &mut Mode, call: impl FnOnce() -> T) -> T {
+    if *theirs != Mode::USUAL {
+        return apart(theirs, call);
     }
     let result = call();
     let now = read();
     if now != Mode::USUAL {
-        keep(own, now);
+        keep(theirs, now);
     }
     result
 }
 
 #[cold]
 #[inline(never)]
-fn apart<T>(own: &mut Mode, call: impl FnOnce() -> T) -> T {
-    write(*own);
+fn apart<T>(theirs: &mut Mode, call: impl FnOnce() -> T) -> T {
+    write(*theirs);
     let result = call();
-    keep(own, read());
+    keep(theirs, read());
     result
 }
 
 #[cold]
 #[inline(never)]
-fn keep(own: &mut Mode, now: Mode) {
-    *own = now;
+fn keep(theirs: &mut Mode, now: Mode) {
+    *theirs = now;
     write(Mode::USUAL);
 }
 
@@ -157,23 +157,23 @@ mod tests {
     #[test]
     fn a_mode_lasts_for_the_calls_of_its_owner_only() {
         let nearest = third();
-        let mut own = Mode::USUAL;
-        within(&mut own, || write(upwards()));
-        assert_eq!(own, upwards());
+        let mut theirs = Mode::USUAL;
+        within(&mut theirs, || write(upwards()));
+        assert_eq!(theirs, upwards());
         // Ours is as before, the next call finds the other one, and may leave it again.
         assert_eq!(third().to_bits(), nearest.to_bits());
-        let theirs = within(&mut own, third);
-        assert!(theirs > nearest);
-        assert_eq!(own, upwards());
-        within(&mut own, || write(Mode::USUAL));
-        assert_eq!(own, Mode::USUAL);
-        assert_eq!(within(&mut own, third).to_bits(), nearest.to_bits());
+        let third_of_theirs = within(&mut theirs, third);
+        assert!(third_of_theirs > nearest);
+        assert_eq!(theirs, upwards());
+        within(&mut theirs, || write(Mode::USUAL));
+        assert_eq!(theirs, Mode::USUAL);
+        assert_eq!(within(&mut theirs, third).to_bits(), nearest.to_bits());
     }
 
     #[test]
     fn exceptions_that_have_occurred_are_no_mode() {
-        let mut own = Mode::USUAL;
-        assert!(within(&mut own, || black_box(1.0) / black_box(0.0)) > 1.0);
-        assert_eq!(own, Mode::USUAL);
+        let mut theirs = Mode::USUAL;
+        assert!(within(&mut theirs, || black_box(1.0) / black_box(0.0)) > 1.0);
+        assert_eq!(theirs, Mode::USUAL);
     }
 }

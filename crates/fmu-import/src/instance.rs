@@ -44,12 +44,12 @@ impl Instance {
     /// The warnings since the instance was created or reset, or since they were
     /// [forgotten](Self::forget_warnings).
     pub fn warnings(&self) -> Warnings {
-        self.caller.warnings()
+        self.caller.log.warnings()
     }
 
     /// Counts warnings from zero again.
     pub fn forget_warnings(&mut self) {
-        self.caller.forget_warnings();
+        self.caller.log.forget_warnings();
     }
 
     /// How many messages the FMU has passed to the logger with an environment that is not its own.
@@ -165,7 +165,7 @@ impl Instance {
     /// # Errors
     /// When the FMU cannot; then a new instance is needed.
     pub fn reset(&mut self) -> Result<(), Call> {
-        self.caller.forget_messages();
+        self.caller.log.clear();
         let reset = self.simulation.reset(&mut self.caller);
         // As after its creation.
         self.caller.mode = self.library.mode;

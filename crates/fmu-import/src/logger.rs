@@ -66,6 +66,10 @@ unsafe impl Sync for Seat {}
 struct Heard {
     messages: VecDeque<(i32, String)>,
     warnings: Warnings,
+    /// How many warnings there were when a call last returned one: those in between are that call's.
+    returned: u64,
+    /// Whether the first warning is that of a call.
+    is_named: bool,
     strays: u64,
 }
 
@@ -158,14 +162,32 @@ impl Log {
         self.forget_warnings();
     }
 
-    /// The messages that were warnings.
+    /// The warnings of messages and calls.
     pub(crate) fn warnings(&self) -> Warnings {
         locked(&self.seat.heard).warnings.clone()
     }
 
     /// Counts warnings from zero again; the messages stay.
     pub(crate) fn forget_warnings(&self) {
-        locked(&self.seat.heard).warnings = Warnings::default();
+        let mut heard = locked(&self.seat.heard);
+        (heard.warnings, heard.returned) = (Warnings::default(), 0);
+        heard.is_named = false;
+    }
+
+    /// Counts a call that returned a warning, unless it has logged one.
+    #[cold]
+    pub(crate) fn returned_warning(&self, function: &str) {
+        let last = self.last();
+        let mut heard = locked(&self.seat.heard);
+        heard.warnings.count += u64::from(heard.warnings.count == heard.returned);
+        heard.returned = heard.warnings.count;
+        if !heard.is_named {
+            heard.is_named = true;
+            heard.warnings.first = Some(match last {
+                Some(message) => format!("{function}: {message}"),
+                None => function.to_owned(),
+            });
+        }
     }
 
     /// The last message of an error, or else the last message at all.
@@ -211,30 +233,9 @@ unsafe extern "C" {
     pub(crate) fn fmu_import_logger();
 }
 
-/// Takes a formatted message from `logger.c`.
+/// Takes a formatted message: from `logger.c`, or as the callback of FMI 3.0. The strings are zero-terminated or NULL.
 #[unsafe(no_mangle)]
-extern "C" fn fmu_import_log(
-    environment: *const c_void,
-    _instance: *const c_char,
-    status: c_int,
-    category: *const c_char,
-    message: *const c_char,
-) {
-    take(environment, status, category, message);
-}
-
-/// The callback of FMI 3.0, whose messages come formatted.
-pub(crate) unsafe extern "C" fn log_message(
-    environment: *const c_void,
-    status: c_int,
-    category: *const c_char,
-    message: *const c_char,
-) {
-    take(environment, status, category, message);
-}
-
-/// Takes a message of either version. The strings are zero-terminated or NULL.
-fn take(
+pub(crate) extern "C" fn fmu_import_log(
     environment: *const c_void,
     status: c_int,
     category: *const c_char,
@@ -307,17 +308,17 @@ mod tests {
     }
 
     fn say(environment: *const c_void, status: c_int, text: &CStr) {
-        fmu_import_log(environment, ptr::null(), status, ptr::null(), text.as_ptr());
+        fmu_import_log(environment, status, ptr::null(), text.as_ptr());
     }
 
     /// One test, as the seats are those of the whole process.
     #[test]
     fn messages_find_their_instance_and_nothing_else() {
         let [one, other] = [Log::open(), Log::open()];
-        let own = |log: &Log| log.seat.callbacks.environment;
-        say(own(&one), 3, c"of\n one");
+        let ticket_of = |log: &Log| log.seat.callbacks.environment;
+        say(ticket_of(&one), 3, c"of\n one");
         assert_eq!(one.warnings(), Warnings::default());
-        say(own(&other), 77, c"of the other");
+        say(ticket_of(&other), 77, c"of the other");
         assert_eq!(one.last().as_deref(), Some("of one"));
         assert_eq!(other.last().as_deref(), Some("of the other"));
         // Between two, nobody knows whose a foreign ticket is.
@@ -325,18 +326,18 @@ mod tests {
             say(ptr::without_provenance(foreign), 3, c"lost");
         }
         assert_eq!((one.strays(), other.strays()), (0, 0));
-        let late = own(&other);
+        let late = ticket_of(&other);
         drop(other);
         say(late, 3, c"too late");
         // Another takes a seat of its own, not the one just left.
         let next = Log::open();
-        assert_ne!(own(&next), late);
+        assert_ne!(ticket_of(&next), late);
         assert_eq!(next.last(), None);
         drop(next);
         say(ptr::without_provenance(1), 1, c"astray");
         assert_eq!(one.strays(), 1);
         let category = c"logStatusWarning".as_ptr();
-        fmu_import_log(own(&one), ptr::null(), 0, category, c"by category".as_ptr());
+        fmu_import_log(ticket_of(&one), 0, category, c"by category".as_ptr());
         let warnings = one.warnings();
         assert_eq!(
             (warnings.count, warnings.first.as_deref()),
@@ -345,11 +346,11 @@ mod tests {
         one.forget_warnings();
         assert_eq!(one.warnings(), Warnings::default());
         // An error outlasts what comes after it; a wild status is none.
-        say(own(&one), -5, c"wild");
+        say(ticket_of(&one), -5, c"wild");
         assert_eq!(one.last().as_deref(), Some("of one"));
-        fmu_import_log(own(&one), ptr::null(), 0, ptr::null(), ptr::null());
+        fmu_import_log(ticket_of(&one), 0, ptr::null(), ptr::null());
         std::thread::scope(|scope| {
-            let environment = own(&one).addr();
+            let environment = ticket_of(&one).addr();
             for _ in 0..4 {
                 scope.spawn(move || {
                     for _ in 0..1000 {

@@ -296,7 +296,7 @@ impl Reader {
         }
     }
 
-    /// What Model Exchange of FMI 2.0 declares beside its capabilities.
+    /// The declarations of Model Exchange of FMI 2.0 beside its capabilities.
     fn exchange(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
         let structure = child(root, "ModelStructure");
         let derivatives = structure.and_then(|structure| child(structure, "Derivatives"));
@@ -453,17 +453,19 @@ impl Reader {
     /// numbers of FMI 3.0 have a `storage`; those of FMI 2.0 are of 32 bits.
     pub(crate) fn kind(
         &mut self,
-        own: Node<'_, '_>,
+        node: Node<'_, '_>,
         declared: Option<Node<'_, '_>>,
         storage: Option<Storage>,
     ) -> Kind {
         let source = |name: &str| {
             let declared = declared.filter(|node| node.has_attribute(name));
-            declared.filter(|_| !own.has_attribute(name)).unwrap_or(own)
+            declared
+                .filter(|_| !node.has_attribute(name))
+                .unwrap_or(node)
         };
         let text = |name: &str| text(source(name), name);
         let (min, max) = (source("min"), source("max"));
-        match (own.tag_name().name(), storage) {
+        match (node.tag_name().name(), storage) {
             ("Real" | "Float32" | "Float64", _) => Kind::Real {
                 unit: text("unit"),
                 relative: self

@@ -93,10 +93,10 @@ fn latin_1_and_byte_order_marks_are_understood() {
     assert_eq!(read.remarks.len(), 1, "{:?}", read.remarks);
     assert_eq!(read.remarks[0].about, About::Encoding);
     for declaration in [" encoding=\"UTF-16\"", ""] {
-        let own = utf8.replace(" encoding=\"UTF-8\"", declaration);
-        assert_ne!(own, utf8);
+        let declared = utf8.replace(" encoding=\"UTF-8\"", declaration);
+        assert_ne!(declared, utf8);
         // Without a mark, too: the first character tells.
-        let bytes: Vec<u8> = own.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        let bytes: Vec<u8> = declared.encode_utf16().flat_map(u16::to_be_bytes).collect();
         let read = description(&bytes).unwrap();
         assert_eq!((read.model_name.as_str(), read.remarks.len()), ("Kälte", 0));
     }

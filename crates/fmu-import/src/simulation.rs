@@ -21,7 +21,7 @@ pub(crate) struct Experiment {
     pub(crate) tolerance: Option<f64>,
 }
 
-/// What an FMU is told when a component of it is created.
+/// All that an FMU is told when a component of it is created.
 #[derive(Debug)]
 pub(crate) struct Birth {
     /// The GUID, or the instantiation token.

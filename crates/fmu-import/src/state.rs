@@ -52,7 +52,7 @@ impl Instance {
     /// is needed.
     pub fn restore(&mut self, state: &State) -> Result<(), StateError> {
         self.owns(state)?;
-        self.caller.forget_messages();
+        self.caller.log.clear();
         let restored = self.simulation.restore(&mut self.caller, state.state);
         self.caller.mode = state.mode;
         Ok(restored?)

@@ -37,7 +37,7 @@ fn place_in_fmu(path: &Path) -> String {
     last.display().to_string()
 }
 
-/// What a binary knows an instance by.
+/// The pointer by which a binary knows an instance.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Component(pub(crate) *mut c_void);
@@ -46,7 +46,7 @@ pub(crate) struct Component(pub(crate) *mut c_void);
 // call and the missing `Sync` rule out.
 unsafe impl Send for Component {}
 
-/// What a binary knows a state by that it has saved.
+/// The pointer by which a binary knows a state that it has saved.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Saved(pub(crate) *mut c_void);

@@ -44,9 +44,9 @@ pub struct Units(IndexMap<String, Unit>);
 /// A change of unit: `to = factor * from + offset`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Conversion {
-    /// What a value is multiplied by.
+    /// The factor of a value.
     pub factor: f64,
-    /// What is added to it then.
+    /// The offset that is added then.
     pub offset: f64,
 }
 

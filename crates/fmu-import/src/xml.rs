@@ -54,7 +54,7 @@ pub fn parse(text: &str) -> Result<Document<'_>, XmlError> {
     })
 }
 
-/// What there is too much of: the limit, and its name.
+/// A limit that is exceeded, and the name of what is counted.
 struct Excess(usize, &'static str);
 
 fn nodes() -> Excess {

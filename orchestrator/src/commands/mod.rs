@@ -28,7 +28,6 @@ use crate::report::Report;
 use crate::results::Summary;
 use fmu_points::stop::INTERRUPTED;
 use fmu_points::tell as output;
-use fmu_points::worker;
 
 pub use crate::error::CommandError;
 
@@ -68,7 +67,6 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
-        Command::Probe { setup } => worker::end(check::serve(&setup)),
         Command::Report(options) => report::run(&options),
         Command::Method(method) => deliver(method.run()?),
         Command::Synchronise(options) => synchronise::run(&options),

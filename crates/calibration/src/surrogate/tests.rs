@@ -240,19 +240,26 @@ fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
         case.latents = vec![Interval { min: 0.8, max: 1.2 }];
     }
     let own = made(&problem, &model, 80, 2).unwrap();
-    // Rounds end where errors widen no accuracy by more than `SMALL`.
-    let widened = own.told.largest.hypot(1.0) - 1.0;
-    assert!(widened <= SMALL && own.told.runs < 80, "{:?}", own.told);
+    // The rounds ended before the runs were spent, so the errors left out widen no accuracy by more than `SMALL`.
+    assert!(own.told.runs < 80, "{:?}", own.told);
+    let part = ((1.0 + SMALL).powi(2) - 1.0).sqrt();
+    for error in own.told.errors.iter().flatten() {
+        let left_out = own.told.together.sqrt() * error.leave_one_out;
+        assert!(left_out <= part * error.accuracy, "{error:?}");
+        // The root mean square of twelve fresh runs scatters by a fifth about the true one.
+        assert!(error.counted <= 2.0 * part * error.accuracy, "{error:?}");
+    }
     let query = Query {
         case: 2,
         free: vec![2.0],
         latents: vec![1.1],
     };
-    let found = own.model.simulate(&[query]).unwrap().remove(0).unwrap();
-    assert!(
-        (found[0] - 6.0 / 1.1).abs() < 0.01 && (found[1] - 2.2).abs() < 0.01,
-        "{found:?}"
-    );
+    let predicted = own.model.simulate(&[query]).unwrap().remove(0).unwrap();
+    let pairs = predicted.iter().zip([6.0 / 1.1, 2.2]);
+    for ((predicted, exact), error) in pairs.zip(&own.told.errors[2]) {
+        let off = (predicted - exact).abs();
+        assert!(off <= 4.0 * error.counted, "{off} {error:?}");
+    }
 }
 
 /// Stripes so narrow that no run tells of its neighbours: what the fresh runs meet is told.

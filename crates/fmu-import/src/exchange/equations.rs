@@ -95,7 +95,7 @@ impl Functions {
     }
 }
 
-/// What an FMU says after its events.
+/// The answer of an FMU after its events.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Update {
     /// Another round is needed.
@@ -115,7 +115,7 @@ pub(super) struct Update {
 pub(super) struct Equations {
     pub(super) component: Component,
     pub(super) functions: Functions,
-    /// What the description of FMI 2.0 declares.
+    /// The declarations in a description of FMI 2.0.
     pub(super) declared: ExchangeSizes,
 }
 

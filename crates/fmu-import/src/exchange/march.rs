@@ -41,18 +41,60 @@ pub(super) struct Ramp {
     pub(super) slope: f64,
 }
 
-/// A simulation of an FMU for Model Exchange.
+/// The FMU as the integrator sees it.
 #[derive(Debug)]
-pub(crate) struct Exchange {
+pub(super) struct Plant {
     /// The component, by which variables are read and written.
     pub(super) model: Box<dyn Simulation>,
     pub(super) equations: Equations,
+    pub(super) ramps: Vec<Ramp>,
+}
+
+impl Plant {
+    /// Takes the FMU to a time and states, with the inputs that vary linearly.
+    fn place(&mut self, caller: &mut Caller, time: f64, states: &[f64]) -> Result<(), Call> {
+        self.equations.set_time(caller, time)?;
+        if !states.is_empty() {
+            self.equations.set_states(caller, states)?;
+        }
+        for ramp in &self.ramps {
+            let value = Value::Real(ramp.value + ramp.slope * (time - ramp.from));
+            self.model.set(caller, ramp.reference, &value)?;
+        }
+        Ok(())
+    }
+
+    /// The rates at a time and states; whether the FMU computes them there.
+    fn rates_at(
+        &mut self,
+        caller: &mut Caller,
+        time: f64,
+        states: &[f64],
+        into: &mut [f64],
+    ) -> Result<bool, Call> {
+        let placed = self.place(caller, time, states);
+        match placed.and_then(|()| self.equations.rates(caller, into)) {
+            Ok(()) => Ok(true),
+            Err(call) if call.status == Status::Discard => Ok(false),
+            Err(call) => Err(call),
+        }
+    }
+
+    /// A failure of the integration itself.
+    fn failed(&self, why: String) -> Call {
+        Call::impossible(self.equations.step(), why)
+    }
+}
+
+/// A simulation of an FMU for Model Exchange.
+#[derive(Debug)]
+pub(crate) struct Exchange {
+    pub(super) plant: Plant,
     /// The inputs, and whether each may be set without an event.
     pub(super) inputs: Arc<HashMap<Handle, bool>>,
     /// The inputs that were set before the initialisation and may be set within it only.
     pub(super) waiting: Vec<(u32, Value)>,
     pub(super) mode: Mode,
-    pub(super) ramps: Vec<Ramp>,
     pub(super) march: March,
 }
 
@@ -65,36 +107,20 @@ impl Exchange {
         inputs: Arc<HashMap<Handle, bool>>,
     ) -> Self {
         Self {
-            equations: Equations {
-                component: model.base().component,
-                functions,
-                declared,
+            plant: Plant {
+                equations: Equations {
+                    component: model.base().component,
+                    functions,
+                    declared,
+                },
+                model,
+                ramps: Vec::new(),
             },
-            model,
             inputs,
             waiting: Vec::new(),
             mode: Mode::New,
-            ramps: Vec::new(),
             march: March::default(),
         }
-    }
-
-    /// Sets the inputs that vary linearly.
-    fn feed(&mut self, caller: &mut Caller, time: f64) -> Result<(), Call> {
-        for ramp in &self.ramps {
-            let value = Value::Real(ramp.value + ramp.slope * (time - ramp.from));
-            self.model.set(caller, ramp.reference, &value)?;
-        }
-        Ok(())
-    }
-
-    /// Takes the FMU to a time and states.
-    fn place(&mut self, caller: &mut Caller, time: f64, states: &[f64]) -> Result<(), Call> {
-        self.equations.set_time(caller, time)?;
-        if !states.is_empty() {
-            self.equations.set_states(caller, states)?;
-        }
-        self.feed(caller, time)
     }
 }
 
@@ -185,11 +211,6 @@ struct Taken {
 }
 
 impl Exchange {
-    /// A failure of the integration itself.
-    fn failed(&self, why: String) -> Call {
-        Call::impossible(self.equations.step(), why)
-    }
-
     /// Follows the equations from one communication point to another, s.
     pub(super) fn advance(&mut self, caller: &mut Caller, from: f64, to: f64) -> Result<(), Call> {
         // By rounding, the last step may have ended a little later; time never goes back for an FMU.
@@ -205,7 +226,7 @@ impl Exchange {
         } else {
             // An input may have taken an indicator to its other side.
             let (now, states) = (self.march.time, self.march.states.clone());
-            self.place(caller, now, &states)?;
+            self.plant.place(caller, now, &states)?;
             if self.has_crossed(caller)? {
                 self.events(caller)?;
             }
@@ -223,7 +244,7 @@ impl Exchange {
                 events += 1;
             }
             if events > MOST_EVENTS {
-                return Err(self.failed(format!(
+                return Err(self.plant.failed(format!(
                     "more than {MOST_EVENTS} events between {from} s and {to} s"
                 )));
             }
@@ -236,7 +257,7 @@ impl Exchange {
         if self.march.ended {
             let at = self.march.time;
             return Err(Call {
-                function: self.equations.step(),
+                function: self.plant.equations.step(),
                 status: Status::Discard,
                 message: Some("the FMU wants no further step".to_owned()),
                 ended: Some(End { from, at }),
@@ -262,13 +283,13 @@ impl Exchange {
             return Ok(false);
         }
         let mut now = vec![0.0; self.march.indicators.len()];
-        self.equations.indicators(caller, &mut now)?;
+        self.plant.equations.indicators(caller, &mut now)?;
         Ok(crossed(&self.march.indicators, &now))
     }
 
     /// Handles the events of the present time.
     fn events(&mut self, caller: &mut Caller) -> Result<(), Call> {
-        self.equations.enter_events(caller)?;
+        self.plant.equations.enter_events(caller)?;
         self.mode = Mode::Events;
         self.settle(caller)?;
         Ok(())
@@ -278,7 +299,7 @@ impl Exchange {
     pub(super) fn settle(&mut self, caller: &mut Caller) -> Result<bool, Call> {
         let (mut states, mut nominals) = (self.mode_is_first(), self.mode_is_first());
         for round in 0.. {
-            let update = self.equations.update(caller)?;
+            let update = self.plant.equations.update(caller)?;
             states |= update.states;
             nominals |= update.nominals;
             self.march.next = update.next;
@@ -291,22 +312,22 @@ impl Exchange {
             }
             if round == MOST_ROUNDS {
                 let time = self.march.time;
-                return Err(self.failed(format!(
+                return Err(self.plant.failed(format!(
                     "the events at {time} s do not settle in {MOST_ROUNDS} rounds"
                 )));
             }
         }
-        self.equations.leave_events(caller)?;
+        self.plant.equations.leave_events(caller)?;
         self.mode = Mode::Continuous;
         if self.march.states.is_empty() {
             nominals = false;
         } else if states {
             let march = &mut self.march;
-            self.equations.states(caller, &mut march.states)?;
+            self.plant.equations.states(caller, &mut march.states)?;
         }
         if nominals {
             let march = &mut self.march;
-            self.equations.nominals(caller, &mut march.nominals)?;
+            self.plant.equations.nominals(caller, &mut march.nominals)?;
             for nominal in &mut march.nominals {
                 *nominal = match nominal.abs() {
                     size if size > 0.0 && size.is_finite() => size,
@@ -316,7 +337,9 @@ impl Exchange {
         }
         if !self.march.indicators.is_empty() {
             let march = &mut self.march;
-            self.equations.indicators(caller, &mut march.indicators)?;
+            self.plant
+                .equations
+                .indicators(caller, &mut march.indicators)?;
         }
         Ok(false)
     }
@@ -328,14 +351,11 @@ impl Exchange {
 
     /// Takes one step towards a time, s. Whether an event is to be handled at its end.
     fn stride(&mut self, caller: &mut Caller, to: f64) -> Result<bool, Call> {
-        let mut march = std::mem::take(&mut self.march);
-        let taken = self.taken(caller, &mut march, to);
-        self.march = march;
         let Taken {
             length,
             states,
             crossed,
-        } = taken?;
+        } = self.taken(caller, to)?;
         let march = &mut self.march;
         march.time = if length == to - march.time {
             to
@@ -344,58 +364,56 @@ impl Exchange {
         };
         march.states = states;
         let (time, states) = (march.time, march.states.clone());
-        self.place(caller, time, &states)?;
-        let [event, ends] = self.equations.completed(caller)?;
+        self.plant.place(caller, time, &states)?;
+        let [event, ends] = self.plant.equations.completed(caller)?;
         self.march.ended |= ends;
         if !crossed && !event && !self.march.indicators.is_empty() {
             let march = &mut self.march;
-            self.equations.indicators(caller, &mut march.indicators)?;
+            self.plant
+                .equations
+                .indicators(caller, &mut march.indicators)?;
         }
         Ok(crossed || event)
     }
 
     /// Finds a step whose error is allowed, and cuts it where an event indicator changes its side.
-    fn taken(&mut self, caller: &mut Caller, march: &mut March, to: f64) -> Result<Taken, Call> {
-        let left = to - march.time;
-        let least = 8.0 * f64::EPSILON * march.time.abs().max(to.abs());
-        if march.step <= 0.0 {
-            march.step = left;
+    fn taken(&mut self, caller: &mut Caller, to: f64) -> Result<Taken, Call> {
+        let time = self.march.time;
+        let left = to - time;
+        let least = 8.0 * f64::EPSILON * time.abs().max(to.abs());
+        if self.march.step <= 0.0 {
+            self.march.step = left;
         }
-        self.linearise(caller, march, to)?;
-        let allowed = march.allowed();
-        let mut end = vec![0.0; march.states.len()];
+        self.linearise(caller, to)?;
+        let allowed = self.march.allowed();
+        let mut end = vec![0.0; self.march.states.len()];
         for _ in 0..MOST_TRIES {
             // No sliver is left for the last step.
-            let h = if march.step >= left {
+            let step = self.march.step;
+            let h = if step >= left {
                 left
-            } else if 2.0 * march.step > left {
+            } else if 2.0 * step > left {
                 0.5 * left
             } else {
-                march.step
+                step
             };
-            let error = self.attempt(caller, march, h, &allowed, &mut end)?;
+            let error = self.attempt(caller, h, &allowed, &mut end)?;
             let fits = error.is_some_and(|error| error <= 1.0);
             let factor = error.map_or(0.1, |error| 0.9 * error.max(1e-10).powf(-0.25));
             let next = h * factor.clamp(0.1, 5.0);
             if fits {
                 // A step cut short by its end says nothing against the longer one.
-                march.step = if h < march.step {
-                    next.max(march.step)
-                } else {
-                    next
-                };
-                return self.cut(caller, march, h, &allowed, end);
+                self.march.step = if h < step { next.max(step) } else { next };
+                return self.cut(caller, h, &allowed, end);
             }
-            march.step = next.min(0.9 * h);
-            if march.step < least && h < left {
-                let time = march.time;
-                return Err(self.failed(format!(
+            self.march.step = next.min(0.9 * h);
+            if self.march.step < least && h < left {
+                return Err(self.plant.failed(format!(
                     "the internal step fell below {least:.1e} s at {time} s: then the rates are no numbers or too rough"
                 )));
             }
         }
-        let time = march.time;
-        Err(self.failed(format!(
+        Err(self.plant.failed(format!(
             "more than {MOST_TRIES} tries of a step at {time} s"
         )))
     }
@@ -404,29 +422,28 @@ impl Exchange {
     fn cut(
         &mut self,
         caller: &mut Caller,
-        march: &mut March,
         length: f64,
         allowed: &[f64],
         states: Vec<f64>,
     ) -> Result<Taken, Call> {
         let mut taken = Taken {
             length,
-            crossed: self.crosses(caller, march, length, &states)?,
+            crossed: self.crosses(caller, length, &states)?,
             states,
         };
         if !taken.crossed {
             return Ok(taken);
         }
-        let resolution = 4.0 * f64::EPSILON * march.time.abs().max(length);
+        let resolution = 4.0 * f64::EPSILON * self.march.time.abs().max(length);
         let (mut before, mut after) = (0.0, length);
-        let mut trial = vec![0.0; march.states.len()];
+        let mut trial = vec![0.0; self.march.states.len()];
         while after - before > resolution {
             let h = 0.5 * (before + after);
             if h <= before || h >= after {
                 break;
             }
-            let known = self.attempt(caller, march, h, allowed, &mut trial)?;
-            if known.is_some() && !self.crosses(caller, march, h, &trial)? {
+            let known = self.attempt(caller, h, allowed, &mut trial)?;
+            if known.is_some() && !self.crosses(caller, h, &trial)? {
                 before = h;
             } else if known.is_some() {
                 after = h;
@@ -440,78 +457,43 @@ impl Exchange {
     }
 
     /// Whether an indicator has changed its side after a step.
-    fn crosses(
-        &mut self,
-        caller: &mut Caller,
-        march: &March,
-        h: f64,
-        states: &[f64],
-    ) -> Result<bool, Call> {
-        if march.indicators.is_empty() {
+    fn crosses(&mut self, caller: &mut Caller, h: f64, states: &[f64]) -> Result<bool, Call> {
+        if self.march.indicators.is_empty() {
             return Ok(false);
         }
-        self.place(caller, march.time + h, states)?;
-        let mut now = vec![0.0; march.indicators.len()];
-        self.equations.indicators(caller, &mut now)?;
-        Ok(crossed(&march.indicators, &now))
+        self.plant.place(caller, self.march.time + h, states)?;
+        self.has_crossed(caller)
     }
 
     /// Linearises at the present time; no rates are asked for after `to`, s.
-    fn linearise(&mut self, caller: &mut Caller, march: &mut March, to: f64) -> Result<(), Call> {
-        let March {
-            method,
-            time,
-            states,
-            nominals,
-            step,
-            ..
-        } = march;
-        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| self.rates_at(caller, t, x, into);
-        let ahead = (*step).min(to - *time);
-        if method.linearise(&mut rates, *time, states, nominals, ahead)? {
-            return match method.unfit() {
-                None => Ok(()),
-                Some((state, rate)) => Err(self.failed(format!(
-                    "the rate of the continuous state {state} is {rate} at {time} s"
-                ))),
-            };
-        }
-        Err(self.failed(format!(
-            "the FMU refuses to compute rates at {time} s, or with a state a little changed"
-        )))
+    fn linearise(&mut self, caller: &mut Caller, to: f64) -> Result<(), Call> {
+        let Self { plant, march, .. } = self;
+        let (time, ahead) = (march.time, march.step.min(to - march.time));
+        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(caller, t, x, into);
+        let method = &mut march.method;
+        let computed = method.linearise(&mut rates, time, &march.states, &march.nominals, ahead)?;
+        let why = match method.unfit() {
+            _ if !computed => format!(
+                "the FMU refuses to compute rates at {time} s, or with a state a little changed"
+            ),
+            Some((state, rate)) => {
+                format!("the rate of the continuous state {state} is {rate} at {time} s")
+            }
+            None => return Ok(()),
+        };
+        Err(plant.failed(why))
     }
 
     fn attempt(
         &mut self,
         caller: &mut Caller,
-        march: &mut March,
         h: f64,
         allowed: &[f64],
         end: &mut [f64],
     ) -> Result<Option<f64>, Call> {
-        let March {
-            method,
-            time,
-            states,
-            ..
-        } = march;
-        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| self.rates_at(caller, t, x, into);
-        method.attempt(&mut rates, *time, states, h, allowed, end)
-    }
-
-    /// The rates at a time and states; whether the FMU computes them there.
-    fn rates_at(
-        &mut self,
-        caller: &mut Caller,
-        time: f64,
-        states: &[f64],
-        into: &mut [f64],
-    ) -> Result<bool, Call> {
-        let placed = self.place(caller, time, states);
-        match placed.and_then(|()| self.equations.rates(caller, into)) {
-            Ok(()) => Ok(true),
-            Err(call) if call.status == Status::Discard => Ok(false),
-            Err(call) => Err(call),
-        }
+        let Self { plant, march, .. } = self;
+        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(caller, t, x, into);
+        let method = &mut march.method;
+        method.attempt(&mut rates, march.time, &march.states, h, allowed, end)
     }
 }

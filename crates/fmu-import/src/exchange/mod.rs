@@ -21,7 +21,7 @@ use march::{March, Mode, Ramp};
 
 impl Simulation for Exchange {
     fn base(&self) -> &Base {
-        self.model.base()
+        self.plant.model.base()
     }
 
     fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call> {
@@ -31,15 +31,15 @@ impl Simulation for Exchange {
             tolerance: None,
             ..experiment
         };
-        self.model.set_up(caller, told)
+        self.plant.model.set_up(caller, told)
     }
 
     fn initialise(&mut self, caller: &mut Caller, _: &[(u32, Value)]) -> Result<(), Call> {
         let waiting = std::mem::take(&mut self.waiting);
-        self.model.initialise(caller, &waiting)?;
+        self.plant.model.initialise(caller, &waiting)?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;
-        let sizes = self.equations.sizes(caller)?;
+        let sizes = self.plant.equations.sizes(caller)?;
         self.march.size(sizes);
         // An end before the first step is told by that step.
         self.settle(caller).map(drop)
@@ -51,15 +51,15 @@ impl Simulation for Exchange {
         references: &[u32],
         into: &mut [f64],
     ) -> Result<(), Call> {
-        self.model.reals(caller, references, into)
+        self.plant.model.reals(caller, references, into)
     }
 
     fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call> {
-        self.model.value(caller, handle)
+        self.plant.model.value(caller, handle)
     }
 
     fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
-        self.ramps.retain(|ramp| ramp.reference != reference);
+        self.plant.ramps.retain(|ramp| ramp.reference != reference);
         let content = value.content();
         let is_continuous = self.inputs.get(&Handle { reference, content });
         // By the standard a discrete input is set in initialisation or event mode only.
@@ -69,17 +69,17 @@ impl Simulation for Exchange {
         }
         // All but continuous inputs change by an event.
         if self.mode == Mode::Continuous && is_continuous != Some(&true) {
-            self.equations.enter_events(caller)?;
+            self.plant.equations.enter_events(caller)?;
             self.mode = Mode::Events;
         }
-        self.model.set(caller, reference, value)
+        self.plant.model.set(caller, reference, value)
     }
 
     fn set_slope(&mut self, caller: &mut Caller, reference: u32, slope: f64) -> Result<(), Call> {
         let mut value = [0.0];
-        self.model.reals(caller, &[reference], &mut value)?;
-        self.ramps.retain(|ramp| ramp.reference != reference);
-        self.ramps.push(Ramp {
+        self.plant.model.reals(caller, &[reference], &mut value)?;
+        self.plant.ramps.retain(|ramp| ramp.reference != reference);
+        self.plant.ramps.push(Ramp {
             reference,
             value: value[0],
             from: self.march.time(),
@@ -94,10 +94,10 @@ impl Simulation for Exchange {
 
     fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
         self.mode = Mode::New;
-        self.ramps.clear();
+        self.plant.ramps.clear();
         self.waiting.clear();
         self.march = March::default();
-        self.model.reset(caller)
+        self.plant.model.reset(caller)
     }
 
     /// The integrator has a state, too, which no state of the FMU holds: instances are made anew instead.

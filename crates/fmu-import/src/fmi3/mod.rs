@@ -1,9 +1,9 @@
 //! FMI 3.0: the functions of a binary, and one component of it.
 
 mod element;
-mod elements;
 mod functions;
 mod simulation;
+mod values;
 
 pub(crate) use element::Element;
 pub(crate) use functions::Functions;

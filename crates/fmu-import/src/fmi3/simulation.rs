@@ -13,7 +13,7 @@ use crate::call::{Call, End, Status};
 use crate::caller::Caller;
 use crate::component::{Base, Common, c_string, c_strings};
 use crate::description::Storage;
-use crate::logger::log_message;
+use crate::logger::fmu_import_log;
 use crate::simulation::{Birth, Experiment, Simulation};
 use crate::symbols::Saved;
 use crate::value::{Handle, Value};
@@ -49,7 +49,7 @@ impl Model {
         caller: &mut Caller,
         name: &str,
     ) -> Result<Self, Call> {
-        const LOGGER: LogMessage = log_message;
+        const LOGGER: LogMessage = fmu_import_log;
         let [name, token, resources] = [name, &birth.guid, &birth.resources].map(c_string);
         let environment = caller.log.environment();
         let [name, token, resources] = [&name, &token, &resources].map(|text| text.as_ptr());

@@ -45,7 +45,7 @@ impl Keeper {
 /// A child's own end of the pipes to its keeper.
 #[derive(Debug)]
 pub struct Place {
-    own: libc::pid_t,
+    process: libc::pid_t,
     ticket: u64,
     orders: Inbox<File>,
     answers: File,
@@ -55,7 +55,7 @@ impl Place {
     /// Sends an answer. A process that the FMU has forked and let return ends here instead: only the child
     /// itself answers. So does a child that cannot send.
     pub fn send(&mut self, payload: &[u8]) {
-        if own_pid() != self.own {
+        if own_pid() != self.process {
             end(0);
         }
         if frame::write(&self.answers, self.ticket, payload).is_err() {
@@ -66,7 +66,7 @@ impl Place {
     /// Waits for the keeper's next message; `None` when none will come.
     pub fn receive(&mut self) -> Option<Vec<u8>> {
         let message = self.orders.wait().ok().flatten();
-        if own_pid() != self.own {
+        if own_pid() != self.process {
             end(0);
         }
         message
@@ -100,7 +100,7 @@ fn be_child(
     usual_signals();
     let (orders, answers) = hidden(orders, answers);
     let place = Place {
-        own: own_pid(),
+        process: own_pid(),
         ticket,
         orders: Inbox::new(orders, ticket),
         answers,

@@ -91,14 +91,14 @@ pub fn is_stopped(pid: libc::pid_t) -> bool {
 /// Ends and reaps the children of this process whose environment holds `mark`, except `spared`: processes that
 /// outlived the keeper that they belonged to. Whether there were any.
 pub fn end_marked(mark: &str, spared: impl Fn(libc::pid_t) -> bool) -> bool {
-    let mut found = false;
+    let mut any = false;
     for pid in children_of(own_pid()) {
         if spared(pid) {
             continue;
         }
         let (mut status, mut how) = (0, libc::WNOHANG);
         if is_marked(pid, mark) {
-            found = true;
+            any = true;
             kill_group(pid);
             how = 0;
         }
@@ -106,7 +106,7 @@ pub fn end_marked(mark: &str, spared: impl Fn(libc::pid_t) -> bool) -> bool {
         // SAFETY: `status` is valid for writing.
         unsafe { libc::waitpid(pid, &raw mut status, how) };
     }
-    found
+    any
 }
 
 /// Whether a process was started with `mark` in its environment.

@@ -1,4 +1,4 @@
-//! What a simulation leaves in its process: threads and processes that still run, signals that are handled in another way.
+//! The traces that a simulation leaves in its process: threads and processes that still run, signals that are handled in another way.
 
 use std::fs::{self, File};
 use std::io;
@@ -99,14 +99,14 @@ fn actions() -> [Action; SIGNALS] {
     for (action, signal) in actions.iter_mut().zip(1..) {
         // SAFETY: zeroes are a valid value of this plain struct, which the call fills where there is such a signal.
         unsafe {
-            let mut found: libc::sigaction = std::mem::zeroed();
-            libc::sigaction(signal, std::ptr::null(), &raw mut found);
-            let flags = match found.sa_sigaction {
+            let mut now: libc::sigaction = std::mem::zeroed();
+            libc::sigaction(signal, std::ptr::null(), &raw mut now);
+            let flags = match now.sa_sigaction {
                 // Without a function to call, most flags say nothing, and `signal` leaves some behind.
-                libc::SIG_DFL | libc::SIG_IGN => found.sa_flags & libc::SA_NOCLDWAIT,
-                _ => found.sa_flags,
+                libc::SIG_DFL | libc::SIG_IGN => now.sa_flags & libc::SA_NOCLDWAIT,
+                _ => now.sa_flags,
             };
-            *action = (found.sa_sigaction, flags);
+            *action = (now.sa_sigaction, flags);
         }
     }
     actions

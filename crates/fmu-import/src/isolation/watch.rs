@@ -135,7 +135,7 @@ impl Watch {
     }
 }
 
-/// What events tell.
+/// The news in events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Seen {
     Nothing,
@@ -265,7 +265,7 @@ mod tests {
         folder
     }
 
-    /// What a watch tells after `act` was done below the folder.
+    /// The answer of a watch after `act` was done below the folder.
     fn told(act: impl Fn(&Path)) -> Option<PathBuf> {
         let folder = folder();
         let mut watch = Watch::on(folder.path());

@@ -9,7 +9,7 @@ use std::time::Duration;
 const PIECES: usize = 16;
 const PIECE: usize = 1 << 14;
 
-/// What arrives from a pipe.
+/// The bytes that arrive from a pipe.
 #[derive(Debug)]
 pub struct Arrivals {
     from: Receiver<Vec<u8>>,
@@ -19,7 +19,7 @@ pub struct Arrivals {
 }
 
 impl Arrivals {
-    /// What arrives from this pipe, from now on.
+    /// The bytes that arrive from this pipe, from now on.
     pub fn of(mut pipe: impl Read + Send + 'static) -> Self {
         let (send, from) = sync_channel(PIECES);
         thread::spawn(move || {

@@ -1,4 +1,4 @@
-//! What a simulation leaves in its process: not looked at on Windows.
+//! The traces that a simulation leaves in its process: not looked at on Windows.
 
 /// The threads and signals of this process at some moment.
 #[derive(Debug)]

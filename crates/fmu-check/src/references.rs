@@ -5,7 +5,7 @@ use std::str;
 
 use roxmltree::Node;
 
-use super::hit::{Breach, Hit};
+use crate::hit::{Breach, Hit};
 use fmu_import::{FmuError, Package, xml};
 
 const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
@@ -15,13 +15,22 @@ const SCHEMA_INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 /// Both files are short; a tree of elements takes many times its text's memory.
 const LARGEST: usize = 1_000_000;
 
-/// The manifest's own attributes; where the schema fixes the value, with it.
-const FIXED: [(&str, Option<&str>); 3] = [
-    ("fmi-ls-name", Some("org.fmi-standard.fmi-ls-ref")),
-    ("fmi-ls-version", None),
+/// The elements of the manifest by their depth: the attributes, with `!` where they must be there, and the elements within.
+const LEVELS: [(&str, &str); 3] = [
     (
-        "fmi-ls-description",
-        Some("Layered Standard providing information on related files included in an FMU."),
+        "fmi-ls:fmi-ls-name! fmi-ls:fmi-ls-version! fmi-ls:fmi-ls-description!",
+        "Related",
+    ),
+    ("type source! role! description", "Label"),
+    ("name! description", ""),
+];
+
+/// Attributes of which the schema fixes the value.
+const FIXED: [(&str, &str); 2] = [
+    ("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-ref"),
+    (
+        "fmi-ls:fmi-ls-description",
+        "Layered Standard providing information on related files included in an FMU.",
     ),
 ];
 
@@ -30,7 +39,7 @@ const ROLES: &str = "document requirement specification model parameter system t
     signature serialized-state meta-data other";
 
 /// The breaches in both files, as far as they are there.
-pub(super) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
+pub(crate) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
     let version = package.description().fmi_version.clone();
     let same = move |root: Node<'_, '_>| {
         let theirs = root.attribute("fmiVersion").unwrap_or_default();
@@ -39,9 +48,9 @@ pub(super) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
         );
         Vec::from_iter((theirs != version).then_some(text))
     };
-    let mut found = in_file(package, TERMINALS, "terminals-version", same)?;
-    found.extend(in_file(package, MANIFEST, "references-manifest", manifest)?);
-    Ok(found)
+    let mut breaches = in_file(package, TERMINALS, "terminals-version", same)?;
+    breaches.extend(in_file(package, MANIFEST, "references-manifest", manifest)?);
+    Ok(breaches)
 }
 
 /// The breaches that `look` finds in an XML file.
@@ -79,77 +88,56 @@ fn manifest(root: Node<'_, '_>) -> Vec<String> {
         )];
     }
     let mut wrong = Vec::new();
-    for (name, value) in FIXED {
-        match (root.attribute((NAMESPACE, name)), value) {
-            (None, _) => wrong.push(format!(
-                "`fmiReferences` needs the attribute `fmi-ls:{name}`"
-            )),
-            (Some(given), Some(value)) if given != value => {
-                wrong.push(format!(
-                    "fmi-ls:{name} is \"{given}\", and must be \"{value}\""
-                ));
-            }
-            _ => {}
-        }
-    }
-    let own = |name: &str| FIXED.iter().any(|(known, _)| *known == name);
-    attributes(
-        root,
-        &[],
-        |space, name| space == NAMESPACE && own(name),
-        &mut wrong,
-    );
-    children(root, "Related", &mut wrong);
-    for related in root.children().filter(|node| node.has_tag_name("Related")) {
-        attributes(
-            related,
-            &["type", "source!", "role!", "description"],
-            |_, _| false,
-            &mut wrong,
-        );
-        let known = |role: &str| {
-            ROLES.split(' ').any(|known| known == role) || role.starts_with("serialized-state/")
-        };
-        if let Some(role) = related.attribute("role").filter(|role| !known(role)) {
-            wrong.push(format!(
-                "role=\"{role}\" is none of {}",
-                ROLES.replace(' ', ", ")
-            ));
-        }
-        children(related, "Label", &mut wrong);
-        for label in related.children().filter(|node| node.has_tag_name("Label")) {
-            attributes(label, &["name!", "description"], |_, _| false, &mut wrong);
-            children(label, "", &mut wrong);
-        }
-    }
+    element(root, 0, &mut wrong);
     wrong
 }
 
-/// Attributes that are missing (those with `!` must be there), and those that the schema does not know.
-fn attributes(
-    node: Node<'_, '_>,
-    known: &[&str],
-    of_namespace: impl Fn(&str, &str) -> bool,
-    wrong: &mut Vec<String>,
-) {
-    let element = node.tag_name().name();
-    for needed in known.iter().filter_map(|name| name.strip_suffix('!')) {
-        if node.attribute(needed).is_none() {
-            wrong.push(format!("`{element}` needs the attribute `{needed}`"));
+/// The breaches in an element of a depth and in those within it.
+fn element(node: Node<'_, '_>, depth: usize, wrong: &mut Vec<String>) {
+    let (attributes, inner) = LEVELS[depth];
+    let name = node.tag_name().name();
+    let given = node.attributes();
+    let given = given.filter(|attribute| attribute.namespace() != Some(SCHEMA_INSTANCE));
+    let given: Vec<(String, &str)> = given
+        .map(|attribute| {
+            let name = match attribute.namespace() {
+                Some(NAMESPACE) => format!("fmi-ls:{}", attribute.name()),
+                Some(other) => format!("{other}:{}", attribute.name()),
+                None => attribute.name().to_owned(),
+            };
+            (name, attribute.value())
+        })
+        .collect();
+    for needed in attributes
+        .split(' ')
+        .filter_map(|name| name.strip_suffix('!'))
+    {
+        if given.iter().all(|(given, _)| given != needed) {
+            wrong.push(format!("`{name}` needs the attribute `{needed}`"));
         }
     }
-    for given in node.attributes() {
-        let name = given.name();
-        let fits = match given.namespace() {
-            None => known
-                .iter()
-                .any(|known| known.trim_end_matches('!') == name),
-            Some(space) => space == SCHEMA_INSTANCE || of_namespace(space, name),
-        };
-        if !fits {
-            wrong.push(format!("`{element}` has no attribute `{name}`"));
+    for (given, value) in &given {
+        let mut known = attributes.split(' ').map(|name| name.trim_end_matches('!'));
+        if known.all(|known| known != given) {
+            wrong.push(format!("`{name}` has no attribute `{given}`"));
+        }
+        let fixed = FIXED.iter().find(|(known, _)| known == given);
+        if let Some((_, fixed)) = fixed.filter(|(_, fixed)| fixed != value) {
+            wrong.push(format!("{given} is \"{value}\", and must be \"{fixed}\""));
+        }
+        if given == "role" && !is_role(value) {
+            let roles = ROLES.replace(' ', ", ");
+            wrong.push(format!("role=\"{value}\" is none of {roles}"));
         }
     }
+    children(node, inner, wrong);
+    for child in node.children().filter(|node| node.has_tag_name(inner)) {
+        element(child, depth + 1, wrong);
+    }
+}
+
+fn is_role(text: &str) -> bool {
+    ROLES.split(' ').any(|known| known == text) || text.starts_with("serialized-state/")
 }
 
 /// Children that the schema does not know: after those of one name may come one `Annotations`, and no text.

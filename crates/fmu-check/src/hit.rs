@@ -1,38 +1,40 @@
 //! The place and the text of a finding.
 
 /// A breach of the rule of this name.
-pub(super) type Breach = (&'static str, Hit);
+pub(crate) type Breach = (&'static str, Hit);
 
 /// A breach of a rule: where, and what to do about it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Hit {
+pub struct Hit {
     /// The file within the FMU.
-    pub(super) file: Option<String>,
-    pub(super) line: Option<usize>,
+    pub file: Option<String>,
+    /// The line in that file, from 1.
+    pub line: Option<usize>,
     /// Where its element begins, bytes from the start of the file: lines are counted when all is found.
-    pub(super) position: Option<usize>,
-    pub(super) text: String,
+    pub(crate) position: Option<usize>,
+    /// The fault, and how to mend it.
+    pub text: String,
 }
 
 impl Hit {
     /// One of no file.
-    pub(super) fn plain(text: String) -> Self {
+    pub(crate) fn plain(text: impl Into<String>) -> Self {
         Self {
-            text,
+            text: text.into(),
             ..Self::default()
         }
     }
 
     /// One of a file.
-    pub(super) fn of(file: &str, text: String) -> Self {
+    pub(crate) fn of(file: &str, text: impl Into<String>) -> Self {
         Self {
             file: Some(file.to_owned()),
             ..Self::plain(text)
         }
     }
 
-    /// With the place before it.
-    pub(super) fn full(&self) -> String {
+    /// The text with the place before it.
+    pub fn full(&self) -> String {
         let Self {
             file, line, text, ..
         } = self;

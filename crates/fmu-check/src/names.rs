@@ -1,22 +1,19 @@
 //! Names of variables (FMI 2.0.5, section 2.2.9).
 
-use super::document::{Document, Scalar, at};
-use super::hit::Hit;
+use crate::document::{Document, Scalar, at};
+use crate::hit::Hit;
 
 /// A naming convention that is none.
-pub(super) fn convention(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn convention(document: &Document<'_>) -> Vec<Hit> {
     let convention = document.root.attribute("variableNamingConvention");
     let other = convention.filter(|word| !["flat", "structured"].contains(word));
     let text =
         |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
-    other
-        .map(|word| at(document.root, &text(word)))
-        .into_iter()
-        .collect()
+    Vec::from_iter(other.map(|word| at(document.root, text(word))))
 }
 
 /// Names of which nothing can be made: empty ones, and such with line breaks or tabs.
-pub(super) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub(crate) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     if scalar.name.is_empty() {
         return Some("an empty name: give the variable a name".to_owned());
     }
@@ -25,7 +22,7 @@ pub(super) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 }
 
 /// Derivatives, by their structured names, that are no Reals.
-pub(super) fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let structured = document.root.attribute("variableNamingConvention") == Some("structured");
     let derivative = structured && scalar.name.starts_with("der(") && scalar.kind() != "Real";
     derivative.then(|| {
@@ -37,7 +34,7 @@ pub(super) fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<St
 }
 
 /// The first name that the naming convention does not allow.
-pub(super) fn structured(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn structured(document: &Document<'_>) -> Vec<Hit> {
     let convention = document.root.attribute("variableNamingConvention");
     if convention != Some("structured") {
         return Vec::new();
@@ -53,11 +50,7 @@ pub(super) fn structured(document: &Document<'_>) -> Vec<Hit> {
         "no structured name{more}: use names as `a.b[1].c`, quoted where they hold other characters, or set \
          variableNamingConvention to flat"
     );
-    strange
-        .first()
-        .map(|first| first.finding(&text))
-        .into_iter()
-        .collect()
+    Vec::from_iter(strange.first().map(|first| first.finding(&text)))
 }
 
 /// The grammar of section 2.2.9. Derivatives of derivatives are taken, too, which tools nest instead of counting.

@@ -4,14 +4,14 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::document::{Document, Scalar, at, named};
-use super::hit::Hit;
+use crate::document::{Document, Scalar, at, named};
+use crate::hit::Hit;
 
 /// The variables in their order, which the lists count.
-pub(super) type Scalars<'a> = [Option<Scalar<'a>>];
+type Scalars<'a> = [Option<Scalar<'a>>];
 
 /// The element itself. Without it the schema's rules have said so.
-pub(super) fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
+fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
     named(document.root, "ModelStructure").next()
 }
 
@@ -28,33 +28,32 @@ fn has_list(document: &Document<'_>, name: &'static str) -> bool {
     structure(document).is_some_and(|node| named(node, name).next().is_some())
 }
 
-pub(super) fn outputs(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
     list(document, "Outputs", &|scalar| {
         (!is_output(scalar)).then_some("is no output")
     })
 }
 
-pub(super) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
     if !outputs(document).is_empty() {
         return Vec::new();
     }
     missing(document, "Outputs", &is_output)
 }
 
-pub(super) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     list(document, "Derivatives", &|scalar| {
         if !scalar.typed.has_attribute("derivative") {
             return Some("has no attribute derivative");
         }
-        let state = state_of(scalar, &document.scalars);
-        let state = state.and_then(|place| document.scalars[place].as_ref());
+        let state = state_of(document, scalar);
         let local = state.is_none_or(|state| ["local", "output"].contains(&state.causality));
         (!local).then_some("is the derivative of a variable that is neither local nor an output")
     })
 }
 
 /// State derivatives that do not change continuously.
-pub(super) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
     if !derivatives(document).is_empty() {
         return Vec::new();
     }
@@ -65,24 +64,22 @@ pub(super) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// States are declared, but no state derivatives.
-pub(super) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     if has_list(document, "Derivatives") {
         return Vec::new();
     }
     missing(document, "Derivatives", &|scalar| {
-        let state = state_of(scalar, &document.scalars);
-        let state = state.and_then(|place| document.scalars[place].as_ref());
         // A state that cannot be is a finding of its own.
         let possible = |state: &Scalar<'_>| {
             state.kind() == "Real"
                 && state.variability == "continuous"
                 && state.position != scalar.position
         };
-        state.is_some_and(possible) && !scalar.is_settable()
+        state_of(document, scalar).is_some_and(possible) && !scalar.is_settable()
     })
 }
 
-pub(super) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     list(
         document,
         "InitialUnknowns",
@@ -95,7 +92,7 @@ pub(super) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Outputs, calculated parameters, states and their derivatives that are computed initially.
-pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -108,28 +105,38 @@ pub(super) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
 
 /// The positions of the states and their derivatives, as `Derivatives` lists them.
 fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
-    let derivatives = listed(document, "Derivatives")
-        .filter_map(|unknown| position(unknown.attribute("index")?, &document.scalars))
-        .collect();
-    &states(document) | &derivatives
+    let derivatives = entries(document, "Derivatives").map(|scalar| scalar.position);
+    derivatives.chain(states(document)).collect()
 }
 
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
-pub(super) fn states(document: &Document<'_>) -> HashSet<usize> {
-    let state = |unknown: Node<'_, '_>| {
-        let derivative = position(unknown.attribute("index")?, &document.scalars)?;
-        state_of(document.scalars[derivative].as_ref()?, &document.scalars)
-    };
-    listed(document, "Derivatives").filter_map(state).collect()
+pub(crate) fn states(document: &Document<'_>) -> HashSet<usize> {
+    let derivatives = entries(document, "Derivatives");
+    derivatives
+        .filter_map(|scalar| Some(state_of(document, scalar)?.position))
+        .collect()
 }
 
-/// The position of the variable of which this one is the derivative.
-fn state_of(scalar: &Scalar<'_>, scalars: &Scalars<'_>) -> Option<usize> {
-    position(scalar.typed.attribute("derivative")?, scalars)
+/// The variable of which this one is the derivative.
+fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar<'_>) -> Option<&'d Scalar<'a>> {
+    scalar_of(document, scalar.typed.attribute("derivative")?)
+}
+
+/// The variable of an index.
+pub(crate) fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
+    document.scalars[position(index, &document.scalars)?].as_ref()
+}
+
+/// The variables of one list.
+fn entries<'d, 'a>(
+    document: &'d Document<'a>,
+    name: &'static str,
+) -> impl Iterator<Item = &'d Scalar<'a>> {
+    listed(document, name).filter_map(|unknown| scalar_of(document, unknown.attribute("index")?))
 }
 
 /// Entries that the list is not made for.
-pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     let Some(structure) = structure(document) else {
         return Vec::new();
     };
@@ -137,71 +144,57 @@ pub(super) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
         return Vec::new();
     }
     let states = states_and_derivatives(document);
-    let surplus = |unknown: &Node<'_, '_>| {
-        let place = position(unknown.attribute("index")?, &document.scalars)?;
-        let scalar = document.scalars[place].as_ref()?;
-        // An output that is not computed does no harm here.
-        let wanted = scalar.causality == "calculatedParameter"
+    // An output that is not computed does no harm here.
+    let is_wanted = |scalar: &Scalar<'_>| {
+        scalar.causality == "calculatedParameter"
             || is_output(scalar)
-            || states.contains(&place) && is_guessed(scalar);
-        (!wanted).then_some(scalar.name.to_owned())
+            || states.contains(&scalar.position) && is_guessed(scalar)
     };
-    let names: Vec<String> = unknowns(structure, "InitialUnknowns")
-        .filter_map(|node| surplus(&node))
+    let names: Vec<String> = entries(document, "InitialUnknowns")
+        .filter(|scalar| !is_wanted(scalar))
+        .map(|scalar| scalar.name.to_owned())
         .collect();
     let text = format!(
         "InitialUnknowns: {} is no output, calculated parameter, state or state derivative that is computed \
          initially: remove it",
         short(&names)
     );
-    if names.is_empty() {
-        Vec::new()
-    } else {
-        vec![at(structure, &text)]
-    }
+    Vec::from_iter((!names.is_empty()).then(|| at(structure, text)))
 }
 
-pub(super) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
-    let unsorted = structure(document).and_then(|node| unsorted(node, "InitialUnknowns"));
-    if initial_unknowns(document).is_empty() {
-        unsorted.into_iter().collect()
-    } else {
-        Vec::new()
+pub(crate) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
+    if !initial_unknowns(document).is_empty() {
+        return Vec::new();
     }
+    Vec::from_iter(unsorted(document, "InitialUnknowns"))
 }
 
 /// Nothing is forbidden about it, but a study has to look elsewhere.
-pub(super) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
     if document.known().any(is_output) {
         return Vec::new();
     }
     let text = "no outputs: simulate records the local variables, and criteria may use them";
-    vec![Hit::of(super::document::NAME, text.to_owned())]
+    vec![Hit::of(crate::document::NAME, text.to_owned())]
 }
 
 /// The unknowns of one list, where there is a `ModelStructure`.
-fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
-    let structure = structure(document).into_iter();
-    structure.flat_map(move |node| unknowns(node, name))
-}
-
-/// The unknowns of one list.
-pub(super) fn unknowns<'a>(
-    structure: Node<'a, 'a>,
+pub(crate) fn listed<'a>(
+    document: &Document<'a>,
     name: &'static str,
-) -> impl Iterator<Item = Node<'a, 'a>> {
-    named(structure, name).flat_map(|list| named(list, "Unknown"))
+) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+    let structure = structure(document).into_iter();
+    structure.flat_map(move |node| named(node, name).flat_map(|list| named(list, "Unknown")))
 }
 
 /// The first unknown of a list that comes after one of a greater index.
-fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<Hit> {
-    let index = |unknown: &Node<'_, '_>| unknown.attribute("index")?.trim().parse::<usize>().ok();
+fn unsorted(document: &Document<'_>, name: &'static str) -> Option<Hit> {
     let mut greatest = 0;
-    unknowns(structure, name).find_map(|unknown| {
-        let index = index(&unknown)?;
+    listed(document, name).find_map(|unknown| {
+        let index = unknown.attribute("index")?.trim().parse::<usize>().ok()?;
         if index < greatest {
             let text = format!("{name}: index {index} after {greatest}: sort the list by index");
-            return Some(at(unknown, &text));
+            return Some(at(unknown, text));
         }
         greatest = index;
         None
@@ -209,7 +202,7 @@ fn unsorted(structure: Node<'_, '_>, name: &'static str) -> Option<Hit> {
 }
 
 /// The position of the variable of an index.
-pub(super) fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
+fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
     let position = index.trim().parse::<usize>().ok()?.checked_sub(1)?;
     (position < scalars.len()).then_some(position)
 }
@@ -241,7 +234,7 @@ fn list(
                 )
             }
         };
-        Some(at(unknown, &format!("{name}: index {index} {wrong}")))
+        Some(at(unknown, format!("{name}: index {index} {wrong}")))
     });
     wrong.collect()
 }
@@ -252,21 +245,20 @@ fn missing(
     name: &'static str,
     wanted: &dyn Fn(&Scalar<'_>) -> bool,
 ) -> Vec<Hit> {
-    let (Some(structure), scalars) = (structure(document), &document.scalars[..]) else {
+    let Some(structure) = structure(document) else {
         return Vec::new();
     };
     // An entry without an index means nothing.
-    if unknowns(structure, name).any(|unknown| !unknown.has_attribute("index")) {
+    if listed(document, name).any(|unknown| !unknown.has_attribute("index")) {
         return Vec::new();
     }
-    let listed: HashSet<usize> = unknowns(structure, name)
-        .filter_map(|unknown| position(unknown.attribute("index")?, scalars))
+    let listed: HashSet<usize> = entries(document, name)
+        .map(|scalar| scalar.position)
         .collect();
-    let absent: Vec<String> = (1..)
-        .zip(scalars)
-        .filter_map(|(index, scalar)| Some((index, scalar.as_ref()?)))
-        .filter(|(index, scalar)| wanted(scalar) && !listed.contains(&(index - 1)))
-        .map(|(index, scalar)| format!("{} (index {index})", scalar.name))
+    let absent: Vec<String> = document
+        .known()
+        .filter(|scalar| wanted(scalar) && !listed.contains(&scalar.position))
+        .map(|scalar| format!("{} (index {})", scalar.name, scalar.position + 1))
         .collect();
     if absent.is_empty() {
         return Vec::new();
@@ -276,11 +268,11 @@ fn missing(
         short(&absent),
         if absent.len() == 1 { "it" } else { "them" }
     );
-    vec![at(structure, &text)]
+    vec![at(structure, text)]
 }
 
 /// The first few of many.
-pub(super) fn short(names: &[String]) -> String {
+pub(crate) fn short(names: &[String]) -> String {
     const FEW: usize = 5;
     let mut text = names[..names.len().min(FEW)].join(", ");
     if names.len() > FEW {

@@ -3,13 +3,17 @@
 
 use roxmltree::Node;
 
-use super::document::{Document, at, elements};
-use super::hit::Hit;
+use crate::document::{Document, at, elements};
+use crate::hit::Hit;
 use fmu_points::names::{did_you_mean, nearest};
 
 /// An element: its name, with its parent's where it has several; its attributes and its children. Those that must
-/// be there are marked by `!`, unless the reader remarks on them itself.
+/// be there are marked by `!`, unless the reader remarks on them itself; children of which there may be many by `*`, and
+/// those of which there must be at least one by `+`.
 type Element = (&'static str, &'static str, &'static str);
+
+/// The children of an element in which anything may be.
+const ANYTHING: &str = "anything";
 
 const ELEMENTS: [Element; 32] = [
     (
@@ -34,13 +38,13 @@ const ELEMENTS: [Element; 32] = [
          providesDirectionalDerivative",
         "SourceFiles",
     ),
-    ("SourceFiles", "", "File"),
+    ("SourceFiles", "", "File+"),
     ("File", "name!", ""),
-    ("UnitDefinitions", "", "Unit"),
-    ("Unit", "name", "BaseUnit DisplayUnit"),
+    ("UnitDefinitions", "", "Unit+"),
+    ("Unit", "name", "BaseUnit DisplayUnit*"),
     ("BaseUnit", "kg m s A K mol cd rad factor offset", ""),
     ("DisplayUnit", "name! factor offset", ""),
-    ("TypeDefinitions", "", "SimpleType"),
+    ("TypeDefinitions", "", "SimpleType+"),
     (
         "SimpleType",
         "name! description",
@@ -54,17 +58,17 @@ const ELEMENTS: [Element; 32] = [
     ("SimpleType/Integer", "quantity min max", ""),
     ("SimpleType/Boolean", "", ""),
     ("SimpleType/String", "", ""),
-    ("SimpleType/Enumeration", "quantity", "Item"),
+    ("SimpleType/Enumeration", "quantity", "Item+"),
     ("Item", "name! value! description", ""),
-    ("LogCategories", "", "Category"),
+    ("LogCategories", "", "Category+"),
     ("Category", "name! description", ""),
     (
         "DefaultExperiment",
         "startTime stopTime tolerance stepSize",
         "",
     ),
-    ("VendorAnnotations", "", "Tool"),
-    ("ModelVariables", "", "ScalarVariable"),
+    ("VendorAnnotations", "", "Tool+"),
+    ("ModelVariables", "", "ScalarVariable+"),
     (
         "ScalarVariable",
         "name valueReference description causality variability initial canHandleMultipleSetPerTimeInstant",
@@ -87,132 +91,104 @@ const ELEMENTS: [Element; 32] = [
         "declaredType! quantity min max start",
         "",
     ),
-    ("Annotations", "", "Tool"),
-    // Anything may be in it.
-    ("Tool", "name!", "*"),
+    ("Annotations", "", "Tool+"),
+    ("Tool", "name!", ANYTHING),
     ("ModelStructure", "", "Outputs Derivatives InitialUnknowns"),
     ("Unknown", "index! dependencies dependenciesKind", ""),
 ];
 
 /// The three lists of `ModelStructure`.
-const UNKNOWNS: Element = ("", "", "Unknown");
+const UNKNOWNS: Element = ("", "", "Unknown+");
 
 fn element(parent: &str, name: &str) -> Option<Element> {
     if parent == "ModelStructure" {
         return Some(UNKNOWNS);
     }
-    let found = |wanted: &str| ELEMENTS.into_iter().find(|(known, ..)| *known == wanted);
-    found(&format!("{parent}/{name}")).or_else(|| found(name))
+    let named = |wanted: &str| ELEMENTS.into_iter().find(|(known, ..)| *known == wanted);
+    named(&format!("{parent}/{name}")).or_else(|| named(name))
 }
-
-/// Elements that hold at least one element.
-const MANY_WITHIN: [&str; 10] = [
-    "SourceFiles",
-    "UnitDefinitions",
-    "TypeDefinitions",
-    "LogCategories",
-    "VendorAnnotations",
-    "Annotations",
-    "ModelVariables",
-    "Outputs",
-    "Derivatives",
-    "InitialUnknowns",
-];
 
 /// Elements of which a variable or a type has one.
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
 
-/// Elements of which there may be many beside each other.
-const MANY: [&str; 9] = [
-    "File",
-    "Unit",
-    "DisplayUnit",
-    "SimpleType",
-    "Item",
-    "Category",
-    "Tool",
-    "ScalarVariable",
-    "Unknown",
-];
-
 /// A namespace that the elements of FMI 2.0 have not.
-pub(super) fn namespace(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn namespace(document: &Document<'_>) -> Vec<Hit> {
     let space = document.root.tag_name().namespace();
     let text = |space: &str| {
         format!("the namespace \"{space}\": the elements of FMI 2.0 have none, remove it")
     };
-    let hit = |space| at(document.root, &text(space));
-    space.map(hit).into_iter().collect()
+    let hit = |space| at(document.root, text(space));
+    Vec::from_iter(space.map(hit))
 }
 
 /// The namespace of attributes that every document may have, to name its schema.
 const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 
 /// Attributes that are none of FMI 2.0.
-pub(super) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
-        let own = node
+        let given = node
             .attributes()
             .filter(|a| a.namespace() != Some(INSTANCE));
-        for attribute in own {
+        for attribute in given {
             let (foreign, attribute) = (attribute.namespace().is_some(), attribute.name());
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
                 let name = node.tag_name().name();
                 let text =
                     format!("`{name}` has no attribute `{attribute}` in FMI 2.0: remove it{meant}");
-                hits.push(at(node, &text));
+                hits.push(at(node, text));
             }
         }
     })
 }
 
 /// Attributes that must be there.
-pub(super) fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
         for attribute in missing(attributes).filter(|wanted| !node.has_attribute(*wanted)) {
             let name = node.tag_name().name();
             hits.push(at(
                 node,
-                &format!("`{name}` needs the attribute `{attribute}`: add it"),
+                format!("`{name}` needs the attribute `{attribute}`: add it"),
             ));
         }
     })
 }
 
 /// Elements that are none of FMI 2.0.
-pub(super) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         for child in node.children().filter(Node::is_element) {
             let inner = child.tag_name().name();
             let foreign = child.tag_name().namespace().is_some();
             let strange = foreign || known(children).all(|known| known != inner);
-            if children != "*" && strange {
+            if children != ANYTHING && strange {
                 let meant = did_you_mean(nearest(inner, known(children)));
                 let text = format!(
                     "`{}` has no element `{inner}` in FMI 2.0: remove it, or put it into an annotation{meant}",
                     node.tag_name().name()
                 );
-                hits.push(at(child, &text));
+                hits.push(at(child, text));
             }
         }
     })
 }
 
 /// Text between elements.
-pub(super) fn text(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn text(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         let texts = node.children().filter(Node::is_text);
         let stray = texts
             .filter_map(|text| Some(text.text()?.trim()))
             .find(|text| !text.is_empty());
-        if let Some(stray) = stray.filter(|_| children != "*") {
+        if let Some(stray) = stray.filter(|_| children != ANYTHING) {
             let text = format!(
                 "the text `{}` in `{}`: remove it",
                 start_of(stray),
                 node.tag_name().name()
             );
-            hits.push(at(node, &text));
+            hits.push(at(node, text));
         }
     })
 }
@@ -228,14 +204,14 @@ fn start_of(text: &str) -> String {
 }
 
 /// Elements that must be there.
-pub(super) fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         for wanted in missing(children) {
             if elements(node).all(|child| child.tag_name().name() != wanted) {
                 let name = node.tag_name().name();
                 hits.push(at(
                     node,
-                    &format!("`{name}` needs the element `{wanted}`: add it"),
+                    format!("`{name}` needs the element `{wanted}`: add it"),
                 ));
             }
         }
@@ -243,34 +219,34 @@ pub(super) fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Elements in another order than the schema's, or twice.
-pub(super) fn order(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn order(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
-        if children != "*" {
-            hits.extend(disordered(node, &Vec::from_iter(known(children))));
+        if children != ANYTHING {
+            hits.extend(disordered(node, children));
         }
     })
 }
 
 /// Lists in which there is nothing.
-pub(super) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (name, _, children), hits| {
-        let own = node.tag_name().name();
-        let list = MANY_WITHIN.contains(&own) || name == "SimpleType/Enumeration";
-        if list && elements(node).next().is_none() {
+        let inner = children.strip_suffix('+');
+        if let Some(inner) = inner.filter(|_| elements(node).next().is_none()) {
             let remedy = match name {
                 "SimpleType/Enumeration" => "add its items",
                 _ => "remove it, or add one",
             };
+            let list = node.tag_name().name();
             hits.push(at(
                 node,
-                &format!("`{own}` has no `{children}` in it: {remedy}"),
+                format!("`{list}` has no `{inner}` in it: {remedy}"),
             ));
         }
     })
 }
 
 /// Type definitions without a type.
-pub(super) fn typeless(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn typeless(document: &Document<'_>) -> Vec<Hit> {
     let types = document.all("TypeDefinitions", "SimpleType");
     let bare = types.filter(|node| elements(*node).next().is_none());
     bare.map(|node| {
@@ -283,18 +259,18 @@ pub(super) fn typeless(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Values that are not of their attribute's type, where nobody else reads them.
-pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn values(document: &Document<'_>) -> Vec<Hit> {
     let mut wrong = visit(document, |node, (element, attributes, _), hits| {
         let typed = TYPED.iter().filter(|(elements, ..)| {
             elements.is_empty() || elements.split(' ').any(|one| one == element)
         });
-        for (_, names, is, what) in typed {
+        for (_, names, (is, what)) in typed {
             for name in names
                 .split(' ')
-                .filter(|name| known(attributes).any(|own| own == *name))
+                .filter(|name| known(attributes).any(|known| known == *name))
             {
                 if let Some(text) = node.attribute(name).filter(|text| !is(text.trim())) {
-                    hits.push(at(node, &format!("{name}=\"{text}\" is {what}")));
+                    hits.push(at(node, format!("{name}=\"{text}\" is {what}")));
                 }
             }
         }
@@ -308,59 +284,56 @@ pub(super) fn values(document: &Document<'_>) -> Vec<Hit> {
     wrong
 }
 
-/// The elements, or none for all; attributes; whether a text is one of their values, and what it is else.
-type Typed = (&'static str, &'static str, fn(&str) -> bool, &'static str);
+/// A type of values: whether a text is one of them, and what it is else.
+type Values = (fn(&str) -> bool, &'static str);
 
-/// Attributes that the reader does not use.
-const TYPED: [Typed; 7] = [
+const FLAG: Values = (
+    |text| ["true", "false", "1", "0"].contains(&text),
+    "neither true nor false",
+);
+const NUMBER: Values = (|text| text.parse::<f64>().is_ok(), "not a number");
+const WHOLE: Values = (|text| text.parse::<i32>().is_ok(), "not a whole number");
+const COUNT: Values = (
+    |text| text.parse::<u32>().is_ok(),
+    "not a whole number from 0 on",
+);
+const INITIAL: Values = (
+    |text| ["exact", "approx", "calculated"].contains(&text),
+    "none of exact, approx and calculated",
+);
+
+/// Attributes that the reader does not use: the elements, or none for all; the names; the type.
+const TYPED: [(&str, &str, Values); 7] = [
     // The reader takes these from the Co-Simulation part.
     (
         "ModelExchange",
         "needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUstate canSerializeFMUstate",
-        |text| ["true", "false", "1", "0"].contains(&text),
-        "neither true nor false",
+        FLAG,
     ),
-    (
-        "SimpleType/Real",
-        "min max nominal",
-        |text| text.parse::<f64>().is_ok(),
-        "not a number",
-    ),
+    ("SimpleType/Real", "min max nominal", NUMBER),
     (
         "SimpleType/Integer ScalarVariable/Enumeration",
         "min max",
-        |text| text.parse::<i32>().is_ok(),
-        "not a whole number",
+        WHOLE,
     ),
     (
         "",
         "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
          reinit canHandleMultipleSetPerTimeInstant",
-        |text| ["true", "false", "1", "0"].contains(&text),
-        "neither true nor false",
+        FLAG,
     ),
     (
         "",
         "maxOutputDerivativeOrder numberOfEventIndicators",
-        |text| text.parse::<u32>().is_ok(),
-        "not a whole number from 0 on",
+        COUNT,
     ),
-    (
-        "",
-        "value",
-        |text| text.parse::<i32>().is_ok(),
-        "not a whole number",
-    ),
-    (
-        "",
-        "initial",
-        |text| ["exact", "approx", "calculated"].contains(&text),
-        "none of exact, approx and calculated",
-    ),
+    ("", "value", WHOLE),
+    ("", "initial", INITIAL),
 ];
 
 fn known(list: &'static str) -> impl Iterator<Item = &'static str> {
-    list.split(' ').map(|word| word.trim_end_matches('!'))
+    list.split(' ')
+        .map(|word| word.trim_end_matches(['!', '*', '+']))
 }
 
 fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
@@ -380,7 +353,7 @@ fn visit(
         };
         look(node, element, &mut hits);
         let inner = elements(node).filter(|child| {
-            element.2 != "*" && known(element.2).any(|known| known == child.tag_name().name())
+            element.2 != ANYTHING && known(element.2).any(|known| known == child.tag_name().name())
         });
         let begin = open.len();
         open.extend(inner.map(|child| (child, node.tag_name().name())));
@@ -390,7 +363,12 @@ fn visit(
 }
 
 /// The first child that comes after one that it must come before, or comes a second time.
-fn disordered(node: Node<'_, '_>, order: &[&str]) -> Option<Hit> {
+fn disordered(node: Node<'_, '_>, children: &'static str) -> Option<Hit> {
+    let order = Vec::from_iter(known(children));
+    let many = |name: &str| {
+        let mut all = children.split(' ');
+        all.any(|child| child.strip_suffix(['*', '+']) == Some(name))
+    };
     let mut last: Option<usize> = None;
     elements(node).find_map(|child| {
         let name = child.tag_name().name();
@@ -406,7 +384,7 @@ fn disordered(node: Node<'_, '_>, order: &[&str]) -> Option<Hit> {
             Some(before) if place < before => {
                 format!("`{name}` after `{}`: put it before that", order[before])
             }
-            Some(before) if place == before && !MANY.contains(&name) => {
+            Some(before) if place == before && !many(name) => {
                 format!("a second `{name}`: put all into the first one")
             }
             _ => {

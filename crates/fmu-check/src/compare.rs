@@ -1,11 +1,10 @@
 //! Where two simulations of an FMU differ.
 
-use super::probe::Run;
-use crate::results::points::number as written;
+use crate::probe::Run;
 use fmu_import::{Content, Variable};
 
 /// A value as a number; a text is none.
-pub(super) fn number(bits: u64, variable: &Variable) -> Option<f64> {
+pub(crate) fn number(bits: u64, variable: &Variable) -> Option<f64> {
     Some(match variable.kind.content() {
         Content::Real => f64::from_bits(bits),
         #[allow(clippy::cast_possible_truncation)]
@@ -15,8 +14,16 @@ pub(super) fn number(bits: u64, variable: &Variable) -> Option<f64> {
     })
 }
 
+/// A number as text that reads back as the same number.
+fn written(value: f64) -> String {
+    match value.abs() {
+        0.0 | 1e-4..1e15 => value.to_string(),
+        _ => format!("{value:e}"),
+    }
+}
+
 /// Where two runs differ first. Zero is zero with either sign.
-pub(super) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Option<String> {
+pub(crate) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Option<String> {
     for (row, (first, second)) in one.rows.iter().zip(&other.rows).enumerate() {
         for (place, variable) in columns.iter().enumerate() {
             let (first, second) = (first[place], second[place]);
@@ -36,7 +43,7 @@ pub(super) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Optio
 }
 
 /// The real variable whose last value changes most between two runs, and by what share of its size.
-pub(super) fn largest_change<'a>(
+pub(crate) fn largest_change<'a>(
     columns: &[&'a Variable],
     one: &Run,
     other: &Run,

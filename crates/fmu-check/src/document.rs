@@ -1,43 +1,45 @@
 //! `modelDescription.xml` as the rules see it: its elements with their lines, its variables in their order.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 
 use roxmltree::Node;
 
-use super::hit::Hit;
-use fmu_import::Description;
+use crate::hit::Hit;
+use fmu_import::description::About;
+use fmu_import::{Description, Remark};
 
 /// The name of the file.
-pub(super) const NAME: &str = "modelDescription.xml";
+pub(crate) const NAME: &str = "modelDescription.xml";
 
 /// A model description, as it is written and as it was read.
-pub(super) struct Document<'a> {
-    pub(super) root: Node<'a, 'a>,
+pub(crate) struct Document<'a> {
+    pub(crate) root: Node<'a, 'a>,
     /// The variables in their order, which `ModelStructure` counts; none where one cannot be read.
-    pub(super) scalars: Vec<Option<Scalar<'a>>>,
+    pub(crate) scalars: Vec<Option<Scalar<'a>>>,
     /// The element of each type definition, `Real` for instance, by its name.
-    pub(super) types: HashMap<&'a str, Node<'a, 'a>>,
-    pub(super) read: &'a Description,
+    pub(crate) types: HashMap<&'a str, Node<'a, 'a>>,
+    pub(crate) read: &'a Description,
     /// For the variables in their order, those before them that have the same value reference and base type.
-    pub(super) aliases: Vec<Option<Aliases>>,
+    pub(crate) aliases: Vec<Option<Aliases>>,
     /// Where each line begins, bytes.
     lines: Vec<usize>,
 }
 
 /// Of variables that are one under several names, the first of each sort.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aliases {
-    pub(super) first: usize,
-    pub(super) settable: Option<usize>,
-    pub(super) independent: Option<usize>,
+pub(crate) struct Aliases {
+    pub(crate) first: usize,
+    pub(crate) settable: Option<usize>,
+    pub(crate) independent: Option<usize>,
     /// With a start value.
-    pub(super) started: Option<usize>,
+    pub(crate) started: Option<usize>,
     /// With a unit.
-    pub(super) united: Option<usize>,
+    pub(crate) united: Option<usize>,
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
+    pub(crate) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
         let scalars: Vec<Option<Scalar<'a>>> = named(root, "ModelVariables")
             .flat_map(|list| named(list, "ScalarVariable"))
             .enumerate()
@@ -59,17 +61,29 @@ impl<'a> Document<'a> {
         document
     }
 
-    /// A finding with its line.
-    pub(super) fn located(&self, hit: Hit) -> Hit {
-        let line = hit.position.map(|position| self.line(position));
-        Hit {
-            line: hit.line.or(line),
-            ..hit
+    /// Gives a finding its line.
+    pub(crate) fn locate(&self, hit: &mut Hit) {
+        if let Some(position) = hit.position {
+            hit.line.get_or_insert(self.line(position));
         }
     }
 
+    /// The remarks of the reader on a part of the description.
+    pub(crate) fn remarks(&self, about: About) -> Vec<Hit> {
+        let remarks = self
+            .read
+            .remarks
+            .iter()
+            .filter(|remark| remark.about == about);
+        let hit = |remark: &Remark| Hit {
+            line: Some(remark.line),
+            ..Hit::of(NAME, remark.text.clone())
+        };
+        remarks.map(hit).collect()
+    }
+
     /// The line of a position, from 1.
-    pub(super) fn line(&self, position: usize) -> usize {
+    pub(crate) fn line(&self, position: usize) -> usize {
         self.lines.partition_point(|start| *start <= position)
     }
 
@@ -105,12 +119,12 @@ impl<'a> Document<'a> {
     }
 
     /// The variables that can be read.
-    pub(super) fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
+    pub(crate) fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
         self.scalars.iter().flatten()
     }
 
     /// All elements of one kind within the lists of another.
-    pub(super) fn all(
+    pub(crate) fn all(
         &self,
         list: &'static str,
         of: &'static str,
@@ -118,16 +132,22 @@ impl<'a> Document<'a> {
         named(self.root, list).flat_map(move |list| named(list, of))
     }
 
+    /// The fault of a unit that is not defined.
+    pub(crate) fn undefined_unit(&self, unit: &str) -> Option<String> {
+        let undefined = self.read.units.get(unit).is_none();
+        undefined.then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+    }
+
     /// The definition of a variable's declared type.
-    pub(super) fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
+    pub(crate) fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
         let name = scalar.typed.attribute("declaredType")?;
         self.types.get(name).copied()
     }
 
     /// An attribute of a variable's type: its own, or else that of its declared type.
-    pub(super) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
-        let own = scalar.typed.attribute(name);
-        own.or_else(|| self.declared(scalar)?.attribute(name))
+    pub(crate) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
+        let written = scalar.typed.attribute(name);
+        written.or_else(|| self.declared(scalar)?.attribute(name))
     }
 }
 
@@ -139,21 +159,21 @@ fn starts_of_lines(text: &str) -> Vec<usize> {
 }
 
 /// A finding at an element.
-pub(super) fn at(node: Node<'_, '_>, text: &str) -> Hit {
+pub(crate) fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
     Hit {
         position: Some(node.range().start),
-        ..Hit::of(NAME, text.to_owned())
+        ..Hit::of(NAME, text)
     }
 }
 
 /// The child elements; those of foreign namespaces don't count.
-pub(super) fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
+pub(crate) fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children()
         .filter(|child| child.is_element() && child.tag_name().namespace().is_none())
 }
 
 /// The child elements of this name.
-pub(super) fn named<'a>(
+pub(crate) fn named<'a>(
     node: Node<'a, 'a>,
     name: &'static str,
 ) -> impl Iterator<Item = Node<'a, 'a>> {
@@ -162,17 +182,17 @@ pub(super) fn named<'a>(
 
 /// A variable as it is written.
 #[derive(Clone, Copy)]
-pub(super) struct Scalar<'a> {
-    pub(super) node: Node<'a, 'a>,
+pub(crate) struct Scalar<'a> {
+    pub(crate) node: Node<'a, 'a>,
     /// The element of its type, `Real` for instance.
-    pub(super) typed: Node<'a, 'a>,
+    pub(crate) typed: Node<'a, 'a>,
     /// Its place among the variables, from 0.
-    pub(super) position: usize,
-    pub(super) name: &'a str,
-    pub(super) causality: &'a str,
-    pub(super) variability: &'a str,
+    pub(crate) position: usize,
+    pub(crate) name: &'a str,
+    pub(crate) causality: &'a str,
+    pub(crate) variability: &'a str,
     /// As written, or as the standard has it for the causality and variability; empty where there is none.
-    pub(super) initial: &'a str,
+    pub(crate) initial: &'a str,
 }
 
 impl<'a> Scalar<'a> {
@@ -205,7 +225,7 @@ impl<'a> Scalar<'a> {
     }
 
     /// `Real`, `Integer`, `Boolean`, `String` or `Enumeration`.
-    pub(super) fn kind(&self) -> &'a str {
+    pub(crate) fn kind(&self) -> &'a str {
         self.typed.tag_name().name()
     }
 
@@ -217,17 +237,17 @@ impl<'a> Scalar<'a> {
         }
     }
 
-    pub(super) fn start(&self) -> Option<&'a str> {
+    pub(crate) fn start(&self) -> Option<&'a str> {
         self.typed.attribute("start")
     }
 
     /// Whether an importer may set it freely.
-    pub(super) fn is_settable(&self) -> bool {
+    pub(crate) fn is_settable(&self) -> bool {
         matches!(self.causality, "parameter" | "input")
     }
 
     /// A finding at this variable.
-    pub(super) fn finding(&self, text: &str) -> Hit {
-        at(self.node, &format!("{}: {text}", self.name))
+    pub(crate) fn finding(&self, text: impl Display) -> Hit {
+        at(self.node, format!("{}: {text}", self.name))
     }
 }

@@ -1,58 +1,42 @@
 //! Rules about the variables' causality, variability, start values and each other (FMI 2.0.5, section 2.2.7).
 
-use super::document::{Document, Scalar};
-use super::hit::Hit;
+use fmu_import::Version;
+
+use crate::combinations;
+use crate::document::{Document, Scalar};
+use crate::hit::Hit;
 use fmu_points::names::{did_you_mean, nearest};
-
-const CAUSALITIES: [&str; 6] = [
-    "parameter",
-    "calculatedParameter",
-    "input",
-    "output",
-    "local",
-    "independent",
-];
-
-const VARIABILITIES: [&str; 5] = ["constant", "fixed", "tunable", "discrete", "continuous"];
 
 /// Whether the words are known. The reader remarks on others, and nothing follows from them.
 fn is_clear(scalar: &Scalar<'_>) -> bool {
-    CAUSALITIES.contains(&scalar.causality) && VARIABILITIES.contains(&scalar.variability)
+    combinations::are_known(Version::Two, scalar.causality, scalar.variability)
 }
 
 /// There can be one independent variable.
-pub(super) fn independents(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn independents(document: &Document<'_>) -> Vec<Hit> {
     let mut all = document.known().filter(|s| s.causality == "independent");
-    let second = all.nth(1);
     let text = "a second independent variable: there can be one, the time";
-    second
-        .map(|scalar| scalar.finding(text))
-        .into_iter()
-        .collect()
+    Vec::from_iter(all.nth(1).map(|scalar| scalar.finding(text)))
 }
 
 /// The combination of causality and variability (section 2.2.7, the table of allowed combinations).
-pub(super) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
-    let (variabilities, article): (&[_], _) = match scalar.causality {
-        _ if !is_clear(scalar) => return None,
-        "parameter" | "calculatedParameter" => (&["fixed", "tunable"], "a"),
-        "input" => (&["discrete", "continuous"], "an"),
-        "output" => (&["constant", "discrete", "continuous"], "an"),
-        "independent" => (&["continuous"], "an"),
-        _ => (&VARIABILITIES, "a"),
+pub(crate) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let (causality, variability) = (scalar.causality, scalar.variability);
+    let article = match causality {
+        "input" | "output" | "independent" => "an",
+        _ => "a",
     };
-    (!variabilities.contains(&scalar.variability)).then(|| {
+    let allowed = combinations::variabilities(causality);
+    (is_clear(scalar) && !allowed.contains(&variability)).then(|| {
         format!(
-            "{article} {} cannot be {}: set variability to {}",
-            scalar.causality,
-            scalar.variability,
-            variabilities.join(" or ")
+            "{article} {causality} cannot be {variability}: set variability to {}",
+            allowed.join(" or ")
         )
     })
 }
 
 /// Only a Real is continuous, and the time is a Real.
-pub(super) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub(crate) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let kind = scalar.kind();
     if kind == "Real" {
         return None;
@@ -68,7 +52,7 @@ pub(super) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String
 }
 
 /// The default is continuous, which only a Real can be; tools mean discrete.
-pub(super) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub(crate) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let kind = scalar.kind();
     let missing = kind != "Real" && !scalar.node.has_attribute("variability");
     missing.then(|| {
@@ -77,7 +61,7 @@ pub(super) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Opti
 }
 
 /// Allowed values of `initial` (section 2.2.7, the table of allowed combinations).
-pub(super) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub(crate) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let Scalar {
         node,
         causality,
@@ -85,34 +69,26 @@ pub(super) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
         initial,
         ..
     } = *scalar;
-    let initials: &[_] = match (causality, variability) {
-        _ if !is_clear(scalar) => return None,
-        ("input" | "independent", _) => &[],
-        ("parameter", _) | (_, "constant") => &["exact"],
-        ("calculatedParameter", _) | ("local", "fixed" | "tunable") => &["calculated", "approx"],
-        _ => &["exact", "approx", "calculated"],
-    };
-    if !node.has_attribute("initial") || initials.contains(&initial) || initials.len() == 3 {
+    let initials = combinations::initials(Version::Two, causality, variability);
+    let is_right = initials.contains(&initial) || initials.len() == 3;
+    if !node.has_attribute("initial") || !is_clear(scalar) || is_right {
         return None;
     }
-    let remedy = match initials {
-        [] => "remove it".to_owned(),
-        some => format!("set it to {}", some.join(" or ")),
-    };
     Some(format!(
-        "initial=\"{initial}\" is not allowed for causality {causality} and variability {variability}: {remedy}"
+        "initial=\"{initial}\" is not allowed for causality {causality} and variability {variability}: {}",
+        combinations::remedy(initials)
     ))
 }
 
 /// Start values that must be there.
-pub(super) fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub(crate) fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let reason = needs_start(scalar)?;
     (scalar.start().is_none() && is_clear(scalar))
         .then(|| format!("no start value, which {reason} needs: add start"))
 }
 
 /// Start values that must not be there.
-pub(super) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub(crate) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar) {
         return None;
     }
@@ -140,7 +116,7 @@ fn needs_start(scalar: &Scalar<'_>) -> Option<String> {
 }
 
 /// Types that are declared nowhere.
-pub(super) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let name = scalar.typed.attribute("declaredType")?;
     let known = || document.types.keys().copied();
     (!document.types.contains_key(name)).then(|| {
@@ -152,17 +128,17 @@ pub(super) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option
 }
 
 /// Types of another kind.
-pub(super) fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let own = scalar.kind();
+pub(crate) fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let wanted = scalar.kind();
     let kind = document.declared(scalar)?.tag_name().name();
     let name = scalar.typed.attribute("declaredType")?;
-    (kind != own).then(|| {
-        format!("declaredType \"{name}\" is a type of {kind}, but the variable is {own}: use a type of {own}")
+    (kind != wanted).then(|| {
+        format!("declaredType \"{name}\" is a type of {kind}, but the variable is {wanted}: use a type of {wanted}")
     })
 }
 
 /// `derivative` is the index of the continuous Real of which this is the derivative.
-pub(super) fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let scalars = &document.scalars;
     let text = scalar.typed.attribute("derivative")?;
     let index = text.trim().parse::<usize>().ok();

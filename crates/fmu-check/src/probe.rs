@@ -16,11 +16,11 @@ use fmu_points::system;
 use fmu_points::task::Schedule;
 
 /// The hidden command that runs a probe.
-pub(super) const COMMAND: &str = "probe";
+pub(crate) const COMMAND: &str = "probe";
 
 /// Kinds of probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Life {
+pub(crate) enum Life {
     /// One simulation.
     Alone,
     /// Two on one instance, reset between.
@@ -37,56 +37,57 @@ pub(super) enum Life {
 
 /// The task.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Setup {
-    pub(super) fmu: PathBuf,
-    pub(super) life: Life,
-    pub(super) schedule: Schedule,
-    pub(super) columns: Vec<Handle>,
-    pub(super) changed: Vec<(u32, Value)>,
-    pub(super) supervisor: u32,
+pub(crate) struct Setup {
+    pub(crate) fmu: PathBuf,
+    pub(crate) life: Life,
+    pub(crate) schedule: Schedule,
+    pub(crate) columns: Vec<Handle>,
+    pub(crate) changed: Vec<(u32, Value)>,
+    pub(crate) supervisor: u32,
     /// The files for what is about to be called, and for what was seen.
-    pub(super) stage: PathBuf,
-    pub(super) result: PathBuf,
+    pub(crate) stage: PathBuf,
+    pub(crate) result: PathBuf,
 }
 
 /// Observations of a process.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Report {
+pub(crate) struct Report {
     /// Why the binary cannot be loaded.
-    pub(super) unloadable: Option<String>,
-    pub(super) version: Option<String>,
-    pub(super) types_platform: Option<String>,
+    pub(crate) unloadable: Option<String>,
+    pub(crate) version: Option<String>,
+    pub(crate) types_platform: Option<String>,
     /// Messages with a foreign environment.
-    pub(super) strays: u64,
-    pub(super) runs: Vec<Run>,
+    pub(crate) strays: u64,
+    pub(crate) runs: Vec<Run>,
 }
 
 /// Observations of one simulation.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Run {
-    pub(super) times: Vec<f64>,
+pub(crate) struct Run {
+    pub(crate) times: Vec<f64>,
     /// A row per time: the bits of each column's value; of a text its hash.
-    pub(super) rows: Vec<Vec<u64>>,
-    pub(super) ended: Option<f64>,
-    pub(super) warnings: u64,
-    pub(super) first_warning: Option<String>,
+    pub(crate) rows: Vec<Vec<u64>>,
+    pub(crate) ended: Option<f64>,
+    pub(crate) warnings: u64,
+    pub(crate) first_warning: Option<String>,
     /// Why it failed, and why it could not be terminated.
-    pub(super) failure: Option<String>,
+    pub(crate) failure: Option<String>,
     /// Whether that was a step which it refused (`fmi2Discard`).
-    pub(super) refused: bool,
-    pub(super) unfinished: Option<String>,
+    pub(crate) refused: bool,
+    pub(crate) unfinished: Option<String>,
 }
 
 /// Runs the probe that a file describes.
 ///
 /// # Errors
 /// When the files cannot be read or written.
-pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
+pub(crate) fn serve(setup: &Path) -> io::Result<()> {
     let setup: Setup = serde_json::from_slice(&std::fs::read(setup)?)?;
     system::end_with(setup.supervisor)?;
     let mut probe = Probe {
         report: Report::default(),
         setup: &setup,
+        schedule: setup.schedule,
         version: Version::Two,
     };
     probe.at("loading");
@@ -106,6 +107,7 @@ pub(in crate::commands) fn serve(setup: &Path) -> io::Result<()> {
 struct Probe<'a> {
     report: Report,
     setup: &'a Setup,
+    schedule: Schedule,
     /// By which the functions are called that its notes name.
     version: Version,
 }
@@ -139,132 +141,106 @@ impl Probe<'_> {
     fn live(&mut self, library: &Arc<Library>) -> io::Result<()> {
         self.report.version = library.version();
         self.report.types_platform = library.types_platform();
-        let halved = Schedule {
-            step: self.setup.schedule.step / 2.0,
-            ..self.setup.schedule
-        };
-        let schedule = match self.setup.life {
-            Life::Halved => halved,
-            _ => self.setup.schedule,
-        };
         match self.setup.life {
-            Life::Alone | Life::Halved => {
-                let live = self.simulated(library, &schedule, "")?;
-                self.free(live, "")
+            Life::Alone => self.whole(library, ""),
+            Life::Halved => {
+                self.schedule.step /= 2.0;
+                self.whole(library, "")
             }
-            Life::Reset | Life::Changed => self.twice_on_one(library, &schedule),
+            Life::Reset => self.twice_on_one(library, &[]),
+            Life::Changed => self.twice_on_one(library, &self.setup.changed),
             Life::InTurn => {
-                let first = self.simulated(library, &schedule, "the first ")?;
-                self.free(first, "the first ")?;
-                let second = self.simulated(library, &schedule, "the second ")?;
-                self.free(second, "the second ")
+                self.whole(library, "the first ")?;
+                self.whole(library, "the second ")
             }
-            Life::Together => self.two_at_once(library, &schedule),
+            Life::Together => self.two_at_once(library),
         }
     }
 
-    fn twice_on_one(&mut self, library: &Arc<Library>, schedule: &Schedule) -> io::Result<()> {
-        let changed = match self.setup.life {
-            Life::Changed => &self.setup.changed[..],
-            _ => &[],
-        };
-        let Some(mut live) = self.begin(library, schedule, changed, "")? else {
+    /// One simulation on an instance of its own.
+    fn whole(&mut self, library: &Arc<Library>, which: &str) -> io::Result<()> {
+        let mut live = self.begin(library, &[], which);
+        if let Some(live) = &mut live {
+            self.steps(&mut [live]);
+            self.ended(live, which);
+        }
+        self.free(live, which)
+    }
+
+    fn twice_on_one(&mut self, library: &Arc<Library>, changed: &[(u32, Value)]) -> io::Result<()> {
+        let Some(mut live) = self.begin(library, changed, "") else {
             return Ok(());
         };
-        self.steps(&mut [&mut live], schedule)?;
-        self.terminate(&mut live, "")?;
+        self.steps(&mut [&mut live]);
+        self.terminate(&mut live, "");
         self.report.runs.push(std::mem::take(&mut live.run));
         self.at("fmi2Reset");
         if let Err(call) = live.instance.reset() {
             live.run.failure = Some(call.to_string());
         } else {
-            let started = self.start(&mut live, schedule, &[], " after fmi2Reset")?;
-            if started {
-                self.steps(&mut [&mut live], schedule)?;
-            }
-            self.terminate(&mut live, " after fmi2Reset")?;
+            self.start(&mut live, &[], " after fmi2Reset");
+            self.steps(&mut [&mut live]);
+            self.terminate(&mut live, " after fmi2Reset");
         }
         self.report.runs.push(std::mem::take(&mut live.run));
         self.free(Some(live), "")
     }
 
-    fn two_at_once(&mut self, library: &Arc<Library>, schedule: &Schedule) -> io::Result<()> {
-        let first = self.begin(library, schedule, &[], "the first ")?;
-        let Some(mut first) = first else {
+    fn two_at_once(&mut self, library: &Arc<Library>) -> io::Result<()> {
+        let Some(mut first) = self.begin(library, &[], "the first ") else {
             return Ok(());
         };
-        let Some(mut second) = self.begin(library, schedule, &[], "the second ")? else {
+        let Some(mut second) = self.begin(library, &[], "the second ") else {
             return Ok(());
         };
-        self.steps(&mut [&mut first, &mut second], schedule)?;
-        for live in [first, second] {
-            let live = self.ended(live, "")?;
+        self.steps(&mut [&mut first, &mut second]);
+        for mut live in [first, second] {
+            self.ended(&mut live, "");
             self.free(Some(live), "")?;
         }
         Ok(())
     }
 
-    /// One simulation, up to its end; none where there is no instance.
-    fn simulated(
-        &mut self,
-        library: &Arc<Library>,
-        schedule: &Schedule,
-        which: &str,
-    ) -> io::Result<Option<Live>> {
-        let Some(mut live) = self.begin(library, schedule, &[], which)? else {
-            return Ok(None);
-        };
-        self.steps(&mut [&mut live], schedule)?;
-        self.ended(live, which).map(Some)
-    }
-
     /// Terminates, and keeps what was seen.
-    fn ended(&mut self, mut live: Live, which: &str) -> io::Result<Live> {
-        self.terminate(&mut live, which)?;
+    fn ended(&mut self, live: &mut Live, which: &str) {
+        self.terminate(live, which);
         self.report.strays += live.instance.strays();
         self.report.runs.push(std::mem::take(&mut live.run));
-        Ok(live)
     }
 
     /// An initialised instance. What fails is noted as a run of its own.
     fn begin(
         &mut self,
         library: &Arc<Library>,
-        schedule: &Schedule,
         changed: &[(u32, Value)],
         which: &str,
-    ) -> io::Result<Option<Live>> {
+    ) -> Option<Live> {
         self.at(&format!("{which}fmi2Instantiate"));
-        let instance = match Instance::new(library, "probe") {
-            Ok(instance) => instance,
+        match Instance::new(library, "probe") {
+            Ok(instance) => {
+                let mut live = Live {
+                    instance,
+                    run: Run::default(),
+                    open: false,
+                };
+                self.start(&mut live, changed, "");
+                Some(live)
+            }
             Err(call) => {
                 self.report.runs.push(Run {
                     failure: Some(call.to_string()),
                     ..Run::default()
                 });
-                return Ok(None);
+                None
             }
-        };
-        let mut live = Live {
-            instance,
-            run: Run::default(),
-            open: false,
-        };
-        self.start(&mut live, schedule, changed, "")?;
-        Ok(Some(live))
+        }
     }
 
-    /// Initialises. Whether that went well.
-    fn start(
-        &mut self,
-        live: &mut Live,
-        schedule: &Schedule,
-        changed: &[(u32, Value)],
-        when: &str,
-    ) -> io::Result<bool> {
+    /// Initialises.
+    fn start(&self, live: &mut Live, changed: &[(u32, Value)], when: &str) {
         self.at(&format!("the initialisation{when}"));
         let mut begin = || -> Result<(), Call> {
-            let instance = &mut live.instance;
+            let (instance, schedule) = (&mut live.instance, &self.schedule);
             instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
             for (reference, value) in changed {
                 instance.set(*reference, value)?;
@@ -275,12 +251,11 @@ impl Probe<'_> {
         let begun = begin();
         live.open = begun.is_ok();
         live.run.failure = begun.err().map(|call| call.to_string());
-        Ok(live.open)
     }
 
     /// Takes all steps, of several instances in turn.
-    fn steps(&mut self, lives: &mut [&mut Live], schedule: &Schedule) -> io::Result<()> {
-        let points = schedule.points();
+    fn steps(&self, lives: &mut [&mut Live]) {
+        let points = self.schedule.points();
         for index in 0..points.steps {
             let (time, next) = (points.at(index), points.at(index + 1));
             self.at(&format!("fmi2DoStep at {time} s"));
@@ -302,11 +277,10 @@ impl Probe<'_> {
                 live.open = run.failure.is_none() && run.ended.is_none();
             }
         }
-        Ok(())
     }
 
     /// Ends a simulation that was initialised.
-    fn terminate(&mut self, live: &mut Live, which: &str) -> io::Result<()> {
+    fn terminate(&self, live: &mut Live, which: &str) {
         let warnings = live.instance.warnings();
         live.run.warnings = warnings.count;
         live.run.first_warning = warnings.first;
@@ -317,11 +291,10 @@ impl Probe<'_> {
             });
             live.run.unfinished = live.instance.terminate().err().map(|call| call.to_string());
         }
-        Ok(())
     }
 
     /// Frees an instance, after what it showed has been written down.
-    fn free(&mut self, live: Option<Live>, which: &str) -> io::Result<()> {
+    fn free(&self, live: Option<Live>, which: &str) -> io::Result<()> {
         self.save()?;
         self.at(&format!("{which}fmi2FreeInstance"));
         drop(live);

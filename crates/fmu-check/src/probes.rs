@@ -1,16 +1,15 @@
 //! Short simulations of an FMU, each in a process of its own: alone, with fresh memory filled otherwise, after a reset,
 //! one after another, two at once, with half the step. What differs from the first, the FMU does not do by itself.
 
-use std::cell::OnceCell;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::child::{self, Outcome};
-use super::compare::{difference, largest_change};
-use super::hit::{Breach, Hit};
-use super::probe::{Life, Run, Setup};
-use super::{experiment, shown};
+use crate::child::{self, Outcome};
+use crate::compare::{difference, largest_change};
+use crate::hit::{Breach, Hit};
+use crate::probe::{Life, Run, Setup};
+use crate::{experiment, simulated};
 use fmu_import::isolation::watch::Snapshot;
 use fmu_import::{Description, Package, Variable};
 use tempfile::TempDir;
@@ -19,7 +18,7 @@ use tempfile::TempDir;
 const FILLS: [u8; 2] = [0x55, 0xaa];
 
 /// An FMU that is probed.
-pub(super) struct Probes<'a> {
+pub(crate) struct Probes<'a> {
     fmu: &'a Description,
     columns: Vec<&'a Variable>,
     setup: Setup,
@@ -28,13 +27,13 @@ pub(super) struct Probes<'a> {
     original: &'a Path,
     files: Snapshot,
     /// The first of these files that a probe was seen to change.
-    changed: OnceCell<PathBuf>,
+    changed: Option<PathBuf>,
     scratch: &'a Path,
 }
 
 impl<'a> Probes<'a> {
     /// Probes of the FMU unpacked in a folder; `scratch` is a folder for notes.
-    pub(super) fn new(
+    pub(crate) fn new(
         package: &'a Package,
         unpacked: &Path,
         scratch: &'a Path,
@@ -58,15 +57,15 @@ impl<'a> Probes<'a> {
             patience,
             original: package.path(),
             files: Snapshot::of(&setup.fmu),
-            changed: OnceCell::new(),
+            changed: None,
             scratch,
             setup,
         })
     }
 
-    fn run(&self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
-        let own = self.own_folder()?;
-        let fmu = own.as_ref().map_or(&*self.setup.fmu, TempDir::path);
+    fn run(&mut self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
+        let fresh = self.fresh_folder()?;
+        let fmu = fresh.as_ref().map_or(&*self.setup.fmu, TempDir::path);
         let setup = Setup {
             life,
             fmu: fmu.to_owned(),
@@ -77,7 +76,7 @@ impl<'a> Probes<'a> {
 
     /// A probe of an FMU that has ended in time alone. Where this one does not, the machine may be busy: it gets another
     /// chance before it is said to hang.
-    fn later(&self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
+    fn later(&mut self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
         const LONGER: u32 = 3;
         let timed_out = |outcome: &Outcome| outcome.fate.as_deref() == Some(child::TIMEOUT);
         let outcome = self.run(life, fill, self.patience)?;
@@ -96,31 +95,29 @@ impl<'a> Probes<'a> {
     }
 
     /// A newly unpacked FMU, where an earlier probe has changed the files of the first one.
-    fn own_folder(&self) -> io::Result<Option<TempDir>> {
+    fn fresh_folder(&mut self) -> io::Result<Option<TempDir>> {
         if self.changed_file().is_none() {
             return Ok(None);
         }
         let package = Package::open(self.original);
-        let own = package.and_then(|mut package| package.unpack_anew(self.scratch));
-        own.map(Some).map_err(io::Error::other)
+        let fresh = package.and_then(|mut package| package.unpack_anew(self.scratch));
+        fresh.map(Some).map_err(io::Error::other)
     }
 
     /// The first file of its own folder that the FMU has changed.
-    pub(super) fn changed_file(&self) -> Option<&Path> {
-        if self.changed.get().is_none() {
-            let place = self.files.difference(&Snapshot::of(&self.setup.fmu))?;
-            // Nobody else sets it.
-            let _ = self.changed.set(place);
+    pub(crate) fn changed_file(&mut self) -> Option<&Path> {
+        if self.changed.is_none() {
+            self.changed = self.files.difference(&Snapshot::of(&self.setup.fmu));
         }
-        let place = self.changed.get()?;
+        let place = self.changed.as_deref()?;
         Some(place.strip_prefix(&self.setup.fmu).unwrap_or(place))
     }
 
     /// All that the probes find. `described_well` says that the start values of the description count.
-    pub(super) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
+    pub(crate) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
         let (alone, refused) = self.alone()?;
-        let mut found = shown::remarks(self.fmu, alone.report.as_ref());
-        found.extend(refused);
+        let mut breaches = simulated::remarks(self.fmu, alone.report.as_ref());
+        breaches.extend(refused);
         let whole = match sound(&alone, 1) {
             Ok(runs) => &runs[0],
             Err(mut text) => {
@@ -131,32 +128,32 @@ impl<'a> Probes<'a> {
                     Some(report) if report.unloadable.is_some() => "binary-loads",
                     _ => "simulation-runs",
                 };
-                found.push((rule, Hit::plain(self.shortened(&text))));
-                return Ok(found);
+                breaches.push((rule, Hit::plain(self.shortened(&text))));
+                return Ok(breaches);
             }
         };
-        found.extend(shown::values(&self.columns, whole, described_well));
+        breaches.extend(simulated::values(&self.columns, whole, described_well));
         if let Some(fate) = &alone.fate {
             let text = format!("{} failed after a whole simulation: {fate}", alone.stage);
-            found.push(("life-ends", Hit::plain(text)));
-            return Ok(found);
+            breaches.push(("life-ends", Hit::plain(text)));
+            return Ok(breaches);
         }
         if let Some(text) = &whole.unfinished {
-            found.push((
+            breaches.push((
                 "life-ends",
                 Hit::plain(format!("the simulation is whole, but: {text}")),
             ));
         }
         let stable = self.memory(whole)?;
         let unstable = stable.is_some();
-        found.extend(stable);
+        breaches.extend(stable);
         if unstable {
             // Nothing can be compared with what differs by itself.
-            return Ok(found);
+            return Ok(breaches);
         }
-        found.extend(self.lives(whole)?);
-        found.extend(self.halved(whole)?);
-        Ok(found)
+        breaches.extend(self.lives(whole)?);
+        breaches.extend(self.halved(whole)?);
+        Ok(breaches)
     }
 
     /// One simulation. A step that the FMU refuses and does not suggest itself is replaced by another, with a note.
@@ -184,7 +181,7 @@ impl<'a> Probes<'a> {
     }
 
     /// Whether the values depend on memory that was never written, or on nothing that can be named.
-    fn memory(&self, whole: &Run) -> io::Result<Option<Breach>> {
+    fn memory(&mut self, whole: &Run) -> io::Result<Option<Breach>> {
         let [filled, again, other] =
             [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.later(Life::Alone, Some(fill)));
         let (filled, again, other) = (filled?, again?, other?);
@@ -212,30 +209,30 @@ impl<'a> Probes<'a> {
     }
 
     /// Whether other lives give the same values.
-    fn lives(&self, whole: &Run) -> io::Result<Vec<Breach>> {
+    fn lives(&mut self, whole: &Run) -> io::Result<Vec<Breach>> {
         let once = self
             .fmu
             .capabilities
             .can_be_instantiated_only_once_per_process;
-        let mut found = Vec::new();
+        let mut breaches = Vec::new();
         let reset = self.life(Life::Reset, whole)?;
         if reset.is_none() && !self.setup.changed.is_empty() {
-            found.extend(self.life(Life::Changed, whole)?);
+            breaches.extend(self.life(Life::Changed, whole)?);
         }
-        found.extend(reset);
+        breaches.extend(reset);
         if once {
-            return Ok(found);
+            return Ok(breaches);
         }
         let in_turn = self.life(Life::InTurn, whole)?;
         if in_turn.is_none() {
-            found.extend(self.life(Life::Together, whole)?);
+            breaches.extend(self.life(Life::Together, whole)?);
         }
-        found.extend(in_turn);
-        Ok(found)
+        breaches.extend(in_turn);
+        Ok(breaches)
     }
 
     /// The fault of two runs in one process, where one alone was `whole`.
-    fn life(&self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
+    fn life(&mut self, life: Life, whole: &Run) -> io::Result<Option<Breach>> {
         let reset = format!("{}Reset", self.fmu.standard.prefix());
         let (rule, what) = match life {
             Life::Reset => ("life-reset", format!("after {reset}")),
@@ -278,7 +275,7 @@ impl<'a> Probes<'a> {
     }
 
     /// How much half the step changes. It may: a note.
-    fn halved(&self, whole: &Run) -> io::Result<Option<Breach>> {
+    fn halved(&mut self, whole: &Run) -> io::Result<Option<Breach>> {
         const MUCH: f64 = 0.01;
         // Where it ends depends on the step that it refuses.
         if whole.ended.is_some() {

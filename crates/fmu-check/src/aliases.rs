@@ -1,10 +1,10 @@
 //! Variables that are one under several names: they have the same base type and value reference (FMI 2.0.5, section
 //! 2.2.7).
 
-use super::document::{Aliases, Document, Scalar};
+use crate::document::{Aliases, Document, Scalar};
 
 /// Only one of them can be set, and have a start value; they agree in constancy.
-pub(super) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let Aliases {
         first,
@@ -36,7 +36,7 @@ pub(super) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
 }
 
 /// They agree in their unit, too.
-pub(super) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let other = earlier.at(earlier.aliases.united)?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
@@ -45,7 +45,7 @@ pub(super) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 }
 
 /// One of them with a unit and another without.
-pub(super) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let other = earlier.at(Some(earlier.aliases.first))?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
@@ -56,7 +56,7 @@ pub(super) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Opti
 }
 
 /// They may change at the same times.
-pub(super) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let other = earlier.at(Some(earlier.aliases.first))?;
     let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);

@@ -1,27 +1,9 @@
 //! Numbers that cannot be right: of the experiment, and of single variables (FMI 2.0.5, sections 2.2.3, 2.2.5, 2.2.7).
 
-use super::document::{Document, NAME, Scalar};
-use super::hit::Hit;
-use fmu_import::description::About;
-use fmu_import::description::Kind;
-
-/// The reader's remarks of one kind.
-fn remarks(document: &Document<'_>, about: About) -> Vec<Hit> {
-    let remarks = document
-        .read
-        .remarks
-        .iter()
-        .filter(|remark| remark.about == about);
-    let hit = |remark: &fmu_import::Remark| Hit {
-        line: Some(remark.line),
-        ..Hit::of(NAME, remark.text.clone())
-    };
-    remarks.map(hit).collect()
-}
-
-pub(super) fn encoding(document: &Document<'_>) -> Vec<Hit> {
-    remarks(document, About::Encoding)
-}
+use crate::definitions::unit_missing;
+use crate::document::{Document, NAME, Scalar};
+use crate::hit::Hit;
+use fmu_import::Kind;
 
 /// The encoding in the XML declaration, where there is a declaration that names one.
 fn declared_encoding<'a>(document: &Document<'a>) -> Option<&'a str> {
@@ -34,89 +16,51 @@ fn declared_encoding<'a>(document: &Document<'a>) -> Option<&'a str> {
 }
 
 /// An encoding that FMI does not know.
-pub(super) fn other_encoding(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn other_encoding(document: &Document<'_>) -> Vec<Hit> {
     let other = declared_encoding(document).filter(|name| !name.eq_ignore_ascii_case("utf-8"));
-    let hit = |name| Hit::plain(format!("the encoding is {name}: save the file as UTF-8"));
-    other.map(hit).into_iter().collect()
+    let text = |name| format!("the encoding is {name}: save the file as UTF-8");
+    Vec::from_iter(other.map(|name| Hit::plain(text(name))))
 }
 
 /// A file that does not name its encoding.
-pub(super) fn no_encoding(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn no_encoding(document: &Document<'_>) -> Vec<Hit> {
     let text = "the first line does not name the encoding: begin with <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
     let missing = declared_encoding(document).is_none();
-    missing
-        .then(|| Hit::plain(text.to_owned()))
-        .into_iter()
-        .collect()
+    Vec::from_iter(missing.then(|| Hit::plain(text)))
 }
 
-pub(super) fn unreadable(document: &Document<'_>) -> Vec<Hit> {
-    remarks(document, About::Value)
-}
-
-pub(super) fn not_usable(document: &Document<'_>) -> Vec<Hit> {
-    remarks(document, About::Limit)
-}
-
-pub(super) fn left_out(document: &Document<'_>) -> Vec<Hit> {
-    remarks(document, About::Variable)
-}
-
-pub(super) fn names_twice(document: &Document<'_>) -> Vec<Hit> {
-    remarks(document, About::Name)
-}
-
-pub(super) fn version(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn version(document: &Document<'_>) -> Vec<Hit> {
     let version = &document.read.fmi_version;
     let text = format!("fmiVersion is {version}; FMI 2.0 is needed, which calls itself 2.0");
-    if version == "2.0" {
-        Vec::new()
-    } else {
-        vec![Hit::of(NAME, text)]
-    }
+    Vec::from_iter((version != "2.0").then(|| Hit::of(NAME, text)))
 }
 
 /// A finding about the experiment.
 fn experiment(text: Option<String>) -> Vec<Hit> {
-    let hit = |text| Hit::of(NAME, format!("DefaultExperiment: {text}"));
-    text.map(hit).into_iter().collect()
+    Vec::from_iter(text.map(|text| Hit::of(NAME, format!("DefaultExperiment: {text}"))))
 }
 
-pub(super) fn step(document: &Document<'_>) -> Vec<Hit> {
-    let step = document.read.default_experiment.step;
-    let wrong = step.filter(|step| !(*step > 0.0 && step.is_finite()));
-    experiment(wrong.map(|step| format!("stepSize is {step}; it must be greater than 0")))
+/// A number of the experiment that must be greater than 0.
+pub(crate) fn positive(name: &str, number: Option<f64>) -> Vec<Hit> {
+    let wrong = number.filter(|number| !(*number > 0.0 && number.is_finite()));
+    experiment(wrong.map(|number| format!("{name} is {number}; it must be greater than 0")))
 }
 
-pub(super) fn tolerance(document: &Document<'_>) -> Vec<Hit> {
-    let tolerance = document.read.default_experiment.tolerance;
-    let wrong = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite()));
-    experiment(
-        wrong.map(|tolerance| format!("tolerance is {tolerance}; it must be greater than 0")),
-    )
-}
-
-pub(super) fn stop(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn stop(document: &Document<'_>) -> Vec<Hit> {
     let times = document.read.default_experiment;
     let start = times.start.unwrap_or(0.0);
-    let wrong = times
-        .stop
-        .filter(|stop| *stop <= start || !(stop - start).is_finite());
+    let is_wrong = |stop: &f64| *stop <= start || !(stop - start).is_finite();
+    let wrong = times.stop.filter(is_wrong);
     experiment(
         wrong.map(|stop| format!("stopTime is {stop}; it must be later than startTime, {start}")),
     )
 }
 
-pub(super) fn long_step(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn long_step(document: &Document<'_>) -> Vec<Hit> {
     let times = document.read.default_experiment;
-    let length = times
-        .stop
-        .map(|stop| stop - times.start.unwrap_or(0.0))
-        .filter(|length| *length > 0.0);
-    let wrong = times
-        .step
-        .zip(length)
-        .filter(|(step, length)| step > length && step.is_finite());
+    let length = times.stop.map(|stop| stop - times.start.unwrap_or(0.0));
+    let is_wrong = |(step, length): &(f64, f64)| *length > 0.0 && step > length && step.is_finite();
+    let wrong = times.step.zip(length).filter(is_wrong);
     experiment(wrong.map(|(step, length)| {
         format!("stepSize is {step}, but the experiment lasts {length} s only: shorten the step")
     }))
@@ -137,7 +81,7 @@ fn numbers(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<[Option<f64>;
     }
 }
 
-pub(super) fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let [_, min, max] = numbers(scalar, document)?;
     let (min, max) = min.zip(max).filter(|(min, max)| min > max)?;
     Some(format!(
@@ -145,7 +89,7 @@ pub(super) fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
     ))
 }
 
-pub(super) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let [start, min, max] = numbers(scalar, document)?;
     let start = start?;
     let (bound, what) = match (min, max) {
@@ -158,13 +102,13 @@ pub(super) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
     ))
 }
 
-pub(super) fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let [start, ..] = numbers(scalar, document)?;
     let start = start.filter(|start| !start.is_finite())?;
     Some(format!("start is {start}: it must be a finite number"))
 }
 
-pub(super) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let Kind::Real { nominal, .. } = &document.read.variables.get(scalar.name)?.kind else {
         return None;
     };
@@ -175,7 +119,7 @@ pub(super) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<St
 }
 
 /// A variable may narrow the range of its type, not widen it.
-pub(super) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let declared = document.declared(scalar)?;
     let number = |text: &str| text.trim().parse::<f64>().ok();
     let both = |name| {
@@ -184,18 +128,18 @@ pub(super) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Optio
             number(declared.attribute(name)?)?,
         ))
     };
-    let (name, (own, of_type)) = [
-        ("min", both("min").filter(|(own, other)| own < other)),
-        ("max", both("max").filter(|(own, other)| own > other)),
+    let (name, (number, of_type)) = [
+        ("min", both("min").filter(|(number, other)| number < other)),
+        ("max", both("max").filter(|(number, other)| number > other)),
     ]
     .into_iter()
     .find_map(|(name, wrong)| Some((name, wrong?)))?;
     Some(format!(
-        "{name} {own} goes beyond its type's {name} of {of_type}: narrow it"
+        "{name} {number} goes beyond its type's {name} of {of_type}: narrow it"
     ))
 }
 
-pub(super) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let Kind::Enumeration { start, items } = &document.read.variables.get(scalar.name)?.kind else {
         return None;
     };
@@ -204,21 +148,19 @@ pub(super) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
     none.then(|| format!("start {start} is none of its type's items: choose one of them"))
 }
 
-pub(super) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let unit = document.effective(scalar, "unit")?;
-    let defined = document.read.units.get(unit).is_some();
-    (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    document.undefined_unit(document.effective(scalar, "unit")?)
 }
 
 /// A display unit says nothing without a unit.
-pub(super) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
     let alone = document.effective(scalar, "unit").is_none();
-    alone.then(|| format!("displayUnit \"{shown}\" without a unit: add the unit"))
+    alone.then(|| unit_missing(shown))
 }
 
 /// An undefined display unit is ignored, as the standard says.
-pub(super) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
     let unit = document.effective(scalar, "unit")?;
     let defined = document.read.units.get(unit)?;

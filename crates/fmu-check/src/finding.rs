@@ -1,14 +1,16 @@
 //! Findings of a check, and its rules.
 
+use fmu_import::description::About;
+use roxmltree::Node;
 use serde::Serialize;
 
-use super::document::{Document, Scalar};
-use super::hit::Hit;
+use crate::document::{Document, Scalar};
+use crate::hit::Hit;
 
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Severity {
+pub enum Severity {
     /// Good to know.
     Note,
     /// The standard does not forbid it, or it does no harm; but look at it.
@@ -18,7 +20,8 @@ pub(super) enum Severity {
 }
 
 impl Severity {
-    pub(super) fn word(self) -> &'static str {
+    /// `note`, `warning` or `error`.
+    pub fn word(self) -> &'static str {
         match self {
             Self::Note => "note",
             Self::Warning => "warning",
@@ -28,26 +31,32 @@ impl Severity {
 }
 
 /// One rule.
-pub(super) struct Rule {
+#[derive(Debug)]
+pub struct Rule {
     /// Its name, which stays the same from version to version.
-    pub(super) id: &'static str,
-    pub(super) severity: Severity,
+    pub id: &'static str,
+    /// How much a breach matters.
+    pub severity: Severity,
     /// Where it stands: the standard with its section, or the schema file.
-    pub(super) source: &'static str,
+    pub source: &'static str,
     /// The rule's demand.
-    pub(super) wants: &'static str,
-    pub(super) find: Find,
+    pub wants: &'static str,
+    pub(crate) find: Find,
 }
 
 /// Finds breaches of a rule.
-#[derive(Clone, Copy)]
-pub(super) enum Find {
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Find {
     /// Looks at the whole model description of FMI 2.0.
     Document(fn(&Document<'_>) -> Vec<Hit>),
     /// Looks at one of FMI 3.0.
     Three(fn(&Document<'_>) -> Vec<Hit>),
-    /// Looks at one of either version.
+    /// Looks at one variable of FMI 3.0.
+    Each(fn(Node<'_, '_>, &Document<'_>) -> Option<String>),
+    /// Looks at a whole one of either version.
     Either(fn(&Document<'_>) -> Vec<Hit>),
+    /// The reader of the model description remarks on it.
+    Remark(About),
     /// Looks at one variable of FMI 2.0. Of all such rules the first that finds something counts: others would only repeat it.
     Variable(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
     /// The archive or a simulation shows it while it is looked at.
@@ -55,7 +64,10 @@ pub(super) enum Find {
 }
 
 /// A breach with the rule that it breaks.
-pub(super) struct Finding {
-    pub(super) rule: &'static Rule,
-    pub(super) hit: Hit,
+#[derive(Debug)]
+pub struct Finding {
+    /// The rule.
+    pub rule: &'static Rule,
+    /// The breach.
+    pub hit: Hit,
 }

@@ -4,97 +4,78 @@ use std::collections::HashSet;
 
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
-use super::document::NAME;
-use super::exported::functions;
-use super::hit::{Breach, Hit};
-use super::structure::short;
+use crate::document::NAME;
+use crate::exported::functions;
+use crate::hit::{Breach, Hit};
+use crate::structure::short;
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
-pub(super) struct Found {
-    pub(super) findings: Vec<Breach>,
-    pub(super) fatal: bool,
+pub(crate) struct Faults {
+    pub(crate) findings: Vec<Breach>,
+    pub(crate) fatal: bool,
 }
 
-/// A platform: its folder, and the extension, format and machine of its binaries.
-type Platform = (&'static str, &'static str, BinaryFormat, Architecture);
+/// A platform: the folder, and the format and machine of its binaries.
+type Platform = (&'static str, BinaryFormat, Architecture);
 
 /// The platforms that a version names; in FMI 2.0 also aarch64 Linux and macOS as tools name them.
-fn platforms(version: Version) -> Vec<Platform> {
+fn platforms(version: Version) -> [Platform; 8] {
     use Architecture::{Aarch64, I386, X86_64};
+    use BinaryFormat::{Elf, MachO, Pe};
     let all = [
-        ("linux64", "x86_64-linux", "so", BinaryFormat::Elf, X86_64),
-        ("linux32", "x86-linux", "so", BinaryFormat::Elf, I386),
-        ("win64", "x86_64-windows", "dll", BinaryFormat::Pe, X86_64),
-        ("win32", "x86-windows", "dll", BinaryFormat::Pe, I386),
-        (
-            "darwin64",
-            "x86_64-darwin",
-            "dylib",
-            BinaryFormat::MachO,
-            X86_64,
-        ),
-        ("darwin32", "x86-darwin", "dylib", BinaryFormat::MachO, I386),
-        (
-            "aarch64-linux",
-            "aarch64-linux",
-            "so",
-            BinaryFormat::Elf,
-            Aarch64,
-        ),
-        (
-            "aarch64-darwin",
-            "aarch64-darwin",
-            "dylib",
-            BinaryFormat::MachO,
-            Aarch64,
-        ),
+        ("linux64", "x86_64-linux", Elf, X86_64),
+        ("linux32", "x86-linux", Elf, I386),
+        ("win64", "x86_64-windows", Pe, X86_64),
+        ("win32", "x86-windows", Pe, I386),
+        ("darwin64", "x86_64-darwin", MachO, X86_64),
+        ("darwin32", "x86-darwin", MachO, I386),
+        ("aarch64-linux", "aarch64-linux", Elf, Aarch64),
+        ("aarch64-darwin", "aarch64-darwin", MachO, Aarch64),
     ];
-    let of = |(two, three, extension, format, machine)| match version {
-        Version::Two => (two, extension, format, machine),
-        Version::Three => (three, extension, format, machine),
-    };
-    all.into_iter().map(of).collect()
+    all.map(|(two, three, format, machine)| match version {
+        Version::Two => (two, format, machine),
+        Version::Three => (three, format, machine),
+    })
 }
 
-const LIBRARY: &str = "binary-readable";
-const FUNCTIONS_THERE: &str = "binary-functions";
+/// The extension of a shared library.
+fn extension(format: BinaryFormat) -> &'static str {
+    match format {
+        BinaryFormat::Pe => "dll",
+        BinaryFormat::MachO => "dylib",
+        _ => "so",
+    }
+}
 
-pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
+pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     let entries = package.entries();
     let identifier = package.description().model_identifier.clone();
-    let mut found = Found {
-        findings: Vec::new(),
-        fatal: false,
-    };
+    let (mut findings, mut fatal) = (Vec::new(), false);
     for wrong in [OUTSIDE, BACKSLASH] {
         let those = entries.iter().filter(|entry| path(entry) == Some(wrong));
         let those: Vec<String> = those.cloned().collect();
         if !those.is_empty() {
-            found.findings.push((
-                "archive-path",
-                Hit::plain(format!("{}: {wrong}", short(&those))),
-            ));
-            found.fatal = true;
+            let text = format!("{}: {wrong}", short(&those));
+            findings.push(("archive-path", Hit::plain(text)));
+            fatal = true;
         }
     }
-    if found.fatal {
-        return Ok(found);
+    if fatal {
+        return Ok(Faults { findings, fatal });
     }
     if !is_identifier(&identifier) {
         let text = format!(
             "modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"
         );
-        found
-            .findings
-            .push(("model-identifier", Hit::of(NAME, text)));
+        findings.push(("model-identifier", Hit::of(NAME, text)));
     }
     let version = package.description().standard;
     for platform in platforms(version) {
         let wrong = of_platform(package, &entries, &identifier, platform)?;
-        found.fatal |= wrong.is_some() && platform.0 == version.platform();
+        fatal |= wrong.is_some() && platform.0 == version.platform();
         if let Some(breach) = wrong {
-            add(&mut found.findings, breach, platform.0);
+            add(&mut findings, breach, platform.0);
         }
     }
     let twice = package.entries_twice();
@@ -103,11 +84,9 @@ pub(super) fn broken(package: &mut Package) -> Result<Found, FmuError> {
             "two entries of each of these names: {}: remove one",
             short(twice)
         );
-        found
-            .findings
-            .push(("archive-entry-unique", Hit::plain(text)));
+        findings.push(("archive-entry-unique", Hit::plain(text)));
     }
-    Ok(found)
+    Ok(Faults { findings, fatal })
 }
 
 /// Adds a breach, or the platform to the one of the same rule: a wrong name is wrong on all platforms.
@@ -123,9 +102,9 @@ fn of_platform(
     package: &mut Package,
     entries: &[String],
     identifier: &str,
-    (platform, extension, format, machine): Platform,
+    (platform, format, machine): Platform,
 ) -> Result<Option<Breach>, FmuError> {
-    let folder = format!("binaries/{platform}/");
+    let (folder, extension) = (format!("binaries/{platform}/"), extension(format));
     let binaries: Vec<&str> = entries
         .iter()
         .filter_map(|entry| entry.strip_prefix(&folder))
@@ -140,8 +119,12 @@ fn of_platform(
     if let Some(file) = binaries.iter().find(alike) {
         let name = format!("{folder}{file}");
         return match package.bytes_of(&name) {
-            Ok(bytes) => Ok(binary(&bytes, package.description(), format, machine)
-                .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
+            Ok(bytes) => {
+                let sound = sound(&bytes, package.description(), format, machine);
+                Ok(sound
+                    .err()
+                    .map(|(rule, wrong)| (rule, Hit::of(&name, wrong))))
+            }
             Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
                 Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
             }
@@ -191,26 +174,23 @@ fn is_identifier(name: &str) -> bool {
     name.chars().all(word) && !name.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// Faults of a binary by itself.
-fn binary(
+/// Whether a binary by itself is sound, or which rule it breaks.
+fn sound(
     bytes: &[u8],
     fmu: &Description,
     format: BinaryFormat,
     machine: Architecture,
-) -> Option<(&'static str, String)> {
+) -> Result<(), (&'static str, String)> {
     // A macOS library for several machines holds one for each.
     if format == BinaryFormat::MachO && bytes.starts_with(&[0xca, 0xfe, 0xba, 0xbe]) {
-        return None;
+        return Ok(());
     }
-    let file = match object::File::parse(bytes) {
-        Ok(file) => file,
-        Err(error) => {
-            return Some((
-                LIBRARY,
-                format!("no shared library ({error}): build the binary anew"),
-            ));
-        }
-    };
+    let unreadable = |text| ("binary-readable", text);
+    let file = object::File::parse(bytes).map_err(|error| {
+        unreadable(format!(
+            "no shared library ({error}): build the binary anew"
+        ))
+    })?;
     if (file.format(), file.architecture()) != (format, machine) {
         let text = format!(
             "a binary for {:?} in {:?} format, not for {machine:?} in {format:?}: put it into the folder of its \
@@ -218,17 +198,13 @@ fn binary(
             file.architecture(),
             file.format()
         );
-        return Some(("binary-machine", text));
+        return Err(("binary-machine", text));
     }
-    let exports = match exports(&file) {
-        Ok(exports) => exports,
-        Err(error) => {
-            return Some((
-                LIBRARY,
-                format!("its functions cannot be read ({error}): build it anew"),
-            ));
-        }
-    };
+    let exports = exports(&file).map_err(|error| {
+        unreadable(format!(
+            "its functions cannot be read ({error}): build it anew"
+        ))
+    })?;
     // macOS puts an underscore before the names of C.
     let has = |name: &str| exports.contains(name) || exports.contains(&format!("_{name}"));
     let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
@@ -238,29 +214,28 @@ fn binary(
         .map(|name| format!("{prefix}{name}"))
         .filter(|name| !has(name))
         .collect();
-    if absent.len() == functions.len() {
+    if absent.is_empty() {
+        return Ok(());
+    }
+    let text = if absent.len() < functions.len() {
+        let absent = short(&absent);
+        format!("the binary does not export {absent}: every function of FMI {number} must be there")
+    } else {
         let step = match fmu.interface {
             Interface::CoSimulation => format!("{prefix}DoStep"),
             Interface::ModelExchange => format!("{prefix}SetTime"),
         };
-        let prefixed = exports
-            .iter()
-            .find(|export| export.ends_with(&format!("_{step}")));
-        let text = prefixed.map_or_else(
-            || format!("the binary exports none of the functions of FMI {number}: export them"),
-            |name| {
-                format!("the binary exports {name} instead of {step}: build it without a prefix of the functions")
-            },
-        );
-        return Some((FUNCTIONS_THERE, text));
-    }
-    (!absent.is_empty()).then(|| {
-        let absent = short(&absent);
-        let text = format!(
-            "the binary does not export {absent}: every function of FMI {number} must be there"
-        );
-        (FUNCTIONS_THERE, text)
-    })
+        let end = format!("_{step}");
+        match exports.iter().find(|export| export.ends_with(&end)) {
+            Some(name) => format!(
+                "the binary exports {name} instead of {step}: build it without a prefix of the functions"
+            ),
+            None => {
+                format!("the binary exports none of the functions of FMI {number}: export them")
+            }
+        }
+    };
+    Err(("binary-functions", text))
 }
 
 /// The names that a library exports.

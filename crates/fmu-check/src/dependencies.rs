@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::document::{Document, Scalar, at};
-use super::hit::Hit;
-use super::structure::{position, states, structure, unknowns};
+use crate::document::{Document, Scalar, at};
+use crate::hit::Hit;
+use crate::structure::{listed, scalar_of, states};
 
 const LISTS: [&str; 3] = ["Outputs", "Derivatives", "InitialUnknowns"];
 
@@ -15,7 +15,7 @@ const KINDS: [&str; 2] = ["dependent", "constant"];
 const LATER_KINDS: [&str; 3] = ["fixed", "tunable", "discrete"];
 
 /// Dependencies are on variables, with a kind each where kinds are given.
-pub(super) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
     every(document, |name, unknown| {
         let strange = dependencies_on(unknown)
             .find(|(_, place)| place.is_none_or(|place| place >= document.scalars.len()));
@@ -59,7 +59,7 @@ fn kinds(list: &str, unknown: Node<'_, '_>) -> Option<String> {
 }
 
 /// Dependencies are sorted by index, each there once.
-pub(super) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
     every(document, |_, unknown| {
         let places: Vec<usize> = dependencies_on(unknown)
             .filter_map(|(_, place)| place)
@@ -74,10 +74,9 @@ pub(super) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Only Reals depend on something by a factor.
-pub(super) fn factors(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
     let wrong = every(document, |_, unknown| {
-        let scalar =
-            document.scalars[position(unknown.attribute("index")?, &document.scalars)?].as_ref()?;
+        let scalar = scalar_of(document, unknown.attribute("index")?)?;
         let kinds = unknown.attribute("dependenciesKind")?;
         let factor = kinds.split_whitespace().find(|kind| *kind != "dependent")?;
         let (name, kind) = (scalar.name, scalar.kind());
@@ -91,7 +90,7 @@ pub(super) fn factors(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Dependencies are on variables that are known: not on what is computed itself.
-pub(super) fn unknown(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn unknown(document: &Document<'_>) -> Vec<Hit> {
     let states = states(document);
     let wrong = every(document, |name, unknown| {
         let computed = dependencies_on(unknown).find_map(|(_, place)| {
@@ -127,11 +126,9 @@ fn every(
 ) -> Vec<Hit> {
     let mut hits = Vec::new();
     for name in LISTS {
-        let listed = structure(document)
-            .into_iter()
-            .flat_map(|node| unknowns(node, name));
         hits.extend(
-            listed.filter_map(|node| Some(at(node, &format!("{name}: {}", wrong(name, node)?)))),
+            listed(document, name)
+                .filter_map(|node| Some(at(node, format!("{name}: {}", wrong(name, node)?)))),
         );
     }
     hits

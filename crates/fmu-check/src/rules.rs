@@ -1,9 +1,13 @@
 //! All rules of a check, a line each. A new rule is a function and a line here.
 
-use super::finding::Find::{Document, Either, Elsewhere, Three, Variable};
-use super::finding::Severity::{Error, Note, Warning};
-use super::finding::{Find, Rule, Severity};
-use super::{
+use fmu_import::description::About;
+
+use crate::definitions::alike;
+use crate::finding::Find::{Document, Each, Either, Elsewhere, Remark, Three, Variable};
+use crate::finding::Severity::{Error, Note, Warning};
+use crate::finding::{Find, Rule, Severity};
+use crate::values::positive;
+use crate::{
     aliases, definitions, dependencies, names, schema, structure, three, values, variables,
 };
 
@@ -28,18 +32,20 @@ const MODEL: &str = "fmi2ModelDescription.xsd";
 const SCALAR: &str = "fmi2ScalarVariable.xsd";
 const TYPE: &str = "fmi2Type.xsd";
 
-/// The rule of this name.
-pub(super) fn named(id: &str) -> Option<&'static Rule> {
-    RULES.iter().find(|rule| rule.id == id)
+/// The rule of this name, which one of the files of this crate writes.
+pub(crate) fn named(id: &str) -> &'static Rule {
+    let rule = RULES.iter().find(|rule| rule.id == id);
+    rule.unwrap_or_else(|| panic!("there is no rule `{id}`"))
 }
 
 #[rustfmt::skip]
-pub(super) static RULES: &[Rule] = &[
+/// All rules, in the order of their findings.
+pub static RULES: &[Rule] = &[
     // The needs of any simulation.
     rule("description-readable", Error, "FMI 2.0.5, 2.2", "modelDescription.xml is well-formed and one of FMI 2.0 or 3.0 for Co-Simulation", Elsewhere),
     rule("archive-readable", Error, "FMI 2.0.5, 2.3", "the FMU is a sound zip archive with modelDescription.xml at its top", Elsewhere),
     // The schema.
-    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Either(values::encoding)),
+    rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Remark(About::Encoding)),
     rule("xml-utf-8", Error, "FMI 2.0.5, 2.2", "the encoding is UTF-8", Either(values::other_encoding)),
     rule("xml-declaration", Warning, "FMI 2.0.5, 2.2", "the first line names the encoding", Either(values::no_encoding)),
     rule("schema-namespace", Error, MODEL, "the elements of FMI 2.0 are in no namespace", Document(schema::namespace)),
@@ -52,31 +58,31 @@ pub(super) static RULES: &[Rule] = &[
     rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Document(schema::empty_lists)),
     rule("schema-type-missing", Error, TYPE, "a SimpleType says of which type it is", Document(schema::typeless)),
     rule("schema-value", Error, MODEL, "values of their attribute's type", Document(schema::values)),
-    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Either(values::unreadable)),
-    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Either(values::left_out)),
+    rule("schema-value-read", Error, MODEL, "values of their attribute's type", Remark(About::Value)),
+    rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Remark(About::Variable)),
     // The definitions.
     rule("version", Error, "FMI 2.0.5, 2.2.1", "fmiVersion is 2.0", Document(values::version)),
     rule("date", Error, "FMI 2.0.5, 2.2.1", "generationDateAndTime is an xs:dateTime", Either(definitions::date)),
     rule("naming-convention", Error, "FMI 2.0.5, 2.2.1", "variableNamingConvention is flat or structured", Either(names::convention)),
     rule("structured-name", Error, "FMI 2.0.5, 2.2.9", "structured names follow the grammar", Document(names::structured)),
-    rule("unit-unique", Error, "FMI 2.0.5, 2.2.2", "units have names of their own", Either(definitions::units)),
-    rule("display-unit-unique", Error, "FMI 2.0.5, 2.2.2", "display units of a unit have names of their own", Either(definitions::display_units)),
+    rule("unit-unique", Error, "FMI 2.0.5, 2.2.2", "units have names of their own", Either(|d| alike(d, "UnitDefinitions/Unit", &["name"]))),
+    rule("display-unit-unique", Error, "FMI 2.0.5, 2.2.2", "display units of a unit have names of their own", Either(|d| alike(d, "UnitDefinitions/Unit/DisplayUnit", &["name"]))),
     rule("unit-factor", Error, "FMI 2.0.5, 2.2.2", "a factor is not zero", Either(definitions::factors)),
-    rule("type-unique", Error, "FMI 2.0.5, 2.2.3", "types have names of their own", Document(definitions::types)),
+    rule("type-unique", Error, "FMI 2.0.5, 2.2.3", "types have names of their own", Document(|d| alike(d, "TypeDefinitions/SimpleType", &["name"]))),
     rule("type-name", Error, "FMI 2.0.5, 2.2.3", "a type is not called as a variable", Document(definitions::types_and_variables)),
     rule("type-attributes", Error, "FMI 2.0.5, 2.2.3", "a type's range and units make sense", Document(definitions::type_attributes)),
-    rule("item-unique", Error, "FMI 2.0.5, 2.2.3", "items have names and values of their own", Document(definitions::items)),
-    rule("category-unique", Error, "FMI 2.0.5, 2.2.4", "log categories have names of their own", Either(definitions::categories)),
-    rule("step-size-positive", Error, "FMI 2.0.5, 2.2.5", "stepSize is greater than 0", Either(values::step)),
-    rule("tolerance-positive", Error, "FMI 2.0.5, 2.2.5", "tolerance is greater than 0", Either(values::tolerance)),
+    rule("item-unique", Error, "FMI 2.0.5, 2.2.3", "items have names and values of their own", Document(|d| alike(d, "TypeDefinitions/SimpleType/*/Item", &["name", "value"]))),
+    rule("category-unique", Error, "FMI 2.0.5, 2.2.4", "log categories have names of their own", Either(|d| alike(d, "LogCategories/Category", &["name"]))),
+    rule("step-size-positive", Error, "FMI 2.0.5, 2.2.5", "stepSize is greater than 0", Either(|d| positive("stepSize", d.read.default_experiment.step))),
+    rule("tolerance-positive", Error, "FMI 2.0.5, 2.2.5", "tolerance is greater than 0", Either(|d| positive("tolerance", d.read.default_experiment.tolerance))),
     rule("stop-after-start", Error, "FMI 2.0.5, 2.2.5", "stopTime is later than startTime", Either(values::stop)),
     rule("step-within", Warning, "FMI 2.0.5, 2.2.5", "stepSize is not longer than the experiment", Either(values::long_step)),
-    rule("tool-unique", Error, "FMI 2.0.5, 2.2.6", "annotations are of a tool each", Document(definitions::tools)),
-    rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(definitions::source_files)),
+    rule("tool-unique", Error, "FMI 2.0.5, 2.2.6", "annotations are of a tool each", Document(|d| [alike(d, "VendorAnnotations/Tool", &["name"]), alike(d, "ModelVariables/ScalarVariable/Annotations/Tool", &["name"])].concat())),
+    rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(|d| alike(d, "CoSimulation/SourceFiles/File", &["name"]))),
     rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
     rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
     // Variables.
-    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Either(values::names_twice)),
+    rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Remark(About::Name)),
     rule("independent-single", Error, "FMI 2.0.5, 2.2.7", "one independent variable", Document(variables::independents)),
     rule("name-legal", Error, "FMI 2.0.5, 2.2.9", "a name is not empty, without line breaks and tabs", Variable(names::legal)),
     rule("variability", Error, "FMI 2.0.5, 2.2.7", "causality and variability go together", Variable(variables::kind)),
@@ -151,27 +157,41 @@ pub(super) static RULES: &[Rule] = &[
     rule("life-again", Error, "FMI 2.0.5, 2.1.5", "a second instance is as the first", Elsewhere),
     rule("life-instances", Error, "FMI 2.0.5, 4.3.1", "several instances do not disturb each other, or canBeInstantiatedOnlyOncePerProcess is set", Elsewhere),
     rule("step-size", Note, "FMI 2.0.5, 4.2.2", "the communication step hardly changes the values", Elsewhere),
-    // What FMI 3.0 writes in its own way.
+    // Rules of FMI 3.0 alone.
     rule("three-token", Error, "FMI 3.0.2, 2.4", "instantiationToken is there", Three(three::token)),
-    rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(three::serialized_states)),
-    rule("three-type", Error, "FMI 3.0.2, 2.4.7", "a variable is of a type of FMI 3.0", Three(three::types)),
-    rule("display-unit-usable", Note, "FMI 3.0.2, 2.4.3", "every display unit can be used here", Three(values::not_usable)),
-    rule("three-usable", Note, "FMI 3.0.2, 2.4.7", "every variable can be set or judged here", Three(three::unusable)),
+    rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(definitions::serialized_states)),
+    rule("three-type", Error, "FMI 3.0.2, 2.4.7", "a variable is of a type of FMI 3.0", Each(three::types)),
+    rule("display-unit-usable", Note, "FMI 3.0.2, 2.4.3", "every display unit can be used here", Remark(About::Limit)),
+    rule("three-usable", Note, "FMI 3.0.2, 2.4.7", "every variable can be set or judged here", Each(three::unusable)),
     rule("three-reference", Error, "FMI 3.0.2, 2.4.7", "a value reference is that of one variable", Three(three::references)),
     rule("three-independent", Error, "FMI 3.0.2, 2.4.7", "one independent variable, a float without a start value", Three(three::independent)),
-    rule("three-start", Error, "FMI 3.0.2, 2.4.7", "what is set or exact has a start value, what is calculated has none", Three(three::starts)),
+    rule("three-start", Error, "FMI 3.0.2, 2.4.7", "what is set or exact has a start value, what is calculated has none", Each(three::starts)),
     rule("three-range", Error, "FMI 3.0.2, 2.4.7", "min, start and max do not contradict each other", Three(three::ranges)),
     rule("three-declared", Error, "FMI 3.0.2, 2.4.7", "declaredType and unit are defined", Three(three::declared)),
     rule("three-dimension", Error, "FMI 3.0.2, 2.4.7", "a dimension is a number, or a structural parameter or constant of type UInt64", Three(three::dimensions)),
-    rule("three-name", Error, "FMI 3.0.2, 2.4.1", "a name is not empty", Three(three::definitions::empty_names)),
-    rule("three-type-unique", Error, "FMI 3.0.2, 2.4.5", "types have names of their own", Three(three::definitions::types)),
-    rule("three-item-unique", Error, "FMI 3.0.2, 2.4.5", "items have names and values of their own", Three(three::definitions::items)),
-    rule("three-variability", Error, "FMI 3.0.2, 2.4.7", "causality, variability and type go together", Three(three::kinds::variabilities)),
-    rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Three(three::kinds::initial_values)),
-    rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Three(three::kinds::not_finite)),
-    rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::kinds::derivatives)),
-    rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::kinds::clocks)),
-    rule("three-lists", Error, "FMI 3.0.2, 2.4.8", "ModelStructure has each element once, with a kind for each dependency where kinds are given", Three(three::kinds::structure)),
+    rule("three-name", Error, "FMI 3.0.2, 2.4.1", "a name is not empty", Three(three::empty_names)),
+    rule("three-type-unique", Error, "FMI 3.0.2, 2.4.5", "types have names of their own", Three(|d| alike(d, "TypeDefinitions/*", &["name"]))),
+    rule("three-item-unique", Error, "FMI 3.0.2, 2.4.5", "items have names and values of their own", Three(|d| alike(d, "TypeDefinitions/EnumerationType/Item", &["name", "value"]))),
+    rule("three-variability", Error, "FMI 3.0.2, 2.4.7", "causality, variability and type go together", Each(three::variabilities)),
+    rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Each(three::initial_values)),
+    rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Each(three::not_finite)),
+    rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::derivatives)),
+    rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::clocks)),
+    rule("three-lists", Error, "FMI 3.0.2, 2.4.8", "ModelStructure has each element once, with a kind for each dependency where kinds are given", Three(three::lists)),
     rule("three-outputs", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists every output, and only outputs", Three(three::outputs)),
     rule("three-structure", Error, "FMI 3.0.2, 2.4.8", "ModelStructure refers to variables", Three(three::structure)),
 ];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn each_rule_has_a_name_of_its_own() {
+        let names: HashSet<&str> = RULES.iter().map(|rule| rule.id).collect();
+        assert_eq!(names.len(), RULES.len());
+        assert_eq!(named("range").wants, "max is not less than min");
+    }
+}

@@ -4,7 +4,7 @@ use fmu_import::{Causality, Description, Handle, Kind, Value, Variability, Varia
 use fmu_points::task::Schedule;
 
 /// All outputs and parameters; without outputs, local variables.
-pub(super) fn columns(fmu: &Description) -> Vec<&Variable> {
+pub(crate) fn columns(fmu: &Description) -> Vec<&Variable> {
     const LOCALS: usize = 100;
     let mut columns: Vec<&Variable> = fmu.with(Causality::Output).collect();
     if columns.is_empty() {
@@ -26,7 +26,7 @@ pub(super) fn columns(fmu: &Description) -> Vec<&Variable> {
 const STEPS: f64 = 10.0;
 
 /// A few steps of the suggested experiment, or of another where that is of no use.
-pub(super) fn schedule(fmu: &Description) -> Schedule {
+pub(crate) fn schedule(fmu: &Description) -> Schedule {
     let mut schedule = Schedule::suggested(fmu);
     let passes = schedule.stop > schedule.start;
     if !passes {
@@ -41,7 +41,7 @@ pub(super) fn schedule(fmu: &Description) -> Schedule {
 }
 
 /// The same number of steps, of another size.
-pub(super) fn with_step(schedule: Schedule, step: f64) -> Schedule {
+pub(crate) fn with_step(schedule: Schedule, step: f64) -> Schedule {
     Schedule {
         step,
         stop: schedule.start + STEPS * step,
@@ -50,7 +50,7 @@ pub(super) fn with_step(schedule: Schedule, step: f64) -> Schedule {
 }
 
 /// Other values of real parameters: a little more than the start, within the range.
-pub(super) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
+pub(crate) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
     const MORE: f64 = 1.01;
     let parameters = fmu
         .with(Causality::Parameter)

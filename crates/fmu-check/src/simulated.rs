@@ -1,24 +1,24 @@
 //! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
-use super::compare::number;
-use super::hit::{Breach, Hit};
-use super::probe::{Report, Run};
-use super::structure::short;
+use crate::compare::number;
+use crate::hit::{Breach, Hit};
+use crate::probe::{Report, Run};
+use crate::structure::short;
 use fmu_import::{Causality, Description, Variable, Version};
 
 /// The FMU's declarations and remarks, apart from its values.
-pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
-    let mut found = Vec::new();
-    let mut tell = |rule, text: String| found.push((rule, Hit::plain(text)));
+pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
+    let mut breaches = Vec::new();
+    let mut tell = |rule, text: String| breaches.push((rule, Hit::plain(text)));
     if fmu.capabilities.needs_execution_tool {
         let text = "it needs the tool that wrote it (needsExecutionTool)";
         tell("execution-tool", text.to_owned());
     }
     let Some(report) = report else {
-        return found;
+        return breaches;
     };
     let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
-    for (rule, function, usual, own) in [
+    for (rule, function, usual, told) in [
         ("binary-version", "GetVersion", number, &report.version),
         (
             "binary-types",
@@ -29,11 +29,11 @@ pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
     ] {
         let function = format!("{prefix}{function}");
         // FMI 3.0.1 and 3.0.2 are 3.0, too.
-        let same = |own: &str| match fmu.standard {
-            Version::Two => own == usual,
-            Version::Three => own.starts_with(usual),
+        let same = |told: &str| match fmu.standard {
+            Version::Two => told == usual,
+            Version::Three => told.starts_with(usual),
         };
-        if let Some(other) = own.as_deref().filter(|own| !same(own)) {
+        if let Some(other) = told.as_deref().filter(|told| !same(told)) {
             let text = format!(
                 "{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers"
             );
@@ -70,13 +70,13 @@ pub(super) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
             tell("early-end", text);
         }
     }
-    found
+    breaches
 }
 
 /// Values that cannot be right: infinite ones, ones beyond their range, and, where the description counts, start values
 /// that are not the binary's.
-pub(super) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
-    let (mut found, mut infinite) = (Vec::new(), Vec::new());
+pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
+    let (mut breaches, mut infinite) = (Vec::new(), Vec::new());
     for (place, variable) in columns.iter().enumerate() {
         let rows = run.rows.iter();
         let values = rows.filter_map(|row| number(row[place], variable));
@@ -87,19 +87,19 @@ pub(super) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> 
         if let Some(value) = values.clone().skip(1).find(|value| !value.is_finite()) {
             infinite.push(format!("{} is {value}", variable.name));
         }
-        found.extend(beyond(variable, values));
+        breaches.extend(beyond(variable, values));
     }
     if !infinite.is_empty() {
         let text = format!(
             "{} in a simulation: no criterion can use it",
             short(&infinite)
         );
-        found.push(("output-finite", Hit::plain(text)));
+        breaches.push(("output-finite", Hit::plain(text)));
     }
     if described_well {
-        found.extend(other_starts(columns, run));
+        breaches.extend(other_starts(columns, run));
     }
-    found
+    breaches
 }
 
 /// Parameters that the binary starts with another value than the description says.
@@ -119,13 +119,13 @@ fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
         })
         .collect();
     let text = || format!("{}: correct the description or the binary", short(&others));
-    (!others.is_empty()).then(|| ("start-agrees", Hit::of(super::document::NAME, text())))
+    (!others.is_empty()).then(|| ("start-agrees", Hit::of(crate::document::NAME, text())))
 }
 
 /// A variable that leaves the range that the FMU declares for it.
 fn beyond(variable: &Variable, values: impl Iterator<Item = f64> + Clone) -> Option<Breach> {
     let (min, max) = variable.kind.range();
-    // A range that is none is a finding of its own.
+    // A range that is none is a finding of its told.
     if min.zip(max).is_some_and(|(min, max)| min > max) {
         return None;
     }

@@ -1,14 +1,16 @@
 //! Rules about model descriptions of FMI 3.0 (sections 2.4 to 2.4.8).
 
-pub(super) mod definitions;
-pub(super) mod kinds;
+mod kinds;
 
+pub(crate) use kinds::{
+    clocks, derivatives, initial_values, not_finite, structure as lists, variabilities,
+};
 use std::collections::{HashMap, HashSet};
 
 use roxmltree::Node;
 
-use super::document::{Document, at, elements, named};
-use super::hit::Hit;
+use crate::document::{Document, at, elements, named};
+use crate::hit::Hit;
 use fmu_import::Kind;
 
 /// The variables in their order.
@@ -26,13 +28,16 @@ fn reference(node: Node<'_, '_>) -> Option<u32> {
 }
 
 /// A finding at each variable where `wrong` says something.
-fn of_each(document: &Document<'_>, wrong: impl Fn(Node<'_, '_>) -> Option<String>) -> Vec<Hit> {
+pub(crate) fn of_each(
+    document: &Document<'_>,
+    wrong: impl Fn(Node<'_, '_>) -> Option<String>,
+) -> Vec<Hit> {
     variables(document)
-        .filter_map(|node| Some(at(node, &format!("{}: {}", name(node), wrong(node)?))))
+        .filter_map(|node| Some(at(node, format!("{}: {}", name(node), wrong(node)?))))
         .collect()
 }
 
-pub(super) fn token(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn token(document: &Document<'_>) -> Vec<Hit> {
     if !document.read.guid.is_empty() {
         return Vec::new();
     }
@@ -40,57 +45,38 @@ pub(super) fn token(document: &Document<'_>) -> Vec<Hit> {
     vec![at(document.root, text)]
 }
 
-pub(super) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
-    let capabilities = &document.read.capabilities;
-    if !capabilities.can_serialize_fmu_state || capabilities.can_get_and_set_fmu_state {
-        return Vec::new();
-    }
-    let text = "canSerializeFMUState without canGetAndSetFMUState: set both or none";
-    let parts = ["CoSimulation", "ModelExchange"];
-    let parts = parts
-        .into_iter()
-        .flat_map(|part| named(document.root, part));
-    parts.take(1).map(|node| at(node, text)).collect()
+pub(crate) fn empty_names(document: &Document<'_>) -> Vec<Hit> {
+    let all = document.root.descendants();
+    let nameless = all.filter(|node| node.attribute("name").is_some_and(str::is_empty));
+    nameless
+        .map(|node| {
+            let element = node.tag_name().name();
+            at(node, format!("{element}: an empty name: give it one"))
+        })
+        .collect()
 }
 
 /// The types that are known, usable or not.
-const TYPES: [&str; 15] = [
-    "Float32",
-    "Float64",
-    "Int8",
-    "UInt8",
-    "Int16",
-    "UInt16",
-    "Int32",
-    "UInt32",
-    "Int64",
-    "UInt64",
-    "Boolean",
-    "String",
-    "Enumeration",
-    "Binary",
-    "Clock",
-];
+const TYPES: &str = "Float32 Float64 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String Enumeration Binary \
+    Clock";
 
-pub(super) fn types(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        let kind = node.tag_name().name();
-        (!TYPES.contains(&kind))
-            .then(|| format!("FMI 3.0 has no type `{kind}`: use one of its own"))
-    })
+pub(crate) fn types(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
+    let kind = node.tag_name().name();
+    TYPES
+        .split(' ')
+        .all(|known| known != kind)
+        .then(|| format!("FMI 3.0 has no type `{kind}`: use one of its own"))
 }
 
-pub(super) fn unusable(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        // Unknown types and sizes are errors of other rules.
-        let is_other = matches!(node.tag_name().name(), "Binary" | "Clock");
-        let why = document.read.unusable.get(name(node));
-        let why = why.filter(|why| is_other || why.contains("more than"))?;
-        Some(format!("it cannot be set or judged here: {why}"))
-    })
+pub(crate) fn unusable(node: Node<'_, '_>, document: &Document<'_>) -> Option<String> {
+    // Unknown types and sizes are errors of other rules.
+    let is_other = matches!(node.tag_name().name(), "Binary" | "Clock");
+    let why = document.read.unusable.get(name(node));
+    let why = why.filter(|why| is_other || why.contains("more than"))?;
+    Some(format!("it cannot be set or judged here: {why}"))
 }
 
-pub(super) fn references(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn references(document: &Document<'_>) -> Vec<Hit> {
     let mut known: HashMap<u32, &str> = HashMap::new();
     let mut hits = Vec::new();
     for node in variables(document) {
@@ -102,13 +88,13 @@ pub(super) fn references(document: &Document<'_>) -> Vec<Hit> {
                 "{}: valueReference {reference} is {other}'s, too: give each its own, or use Alias",
                 name(node)
             );
-            hits.push(at(node, &text));
+            hits.push(at(node, text));
         }
     }
     hits
 }
 
-pub(super) fn independent(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn independent(document: &Document<'_>) -> Vec<Hit> {
     let is = |node: &Node<'_, '_>| node.attribute("causality") == Some("independent");
     let all: Vec<Node<'_, '_>> = variables(document).filter(is).collect();
     let [one] = all[..] else {
@@ -116,40 +102,38 @@ pub(super) fn independent(document: &Document<'_>) -> Vec<Hit> {
             "{} independent variables: FMI 3.0 wants one, usually `time`",
             all.len()
         );
-        return vec![at(document.root, &text)];
+        return vec![at(document.root, text)];
     };
     let is_float = matches!(one.tag_name().name(), "Float32" | "Float64");
     if is_float && !one.has_attribute("start") {
         return Vec::new();
     }
     let text = format!("{}: the time is a float without a start value", name(one));
-    vec![at(one, &text)]
+    vec![at(one, text)]
 }
 
-pub(super) fn starts(document: &Document<'_>) -> Vec<Hit> {
-    of_each(document, |node| {
-        let causality = node.attribute("causality").unwrap_or("local");
-        // The time has a rule of its own.
-        if node.tag_name().name() == "Clock" || causality == "independent" {
-            return None;
-        }
-        let initial = kinds::initial(node);
-        let given = node.has_attribute("start") || named(node, "Start").next().is_some();
-        let needed = matches!(causality, "parameter" | "structuralParameter" | "input")
-            || node.attribute("variability") == Some("constant")
-            || matches!(initial, "exact" | "approx");
-        let forbidden = initial == "calculated";
-        if needed && !given {
-            Some("it needs a start value".to_owned())
-        } else if forbidden && !needed && given {
-            Some("it is calculated, and has no start value: remove it".to_owned())
-        } else {
-            None
-        }
-    })
+pub(crate) fn starts(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
+    let causality = node.attribute("causality").unwrap_or("local");
+    // The time has a rule of its own.
+    if node.tag_name().name() == "Clock" || causality == "independent" {
+        return None;
+    }
+    let initial = kinds::initial(node);
+    let given = node.has_attribute("start") || named(node, "Start").next().is_some();
+    let needed = matches!(causality, "parameter" | "structuralParameter" | "input")
+        || node.attribute("variability") == Some("constant")
+        || matches!(initial, "exact" | "approx");
+    let forbidden = initial == "calculated";
+    if needed && !given {
+        Some("it needs a start value".to_owned())
+    } else if forbidden && !needed && given {
+        Some("it is calculated, and has no start value: remove it".to_owned())
+    } else {
+        None
+    }
 }
 
-pub(super) fn ranges(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn ranges(document: &Document<'_>) -> Vec<Hit> {
     let mut told = HashSet::new();
     let wrong = document.read.variables.values().filter_map(|variable| {
         let (min, max) = variable.kind.range();
@@ -170,7 +154,7 @@ pub(super) fn ranges(document: &Document<'_>) -> Vec<Hit> {
         told.insert(variable.value_reference).then(|| Hit {
             line: Some(variable.line as usize),
             ..Hit::of(
-                super::document::NAME,
+                crate::document::NAME,
                 format!("{}: {text}: correct one of them", variable.name),
             )
         })
@@ -178,7 +162,7 @@ pub(super) fn ranges(document: &Document<'_>) -> Vec<Hit> {
     wrong.collect()
 }
 
-pub(super) fn declared(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn declared(document: &Document<'_>) -> Vec<Hit> {
     let types: HashSet<&str> = named(document.root, "TypeDefinitions")
         .flat_map(elements)
         .filter_map(|node| node.attribute("name"))
@@ -200,12 +184,11 @@ pub(super) fn declared(document: &Document<'_>) -> Vec<Hit> {
         else {
             return None;
         };
-        let defined = document.read.units.get(unit).is_some();
-        (!defined).then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+        document.undefined_unit(unit)
     })
 }
 
-pub(super) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
     let sizes: HashSet<u32> = variables(document)
         .filter(|node| {
             node.tag_name().name() == "UInt64"
@@ -244,7 +227,7 @@ fn listed<'a>(
     named(document.root, "ModelStructure").flat_map(move |list| named(list, kind))
 }
 
-pub(super) fn outputs(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
     let list: HashSet<u32> = listed(document, "Output").filter_map(reference).collect();
     let is_output = |node: &Node<'_, '_>| node.attribute("causality") == Some("output");
     let outputs: HashSet<u32> = variables(document)
@@ -260,14 +243,14 @@ pub(super) fn outputs(document: &Document<'_>) -> Vec<Hit> {
         let of = reference(node).filter(|of| known.contains(of) && !outputs.contains(of))?;
         Some(at(
             node,
-            &format!("Output {of} is the reference of no output: remove it"),
+            format!("Output {of} is the reference of no output: remove it"),
         ))
     });
     let surplus: Vec<Hit> = surplus.collect();
     missing.into_iter().chain(surplus).collect()
 }
 
-pub(super) fn structure(document: &Document<'_>) -> Vec<Hit> {
+pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
     let known: HashSet<u32> = variables(document).filter_map(reference).collect();
     let all = named(document.root, "ModelStructure").flat_map(elements);
     all.filter_map(|node| {
@@ -275,7 +258,7 @@ pub(super) fn structure(document: &Document<'_>) -> Vec<Hit> {
         let Some(of) = reference(node).filter(|of| known.contains(of)) else {
             return Some(at(
                 node,
-                &format!("{kind} refers to no variable: correct its valueReference"),
+                format!("{kind} refers to no variable: correct its valueReference"),
             ));
         };
         let dependencies = node.attribute("dependencies").unwrap_or_default();
@@ -285,7 +268,7 @@ pub(super) fn structure(document: &Document<'_>) -> Vec<Hit> {
         })?;
         Some(at(
             node,
-            &format!("{kind} {of} depends on {wrong}, which is no variable: correct it"),
+            format!("{kind} {of} depends on {wrong}, which is no variable: correct it"),
         ))
     })
     .collect()

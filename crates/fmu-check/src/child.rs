@@ -1,38 +1,38 @@
 //! A process in which an FMU is probed: the side that waits for it.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::probe::{COMMAND, Report, Setup};
 use fmu_import::isolation::Loss;
 use fmu_import::isolation::keeper::signal_name;
 use fmu_points::process::marked;
-use fmu_points::stop;
 use fmu_points::system::{self, Tree};
-use fmu_points::worker;
+use fmu_points::{stop, worker};
+
+use crate::probe::{COMMAND, Report, Setup};
 
 /// The most memory that a probe may use, bytes.
 const MEMORY: u64 = 8 << 30;
 
 /// The fate of a probe that takes too long.
-pub(super) const TIMEOUT: &str = "timeout";
+pub(crate) const TIMEOUT: &str = "timeout";
 
 /// The outcome of a probe.
 #[derive(Clone, Debug)]
-pub(super) struct Outcome {
+pub(crate) struct Outcome {
     /// Its observations, up to where it came.
-    pub(super) report: Option<Report>,
+    pub(crate) report: Option<Report>,
     /// How its process ended, where that was not in order, and during which call.
-    pub(super) fate: Option<String>,
-    pub(super) stage: String,
+    pub(crate) fate: Option<String>,
+    pub(crate) stage: String,
 }
 
 /// Runs a probe. `fill` is what glibc fills fresh and freed memory with.
-pub(super) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
+pub(crate) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
     let description = setup.result.with_extension("setup");
     // Files cannot be filled up and block, as pipes can.
     let heard = setup.result.with_extension("heard");
@@ -59,7 +59,7 @@ pub(super) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Re
     tree.end();
     let _ = child.kill();
     let _ = child.wait();
-    let notes = fs::read_to_string(&setup.stage).unwrap_or_default();
+    let notes = end_of(&setup.stage).unwrap_or_default();
     let stage = notes.lines().next_back().unwrap_or_default().to_owned();
     let report = fs::read(&setup.result).ok();
     Ok(Outcome {
@@ -102,18 +102,43 @@ fn fate(end: End, heard: &Path) -> Option<String> {
         return None;
     }
     let loss = system::loss(status);
-    if let Loss::Signal(signal) = loss {
-        let text = fs::read(heard).unwrap_or_default();
-        let text = String::from_utf8_lossy(&text[text.len().saturating_sub(4096)..]).into_owned();
-        let last = text.lines().map(str::trim).rfind(|line| !line.is_empty());
-        let name = signal_name(signal);
-        return Some(last.map_or(name.clone(), |last| format!("{name}: {last}")));
-    }
-    match loss {
-        Loss::Exit(worker::UNABLE) => Some(worker::MUTE.to_owned()),
-        _ => Some(format!(
-            "the FMU ended its process with code {}",
-            status.code().unwrap_or(-1)
-        )),
+    Some(match loss {
+        Loss::Signal(signal) => {
+            let (name, text) = (signal_name(signal), end_of(heard).unwrap_or_default());
+            match text.lines().map(str::trim).rfind(|line| !line.is_empty()) {
+                Some(last) => format!("{name}: {last}"),
+                None => name,
+            }
+        }
+        Loss::Exit(worker::UNABLE) => worker::MUTE.to_owned(),
+        _ => {
+            let code = status.code().unwrap_or(-1);
+            format!("the FMU ended its process with code {code}")
+        }
+    })
+}
+
+/// The end of a file, which may be of any length.
+fn end_of(file: &Path) -> io::Result<String> {
+    const KEPT: u64 = 4096;
+    let mut file = File::open(file)?;
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(KEPT)))?;
+    let mut end = Vec::new();
+    file.take(KEPT).read_to_end(&mut end)?;
+    Ok(String::from_utf8_lossy(&end).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_long_output_the_end_is_read() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        fs::write(file.path(), "flood\n".repeat(1_000_000) + "last words").unwrap();
+        let end = end_of(file.path()).unwrap();
+        assert_eq!(end.len(), 4096);
+        assert!(end.ends_with("flood\nlast words"));
     }
 }

@@ -1,0 +1,226 @@
+//! Rules about the definitions that come before the variables: names that come twice, factors of nothing, the date, and what
+//! is for Model Exchange only (FMI 2.0.5, sections 2.2.1 to 2.2.4, 2.2.6 and 2.2.7).
+
+use std::collections::{HashMap, HashSet};
+
+use fmu_import::Version;
+use roxmltree::Node;
+
+use crate::document::{Document, Scalar, at, elements, named};
+use crate::hit::Hit;
+
+/// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
+/// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.
+pub(crate) fn alike(
+    document: &Document<'_>,
+    path: &'static str,
+    attributes: &[&'static str],
+) -> Vec<Hit> {
+    let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
+    let mut steps = path.split('/');
+    let last = steps.next_back().unwrap_or_default();
+    let parents = steps.fold(vec![document.root], |nodes, step| {
+        let inner = nodes.into_iter().flat_map(elements);
+        inner.filter(|node| is(node, step)).collect()
+    });
+    let clash = |parent: Node<'_, '_>| {
+        let nodes = || elements(parent).filter(|node| is(node, last));
+        attributes
+            .iter()
+            .find_map(|attribute| twice(nodes(), attribute))
+    };
+    parents.into_iter().filter_map(clash).collect()
+}
+
+pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
+    let units = document.all("UnitDefinitions", "Unit");
+    units.flat_map(elements).filter_map(factor).collect()
+}
+
+/// Units and ranges of types that cannot be.
+pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
+    let types = document
+        .all("TypeDefinitions", "SimpleType")
+        .flat_map(elements);
+    let wrong = |node: Node<'_, '_>| {
+        let number = |name| node.attribute(name)?.trim().parse::<f64>().ok();
+        if let Some((min, max)) = number("min").zip(number("max"))
+            && min > max
+        {
+            return Some(format!(
+                "min {min} is greater than max {max}: exchange or correct them"
+            ));
+        }
+        match (node.attribute("unit"), node.attribute("displayUnit")) {
+            (None, shown) => shown.map(unit_missing),
+            (Some(unit), _) => document.undefined_unit(unit),
+        }
+    };
+    // Where a variable uses the type, the finding is the variable's.
+    let used: HashSet<&str> = document
+        .known()
+        .filter_map(|s| s.typed.attribute("declaredType"))
+        .collect();
+    types
+        .filter(|node| {
+            let name = node.parent().and_then(|parent| parent.attribute("name"));
+            name.is_none_or(|name| !used.contains(name))
+        })
+        .filter_map(|node| wrong(node).map(|text| at(node, text)))
+        .collect()
+}
+
+/// States can only be turned into bytes where there are states.
+pub(crate) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
+    let capabilities = &document.read.capabilities;
+    let is_wrong = capabilities.can_serialize_fmu_state && !capabilities.can_get_and_set_fmu_state;
+    let state = match document.read.standard {
+        Version::Two => "FMUstate",
+        Version::Three => "FMUState",
+    };
+    let text = format!("canSerialize{state} without canGetAndSet{state}: set both or none");
+    let part = ["CoSimulation", "ModelExchange"]
+        .into_iter()
+        .find_map(|part| named(document.root, part).next());
+    Vec::from_iter(part.filter(|_| is_wrong).map(|node| at(node, text)))
+}
+
+/// The fault of a display unit without a unit.
+pub(crate) fn unit_missing(shown: &str) -> String {
+    format!("displayUnit \"{shown}\" without a unit: add the unit")
+}
+
+/// The first of these elements with an attribute that an earlier one has, too.
+fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Option<Hit> {
+    let mut seen = HashSet::new();
+    let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
+    let (node, value) = known.find(|(_, value)| !seen.insert(*value))?;
+    let element = node.tag_name().name();
+    let text = format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
+    Some(at(node, text))
+}
+
+/// Units are converted by a factor.
+fn factor(node: Node<'_, '_>) -> Option<Hit> {
+    let text = node.attribute("factor")?;
+    let nothing = text.trim().parse::<f64>() == Ok(0.0);
+    let element = node.tag_name().name();
+    nothing.then(|| {
+        at(
+            node,
+            format!("{element}: factor is 0: nothing can be converted with it"),
+        )
+    })
+}
+
+pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
+    let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
+    let mut types = document.all("TypeDefinitions", "SimpleType");
+    let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
+    let hit = |(node, name)| {
+        let text =
+            format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type");
+        at(node, text)
+    };
+    Vec::from_iter(same.map(hit))
+}
+
+/// The date of the generation is an `xs:dateTime`.
+pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
+    let text = document.root.attribute("generationDateAndTime");
+    let wrong = text.filter(|text| !is_date(text.trim()));
+    let hit = |text| {
+        let wanted = "write it as 2009-12-08T14:33:22Z, or remove it";
+        at(
+            document.root,
+            format!("generationDateAndTime is \"{text}\": {wanted}"),
+        )
+    };
+    Vec::from_iter(wrong.map(hit))
+}
+
+fn is_date(text: &str) -> bool {
+    const SECONDS: &str = "0000-00-00T00:00:00";
+    /// Where month, day, hour, minute and second are, and from where to where they go.
+    const FIELDS: [(usize, u8, u8); 5] = [
+        (5, 1, 12),
+        (8, 1, 31),
+        (11, 0, 24),
+        (14, 0, 59),
+        (17, 0, 59),
+    ];
+    let Some((seconds, rest)) = text.split_at_checked(SECONDS.len()) else {
+        return false;
+    };
+    let is_digit = |c: char| c.is_ascii_digit();
+    let zone = match rest.strip_prefix('.') {
+        Some(fraction) => fraction.trim_start_matches(is_digit),
+        None => rest,
+    };
+    let zone = zone.replace(is_digit, "0");
+    seconds.replace(is_digit, "0") == SECONDS
+        && ["", "Z", "+00:00", "-00:00"].contains(&&*zone)
+        && FIELDS.iter().all(|(place, least, most)| {
+            let field = seconds[*place..place + 2].parse();
+            field.is_ok_and(|field: u8| (*least..=*most).contains(&field))
+        })
+}
+
+/// Attributes that only FMUs for Model Exchange may have.
+pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
+    if named(document.root, "ModelExchange").next().is_some() {
+        return Vec::new();
+    }
+    let mut counts: HashMap<&str, (&Scalar<'_>, usize)> = HashMap::new();
+    for scalar in document.known() {
+        for (node, name) in [
+            (scalar.node, "canHandleMultipleSetPerTimeInstant"),
+            (scalar.typed, "reinit"),
+        ] {
+            if node.has_attribute(name) {
+                counts.entry(name).or_insert((scalar, 0)).1 += 1;
+            }
+        }
+    }
+    let findings = counts.into_iter().map(|(name, (scalar, count))| {
+        let more = match count {
+            1 => String::new(),
+            count => format!(" (so has each of {} more)", count - 1),
+        };
+        scalar.finding(format!(
+            "it has the attribute {name}{more}, which only an FMU for Model Exchange may have: remove it"
+        ))
+    });
+    let mut findings: Vec<Hit> = findings.collect();
+    findings.sort_by_key(|hit| hit.position);
+    findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates() {
+        for text in [
+            "2009-12-08T14:33:22Z",
+            "2009-12-08T14:33:22",
+            "2009-12-08T14:33:22.123Z",
+            "2009-12-08T14:33:22+01:00",
+        ] {
+            assert!(is_date(text), "{text}");
+        }
+        for text in [
+            "",
+            "yesterday",
+            "2009-12-08",
+            "2009-12-08 14:33:22",
+            "2009-12-08T14:33:22X",
+            "08.12.2009 14:33:22",
+            "2009-13-08T14:33:22Z",
+            "2009-12-08T14:63:22Z",
+        ] {
+            assert!(!is_date(text), "{text}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Findings as lines, as JSON, and as SARIF 2.1.0 (the OASIS format that editors and build servers read).
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::Findings;
+use crate::finding::{Finding, Rule, Severity};
+use crate::rules::RULES;
+
+/// Of one rule, people read no more findings than this.
+const MANY: usize = 20;
+
+impl Findings {
+    /// A line per finding, the worst first. What is one rule's over and over is counted at the end.
+    pub fn text(&self) -> String {
+        let counts = [Severity::Error, Severity::Warning, Severity::Note].map(|severity| {
+            let count = self.count(severity);
+            let plural = if count == 1 { "" } else { "s" };
+            (count > 0).then(|| format!("{count} {}{plural}", severity.word()))
+        });
+        let counts: Vec<String> = counts.into_iter().flatten().collect();
+        let verdict = match &counts[..] {
+            [] => "nothing found".to_owned(),
+            some => some.join(", "),
+        };
+        let mut text = format!("{}: {verdict}\n", self.fmu.display());
+        let mut told: HashMap<&str, usize> = HashMap::new();
+        for Finding { rule, hit } in &self.all {
+            let before = told.entry(rule.id).or_insert(0);
+            *before += 1;
+            if *before > MANY {
+                continue;
+            }
+            let line = hit.full().split_whitespace().collect::<Vec<_>>().join(" ");
+            text += &format!("  {}: {line} [{}]\n", rule.severity.word(), rule.source);
+        }
+        for rule in RULES {
+            let count = told.get(rule.id).copied().unwrap_or(0);
+            if count > MANY {
+                let (severity, more, source) = (rule.severity.word(), count - MANY, rule.source);
+                text += &format!(
+                    "  {severity}: {more} more of this kind: {} (--format json lists them) [{source}]\n",
+                    rule.wants
+                );
+            }
+        }
+        text
+    }
+
+    /// One JSON object with all findings.
+    pub fn json(&self) -> String {
+        let of = |Finding { rule, hit }: &Finding| {
+            json!({
+                "severity": rule.severity,
+                "rule": rule.id,
+                "source": rule.source,
+                "file": hit.file,
+                "line": hit.line,
+                "message": hit.text,
+            })
+        };
+        pretty(&json!({
+            "fmu": self.fmu.display().to_string(),
+            "errors": self.count(Severity::Error),
+            "warnings": self.count(Severity::Warning),
+            "notes": self.count(Severity::Note),
+            "findings": self.all.iter().map(of).collect::<Vec<_>>(),
+        }))
+    }
+
+    /// A SARIF log of one run of `program`.
+    pub fn sarif(&self, program: &str) -> String {
+        let rules: Vec<Value> = RULES.iter().map(described).collect();
+        let results = self.all.iter().map(|finding| result(&self.fmu, finding));
+        let results: Vec<Value> = results.collect();
+        pretty(&json!({
+            "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+            "version": "2.1.0",
+            "runs": [{
+                "tool": {"driver": {
+                    "name": program,
+                    "version": env!("CARGO_PKG_VERSION"),
+                    "rules": rules,
+                }},
+                "columnKind": "unicodeCodePoints",
+                "results": results,
+            }],
+        }))
+    }
+}
+
+fn described(rule: &Rule) -> Value {
+    json!({
+        "id": rule.id,
+        "shortDescription": {"text": rule.wants},
+        "help": {"text": rule.source},
+        "defaultConfiguration": {"level": rule.severity},
+    })
+}
+
+fn result(fmu: &Path, Finding { rule, hit }: &Finding) -> Value {
+    let index = RULES.iter().position(|other| other.id == rule.id);
+    // A file is named as in the archive.
+    let mut uri = encoded(&fmu.to_string_lossy().replace('\\', "/"));
+    if let Some(file) = &hit.file {
+        uri += "/";
+        uri += &encoded(file);
+    }
+    let mut place = json!({"artifactLocation": {"uri": uri}});
+    if let Some(line) = hit.line {
+        place["region"] = json!({"startLine": line});
+    }
+    json!({
+        "ruleId": rule.id,
+        "ruleIndex": index,
+        "level": rule.severity,
+        "message": {"text": hit.text},
+        "locations": [{"physicalLocation": place}],
+    })
+}
+
+/// A path as part of a URI.
+fn encoded(path: &str) -> String {
+    let mut uri = String::new();
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' | b'~' => {
+                uri.push(char::from(byte));
+            }
+            _ => uri += &format!("%{byte:02X}"),
+        }
+    }
+    uri
+}
+
+fn pretty(value: &Value) -> String {
+    format!("{value:#}\n")
+}
