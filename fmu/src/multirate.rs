@@ -90,49 +90,49 @@ pub struct Departure {
     pub worn: f64,
 }
 
-/// Where a leap ends.
-#[derive(Clone, Copy, Debug)]
-pub struct Landing {
-    /// Eccentricity-ratio vector, 1.
-    pub eccentricity: [f64; 2],
-    /// The temperatures, K.
-    pub temperatures: Temperatures,
-    /// The wear depth, m.
-    pub worn: f64,
+impl Departure {
+    /// A place that no turn has led to.
+    pub fn at(eccentricity: [f64; 2], temperatures: Temperatures, worn: f64) -> Self {
+        Self {
+            before: eccentricity,
+            eccentricity,
+            temperatures,
+            worn,
+        }
+    }
 }
 
-/// Leaps over `turns` whole turns.
+/// Leaps over `turns` whole turns, to where the next leap could begin.
 pub fn leap(
     model: &impl TwoScales,
     tolerance: f64,
     turns: usize,
     from: Departure,
-) -> Result<Landing, NoLeap> {
-    let mean = Averaged::new(model, tolerance, Across::Cubics, &from)?;
+) -> Result<Departure, NoLeap> {
+    let mean = Averaged::new(model, None, tolerance, Across::Cubics, &from)?;
     let span = turns as f64 * model.period();
     let (t, worn) = if model.wears() {
         mean.follow_wear(tolerance, span, &from)?
     } else {
         (mean.follow(tolerance, span, &from, |_| ())?, from.worn)
     };
-    Ok(Landing {
-        eccentricity: mean.place(&t, worn)?.into(),
-        temperatures: temperatures(&t),
-        worn,
-    })
+    let eccentricity = mean.place(&t, worn)?.into();
+    Ok(Departure::at(eccentricity, temperatures(&t), worn))
 }
 
-/// The temperatures on their way over `turns` whole turns without wear, from its beginning to its end.
+/// The temperatures on their way over `turns` whole turns without wear, from its beginning to its end, under flows that are
+/// corrected to those of another film.
 ///
 /// # Errors
 /// When there is no orbit at a temperature, the clearance closes, or an integration fails.
 pub fn way(
     model: &impl TwoScales,
+    correction: &Correction,
     tolerance: f64,
     turns: usize,
     from: &Departure,
 ) -> Result<Vec<Temperatures>, NoLeap> {
-    let mean = Averaged::new(model, tolerance, Across::Cubics, from)?;
+    let mean = Averaged::new(model, Some(correction), tolerance, Across::Cubics, from)?;
     let mut way = Vec::new();
     let span = turns as f64 * model.period();
     let end = mean.follow(tolerance, span, from, |t| way.push(temperatures(t)))?;
@@ -154,7 +154,7 @@ pub fn flows(model: &impl TwoScales, tolerance: f64, at: &Departure) -> Result<F
 /// # Errors
 /// When there is no orbit at a temperature.
 pub fn drift(model: &impl TwoScales, tolerance: f64, from: &Departure) -> Result<Matrix4, NoLeap> {
-    let mean = Averaged::new(model, tolerance, Across::Cubics, from)?;
+    let mean = Averaged::new(model, None, tolerance, Across::Cubics, from)?;
     mean.linear(&vector(&from.temperatures))
         .map(|(_, drift)| drift)
 }
@@ -179,6 +179,8 @@ pub fn network(model: &impl TwoScales, at: &Departure, flows: &Flows) -> Matrix4
 /// The temperatures' drift under the heat averaged over a turn.
 struct Averaged<'a, M> {
     model: &'a M,
+    /// Corrects the model's flows.
+    correction: Option<&'a Correction>,
     /// The orbits are found while rates are asked for.
     curves: RefCell<Curves<'a, M>>,
     /// The change of a temperature from which derivatives are taken, K.
@@ -188,20 +190,25 @@ struct Averaged<'a, M> {
 }
 
 impl<'a, M: TwoScales> Averaged<'a, M> {
-    fn new(model: &'a M, tolerance: f64, across: Across, from: &Departure) -> Result<Self, NoLeap> {
-        let Departure {
-            temperatures, worn, ..
-        } = from;
+    fn new(
+        model: &'a M,
+        correction: Option<&'a Correction>,
+        tolerance: f64,
+        across: Across,
+        from: &Departure,
+    ) -> Result<Self, NoLeap> {
         let (curves, first) = Curves::new(model, tolerance, across, from)?;
-        let clearance = model.clearance(temperatures, *worn);
-        let drift = model.thermal_rates(temperatures, clearance, &first.flows());
-        Ok(Self {
+        let mut mean = Self {
             model,
+            correction,
             curves: RefCell::new(curves),
-            // Beside a point means ahead of it, where the orbits are needed anyway.
-            nudge: NUDGE.copysign(drift.film),
-            worn: *worn,
-        })
+            nudge: NUDGE,
+            worn: from.worn,
+        };
+        let drift = mean.rates_under(&vector(&from.temperatures), from.worn, &first.flows());
+        // Beside a point means ahead of it, where the orbits are needed anyway.
+        mean.nudge = NUDGE.copysign(drift[0]);
+        Ok(mean)
     }
 
     fn clearance(&self, t: &Vector4, worn: f64) -> f64 {
@@ -229,6 +236,11 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
 
     fn rates_under(&self, t: &Vector4, worn: f64, flows: &Flows) -> Vector4 {
         let clearance = self.clearance(t, worn);
+        let corrected = self.correction.map(|correction| {
+            let viscosity = self.model.viscosity(t[0]);
+            correction.apply(viscosity, flows)
+        });
+        let flows = corrected.as_ref().unwrap_or(flows);
         let rates = self.model.thermal_rates(&temperatures(t), clearance, flows);
         vector(&rates)
     }
@@ -363,15 +375,10 @@ pub type Matrix4 = SMatrix<f64, 4, 4>;
 
 /// Temperatures as a vector.
 pub fn vector(t: &Temperatures) -> Vector4 {
-    Vector4::new(t.film, t.bush, t.shaft, t.oil)
+    t.array().into()
 }
 
 /// A vector as temperatures.
 pub fn temperatures(t: &Vector4) -> Temperatures {
-    Temperatures {
-        film: t[0],
-        bush: t[1],
-        shaft: t[2],
-        oil: t[3],
-    }
+    Temperatures::of((*t).into())
 }

@@ -3,7 +3,7 @@
 pub mod measured;
 
 use fmu_export::model::{Experiment, Fault};
-use journal_bearing::rheology::{DensityLaw, PressureViscosity, Rheology, ShearThinning};
+use journal_bearing::rheology::Rheology;
 use serde::{Deserialize, Serialize};
 
 /// The oil's parameters: two points of its viscosity and one of its density.
@@ -20,91 +20,7 @@ pub struct Oil {
     /// A csv file of measured properties, which replace the two viscosities and the density; empty for none.
     pub properties_file: String,
     /// The laws of viscosity and density over pressure and shear rate (Reynolds film only).
-    pub thickening: Thickening,
-}
-
-/// The laws of viscosity and density over pressure and shear rate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Thickening {
-    /// The law over pressure.
-    pub pressure_law: PressureLaw,
-    /// Pressure-viscosity coefficient, 1/Pa.
-    pub pressure_coefficient: f64,
-    /// The law over the shear rate.
-    pub shear_law: ShearLaw,
-    /// Time constant of the shear law, s.
-    pub shear_time: f64,
-    /// Exponent of the shear law, 1.
-    pub shear_exponent: f64,
-    /// Viscosity at the highest shear rates over that at the lowest, 1.
-    pub shear_limit: f64,
-    /// The density's law over pressure.
-    pub density_law: DensityLaw,
-}
-
-/// The viscosity's law over pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PressureLaw {
-    /// Constant.
-    Constant,
-    /// Barus (1893).
-    Barus,
-    /// Roelands (1966).
-    Roelands,
-}
-
-/// The viscosity's law over the shear rate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ShearLaw {
-    /// Newtonian.
-    Newtonian,
-    /// Cross (1965).
-    Cross,
-    /// Carreau (1972).
-    Carreau,
-}
-
-impl Default for Thickening {
-    fn default() -> Self {
-        Self {
-            pressure_law: PressureLaw::Constant,
-            pressure_coefficient: 2e-8,
-            shear_law: ShearLaw::Newtonian,
-            shear_time: 1e-7,
-            shear_exponent: 0.7,
-            shear_limit: 0.5,
-            density_law: DensityLaw::Constant,
-        }
-    }
-}
-
-impl Thickening {
-    /// The laws as the film's cells use them.
-    pub fn rheology(&self) -> Rheology {
-        let alpha = self.pressure_coefficient;
-        let (limit, time, exponent) = (self.shear_limit, self.shear_time, self.shear_exponent);
-        Rheology {
-            pressure: match self.pressure_law {
-                PressureLaw::Constant => PressureViscosity::None,
-                PressureLaw::Barus => PressureViscosity::Barus { alpha },
-                PressureLaw::Roelands => PressureViscosity::Roelands { alpha },
-            },
-            shear: match self.shear_law {
-                ShearLaw::Newtonian => ShearThinning::None,
-                ShearLaw::Cross => ShearThinning::Cross {
-                    limit,
-                    time,
-                    exponent,
-                },
-                ShearLaw::Carreau => ShearThinning::Carreau {
-                    limit,
-                    time,
-                    exponent,
-                },
-            },
-            density: self.density_law,
-        }
-    }
+    pub thickening: Rheology,
 }
 
 impl Default for Oil {
@@ -116,7 +32,13 @@ impl Default for Oil {
             density_15: 880.0,
             viscosity_scale: 1.0,
             properties_file: String::new(),
-            thickening: Thickening::default(),
+            thickening: Rheology {
+                pressure_coefficient: 2e-8,
+                shear_time: 1e-7,
+                shear_exponent: 0.7,
+                shear_limit: 0.5,
+                ..Rheology::default()
+            },
         }
     }
 }
@@ -224,13 +146,6 @@ impl Properties {
     pub fn heat_capacity(&self, temperature: f64) -> f64 {
         let specific_gravity = self.density_15 / 999.1;
         (1685.0 + 3.4 * (temperature - CELSIUS_0)) / specific_gravity.sqrt()
-    }
-
-    /// Thermal conductivity, W/(m.K), at a temperature, K
-    /// (Cragoe 1929: `0.1172*(1 - 0.00054*t)/s`, t in °C).
-    pub fn conductivity(&self, temperature: f64) -> f64 {
-        let specific_gravity = self.density_15 / 999.1;
-        0.1172 * (1.0 - 0.00054 * (temperature - CELSIUS_0)) / specific_gravity
     }
 }
 
@@ -342,10 +257,9 @@ mod tests {
     }
 
     #[test]
-    fn heat_capacity_and_conductivity_are_those_of_mineral_oil() {
+    fn the_heat_capacity_is_that_of_mineral_oil() {
         let oil = Oil::default().through_two_points();
         assert!((oil.heat_capacity(321.15) - 2000.0).abs() < 50.0);
-        assert!((oil.conductivity(321.15) - 0.13).abs() < 0.01);
     }
 
     #[test]

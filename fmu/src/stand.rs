@@ -25,6 +25,7 @@ mod stuck;
 use crate::bearing::{Bearing, Drift, Film, Flows, Motion, Setup, Situation};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
+use crate::multirate::Departure;
 use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings, Sensed, TurnMeans};
 use crate::thermal::{Heat, Temperatures, Thermal};
@@ -69,6 +70,13 @@ struct State {
     next_step: f64,
     /// The sensors' means over the last turn.
     means: TurnMeans,
+}
+
+impl State {
+    /// The same as the place where a leap begins.
+    fn departure(&self) -> Departure {
+        Departure::at(self.eccentricity, self.temperatures, self.worn)
+    }
 }
 
 /// The plain-bearing test stand.
@@ -270,20 +278,15 @@ impl Stand {
         let torque = drift.torque + self.support_torque(at.load, at.speed);
         (
             [vx, vy, t.film, t.bush, t.shaft, t.oil, wear],
-            Sensed([
+            [
                 at.load,
                 torque,
                 torque * at.speed,
                 self.friction_coefficient(torque, at.load),
                 temperatures.oil,
                 temperatures.bush,
-            ]),
+            ],
         )
-    }
-
-    /// Rates of the unknowns, `tau` seconds into the step.
-    fn rates_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> Unknowns {
-        self.course_at(tau, y, oil).0
     }
 
     /// Friction torque of the support bearings, N.m, at a load (N) and a shaft speed (rad/s).
@@ -300,20 +303,14 @@ impl Stand {
     /// The sensors' readings, `tau` seconds into the step.
     fn read(&self, tau: f64, y: &Unknowns) -> Readings {
         let temperatures = temperatures(y);
-        let Instant {
-            speed,
-            angle,
-            load,
-            viscosity,
-            clearance,
-            motion,
-        } = self.instant(tau, y);
-        let torque = motion.torque + self.support_torque(load, speed);
+        let at = self.instant(tau, y);
+        let motion = &at.motion;
+        let torque = motion.torque + self.support_torque(at.load, at.speed);
         Readings {
-            load_force: load,
+            load_force: at.load,
             friction_torque: torque,
-            friction_power: torque * speed,
-            friction_coefficient: self.friction_coefficient(torque, load),
+            friction_power: torque * at.speed,
+            friction_coefficient: self.friction_coefficient(torque, at.load),
             oil_temperature: temperatures.oil,
             bearing_temperature: temperatures.bush,
             shaft_temperature: temperatures.shaft,
@@ -321,15 +318,15 @@ impl Stand {
             attitude_angle: y[1].atan2(y[0]),
             min_film_thickness: motion.min_film_thickness,
             max_film_pressure: motion.max_film_pressure,
-            film_viscosity: viscosity,
+            film_viscosity: at.viscosity,
             film_temperature: temperatures.film,
             side_flow: motion.flows.side_flow,
-            contact_share: sensors::over_load(motion.contact.force, load.abs()),
+            contact_share: sensors::over_load(motion.contact.force, at.load.abs()),
             contact_torque: motion.boundary_torque,
-            shaft_speed: speed,
-            shaft_angle: angle,
-            hot_radial_clearance: clearance,
-            journal_velocity: clearance * motion.velocity[0],
+            shaft_speed: at.speed,
+            shaft_angle: at.angle,
+            hot_radial_clearance: at.clearance,
+            journal_velocity: at.clearance * motion.velocity[0],
             wear_depth: worn(y),
             ambient_heat_flow: self
                 .thermal
@@ -348,21 +345,12 @@ impl Stand {
 }
 
 fn unknowns(state: &State) -> Unknowns {
-    let State {
-        eccentricity: e,
-        temperatures: t,
-        ..
-    } = state;
-    [e[0], e[1], t.film, t.bush, t.shaft, t.oil, state.worn]
+    let ([ex, ey], [film, bush, shaft, oil]) = (state.eccentricity, state.temperatures.array());
+    [ex, ey, film, bush, shaft, oil, state.worn]
 }
 
-fn temperatures(y: &Unknowns) -> Temperatures {
-    Temperatures {
-        film: y[2],
-        bush: y[3],
-        shaft: y[4],
-        oil: y[5],
-    }
+fn temperatures(&[_, _, film, bush, shaft, oil, _]: &Unknowns) -> Temperatures {
+    Temperatures::of([film, bush, shaft, oil])
 }
 
 /// The mean wear depth, m.
@@ -385,7 +373,7 @@ impl Model for Stand {
         ..fmu_export::info!()
     };
 
-    const EXCHANGE: Option<Exchange<Self>> = Some(exchange::EXCHANGE);
+    const EXCHANGE: Option<Exchange<Self>> = Some(Exchange::of());
 
     const INNER_STEP: Option<fn(&Self, f64) -> f64> = Some(Self::inner_step);
 
@@ -410,7 +398,7 @@ impl Model for Stand {
         self.film.start(&Setup {
             bearing: &self.bearing,
             clearance: self.clearance(&temperatures, 0.0),
-            rheology: self.oil.thickening.rheology(),
+            rheology: self.oil.thickening,
             experiment,
         })?;
         self.state = State {

@@ -104,6 +104,23 @@ pub struct Temperatures {
     pub oil: f64,
 }
 
+impl Temperatures {
+    /// Those of film, bush, shaft and oil bath.
+    pub fn of([film, bush, shaft, oil]: [f64; 4]) -> Self {
+        Self {
+            film,
+            bush,
+            shaft,
+            oil,
+        }
+    }
+
+    /// The same in one array.
+    pub fn array(&self) -> [f64; 4] {
+        [self.film, self.bush, self.shaft, self.oil]
+    }
+}
+
 /// Heat sources and flows at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Heat {

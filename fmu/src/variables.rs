@@ -10,14 +10,13 @@ mod declare;
 mod references;
 
 use crate::bearing::{FILM, FilmModel, ThermalClearance};
-use crate::oil::{PressureLaw, ShearLaw};
 use crate::stand::Stand;
 use crate::thermal::Initialization;
 use declare::V;
 use fmu_export::declare::{output, parameter, tunable, variable};
 use fmu_export::model::{Access, Kind, Role};
 use fmu_export::units::*;
-use journal_bearing::rheology::DensityLaw;
+use journal_bearing::rheology::{DensityLaw, PressureLaw, ShearLaw};
 use references::Table;
 use std::sync::LazyLock;
 

@@ -61,36 +61,32 @@ pub enum PackageError {
 }
 
 /// What an FMU offers: version and kind. Every library serves all of them; the model description says which it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// FMI 2.0 Co-Simulation.
-    CoSimulation2,
-    /// FMI 3.0 Co-Simulation.
-    CoSimulation3,
-    /// FMI 2.0 Model Exchange.
-    ModelExchange2,
-    /// FMI 3.0 Model Exchange.
-    ModelExchange3,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Form {
+    /// FMI 3.0, else FMI 2.0.
+    pub three: bool,
+    /// Model Exchange, else Co-Simulation.
+    pub exchange: bool,
 }
 
 impl Form {
     /// The model description.
     pub fn description<M: Model>(self) -> String {
-        match self {
-            Self::CoSimulation2 => fmi2::description::xml::<M>(),
-            Self::CoSimulation3 => fmi3::description::xml::<M>(),
-            Self::ModelExchange2 => fmi2::description::exchange_xml::<M>(),
-            Self::ModelExchange3 => fmi3::description::exchange_xml::<M>(),
+        match (self.three, self.exchange) {
+            (false, false) => fmi2::description::xml::<M>(),
+            (true, false) => fmi3::description::xml::<M>(),
+            (false, true) => fmi2::description::exchange_xml::<M>(),
+            (true, true) => fmi3::description::exchange_xml::<M>(),
         }
     }
 
     /// The end of the FMU's name, after the model's identifier.
     pub fn suffix(self) -> &'static str {
-        match self {
-            Self::CoSimulation2 => "",
-            Self::CoSimulation3 => "-fmi3",
-            Self::ModelExchange2 => "-me",
-            Self::ModelExchange3 => "-me-fmi3",
+        match (self.three, self.exchange) {
+            (false, false) => "",
+            (true, false) => "-fmi3",
+            (false, true) => "-me",
+            (true, true) => "-me-fmi3",
         }
     }
 }
@@ -133,8 +129,7 @@ fn make<M: Model>(
         return Err(PackageError::Unsound(faults));
     }
     let form = arguments.form;
-    let exchange = matches!(form, Form::ModelExchange2 | Form::ModelExchange3);
-    if exchange && offered::<M>().is_none() {
+    if form.exchange && offered::<M>().is_none() {
         return Err(PackageError::Usage(
             "--exchange: the model is not `Continuous`, or does not say so in `Model::EXCHANGE`"
                 .to_owned(),
@@ -179,11 +174,7 @@ pub fn contents<M: Model>(
         collect(&extra, "", &mut files)?;
     }
     for entry in list(folder)? {
-        let name = entry
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = name_of(&entry);
         if name.starts_with("LICENSE") && entry.is_file() {
             files.insert(format!("documentation/licenses/{name}"), read(&entry)?);
         }
@@ -240,11 +231,7 @@ fn collect(
     files: &mut BTreeMap<String, Vec<u8>>,
 ) -> Result<(), PackageError> {
     for path in list(folder)? {
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = name_of(&path);
         if path.is_dir() {
             collect(&path, &format!("{place}{name}/"), files)?;
         } else {
@@ -263,6 +250,11 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
                 .map_err(|error| at(folder, error))
         })
         .collect()
+}
+
+fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, PackageError> {
@@ -322,7 +314,7 @@ mod tests {
     #[test]
     fn an_fmu_holds_what_belongs_to_it_and_is_the_same_every_time() {
         let (folder, binaries) = package();
-        let files = contents::<Nothing>(folder.path(), &binaries, Form::CoSimulation2).unwrap();
+        let files = contents::<Nothing>(folder.path(), &binaries, Form::default()).unwrap();
         let (one, two) = (
             folder.path().join("a/one.fmu"),
             folder.path().join("two.fmu"),
@@ -364,7 +356,7 @@ mod tests {
             platform: "linux64",
             library: folder.path().join("libnothing.so"),
         });
-        let refused = contents::<Nothing>(folder.path(), &binaries, Form::CoSimulation2)
+        let refused = contents::<Nothing>(folder.path(), &binaries, Form::default())
             .unwrap_err()
             .to_string();
         assert!(
@@ -372,7 +364,7 @@ mod tests {
             "{refused}"
         );
         binaries[1].library = folder.path().join("missing.so");
-        let refused = contents::<Nothing>(folder.path(), &binaries, Form::CoSimulation2)
+        let refused = contents::<Nothing>(folder.path(), &binaries, Form::default())
             .unwrap_err()
             .to_string();
         assert!(refused.contains("missing.so: "), "{refused}");

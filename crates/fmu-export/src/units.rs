@@ -27,12 +27,6 @@ const fn scaled(name: &'static str, factor: f64) -> DisplayUnit {
 
 macro_rules! units {
     ($($(#[$doc:meta])* $id:ident = $name:literal, {$($base:ident: $exponent:literal),*}, [$($display:expr),*];)*) => {
-        units! { @one $($(#[$doc])* $id = $name, {$($base: $exponent),*}, [$($display),*];)* }
-        /// All of them.
-        #[cfg(test)]
-        const ALL: &[Unit] = &[$($id),*];
-    };
-    (@one $($(#[$doc:meta])* $id:ident = $name:literal, {$($base:ident: $exponent:literal),*}, [$($display:expr),*];)*) => {
         $($(#[$doc])* pub const $id: Unit = Unit {
             name: $name,
             #[allow(clippy::needless_update)]
@@ -40,6 +34,9 @@ macro_rules! units {
             display: &[$($display),*],
             relative: false,
         };)*
+        /// All of them.
+        #[cfg(test)]
+        const ALL: &[Unit] = &[$($id),*];
     };
 }
 

@@ -107,14 +107,6 @@ impl Surface {
         let area = 0.5 * diameter * width;
         (self.pressure_scale() * area).ln()
     }
-
-    /// Contact pressure over the nominal area, Pa, at a distance of the mean planes, m.
-    pub fn pressure(&self, film_thickness: f64) -> f64 {
-        if self.roughness == 0.0 {
-            return 0.0;
-        }
-        self.pressure_scale() * f_5_2(film_thickness / self.roughness).0
-    }
 }
 
 /// Sliding speed, m/s, at which friction reaches 76 % of its value. It smooths the jump of Coulomb's law at standstill, at
@@ -362,7 +354,8 @@ mod tests {
                 let (mut force, mut normal) = (0.0, 0.0);
                 for k in 0..n {
                     let cos = (2.0 * PI * k as f64 / n as f64).cos();
-                    let p = surface.pressure(c * (1.0 - e * cos));
+                    let ratio = c * (1.0 - e * cos) / surface.roughness;
+                    let p = surface.pressure_scale() * f_5_2(ratio).0;
                     force += p * cos;
                     normal += p;
                 }

@@ -2,10 +2,11 @@
 //!
 //! # Examples
 //! ```
-//! use journal_bearing::rheology::{PressureViscosity, Rheology};
+//! use journal_bearing::rheology::{PressureLaw, Rheology};
 //!
 //! let oil = Rheology {
-//!     pressure: PressureViscosity::Barus { alpha: 20e-9 },
+//!     pressure_law: PressureLaw::Barus,
+//!     pressure_coefficient: 20e-9,
 //!     ..Rheology::default()
 //! };
 //! // At 50 MPa the viscosity rises by a factor of e.
@@ -15,49 +16,30 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Law of the viscosity over pressure.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum PressureViscosity {
+/// Law of the viscosity over pressure, with the [coefficient](Rheology::pressure_coefficient) `alpha` at ambient pressure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PressureLaw {
     /// Viscosity does not depend on pressure.
     #[default]
-    None,
+    Constant,
     /// Barus (1893): `eta = eta0 exp(alpha p)`.
-    Barus {
-        /// Pressure-viscosity coefficient, 1/Pa.
-        alpha: f64,
-    },
+    Barus,
     /// Roelands (1966): `eta = eta0 exp[(ln eta0 + 9.67) ((1 + p / 196.2 MPa)^z - 1)]`, at constant
     /// temperature, with `z` from the coefficient at ambient pressure.
-    Roelands {
-        /// Pressure-viscosity coefficient at ambient pressure, 1/Pa.
-        alpha: f64,
-    },
+    Roelands,
 }
 
-/// Law of the viscosity over the shear rate `g`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum ShearThinning {
+/// Law of the viscosity over the shear rate `g`, with [limit](Rheology::shear_limit) `r` and [time](Rheology::shear_time)
+/// `lambda`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ShearLaw {
     /// Viscosity does not depend on the shear rate.
     #[default]
-    None,
-    /// Cross (1965): `eta/eta0 = r + (1 - r) / (1 + (lambda g)^m)`.
-    Cross {
-        /// Viscosity at the highest shear rates over that at the lowest, `r`, 1.
-        limit: f64,
-        /// Time constant `lambda`, s.
-        time: f64,
-        /// Exponent `m`, 1.
-        exponent: f64,
-    },
-    /// Carreau (1972): `eta/eta0 = r + (1 - r) (1 + (lambda g)^2)^((n - 1)/2)`.
-    Carreau {
-        /// Viscosity at the highest shear rates over that at the lowest, `r`, 1.
-        limit: f64,
-        /// Time constant `lambda`, s.
-        time: f64,
-        /// Power-law exponent `n`, 1.
-        exponent: f64,
-    },
+    Newtonian,
+    /// Cross (1965): `eta/eta0 = r + (1 - r) / (1 + (lambda g)^m)`, with the exponent `m`.
+    Cross,
+    /// Carreau (1972): `eta/eta0 = r + (1 - r) (1 + (lambda g)^2)^((n - 1)/2)`, with the power-law exponent `n`.
+    Carreau,
 }
 
 /// Law of the density over pressure.
@@ -88,15 +70,23 @@ impl DensityLaw {
     }
 }
 
-/// The oil's laws over pressure and shear rate.
+/// The oil's laws over pressure and shear rate. Numbers count only with the laws that have them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rheology {
     /// Viscosity over pressure.
-    pub pressure: PressureViscosity,
+    pub pressure_law: PressureLaw,
+    /// Pressure-viscosity coefficient at ambient pressure, 1/Pa.
+    pub pressure_coefficient: f64,
     /// Viscosity over the shear rate.
-    pub shear: ShearThinning,
+    pub shear_law: ShearLaw,
+    /// Time constant of the shear law, s.
+    pub shear_time: f64,
+    /// Exponent of the shear law, 1.
+    pub shear_exponent: f64,
+    /// Viscosity at the highest shear rates over that at the lowest, 1.
+    pub shear_limit: f64,
     /// Density over pressure.
-    pub density: DensityLaw,
+    pub density_law: DensityLaw,
 }
 
 /// Largest exponent of a pressure law. The laws do not hold beyond.
@@ -105,15 +95,16 @@ const LARGEST_EXPONENT: f64 = 5.0;
 impl Rheology {
     /// Whether the viscosity depends on neither pressure nor shear rate.
     pub fn is_newtonian(&self) -> bool {
-        self.pressure == PressureViscosity::None && self.shear == ShearThinning::None
+        self.pressure_law == PressureLaw::Constant && self.shear_law == ShearLaw::Newtonian
     }
 
     /// The logarithm of the viscosity's rise by pressure, 1, and its slope, 1/Pa.
     fn exponent(&self, eta0: f64, pressure: f64) -> [f64; 2] {
-        match self.pressure {
-            PressureViscosity::None => [0.0; 2],
-            PressureViscosity::Barus { alpha } => [alpha * pressure, alpha],
-            PressureViscosity::Roelands { alpha } => {
+        let alpha = self.pressure_coefficient;
+        match self.pressure_law {
+            PressureLaw::Constant => [0.0; 2],
+            PressureLaw::Barus => [alpha * pressure, alpha],
+            PressureLaw::Roelands => {
                 const SCALE: f64 = 1.962e8;
                 let thickness = eta0.ln() + 9.67;
                 let z = alpha * SCALE / thickness;
@@ -138,20 +129,15 @@ impl Rheology {
     /// ambient pressure and low shear.
     pub fn ratio(&self, eta0: f64, pressure: f64, shear_rate: f64) -> f64 {
         let [exponent, _] = self.exponent(eta0, pressure);
-        let thinning = match self.shear {
-            ShearThinning::None => 1.0,
-            ShearThinning::Cross {
-                limit,
-                time,
-                exponent,
-            } => limit + (1.0 - limit) / (1.0 + (time * shear_rate.abs()).powf(exponent)),
-            ShearThinning::Carreau {
-                limit,
-                time,
-                exponent,
-            } => {
+        let (limit, time, power) = (self.shear_limit, self.shear_time, self.shear_exponent);
+        let thinning = match self.shear_law {
+            ShearLaw::Newtonian => 1.0,
+            ShearLaw::Cross => {
+                limit + (1.0 - limit) / (1.0 + (time * shear_rate.abs()).powf(power))
+            }
+            ShearLaw::Carreau => {
                 let rate = time * shear_rate;
-                limit + (1.0 - limit) * (1.0 + rate * rate).powf(0.5 * (exponent - 1.0))
+                limit + (1.0 - limit) * (1.0 + rate * rate).powf(0.5 * (power - 1.0))
             }
         };
         exponent.clamp(-LARGEST_EXPONENT, LARGEST_EXPONENT).exp() * thinning
@@ -164,29 +150,28 @@ mod tests {
 
     #[test]
     fn roelands_has_the_coefficient_of_barus_at_low_pressure() {
-        let of = |pressure| Rheology {
-            pressure,
+        let of = |pressure_law| Rheology {
+            pressure_law,
+            pressure_coefficient: 2e-8,
             ..Rheology::default()
         };
-        let (alpha, eta0, p) = (2e-8, 0.05, 1e4);
-        let barus = of(PressureViscosity::Barus { alpha }).ratio(eta0, p, 0.0);
-        let roelands = of(PressureViscosity::Roelands { alpha }).ratio(eta0, p, 0.0);
+        let (eta0, p) = (0.05, 1e4);
+        let barus = of(PressureLaw::Barus).ratio(eta0, p, 0.0);
+        let roelands = of(PressureLaw::Roelands).ratio(eta0, p, 0.0);
         assert!(((roelands - 1.0) / (barus - 1.0) - 1.0).abs() < 1e-3);
         let high = 2e8;
         assert!(
-            of(PressureViscosity::Roelands { alpha }).ratio(eta0, high, 0.0)
-                < of(PressureViscosity::Barus { alpha }).ratio(eta0, high, 0.0)
+            of(PressureLaw::Roelands).ratio(eta0, high, 0.0)
+                < of(PressureLaw::Barus).ratio(eta0, high, 0.0)
         );
     }
 
     #[test]
     fn thickening_is_the_slope_of_the_logarithm() {
-        for pressure in [
-            PressureViscosity::Barus { alpha: 2e-8 },
-            PressureViscosity::Roelands { alpha: 2e-8 },
-        ] {
+        for pressure_law in [PressureLaw::Barus, PressureLaw::Roelands] {
             let law = Rheology {
-                pressure,
+                pressure_law,
+                pressure_coefficient: 2e-8,
                 ..Rheology::default()
             };
             let (p, d) = (1e8, 1e3);
@@ -214,20 +199,12 @@ mod tests {
 
     #[test]
     fn thinning_stays_between_its_limits() {
-        for shear in [
-            ShearThinning::Cross {
-                limit: 0.4,
-                time: 1e-6,
-                exponent: 0.8,
-            },
-            ShearThinning::Carreau {
-                limit: 0.4,
-                time: 1e-6,
-                exponent: 0.5,
-            },
-        ] {
+        for (shear_law, shear_exponent) in [(ShearLaw::Cross, 0.8), (ShearLaw::Carreau, 0.5)] {
             let law = Rheology {
-                shear,
+                shear_law,
+                shear_limit: 0.4,
+                shear_time: 1e-6,
+                shear_exponent,
                 ..Rheology::default()
             };
             assert!((law.ratio(0.05, 0.0, 1.0) - 1.0).abs() < 1e-4);

@@ -34,7 +34,7 @@ macro_rules! films {
 
             fn start(self, setup: &Setup<'_>) -> Result<Running, Fault> {
                 match self {
-                    $(Self::$model => <$film>::new(setup).map(Running::$model),)*
+                    $(Self::$model => <$film as JournalFilm>::new(setup).map(Running::$model),)*
                 }
             }
         }
@@ -49,40 +49,26 @@ macro_rules! films {
         }
 
         impl Running {
-            fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
+            fn film(&self) -> Option<&dyn JournalFilm> {
                 match self {
-                    Self::None => Ok(()),
-                    $(Self::$model(film) => film.prepare(bearing),)*
+                    Self::None => None,
+                    $(Self::$model(film) => Some(film),)*
                 }
             }
 
-            #[inline]
-            fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
-                match self {
-                    Self::None => Motion::default(),
-                    $(Self::$model(film) => film.motion(bearing, at),)*
-                }
-            }
-
+            /// Each film's code in its place, as the time integration asks for nothing else.
             #[inline]
             fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
                 match self {
-                    Self::None => Default::default(),
+                    Self::None => Drift::default(),
                     $(Self::$model(film) => film.drift(bearing, at, side_flow),)*
                 }
             }
 
-            fn transient(&self) -> Option<&dyn TransientFilm> {
+            fn film_mut(&mut self) -> Option<&mut dyn JournalFilm> {
                 match self {
                     Self::None => None,
-                    $(Self::$model(film) => film.transient(),)*
-                }
-            }
-
-            fn transient_mut(&mut self) -> Option<&mut dyn TransientFilm> {
-                match self {
-                    Self::None => None,
-                    $(Self::$model(film) => film.transient_mut(),)*
+                    $(Self::$model(film) => Some(film),)*
                 }
             }
         }
@@ -153,13 +139,13 @@ impl Film {
     /// # Errors
     /// When a parameter is not usable.
     pub fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
-        self.running.prepare(bearing)
+        (self.running.film_mut()).map_or(Ok(()), |film| film.prepare(bearing))
     }
 
     /// The journal's motion at an instant.
-    #[inline]
     pub fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
-        self.running.motion(bearing, at)
+        let film = self.running.film();
+        film.map_or_else(Motion::default, |film| film.motion(bearing, at))
     }
 
     /// What the time integration needs of it; the side flow where it is asked for.
@@ -170,12 +156,12 @@ impl Film {
 
     /// Whether the film takes steps of its own.
     pub fn is_transient(&self) -> bool {
-        self.running.transient().is_some()
+        self.running.film().is_some_and(JournalFilm::is_transient)
     }
 
     /// The film as one that takes steps of its own, if it does.
     pub fn transient(&mut self) -> Option<&mut dyn TransientFilm> {
-        self.running.transient_mut()
+        self.running.film_mut()?.transient()
     }
 
     /// Remembers the state of a film that takes steps of its own.

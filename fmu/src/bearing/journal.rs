@@ -112,12 +112,14 @@ pub struct Situation {
 }
 
 /// A film model.
-pub trait JournalFilm: Sized {
+pub trait JournalFilm {
     /// The film of a bearing, with the journal in the middle.
     ///
     /// # Errors
     /// When a parameter or a file is not usable, or no such film exists.
-    fn new(setup: &Setup<'_>) -> Result<Self, Fault>;
+    fn new(setup: &Setup<'_>) -> Result<Self, Fault>
+    where
+        Self: Sized;
 
     /// Computes all that follows from the bearing's parameters alone: after a state was read back, or a parameter was
     /// changed.
@@ -132,13 +134,13 @@ pub trait JournalFilm: Sized {
     /// Only what the time integration needs. The side flow may be zero unless it is asked for.
     fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift;
 
-    /// The film as one that takes steps of its own, if it does.
-    fn transient(&self) -> Option<&dyn TransientFilm> {
-        None
+    /// Whether the film takes steps of its own.
+    fn is_transient(&self) -> bool {
+        false
     }
 
-    /// The film as one that takes steps of its own, ready to take them.
-    fn transient_mut(&mut self) -> Option<&mut dyn TransientFilm> {
+    /// The film as one that takes steps of its own, if it does.
+    fn transient(&mut self) -> Option<&mut dyn TransientFilm> {
         None
     }
 }

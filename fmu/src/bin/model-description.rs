@@ -9,34 +9,34 @@ use plain_bearing_stand::stand::Stand;
 use plain_bearing_stand::{documentation, variables};
 
 fn main() -> ExitCode {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let names = variables::table().iter().map(|variable| variable.name);
+    let references = names.fold(String::new(), |text, name| text + name + "\n");
+    let packed = "../modelDescription";
     for (path, text) in [
+        (variables::REFERENCES.to_owned(), references),
         (
-            variables::REFERENCES.into(),
-            names.fold(String::new(), |text, name| text + name + "\n"),
-        ),
-        (
-            folder.join("modelDescription.xml"),
+            format!("{packed}/modelDescription.xml"),
             fmi2::description::xml::<Stand>(),
         ),
         (
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("descriptions/fmi3.xml"),
+            "descriptions/fmi3.xml".to_owned(),
             fmi3::description::xml::<Stand>(),
         ),
         (
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("descriptions/me.xml"),
+            "descriptions/me.xml".to_owned(),
             fmi2::description::exchange_xml::<Stand>(),
         ),
         (
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("descriptions/me-fmi3.xml"),
+            "descriptions/me-fmi3.xml".to_owned(),
             fmi3::description::exchange_xml::<Stand>(),
         ),
         (
-            folder.join("documentation/index.html"),
+            format!("{packed}/documentation/index.html"),
             documentation::page(),
         ),
     ] {
+        let path = here.join(path);
         if let Err(error) = std::fs::write(&path, text) {
             eprintln!("{}: {error}", path.display());
             return ExitCode::FAILURE;

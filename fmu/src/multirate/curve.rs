@@ -3,7 +3,7 @@
 use super::orbit::{Orbit, Piece};
 use super::{Departure, NoLeap, TwoScales};
 use crate::bearing::Flows;
-use crate::solver::{Budget, DormandPrince, Failure, Quadrature};
+use crate::solver::{Budget, DormandPrince, Failure};
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// Orbits over the logarithm of the viscosity.
@@ -301,9 +301,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             budget: Budget::of(self.left),
         };
         let heat_error = HEAT_ERROR * self.tolerance * self.heat * period;
-        let along = Quadrature {
-            allowed: [heat_error, heat_error, f64::INFINITY],
-        };
+        let along = [heat_error, heat_error, f64::INFINITY];
         let mut y = start.into();
         let (work, integrals) =
             integrator.integrate_along(rates, &mut y, along, period, &mut self.step)?;

@@ -99,7 +99,7 @@ pub fn equilibrium(
     across: Across,
     from: &Departure,
 ) -> Result<Equilibrium, NoEquilibrium> {
-    let mean = Averaged::new(model, tolerance, across, from)?;
+    let mean = Averaged::new(model, None, tolerance, across, from)?;
     let integrator = Rodas3 {
         allowed: [WAY_ERROR; 4],
         budget: Budget::of(100_000),

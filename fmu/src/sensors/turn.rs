@@ -4,13 +4,17 @@
 //! resolved. So the means cost no turns of their own. Until the first turn is complete, the means are those since the start
 //! of the count.
 
-use super::Sensed;
+use super::{SENSORS, Sensed};
 use crate::solver::Passage;
+use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// A turn that lacks no more than this, rad, is complete: sums of times and angles are rounded.
 const ROUNDING: f64 = 1e-6;
+
+/// A number for each sensor.
+type Each = SVector<f64, SENSORS>;
 
 /// Integrals over the present turn, and the means over the last one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,23 +24,23 @@ pub struct TurnMeans {
     /// The present turn's duration so far, s.
     duration: f64,
     /// The sensors' integrals over it.
-    sums: Sensed,
-    last: Option<Sensed>,
+    sums: Each,
+    last: Option<Each>,
 }
 
 impl TurnMeans {
     /// At the beginning of a turn, with known means over the one before.
     pub fn after(last: Sensed) -> Self {
         Self {
-            last: Some(last),
+            last: Some(last.into()),
             ..Self::default()
         }
     }
 
     /// The means over the last whole turn, or since the count began. `None` when no time has passed since then.
     pub fn means(&self) -> Option<Sensed> {
-        let so_far = || (self.duration > 0.0).then(|| self.sums.map(|sum| sum / self.duration));
-        self.last.or_else(so_far)
+        let so_far = || (self.duration > 0.0).then(|| self.sums / self.duration);
+        self.last.or_else(so_far).map(Each::into)
     }
 
     /// The same at the beginning of a turn.
@@ -51,31 +55,31 @@ impl TurnMeans {
     }
 
     /// Takes over a part of the way, during which the shaft turned by `angle` rad.
-    pub fn add(&mut self, passage: &Passage<{ Sensed::COUNT }>, angle: f64) {
+    pub fn add(&mut self, passage: &Passage<SENSORS>, angle: f64) {
         let total = self.turned + angle;
         let whole = ((total.abs() + ROUNDING) / TAU).floor();
         let duration = passage.to - passage.from;
         if whole < 1.0 || angle == 0.0 {
             self.turned = total;
             self.duration += duration;
-            self.sums = self.sums.plus(&Sensed(passage.integrals));
+            self.sums += Each::from(passage.integrals);
             return;
         }
         // The speed counts as constant along the part, so that its angle tells the place on it.
         let place =
             |turns: f64| (((turns * TAU).copysign(total) - self.turned) / angle).clamp(0.0, 1.0);
-        let until = |share: f64| Sensed(passage.until(share));
+        let until = |share: f64| Each::from(passage.until(share));
         let end = place(whole);
         let (sums, span) = if whole > 1.0 {
             let begin = place(whole - 1.0);
-            (until(end).minus(&until(begin)), (end - begin) * duration)
+            (until(end) - until(begin), (end - begin) * duration)
         } else {
-            (self.sums.plus(&until(end)), self.duration + end * duration)
+            (self.sums + until(end), self.duration + end * duration)
         };
-        self.last = Some(sums.map(|sum| sum / span));
+        self.last = Some(sums / span);
         self.turned = total - (whole * TAU).copysign(total);
         self.duration = (1.0 - end) * duration;
-        self.sums = until(1.0).minus(&until(end));
+        self.sums = until(1.0) - until(end);
     }
 }
 
@@ -87,18 +91,18 @@ mod tests {
     /// after each.
     fn errors(speed: f64, step: f64, parts: usize, expected: f64) -> Vec<f64> {
         let mut turn = TurnMeans::default();
-        let signal = |t: f64| [3.0 + (speed * t).cos(); Sensed::COUNT];
+        let signal = |t: f64| [3.0 + (speed * t).cos(); SENSORS];
         let integral = |t: f64| 3.0 * t + (speed * t).sin() / speed;
         let add = |k: usize| {
             let [from, to] = [k, k + 1].map(|k| k as f64 * step);
             let passage = Passage {
                 from,
                 to,
-                integrals: [integral(to) - integral(from); Sensed::COUNT],
+                integrals: [integral(to) - integral(from); SENSORS],
                 ends: [signal(from), signal(to)],
             };
             turn.add(&passage, speed * step);
-            turn.means().map_or(f64::NAN, |means| means.0[0] - expected)
+            turn.means().map_or(f64::NAN, |means| means[0] - expected)
         };
         (0..parts).map(add).collect()
     }
@@ -135,13 +139,13 @@ mod tests {
 
     #[test]
     fn a_restart_forgets_and_a_known_turn_lasts_until_the_next() {
-        let known = Sensed([7.0; Sensed::COUNT]);
+        let known = [7.0; SENSORS];
         let mut turn = TurnMeans::after(known);
-        let part = Passage::between(0.0, 0.6, [[1.0; Sensed::COUNT]; 2]);
+        let part = Passage::between(0.0, 0.6, [[1.0; SENSORS]; 2]);
         turn.add(&part, 0.6 * TAU);
         assert_eq!(turn.means(), Some(known));
         turn.add(&part, 0.6 * TAU);
-        let one = turn.means().map_or(0.0, |means| means.0[0]);
+        let one = turn.means().map_or(0.0, |means| means[0]);
         assert!((one - 1.0).abs() < 1e-12, "{one}");
         turn.restart();
         assert_eq!(turn.means(), None);

@@ -64,16 +64,17 @@ impl<const N: usize> DormandPrince<N> {
         step: &mut f64,
     ) -> Result<Work, Failure> {
         let f = |t: f64, y: &[f64; N]| (f(t, y), []);
-        self.integrate_along(f, y, Quadrature::default(), span, step)
+        self.integrate_along(f, y, [], span, step)
             .map(|(work, [])| work)
     }
 
-    /// The same; `f` gives besides the rates what is to be integrated along the way. Returns its integrals.
+    /// The same; `f` gives besides the rates what is to be integrated along the way, without feeding back into the solution, with
+    /// these errors `allowed` in each integral per step. Returns the integrals.
     pub fn integrate_along<const Q: usize>(
         &self,
         f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
         y: &mut [f64; N],
-        along: Quadrature<Q>,
+        allowed: [f64; Q],
         span: f64,
         step: &mut f64,
     ) -> Result<(Work, [f64; Q]), Failure> {
@@ -83,7 +84,7 @@ impl<const N: usize> DormandPrince<N> {
                 *integral += part;
             }
         };
-        let work = self.integrate_observed(f, y, along, span, step, sum)?;
+        let work = self.integrate_observed(f, y, allowed, span, step, sum)?;
         Ok((work, integrals))
     }
 
@@ -92,7 +93,7 @@ impl<const N: usize> DormandPrince<N> {
         &self,
         mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
         y: &mut [f64; N],
-        along: Quadrature<Q>,
+        allowed: [f64; Q],
         span: f64,
         step: &mut f64,
         mut observe: impl FnMut(&Passage<Q>),
@@ -113,7 +114,7 @@ impl<const N: usize> DormandPrince<N> {
                 *step
             };
             let end = Self::stages(&mut f, t, y, h, &mut k, &mut q);
-            let errors = [off(&k, h, &self.allowed), off(&q, h, &along.allowed)];
+            let errors = [off(&k, h, &self.allowed), off(&q, h, &allowed)];
             let error = worst(errors.into_iter());
             if error <= 1.0 {
                 let from = t;
@@ -165,22 +166,6 @@ impl<const N: usize> DormandPrince<N> {
             (k[stage + 1], q[stage + 1]) = f(t + c * h, &at);
         }
         at
-    }
-}
-
-/// Integrals computed along the way, which do not feed back into the solution.
-#[derive(Clone, Copy, Debug)]
-pub struct Quadrature<const Q: usize> {
-    /// The error allowed in each integral per step.
-    pub allowed: [f64; Q],
-}
-
-impl<const Q: usize> Default for Quadrature<Q> {
-    /// Any error.
-    fn default() -> Self {
-        Self {
-            allowed: [f64::INFINITY; Q],
-        }
     }
 }
 
@@ -278,7 +263,7 @@ mod tests {
     #[test]
     fn integrals_along_the_way_are_as_good_as_the_solution() {
         let (mut y, mut step) = ([1.0, 0.0], 1e-3);
-        let along = Quadrature { allowed: [1e-9] };
+        let along = [1e-9];
         let (_, [square]) = INTEGRATOR
             .integrate_along(
                 |_, y| ([y[1], -y[0]], [y[0] * y[0]]),
@@ -305,7 +290,7 @@ mod tests {
         let rates = |t: f64, _: &[f64; 2]| ([0.0, 0.0], integrand(t));
         let (mut y, mut step) = ([1.0, 0.0], 0.5);
         INTEGRATOR
-            .integrate_observed(rates, &mut y, Quadrature::default(), 3.0, &mut step, |p| {
+            .integrate_observed(rates, &mut y, [f64::INFINITY; 2], 3.0, &mut step, |p| {
                 passages.push(*p);
             })
             .unwrap();

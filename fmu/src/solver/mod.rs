@@ -3,7 +3,7 @@
 pub mod dormand_prince;
 pub mod rodas3;
 
-pub use dormand_prince::{DormandPrince, Passage, Quadrature};
+pub use dormand_prince::{DormandPrince, Passage};
 pub use rodas3::Rodas3;
 
 use thiserror::Error;

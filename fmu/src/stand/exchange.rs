@@ -1,13 +1,10 @@
 //! The stand for hosts that integrate it themselves (Model Exchange): shaft angle, eccentricity, temperatures and wear depth
 //! are their states, and the stand gives the rates.
 
-use fmu_export::model::{Continuous, Exchange, Fault, State};
+use fmu_export::model::{Continuous, Fault, State};
 use fmu_export::units;
 
 use super::{Stand, temperatures, unknowns};
-
-/// The interface, for [`Model::EXCHANGE`](fmu_export::model::Model::EXCHANGE).
-pub(super) const EXCHANGE: Exchange<Stand> = Exchange::of();
 
 /// The states in the order of their declaration: the shaft angle, then the unknowns of the stand's own integration.
 #[rustfmt::skip]

@@ -3,7 +3,7 @@
 use super::scout::{NoFilmLeap, SETTLED, Scout, Turn, share};
 use super::stuck::Stuck;
 use super::{EVENTS, Stand};
-use crate::multirate::{Departure, NoLeap};
+use crate::multirate::NoLeap;
 use fmu_export::model::Log;
 
 /// Turns that are resolved before a leap at the most: as a number, and as a share of all.
@@ -78,12 +78,7 @@ impl Stand {
             }
             scout = self.scout(&resolved)?;
         }
-        let from = Departure {
-            before: self.state.eccentricity,
-            eccentricity: self.state.eccentricity,
-            temperatures: self.state.temperatures,
-            worn: self.state.worn,
-        };
+        let from = self.state.departure();
         let mut turns = whole - resolved.len() - LANDING_TURNS;
         let mut end = scout.lead(turns, &from)?;
         let landing = scout.landing(first, turns, &end)?;

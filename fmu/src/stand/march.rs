@@ -2,11 +2,11 @@
 
 use super::scout::Turn;
 use super::stuck::Stuck;
-use super::{EVENTS, Inputs, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
+use super::{EVENTS, Inputs, SCALES, Stand, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{Flows, Interval};
-use crate::multirate::{self, Departure, Landing, NoLeap, TwoScales};
-use crate::sensors::{Sensed, TurnMeans};
-use crate::solver::{Budget, DormandPrince, Passage, Quadrature};
+use crate::multirate::{self, Departure, NoLeap, TwoScales};
+use crate::sensors::{SENSORS, Sensed, TurnMeans};
+use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
 use fmu_export::model::Log;
 
@@ -73,15 +73,12 @@ impl Stand {
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
         let mut oil = self.nearby;
-        let course = |tau: f64, y: &Unknowns| {
-            let (rates, Sensed(sensed)) = self.course_at(tau, y, &mut oil);
-            (rates, sensed)
-        };
+        let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil);
         let mut means = self.state.means;
         let done = integrator.integrate_observed(
             course,
             &mut y,
-            Quadrature::default(),
+            [f64::INFINITY; SENSORS],
             span,
             &mut next_step,
             self.counting_turns(&mut means),
@@ -105,7 +102,7 @@ impl Stand {
     fn counting_turns<'a>(
         &'a self,
         means: &'a mut TurnMeans,
-    ) -> impl FnMut(&Passage<{ Sensed::COUNT }>) + 'a {
+    ) -> impl FnMut(&Passage<SENSORS>) + 'a {
         let command = self.command();
         let mut before = 0.0;
         move |passage| {
@@ -152,7 +149,11 @@ impl Stand {
             let eccentricity = film.eccentricity();
             spare = (spare + FILM_STEPS_PER_STEP)
                 .checked_sub(taken)
-                .ok_or_else(|| self.crawling(done as f64 * step, span))?;
+                .ok_or_else(|| Stuck::Crawling {
+                    passed: done as f64 * step,
+                    span,
+                    cause: self.advice(),
+                })?;
             mean.add(&flows, self.state.temperatures.film, 1.0 / steps);
             let temperatures = self.warm(step, &flows)?;
             self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed);
@@ -160,7 +161,7 @@ impl Stand {
             self.arrive(step, eccentricity, temperatures);
             self.check_clearance()?;
             let now = self.sense();
-            let part = Passage::between(0.0, step, [before.0, now.0]);
+            let part = Passage::between(0.0, step, [before, now]);
             self.state.means.add(&part, self.state.angle - angle);
             before = now;
         }
@@ -197,28 +198,22 @@ impl Stand {
 
     /// The temperatures after `span` seconds under constant flows.
     fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Stuck> {
-        let pack = |t: Temperatures| [t.film, t.bush, t.shaft, t.oil];
-        let unpack = |&[film, bush, shaft, oil]: &[f64; 4]| Temperatures {
-            film,
-            bush,
-            shaft,
-            oil,
-        };
         let integrator = DormandPrince {
             allowed: [100.0 * self.solver.tolerance; 4],
             budget: Budget::of(WARMING_STEPS),
         };
-        let mut t = pack(self.state.temperatures);
+        let mut t = self.state.temperatures.array();
         let worn = self.state.worn;
         let rates = |tau: f64, t: &[f64; 4]| {
-            let t = unpack(t);
-            pack(self.thermal_rates(tau, &t, self.clearance(&t, worn), flows))
+            let t = Temperatures::of(*t);
+            let clearance = self.clearance(&t, worn);
+            self.thermal_rates(tau, &t, clearance, flows).array()
         };
         let done = integrator.integrate(rates, &mut t, span, &mut span.clone());
         let [ex, ey] = self.state.eccentricity;
         let y = [ex, ey, t[0], t[1], t[2], t[3], worn];
         done.map_err(|failure| self.explain(failure, &y, 2..6))?;
-        Ok(unpack(&t))
+        Ok(Temperatures::of(t))
     }
 
     /// Ends a part of the step: takes the unknowns over, and moves time, angle and inputs on by `span` seconds.
@@ -255,27 +250,15 @@ impl Stand {
                 continue;
             }
             let turns = left - TURNS_AT_THE_END;
-            let State {
-                eccentricity,
-                temperatures,
-                worn,
-                ..
-            } = self.state;
             let from = Departure {
                 before: start,
-                eccentricity,
-                temperatures,
-                worn,
+                ..self.state.departure()
             };
             match multirate::leap(self, self.solver.tolerance, turns, from) {
                 Ok(landing) => {
-                    let Landing {
-                        eccentricity,
-                        temperatures,
-                        worn,
-                    } = landing;
-                    self.state.worn = worn;
-                    self.arrive(turns as f64 * period, eccentricity, temperatures);
+                    self.state.worn = landing.worn;
+                    let span = turns as f64 * period;
+                    self.arrive(span, landing.eccentricity, landing.temperatures);
                     self.state.means.restart();
                     slack = LANDING_SLACK;
                 }

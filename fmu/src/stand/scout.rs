@@ -12,7 +12,7 @@
 use super::Stand;
 use super::stuck::Stuck;
 use crate::bearing::{Film, Flows};
-use crate::multirate::{self, CLOSEST, Correction, Departure, NoLeap, TwoScales};
+use crate::multirate::{self, CLOSEST, Correction, Departure, NoLeap};
 use crate::thermal::Temperatures;
 use fmu_export::model::Fault;
 use thiserror::Error;
@@ -70,61 +70,6 @@ impl Turn {
     pub(super) fn add(&mut self, flows: &Flows, film: f64, share: f64) {
         self.flows = self.flows.plus(&flows.times(share));
         self.film += share * film;
-    }
-}
-
-/// The mobility film's heat balance with the flows of another film.
-struct Corrected<'a> {
-    mobility: &'a Stand,
-    correction: &'a Correction,
-}
-
-impl TwoScales for Corrected<'_> {
-    fn period(&self) -> f64 {
-        self.mobility.period()
-    }
-
-    fn journal(
-        &self,
-        tau: f64,
-        eccentricity: [f64; 2],
-        viscosity: f64,
-        clearance: f64,
-    ) -> ([f64; 2], Flows) {
-        self.mobility
-            .journal(tau, eccentricity, viscosity, clearance)
-    }
-
-    fn clearance(&self, temperatures: &Temperatures, worn: f64) -> f64 {
-        self.mobility.clearance(temperatures, worn)
-    }
-
-    fn is_closed(&self, temperatures: &Temperatures, worn: f64) -> bool {
-        self.mobility.is_closed(temperatures, worn)
-    }
-
-    fn wears(&self) -> bool {
-        self.mobility.wears()
-    }
-
-    fn wear_rate(&self, flows: &Flows) -> f64 {
-        TwoScales::wear_rate(self.mobility, flows)
-    }
-
-    fn viscosity(&self, film_temperature: f64) -> f64 {
-        self.mobility.fluid.viscosity(film_temperature)
-    }
-
-    fn thermal_rates(
-        &self,
-        temperatures: &Temperatures,
-        clearance: f64,
-        flows: &Flows,
-    ) -> Temperatures {
-        let viscosity = self.viscosity(temperatures.film);
-        let flows = self.correction.apply(viscosity, flows);
-        self.mobility
-            .thermal_rates(0.0, temperatures, clearance, &flows)
     }
 }
 
@@ -234,13 +179,8 @@ impl Scout {
 
     /// The mobility film's flows at these temperatures.
     fn mobility_flows(&self, at: &Temperatures) -> Result<Flows, NoLeap> {
-        let eccentricity = self.ahead.state.eccentricity;
-        let at = Departure {
-            before: eccentricity,
-            eccentricity,
-            temperatures: *at,
-            worn: self.ahead.state.worn,
-        };
+        let state = &self.ahead.state;
+        let at = Departure::at(state.eccentricity, *at, state.worn);
         multirate::flows(&self.mobility, self.ahead.solver.tolerance, &at)
     }
 
@@ -364,11 +304,8 @@ impl Scout {
         if turns == 0 {
             return Ok(vec![from.temperatures]);
         }
-        let corrected = Corrected {
-            mobility: &self.mobility,
-            correction: &self.correction,
-        };
-        multirate::way(&corrected, self.ahead.solver.tolerance, turns, from)
+        let (mobility, tolerance) = (&self.mobility, self.ahead.solver.tolerance);
+        multirate::way(mobility, &self.correction, tolerance, turns, from)
     }
 
     /// The temperatures on the way that are farthest from those at which the film is known; `None` if all of them are next to

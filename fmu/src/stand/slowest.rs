@@ -60,12 +60,8 @@ impl Stand {
         let inputs =
             [speed, external_force, ambient_temperature].map(|input| input.value.to_bits());
         let key = (grains.map(|grain| grain as i64), wear as i64, inputs);
-        let from = Departure {
-            before: [0.0; 2],
-            eccentricity: [0.0; 2],
-            temperatures: multirate::temperatures(&(Vector4::from(grains) * GRAIN)),
-            worn: wear * WEAR_GRAIN,
-        };
+        let temperatures = multirate::temperatures(&(Vector4::from(grains) * GRAIN));
+        let from = Departure::at([0.0; 2], temperatures, wear * WEAR_GRAIN);
         let mut remembered = self
             .slowest
             .0

@@ -20,8 +20,8 @@ use super::{EVENTS, Stand, State, Unknowns, unknowns};
 use crate::multirate::{
     self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector,
 };
-use crate::sensors::{Sensed, TurnMeans};
-use crate::solver::{Budget, DormandPrince, Failure, Quadrature};
+use crate::sensors::{SENSORS, Sensed, TurnMeans};
+use crate::solver::{Budget, DormandPrince, Failure};
 use crate::thermal::Initialization;
 use fmu_export::model::{Fault, Log};
 use nalgebra::Vector2;
@@ -74,12 +74,7 @@ impl Stand {
     }
 
     fn settle_unworn(&mut self, log: &mut dyn Log) -> Result<(), Fault> {
-        let from = Departure {
-            before: self.state.eccentricity,
-            eccentricity: self.state.eccentricity,
-            temperatures: self.state.temperatures,
-            worn: self.state.worn,
-        };
+        let from = self.state.departure();
         let (drift, turns) = if self.film.is_transient() {
             self.settle_across(Across::Cubics, &from)?
         } else {
@@ -248,12 +243,7 @@ impl Stand {
         if self.thermal.isothermal {
             return Ok(Vector4::zeros());
         }
-        let from = Departure {
-            before: [0.0; 2],
-            eccentricity: [0.0; 2],
-            temperatures: multirate::temperatures(t),
-            worn: self.state.worn,
-        };
+        let from = Departure::at([0.0; 2], multirate::temperatures(t), self.state.worn);
         let drift = multirate::drift(self, AVERAGED, &from).map_err(refusal)?;
         (Matrix4::identity() - lasting(&drift, self.period()))
             .lu()
@@ -276,15 +266,11 @@ impl Stand {
         };
         let mut y = *start;
         let mut oil = self.nearby;
-        let course = |tau: f64, y: &Unknowns| {
-            let (rates, Sensed(sensed)) = self.course_at(tau, y, &mut oil);
-            (rates, sensed)
-        };
-        let any = Quadrature::default();
+        let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil);
+        let any = [f64::INFINITY; SENSORS];
         let (_, integrals) =
             integrator.integrate_along(course, &mut y, any, self.period(), step)?;
-        let means = Sensed(integrals).map(|integral| integral / self.period());
-        Ok((y, means))
+        Ok((y, integrals.map(|integral| integral / self.period())))
     }
 }
 

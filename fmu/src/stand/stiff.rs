@@ -3,7 +3,7 @@
 
 use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns};
 use crate::oil::Nearby;
-use crate::sensors::Sensed;
+use crate::sensors::SENSORS;
 use crate::solver::{Budget, Failure, Passage, Rodas3};
 use nalgebra::{SMatrix, SVector};
 
@@ -28,7 +28,7 @@ impl Stand {
         &self,
         span: f64,
         allowed: &Unknowns,
-        mut observe: impl FnMut(&Passage<{ Sensed::COUNT }>),
+        mut observe: impl FnMut(&Passage<SENSORS>),
     ) -> Result<Unknowns, Failure> {
         let [ex, ey, film, bush, shaft, bath, worn] = *allowed;
         let integrator = Rodas3 {
@@ -44,7 +44,7 @@ impl Stand {
         let (mut oil, mut oil_beside, mut oil_there) = (self.nearby, self.nearby, self.nearby);
         let mut before = None;
         let mut pass = |x: &Extended| {
-            let (_, Sensed(now)) = self.course_at(x[7], &state_of(x), &mut oil_there);
+            let (_, now) = self.course_at(x[7], &state_of(x), &mut oil_there);
             if let Some((from, sensed)) = before.replace((x[7], now)) {
                 observe(&Passage::between(from, x[7], [sensed, now]));
             }
@@ -62,7 +62,8 @@ impl Stand {
 
     fn extended_rates(&self, x: &Extended, oil: &mut Nearby) -> Extended {
         let mut rates = Extended::repeat(1.0);
-        rates.as_mut_slice()[..7].copy_from_slice(&self.rates_at(x[7], &state_of(x), oil));
+        let (course, _) = self.course_at(x[7], &state_of(x), oil);
+        rates.as_mut_slice()[..7].copy_from_slice(&course);
         rates
     }
 

@@ -178,15 +178,6 @@ impl Stand {
         Stuck::Explained(failure, reason)
     }
 
-    /// The failure of a Reynolds film that takes too many internal steps.
-    pub(super) fn crawling(&self, passed: f64, span: f64) -> Stuck {
-        Stuck::Crawling {
-            passed,
-            span,
-            cause: Advice(self.oddest()),
-        }
-    }
-
     /// The unknown that settles fastest after a small disturbance, and its rate, 1/s; none if that is not finite.
     fn fastest(&self, at: &Place) -> Option<(&'static str, f64)> {
         const NAMES: [&str; 7] = [
@@ -200,12 +191,12 @@ impl Stand {
         ];
         const NUDGE: f64 = 1e-7;
         let mut oil = Nearby::default();
-        let here = self.rates_at(at.tau, &at.y, &mut oil);
+        let (here, _) = self.course_at(at.tau, &at.y, &mut oil);
         let mut fastest = ("nothing", 0.0_f64);
         for i in at.among.clone() {
             let mut beside = at.y;
             beside[i] += NUDGE * SCALES[i];
-            let there = self.rates_at(at.tau, &beside, &mut oil);
+            let (there, _) = self.course_at(at.tau, &beside, &mut oil);
             let pace = ((there[i] - here[i]) / (beside[i] - at.y[i])).abs();
             if !pace.is_finite() {
                 return None;

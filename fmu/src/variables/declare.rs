@@ -40,7 +40,7 @@ macro_rules! input {
 /// The mean of a sensor over the last whole turn of the load.
 macro_rules! mean {
     ($name:literal, $unit:expr, $number:literal, [$($input:literal),*], $of:literal) => {
-        output($name, $unit, |s: &Stand| s.means().0[$number],
+        output($name, $unit, |s: &Stand| s.means()[$number],
             concat!($of, ", mean over the last whole turn of the load; until one is complete, since the start"))
             .depends_on(&[$($input),*])
     };

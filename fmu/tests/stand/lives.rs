@@ -2,9 +2,8 @@
 //! journal stays inside the bush, every reading is finite, and the film's energy balance is closed.
 
 use fmu_export::model::{Experiment, Fault, Model};
-use journal_bearing::rheology::DensityLaw;
+use journal_bearing::rheology::{DensityLaw, PressureLaw};
 use plain_bearing_stand::bearing::{FilmModel, Situation};
-use plain_bearing_stand::oil::PressureLaw;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;

@@ -27,7 +27,7 @@ fn start(set: impl FnOnce(&mut Stand)) -> Stand {
 /// The means over the `span` seconds that follow, from readings at many short steps by Simpson's rule.
 fn sampled(stand: &mut Stand, begin: f64, span: f64, parts: usize) -> Sensed {
     let step = span / parts as f64;
-    let mut sums = stand.readings().sensed().0;
+    let mut sums = stand.readings().sensed();
     for i in 0..parts {
         stand
             .advance(begin + i as f64 * step, step, &mut ())
@@ -37,16 +37,16 @@ fn sampled(stand: &mut Stand, begin: f64, span: f64, parts: usize) -> Sensed {
             i if i % 2 == 0 => 4.0,
             _ => 2.0,
         };
-        for (sum, value) in sums.iter_mut().zip(stand.readings().sensed().0) {
+        for (sum, value) in sums.iter_mut().zip(stand.readings().sensed()) {
             *sum += weight * value;
         }
     }
-    Sensed(sums.map(|sum| sum / (3 * parts) as f64))
+    sums.map(|sum| sum / (3 * parts) as f64)
 }
 
 #[track_caller]
 fn assert_close(found: Sensed, expected: Sensed, bound: f64) {
-    for (found, expected) in found.0.into_iter().zip(expected.0) {
+    for (found, expected) in found.into_iter().zip(expected) {
         let apart = (found / expected - 1.0).abs();
         assert!(apart < bound, "{found} {expected}: {apart:e}");
     }

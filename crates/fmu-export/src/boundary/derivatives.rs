@@ -34,19 +34,19 @@ impl<M: Model> Instance<M> {
         values: &[Real],
     ) -> Outcome {
         let wanted = references.iter().zip(orders).zip(values);
-        for ((reference, order), value) in wanted {
-            let slope = input_slope(variable::<M>(*reference)?, *order)?;
+        let slopes = wanted.map(|((reference, order), value)| {
+            let variable = variable::<M>(*reference)?;
+            let set = input_slope(variable, *order)?;
             if !value.is_finite() {
-                return Err(unfit(
-                    slope.0,
-                    format!("its derivative, {value}, must be finite"),
-                ));
+                let why = format!("its derivative, {value}, must be finite");
+                return Err(unfit(variable, why));
             }
-        }
+            Ok((set, *value))
+        });
+        let slopes = slopes.collect::<Outcome<Vec<_>>>()?;
         let model = self.run.seed.as_mut().unwrap_or(&mut self.run.model);
-        for (reference, value) in references.iter().zip(values) {
-            let (_, set) = input_slope(variable::<M>(*reference)?, 1)?;
-            set(model, *value);
+        for (set, value) in slopes {
+            set(model, value);
         }
         self.run.sloped |= !references.is_empty();
         self.run.differentiated = false;
@@ -288,15 +288,12 @@ fn output<M>(variable: &'static Variable<M>, order: i32) -> Outcome<(Read<M>, Op
     }
 }
 
-fn input_slope<M>(
-    variable: &'static Variable<M>,
-    order: i32,
-) -> Outcome<(&'static Variable<M>, Slope<M>)> {
+fn input_slope<M>(variable: &'static Variable<M>, order: i32) -> Outcome<Slope<M>> {
     check_order(variable, order)?;
     match &variable.kind {
         Kind::Real {
             slope: Some(slope), ..
-        } => Ok((variable, *slope)),
+        } => Ok(*slope),
         _ => Err(unfit(
             variable,
             "only inputs that may vary within a step take time derivatives".to_owned(),

@@ -1,6 +1,6 @@
 //! Model Exchange: an instance whose states the host integrates. There are no events.
 
-use super::instance::Instance;
+use super::instance::{Instance, finite};
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, ValueReference};
@@ -33,13 +33,7 @@ impl<M: Model> Instance<M> {
     /// Takes the time.
     pub fn set_time(&mut self, time: Real) -> Outcome {
         let exchange = self.exchange()?;
-        if !time.is_finite() {
-            return Err(Refusal::Argument {
-                name: "time",
-                value: format!("{time:?}"),
-                why: "it must be a finite number",
-            });
-        }
+        finite("time", time)?;
         (exchange.set_time)(&mut self.run.model, time);
         self.run.time = time;
         self.run.stale = true;

@@ -72,7 +72,7 @@ impl<M: Model> Handle<M> {
             return;
         }
         // SAFETY: the busy flag was clear, so this is the only reference.
-        if unsafe { &*handle.instance.get() }.phase() == Phase::Intermediate {
+        if unsafe { &*handle.instance.get() }.run.phase == Phase::Intermediate {
             // The host's callback tries to free the instance whose step has called it.
             handle.busy.store(false, Ordering::Release);
             return;
@@ -176,7 +176,7 @@ fn checked<M: Model>(
     function: &Function,
     body: impl FnOnce(&mut Instance<M>) -> Outcome,
 ) -> Status {
-    let phase = instance.phase();
+    let phase = instance.run.phase;
     if phase == Phase::Fatal {
         return Status::Fatal;
     }
@@ -201,7 +201,7 @@ fn poison<M: Model>(
         .copied()
         .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
         .unwrap_or("no message");
-    instance.poison();
+    instance.run.phase = Phase::Fatal;
     let message = format!(
         "{}: internal error: {text}. The instance is unusable now: free it, and please report this.",
         function.name

@@ -78,16 +78,6 @@ impl<M: Model> Instance<M> {
         })
     }
 
-    /// The phase of the simulation.
-    pub fn phase(&self) -> Phase {
-        self.run.phase
-    }
-
-    /// Refuses every further call, after a panic.
-    pub fn poison(&mut self) {
-        self.run.phase = Phase::Fatal;
-    }
-
     /// Chooses the messages that the host gets.
     pub fn set_logging(&mut self, on: bool, categories: &[&str]) -> Outcome {
         self.logger.switch::<M>(on, categories)?;
@@ -208,24 +198,18 @@ impl<M: Model> Instance<M> {
         let near = (1e-3 * step + 1e-6 * time)
             .min(0.5 * step)
             .max(4.0 * f64::EPSILON * time);
-        if (from - self.run.time).abs() > near {
-            return Err(Refusal::Argument {
-                name: "currentCommunicationPoint",
-                value: format!("{from:?}"),
-                why: "a step must begin where the last one ended",
-            });
-        }
-        let Some(stop) = self.run.stop else {
-            return Ok(());
-        };
-        if from + step - stop > near {
-            return Err(Refusal::Argument {
-                name: "communicationStepSize",
-                value: format!("{step:?}"),
-                why: "the step would end after the stop time that was announced",
-            });
-        }
-        Ok(())
+        require(
+            (from - self.run.time).abs() <= near,
+            "currentCommunicationPoint",
+            from,
+            "a step must begin where the last one ended",
+        )?;
+        require(
+            self.run.stop.is_none_or(|stop| from + step - stop <= near),
+            "communicationStepSize",
+            step,
+            "the step would end after the stop time that was announced",
+        )
     }
 
     /// Recomputes the outputs if something was set. After this, `run.model` is up to date in every phase in which values
@@ -296,7 +280,8 @@ fn check(request: &Request<'_>) -> Outcome<()> {
     Ok(())
 }
 
-fn finite(name: &'static str, value: f64) -> Outcome<()> {
+/// Refuses an argument that is not finite.
+pub fn finite(name: &'static str, value: f64) -> Outcome<()> {
     require(value.is_finite(), name, value, "it must be a finite number")
 }
 

@@ -157,12 +157,11 @@ impl<M: Model> Instance<M> {
     /// Advances by one inner step and pauses.
     fn advance_by_part(&mut self, pause: &mut Option<Update>) -> Outcome {
         let time = self.run.time;
-        let Some(watch) = &self.watch else {
-            return Err(Refusal::Phase(self.run.phase));
-        };
-        let Some(underway) = &watch.underway else {
-            return Err(Refusal::Phase(self.run.phase));
-        };
+        let at_work = self
+            .watch
+            .as_ref()
+            .and_then(|watch| Some((watch, watch.underway.as_ref()?)));
+        let (watch, underway) = at_work.ok_or(Refusal::Phase(self.run.phase))?;
         let inner = (watch.inner_step)(&self.run.model, underway.left).max(underway.least);
         // No tiny rest, and none that does not move the time.
         let part = if inner < 0.999 * underway.left && time + inner > time {
@@ -212,19 +211,17 @@ impl<M: Model> Instance<M> {
         let more = matches!(&watch.underway, Some(underway) if underway.left > 0.0);
         for reference in references {
             let variable = variable::<M>(*reference)?;
+            let why = if !is_intermediate(variable) {
+                "it has no intermediateUpdate attribute"
+            } else if set && watch.variables.binary_search(reference).is_err() {
+                "it is not among the requiredIntermediateVariables"
+            } else if set && !more {
+                "the step is complete, so intermediateVariableSetRequested is false"
+            } else {
+                continue;
+            };
             let name = variable.name;
-            if !is_intermediate(variable) {
-                let why = "it has no intermediateUpdate attribute";
-                return Err(Refusal::NotIntermediate { name, why });
-            }
-            if set && watch.variables.binary_search(reference).is_err() {
-                let why = "it is not among the requiredIntermediateVariables";
-                return Err(Refusal::NotIntermediate { name, why });
-            }
-            if set && !more {
-                let why = "the step is complete, so intermediateVariableSetRequested is false";
-                return Err(Refusal::NotIntermediate { name, why });
-            }
+            return Err(Refusal::NotIntermediate { name, why });
         }
         Ok(())
     }

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::version::Version;
 
 /// Where an instance is in its life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// After the instantiation or a reset.
+    #[default]
     Instantiated,
     /// In initialization mode.
     Initialization,

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::phase::Phase;
 use super::types::Status;
-use crate::model::{Experiment, Model};
+use crate::model::Experiment;
 
 /// The part of an instance that a saved state holds.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Run<M> {
     /// The phase of the simulation.
     pub phase: Phase,
@@ -34,25 +34,6 @@ pub struct Run<M> {
     pub last_step: Status,
     /// Whether the host integrates the model (Model Exchange).
     pub exchange: bool,
-}
-
-impl<M: Model> Default for Run<M> {
-    fn default() -> Self {
-        Self {
-            phase: Phase::Instantiated,
-            model: M::default(),
-            seed: None,
-            stale: false,
-            differentiated: false,
-            sloped: false,
-            time: 0.0,
-            start: 0.0,
-            stop: None,
-            tolerance: None,
-            last_step: Status::Ok,
-            exchange: false,
-        }
-    }
 }
 
 impl<M> Run<M> {

@@ -18,7 +18,7 @@ use super::version::Version;
 use crate::model::Model;
 
 const MARK: &[u8; 8] = b"FMUSTATE";
-const VERSION: u16 = 3;
+const VERSION: u16 = 4;
 const HEADER: usize = 8 + 2 + 16 + 8 + 4;
 
 /// The target of the pointer that the host has of a saved state.

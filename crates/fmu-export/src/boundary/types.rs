@@ -16,10 +16,11 @@ pub type Real = f64;
 pub type Text = *const c_char;
 
 /// `fmi2Status`, `fmi3Status`: how a call has ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
     /// The call succeeded.
+    #[default]
     Ok = 0,
     /// The call succeeded, but something needs a look.
     Warning = 1,

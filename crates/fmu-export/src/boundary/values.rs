@@ -9,7 +9,7 @@ use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, Text, ValueReference};
 use super::version::Version;
-use crate::model::{Access, Enumeration, Fault, Kind, Model, Role, Variable};
+use crate::model::{Access, Fault, Kind, Model, Role, Variable};
 
 /// The variable of a value reference.
 pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variable<M>> {
@@ -37,6 +37,36 @@ fn no_value<M: Model>(reference: ValueReference, value: Real) -> Refusal {
     let name = variable::<M>(reference).map_or("the value", |variable| variable.name);
     Refusal::Step(Fault::Failed(format!("{name} is {value} at these states")))
 }
+
+/// The kinds of variables that a function for whole numbers takes.
+#[derive(Clone, Copy)]
+pub struct Whole {
+    integers: bool,
+    items: bool,
+    /// The types that the host asks for with it.
+    asked: &'static str,
+}
+
+/// Integers and enumerations (FMI 2.0).
+pub const INTEGER: Whole = Whole {
+    integers: true,
+    items: true,
+    asked: "Integer or Enumeration",
+};
+
+/// Integers (FMI 3.0).
+pub const INT32: Whole = Whole {
+    integers: true,
+    items: false,
+    asked: "Int32",
+};
+
+/// Enumerations (FMI 3.0).
+pub const INT64: Whole = Whole {
+    integers: false,
+    items: true,
+    asked: "Int64 or Enumeration",
+};
 
 /// Whether the host may set a variable of this role in this phase.
 pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
@@ -110,29 +140,18 @@ impl<M: Model> Instance<M> {
         self.state_or_rate(reference)
     }
 
-    /// Reads integers and enumerations (FMI 2.0).
-    pub fn get_integer(&mut self, references: &[ValueReference], values: &mut [i32]) -> Outcome {
+    /// Reads whole numbers of some kinds.
+    pub fn get_whole<T: From<i32>>(
+        &mut self,
+        of: Whole,
+        references: &[ValueReference],
+        values: &mut [T],
+    ) -> Outcome {
+        let version = self.version;
         self.get(references, values, |variable, model| match &variable.kind {
-            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => {
-                Ok((access.get)(model))
-            }
-            _ => Err(wrong_type(Version::Two, variable, "Integer or Enumeration")),
-        })
-    }
-
-    /// Reads integers (FMI 3.0).
-    pub fn get_int32(&mut self, references: &[ValueReference], values: &mut [i32]) -> Outcome {
-        self.get(references, values, |variable, model| match &variable.kind {
-            Kind::Integer { access, .. } => Ok((access.get)(model)),
-            _ => Err(wrong_type(Version::Three, variable, "Int32")),
-        })
-    }
-
-    /// Reads enumerations (FMI 3.0).
-    pub fn get_int64(&mut self, references: &[ValueReference], values: &mut [i64]) -> Outcome {
-        self.get(references, values, |variable, model| match &variable.kind {
-            Kind::Enumeration { access, .. } => Ok((access.get)(model).into()),
-            _ => Err(wrong_type(Version::Three, variable, "Int64 or Enumeration")),
+            Kind::Integer { access, .. } if of.integers => Ok((access.get)(model).into()),
+            Kind::Enumeration { access, .. } if of.items => Ok((access.get)(model).into()),
+            _ => Err(wrong_type(version, variable, of.asked)),
         })
     }
 
@@ -218,47 +237,41 @@ impl<M: Model> Instance<M> {
         })
     }
 
-    /// Writes integers and enumerations (FMI 2.0).
-    pub fn set_integer(&mut self, references: &[ValueReference], values: &[i32]) -> Outcome {
-        self.set(
-            references,
-            values,
-            |variable, value, model| match &variable.kind {
-                Kind::Integer { access, min, max } => {
-                    write_integer(variable, access, (*min, *max), value, model)
+    /// Writes whole numbers of some kinds.
+    pub fn set_whole<T: Copy + Into<i64>>(
+        &mut self,
+        of: Whole,
+        references: &[ValueReference],
+        values: &[T],
+    ) -> Outcome {
+        let version = self.version;
+        self.set(references, values, |variable, value, model| {
+            let value: i64 = value.into();
+            match &variable.kind {
+                Kind::Integer { access, min, max } if of.integers => {
+                    let (min, max) = (min.map(i64::from), max.map(i64::from));
+                    match i32::try_from(value) {
+                        Ok(small) if inside(value, min, max) => {
+                            write(variable, access, &small, model)
+                        }
+                        _ => Err(outside(variable, value, min, max)),
+                    }
                 }
-                Kind::Enumeration { access, of } => {
-                    write_item(variable, access, of, value.into(), model)
+                Kind::Enumeration { access, of: known } if of.items => {
+                    let item = known
+                        .items
+                        .iter()
+                        .find(|item| i64::from(item.value) == value);
+                    let item = item.ok_or_else(|| Refusal::Value {
+                        name: variable.name,
+                        value: value.to_string(),
+                        allowed: format!("one of {}", known.listed()),
+                    })?;
+                    write(variable, access, &item.value, model)
                 }
-                _ => Err(wrong_type(Version::Two, variable, "Integer or Enumeration")),
-            },
-        )
-    }
-
-    /// Writes integers (FMI 3.0).
-    pub fn set_int32(&mut self, references: &[ValueReference], values: &[i32]) -> Outcome {
-        self.set(
-            references,
-            values,
-            |variable, value, model| match &variable.kind {
-                Kind::Integer { access, min, max } => {
-                    write_integer(variable, access, (*min, *max), value, model)
-                }
-                _ => Err(wrong_type(Version::Three, variable, "Int32")),
-            },
-        )
-    }
-
-    /// Writes enumerations (FMI 3.0).
-    pub fn set_int64(&mut self, references: &[ValueReference], values: &[i64]) -> Outcome {
-        self.set(
-            references,
-            values,
-            |variable, value, model| match &variable.kind {
-                Kind::Enumeration { access, of } => write_item(variable, access, of, value, model),
-                _ => Err(wrong_type(Version::Three, variable, "Int64 or Enumeration")),
-            },
-        )
+                _ => Err(wrong_type(version, variable, of.asked)),
+            }
+        })
     }
 
     /// Writes booleans: 0 is false, everything else is true.
@@ -292,38 +305,6 @@ impl<M: Model> Instance<M> {
             },
         )
     }
-}
-
-fn write_integer<M>(
-    variable: &Variable<M>,
-    access: &Access<M, i32, i32>,
-    (min, max): (Option<i32>, Option<i32>),
-    value: i32,
-    model: Option<&mut M>,
-) -> Outcome<()> {
-    if !inside(value, min, max) {
-        return Err(outside(variable, value, min, max));
-    }
-    write(variable, access, &value, model)
-}
-
-fn write_item<M>(
-    variable: &Variable<M>,
-    access: &Access<M, i32, i32>,
-    of: &Enumeration,
-    value: i64,
-    model: Option<&mut M>,
-) -> Outcome<()> {
-    let found = of.items.iter().find(|item| i64::from(item.value) == value);
-    let item = found.ok_or_else(|| {
-        let items = (of.items.iter()).map(|item| format!("{} ({})", item.value, item.name));
-        Refusal::Value {
-            name: variable.name,
-            value: value.to_string(),
-            allowed: format!("one of {}", items.collect::<Vec<_>>().join(", ")),
-        }
-    })?;
-    write(variable, access, &item.value, model)
 }
 
 /// Writes a checked value if there is a model to write it to; else checks that it could be written.

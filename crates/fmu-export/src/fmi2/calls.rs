@@ -22,6 +22,7 @@ use crate::boundary::phase::Phase::{
 use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, READABLE, SETTABLE};
 use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
+use crate::boundary::values::INTEGER;
 use crate::boundary::version::Version;
 use crate::model::{Model, offered};
 
@@ -55,7 +56,7 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2GetReal = get_real(vr: *const ValueReference, n: usize, value: *mut Real) in READABLE =>
             |instance| instance.get_real(values(vr, n, "vr")?, values_mut(value, n, "value")?);
         fmi2GetInteger = get_integer(vr: *const ValueReference, n: usize, value: *mut Integer) in READABLE =>
-            |instance| instance.get_integer(values(vr, n, "vr")?, values_mut(value, n, "value")?);
+            |instance| instance.get_whole(INTEGER, values(vr, n, "vr")?, values_mut(value, n, "value")?);
         fmi2GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean) in READABLE =>
             |instance| instance.get_boolean(values(vr, n, "vr")?, values_mut(value, n, "value")?);
         fmi2GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text) in READABLE =>
@@ -63,7 +64,7 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2SetReal = set_real(vr: *const ValueReference, n: usize, value: *const Real) in SETTABLE =>
             |instance| instance.set_real(values(vr, n, "vr")?, values(value, n, "value")?);
         fmi2SetInteger = set_integer(vr: *const ValueReference, n: usize, value: *const Integer) in SETTABLE =>
-            |instance| instance.set_integer(values(vr, n, "vr")?, values(value, n, "value")?);
+            |instance| instance.set_whole(INTEGER, values(vr, n, "vr")?, values(value, n, "value")?);
         fmi2SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
             |instance| instance.set_boolean(values(vr, n, "vr")?, values(value, n, "value")?);
         fmi2SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text) in SETTABLE =>

@@ -25,6 +25,7 @@ use crate::boundary::phase::Phase::{
 use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, SETTABLE, VISIBLE};
 use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
+use crate::boundary::values::{INT32, INT64};
 use crate::boundary::version::Version;
 use crate::boundary::watch::Watch;
 use crate::model::{Model, offered};
@@ -119,12 +120,12 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3GetUInt16 = get_uint16(vr: *const ValueReference, n: usize, value: *mut u16, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt16");
         fmi3GetInt32 = get_int32(vr: *const ValueReference, n: usize, value: *mut i32, n_values: usize) in VISIBLE =>
-            |instance| instance.get_int32(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+            |instance| instance.get_whole(INT32, for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
         fmi3GetUInt32 = get_uint32(vr: *const ValueReference, n: usize, value: *mut u32, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt32");
         /// For enumerations.
         fmi3GetInt64 = get_int64(vr: *const ValueReference, n: usize, value: *mut i64, n_values: usize) in VISIBLE =>
-            |instance| instance.get_int64(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+            |instance| instance.get_whole(INT64, for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
         fmi3GetUInt64 = get_uint64(vr: *const ValueReference, n: usize, value: *mut u64, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt64");
         fmi3GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean, n_values: usize) in VISIBLE =>
@@ -149,12 +150,12 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3SetUInt16 = set_uint16(vr: *const ValueReference, n: usize, value: *const u16, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt16");
         fmi3SetInt32 = set_int32(vr: *const ValueReference, n: usize, value: *const i32, n_values: usize) in SETTABLE =>
-            |instance| instance.set_int32(for_values(vr, n, n_values)?, values(value, n, "values")?);
+            |instance| instance.set_whole(INT32, for_values(vr, n, n_values)?, values(value, n, "values")?);
         fmi3SetUInt32 = set_uint32(vr: *const ValueReference, n: usize, value: *const u32, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt32");
         /// For enumerations.
         fmi3SetInt64 = set_int64(vr: *const ValueReference, n: usize, value: *const i64, n_values: usize) in SETTABLE =>
-            |instance| instance.set_int64(for_values(vr, n, n_values)?, values(value, n, "values")?);
+            |instance| instance.set_whole(INT64, for_values(vr, n, n_values)?, values(value, n, "values")?);
         fmi3SetUInt64 = set_uint64(vr: *const ValueReference, n: usize, value: *const u64, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt64");
         fmi3SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean, n_values: usize) in SETTABLE =>

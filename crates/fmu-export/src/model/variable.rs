@@ -113,6 +113,14 @@ pub struct Enumeration {
     pub items: &'static [Item],
 }
 
+impl Enumeration {
+    /// The items' values and names, for messages.
+    pub(crate) fn listed(&self) -> String {
+        let items = (self.items.iter()).map(|item| format!("{} ({})", item.value, item.name));
+        items.collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// How a value is read from the model and written to it. `set` is `None` for what the model computes.
 pub struct Access<M, T: ?Sized + 'static, R> {
     /// Reads the value.
@@ -237,15 +245,10 @@ pub fn check_ranges<M: Model>(model: &M) -> Result<(), Fault> {
             Kind::Enumeration { access, of } if access.set.is_some() => {
                 let value = (access.get)(model);
                 if !of.items.iter().any(|item| item.value == value) {
-                    let known: Vec<_> = of
-                        .items
-                        .iter()
-                        .map(|item| format!("{} ({})", item.value, item.name))
-                        .collect();
                     return Err(Fault::Invalid(format!(
                         "{} = {value}: it must be one of {}",
                         variable.name,
-                        known.join(", ")
+                        of.listed()
                     )));
                 }
             }

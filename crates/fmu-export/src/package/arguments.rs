@@ -62,17 +62,16 @@ pub(super) fn parse(
     let mut arguments = Arguments {
         output: None,
         profile: "release".to_owned(),
-        form: Form::CoSimulation2,
+        form: Form::default(),
         targets: Vec::new(),
         added: Vec::new(),
     };
-    let mut exchange = false;
     while let Some(option) = given.next() {
         if option == "--help" || option == "-h" {
             return Ok(None);
         }
         if option == "--exchange" {
-            exchange = true;
+            arguments.form.exchange = true;
             continue;
         }
         let known =
@@ -84,26 +83,21 @@ pub(super) fn parse(
             .next()
             .ok_or_else(|| PackageError::Usage(format!("{option} needs a value")))?;
         match option.as_str() {
-            "--fmi" => arguments.form = form(&value)?,
+            "--fmi" => arguments.form.three = is_three(&value)?,
             "--output" => arguments.output = Some(value.into()),
             "--profile" => arguments.profile = value,
             "--target" => arguments.targets.push(value),
             _ => arguments.added.push(added(&value)?),
         }
     }
-    arguments.form = match (exchange, arguments.form) {
-        (true, Form::CoSimulation2) => Form::ModelExchange2,
-        (true, Form::CoSimulation3) => Form::ModelExchange3,
-        (_, form) => form,
-    };
     arguments.added()?;
     Ok(Some(arguments))
 }
 
-fn form(value: &str) -> Result<Form, PackageError> {
+fn is_three(value: &str) -> Result<bool, PackageError> {
     match value {
-        "2" | "2.0" => Ok(Form::CoSimulation2),
-        "3" | "3.0" => Ok(Form::CoSimulation3),
+        "2" | "2.0" => Ok(false),
+        "3" | "3.0" => Ok(true),
         _ => Err(PackageError::Usage(format!(
             "--fmi {value}: the versions are 2 and 3"
         ))),
@@ -138,7 +132,7 @@ mod tests {
         );
         assert_eq!(parsed("--profile dev --help").unwrap(), None);
         let exchange = parsed("--exchange --fmi 3").unwrap().unwrap();
-        assert_eq!(exchange.form, Form::ModelExchange3);
+        assert_eq!(exchange.form.suffix(), "-me-fmi3");
         let three = parsed("--add win64=c.dll --fmi 3").unwrap().unwrap();
         assert_eq!(three.added().unwrap()[0].platform, "x86_64-windows");
         let two = parsed("--target a --target b").unwrap().unwrap();

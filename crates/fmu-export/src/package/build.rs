@@ -38,10 +38,7 @@ pub(super) mod platform {
     ];
 
     fn folder(form: Form, (two, three): (&'static str, &'static str)) -> &'static str {
-        match form {
-            Form::CoSimulation2 | Form::ModelExchange2 => two,
-            Form::CoSimulation3 | Form::ModelExchange3 => three,
-        }
+        if form.three { three } else { two }
     }
 
     /// The names that a user may write: those of FMI 2.0.
@@ -164,9 +161,13 @@ mod tests {
             ),
             ("wasm32", "unknown", None, None),
         ] {
+            let three_form = Form {
+                three: true,
+                ..Form::default()
+            };
             let of = |form| platform::of(processor, system, form);
             assert_eq!(
-                (of(Form::CoSimulation2), of(Form::CoSimulation3)),
+                (of(Form::default()), of(three_form)),
                 (two, three),
                 "{processor} {system}"
             );

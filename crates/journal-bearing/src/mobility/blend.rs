@@ -3,13 +3,13 @@
 use std::sync::{Arc, OnceLock};
 
 use super::spline::{End, Spline};
-use super::table::{CHANNELS, MOBILITY, Node, SplinesOverS, Tabulated, VALUE};
+use super::table::{CHANNELS, MOBILITY, Node, Tabulated, VALUE, splines_over_s};
 
 /// The map's slices and their slopes over `ln(B/D)`: what every blend is made from.
 #[derive(Clone, Debug)]
 pub struct Sources {
     pub slices: Vec<Tabulated>,
-    over_s: SplinesOverS,
+    over_s: [Spline; CHANNELS],
     over_width: Spline,
     /// One per row. A journal visits few of them, and a process may live for one simulation only, so each is made on
     /// first use.
@@ -30,7 +30,7 @@ impl Sources {
     pub fn new(slices: Vec<Tabulated>) -> Self {
         let lattice = slices[0].lattice;
         Self {
-            over_s: SplinesOverS::new(lattice.ss),
+            over_s: splines_over_s(lattice.ss),
             over_width: Spline::new(slices.len(), [End::Free; 2]),
             rows: vec![OnceLock::new(); lattice.last_u as usize + 1],
             slices,

@@ -82,7 +82,7 @@ impl SliceFamily {
 
 #[cfg(test)]
 mod tests {
-    use super::super::table::SplinesOverS;
+    use super::super::table::splines_over_s;
     use super::*;
 
     #[test]
@@ -92,7 +92,7 @@ mod tests {
         for (k, slice) in map.slices().iter().enumerate() {
             let made = family.slice(map.width(k));
             for i in [0, 7, 40] {
-                let tabulated = slice.row(i, &SplinesOverS::new(slice.lattice.ss));
+                let tabulated = slice.row(i, &splines_over_s(slice.lattice.ss));
                 for (a, b) in made.row(i).iter().flatten().zip(tabulated.iter().flatten()) {
                     for (a, b) in a.iter().zip(b) {
                         assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "{a} {b}");

@@ -68,7 +68,7 @@ pub fn generate(
     threads: usize,
     progress: impl Fn(f64) + Sync,
 ) -> Result<MobilityMap, NotConverged> {
-    let map = MobilityMap::empty();
+    let mut map = MobilityMap::empty();
     let [widths, us, ss] = map.nodes();
     let mut values = vec![0.0_f32; widths * us * ss * CHANNELS];
     let stations: Vec<_> = values.chunks_exact_mut(ss * CHANNELS).enumerate().collect();
@@ -98,7 +98,8 @@ pub fn generate(
         }
         Ok(())
     })?;
-    Ok(map.with_values(values))
+    map.values = values;
+    Ok(map)
 }
 
 /// Solves for the nodes of slice `k` and eccentricity ratio `i`.

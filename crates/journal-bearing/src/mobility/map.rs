@@ -23,7 +23,7 @@ pub struct MobilityMap {
     /// Nodes over `ln(B/D)`, `u` and `s`.
     nodes: [u16; 3],
     /// By `ln(B/D)`, then `u`, then `s`, then channel.
-    values: Vec<f32>,
+    pub(super) values: Vec<f32>,
 }
 
 /// The bytes are not a mobility map; the text says why.
@@ -36,11 +36,10 @@ pub struct MapError(String);
 impl MobilityMap {
     /// A map without values that covers `B/D` from 0.1 to 4 and eccentricity ratios from 0 to 0.9999.
     pub(super) fn empty() -> Self {
-        let nodes = [13, 41, 33];
         Self {
             widths: [0.1_f64.ln(), 4.0_f64.ln()],
             last_u: 4.0 * LN_10,
-            nodes,
+            nodes: [13, 41, 33],
             values: Vec::new(),
         }
     }
@@ -80,7 +79,7 @@ impl MobilityMap {
 
     /// The tabulated slices in the order of `B/D`.
     pub(super) fn slices(&self) -> Vec<Tabulated> {
-        let [_, us, ss] = self.nodes.map(usize::from);
+        let [_, us, ss] = self.nodes();
         self.values
             .chunks_exact(us * ss * CHANNELS)
             .map(|values| Tabulated::new(values, us, ss, self.last_u))
@@ -89,7 +88,8 @@ impl MobilityMap {
 
     /// `B/D` of slice `k`.
     pub(super) fn width(&self, k: usize) -> f64 {
-        (self.widths[0] + k as f64 * self.width_spacing()).exp()
+        let spacing = (self.widths[1] - self.widths[0]) / f64::from(self.nodes[0] - 1);
+        (self.widths[0] + k as f64 * spacing).exp()
     }
 
     /// Numbers of nodes over `ln(B/D)`, `u` and `s`.
@@ -99,19 +99,10 @@ impl MobilityMap {
 
     /// The point of node `(i, j)` over `u` and `s`.
     pub(super) fn point(&self, i: usize, j: usize) -> Point {
-        let [_, us, ss] = self.nodes.map(usize::from);
+        let [_, us, ss] = self.nodes();
         Point {
             u: self.last_u * i as f64 / (us - 1) as f64,
             s: j as f64 / (ss - 1) as f64,
         }
-    }
-
-    /// The same map with these values.
-    pub(super) fn with_values(self, values: Vec<f32>) -> Self {
-        Self { values, ..self }
-    }
-
-    fn width_spacing(&self) -> f64 {
-        (self.widths[1] - self.widths[0]) / f64::from(self.nodes[0] - 1)
     }
 }

@@ -62,7 +62,7 @@ impl Tabulated {
     }
 
     /// The nodes of row `i`: one `u`, all `s`. `along` has the splines over `s`.
-    pub fn row(&self, i: usize, along: &SplinesOverS) -> Vec<Node> {
+    pub fn row(&self, i: usize, along: &[Spline; CHANNELS]) -> Vec<Node> {
         let ss = self.lattice.ss;
         let row = i * ss * CHANNELS..(i + 1) * ss * CHANNELS;
         let mut nodes = vec![Node::default(); ss];
@@ -71,7 +71,7 @@ impl Tabulated {
             .into_iter()
             .enumerate()
         {
-            for (channel, spline) in along.0.iter().enumerate() {
+            for (channel, spline) in along.iter().enumerate() {
                 for (value, at) in line.iter_mut().zip(all.chunks_exact(CHANNELS)) {
                     *value = at[channel];
                 }
@@ -86,13 +86,7 @@ impl Tabulated {
     }
 }
 
-/// The splines over `s`, one a quantity.
-#[derive(Clone, Debug)]
-pub struct SplinesOverS([Spline; CHANNELS]);
-
-impl SplinesOverS {
-    /// For rows of `ss` nodes.
-    pub fn new(ss: usize) -> Self {
-        Self(SYMMETRY.map(|symmetry| Spline::new(ss, [symmetry; 2])))
-    }
+/// The splines over `s`, one a quantity, for rows of `ss` nodes.
+pub fn splines_over_s(ss: usize) -> [Spline; CHANNELS] {
+    SYMMETRY.map(|symmetry| Spline::new(ss, [symmetry; 2]))
 }

@@ -102,8 +102,7 @@ impl FilmSettings {
         within("number of rows", rows as f64, rows >= 1, "at least 1")?;
         let pressure = self.side_pressure;
         let usable = pressure.is_finite() && pressure >= 0.0;
-        within("side pressure", pressure, usable, "0 or more")?;
-        Ok(())
+        within("side pressure", pressure, usable, "0 or more")
     }
 
     /// Roughness over clearance where the film sees the roughness, else zero.
@@ -116,7 +115,7 @@ impl FilmSettings {
 
     /// Whether the oil's density depends on its pressure.
     pub(super) fn is_compressible(&self) -> bool {
-        self.rheology.density != DensityLaw::Constant
+        self.rheology.density_law != DensityLaw::Constant
     }
 
     /// The journal's share of the roughness' variance where the film has flow factors, else `None`.

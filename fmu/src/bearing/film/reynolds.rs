@@ -119,11 +119,11 @@ impl JournalFilm for ReynoldsJournal {
         }
     }
 
-    fn transient(&self) -> Option<&dyn TransientFilm> {
-        Some(self)
+    fn is_transient(&self) -> bool {
+        true
     }
 
-    fn transient_mut(&mut self) -> Option<&mut dyn TransientFilm> {
+    fn transient(&mut self) -> Option<&mut dyn TransientFilm> {
         Some(self)
     }
 }
@@ -205,17 +205,8 @@ impl TransientFilm for ReynoldsJournal {
     }
 
     fn keep(&mut self) {
-        match &mut self.kept.0 {
-            Some(kept) => {
-                self.film.copy_state_to(&mut kept.0);
-                kept.1 = self.motion;
-                kept.2 = self.film.settings().clearance;
-            }
-            none => {
-                let clearance = self.film.settings().clearance;
-                *none = Some(Box::new((self.film.state(), self.motion, clearance)));
-            }
-        }
+        let clearance = self.film.settings().clearance;
+        self.kept = Passing(Some(Box::new((self.film.state(), self.motion, clearance))));
     }
 
     fn take_back(&mut self) {

@@ -21,9 +21,8 @@ pub struct Cells {
     pub stride: usize,
     /// `zeta` at the middle of each row.
     pub zeta: Vec<f64>,
-    /// Components of `n` by cell and edge: the [`Directions`] repeated for every row.
-    pub normal_x: Normal,
-    pub normal_y: Normal,
+    /// Both components of `n` by cell and edge: the [`Directions`] repeated for every row.
+    pub normal: [Normal; 2],
     /// Area of each cell: its angle times its share of the width.
     pub area: Vec<f64>,
     /// Each cell's share of the width.
@@ -92,8 +91,7 @@ impl Cells {
             cavitation,
             stride,
             zeta: vec![0.0; stride],
-            normal_x: Normal::new(count),
-            normal_y: Normal::new(count),
+            normal: [Normal::new(count), Normal::new(count)],
             area: vec![0.0; count],
             share: vec![0.0; count],
             along: vec![0.0; count],
@@ -110,9 +108,10 @@ impl Cells {
             let distance = 0.5 * (grid.theta_width((i + columns - 1) % columns) + width);
             for j in 0..rows {
                 let cell = i * stride + j;
-                let (mean, edge) = (cells.directions.mean[i], cells.directions.edge[i]);
-                (cells.normal_x.mean[cell], cells.normal_x.edge[cell]) = (mean.x, edge.x);
-                (cells.normal_y.mean[cell], cells.normal_y.edge[cell]) = (mean.y, edge.y);
+                for (k, normal) in cells.normal.iter_mut().enumerate() {
+                    normal.mean[cell] = cells.directions.mean[i][k];
+                    normal.edge[cell] = cells.directions.edge[i][k];
+                }
                 let share = grid.zeta_width(j) / length;
                 cells.share[cell] = share;
                 cells.area[cell] = width * share;

@@ -54,11 +54,7 @@ impl Powers {
     /// Adds the pressure flow over an edge.
     fn flow(&mut self, work: &Workspace, ends: [usize; 2], conductance: f64) {
         let p = ends.map(|cell| work.state.field.pressure[cell]);
-        let mean = 0.5
-            * ends
-                .map(|cell| work.liquid.density[cell])
-                .iter()
-                .sum::<f64>();
+        let mean = mean_density(work, ends);
         let flow = conductance * (p[0] - p[1]) / mean;
         self.loss += flow * (p[0] - p[1]);
         self.stored += taken(work, ends, flow, mean);
@@ -68,11 +64,7 @@ impl Powers {
     fn carry(&mut self, work: &Workspace, ends: [usize; 2], carried: f64) {
         let upstream = ends[usize::from(carried <= 0.0)];
         let content = work.state.field.content[upstream];
-        let mean = 0.5
-            * ends
-                .map(|cell| work.liquid.density[cell])
-                .iter()
-                .sum::<f64>();
+        let mean = mean_density(work, ends);
         let power = taken(work, ends, carried, content * mean);
         if content < 1.0 {
             self.loss += power;
@@ -105,6 +97,12 @@ impl Powers {
         self.loss += flow * over;
         self.bath -= flow * stage.side;
     }
+}
+
+/// The mean density on both sides of an edge.
+fn mean_density(work: &Workspace, [before, own]: [usize; 2]) -> f64 {
+    let density = &work.liquid.density;
+    0.5 * (density[before] + density[own])
 }
 
 /// The power that a flow over an edge, from the first of its ends to the second, takes to change to their densities.

@@ -132,18 +132,9 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
     let n = field.pressure.len();
     let p = &field.pressure;
     sums.loss += lost(&balance.across[1..n], [&p[..n - 1], &p[1..]]);
-    let open: f64 = balance
-        .open
-        .iter()
-        .zip(p)
-        .map(|(open, p)| open * (p - stage.side))
-        .sum();
-    let pressed: f64 = balance
-        .open
-        .iter()
-        .zip(p)
-        .map(|(open, p)| open * (p - stage.side) * p)
-        .sum();
+    let out = |(open, p): (&f64, &f64)| open * (p - stage.side);
+    let open: f64 = balance.open.iter().zip(p).map(out).sum();
+    let pressed: f64 = (balance.open.iter().zip(p)).map(|of| out(of) * of.1).sum();
     sums.loss += pressed - open * stage.side;
     sums.bath = -open * stage.side;
     if settings.is_compressible() {

@@ -152,14 +152,6 @@ impl ReynoldsFilm {
         FilmState(self.work.state.clone())
     }
 
-    /// Copies the state into one that was taken from this film before; allocates nothing.
-    ///
-    /// # Panics
-    /// When that state has another number of cells.
-    pub fn copy_state_to(&self, state: &mut FilmState) {
-        state.0.copy_from(&self.work.state);
-    }
-
     /// Returns to a state of this film, or of one with the same settings.
     ///
     /// # Errors
@@ -211,7 +203,7 @@ impl ReynoldsFilm {
         self.before.copy_from(&self.work.state);
         // The linearisation is not stored, so an interval must not begin with that of the last one.
         self.work.linear.discard();
-        self.stepper.begin_interval();
+        self.stepper.failures = 0;
         let mut total = Diagnostics::default();
         let mut done = 0.0;
         let shortest = 1e-9 * interval;
@@ -250,12 +242,12 @@ impl ReynoldsFilm {
                 }
                 Ok((_, error)) => {
                     step = duration * (0.9 / error.sqrt()).clamp(0.1, 0.7);
-                    self.stepper.take_back(&mut self.work);
+                    self.work.restore(&self.stepper.kept);
                 }
                 Err(NoSolution) => {
                     step = 0.25 * duration;
-                    self.stepper.take_back(&mut self.work);
-                    if step < shortest || self.stepper.failures() == MOST_FAILURES {
+                    self.work.restore(&self.stepper.kept);
+                    if step < shortest || self.stepper.failures == MOST_FAILURES {
                         return Err(self.give_up(step));
                     }
                 }

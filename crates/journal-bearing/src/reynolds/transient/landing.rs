@@ -37,7 +37,7 @@ const SETTLED: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub struct Landing {
     /// The field before a correction that is tried.
-    trial: Field,
+    pub trial: Field,
 }
 
 /// A place of the journal at which the cells' balances hold.
@@ -66,13 +66,6 @@ impl Rest {
 }
 
 impl Landing {
-    /// A buffer for fields like `field`.
-    pub fn new(field: &Field) -> Self {
-        Self {
-            trial: field.clone(),
-        }
-    }
-
     /// Finds the eccentricity ratio at the end of a stage, from the field at the start of the step. Field, gap and balance
     /// are then those of its end.
     pub fn solve(

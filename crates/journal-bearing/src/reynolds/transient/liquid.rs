@@ -4,7 +4,7 @@ use super::gap::Gap;
 use super::state::Field;
 use crate::reynolds::roughness::ease_of_mean_gap;
 use crate::reynolds::settings::{Drive, FilmSettings};
-use crate::rheology::PressureViscosity;
+use crate::rheology::PressureLaw;
 
 /// Viscosity and density cell by cell, relative to those at ambient pressure and low shear.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ impl Liquid {
         }
         self.uniform = false;
         self.thickens =
-            settings.is_compressible() || settings.rheology.pressure != PressureViscosity::None;
+            settings.is_compressible() || settings.rheology.pressure_law != PressureLaw::Constant;
         let psi = settings.clearance / (0.5 * settings.diameter);
         let sliding = (drive.journal_speed - drive.bush_speed).abs() / psi;
         let mut largest: f64 = 0.0;
@@ -94,7 +94,7 @@ impl Liquid {
         self.compressible = true;
         let of = self.density.iter_mut().zip(&mut self.swelling);
         for ((density, swelling), pressure) in of.zip(&field.pressure) {
-            let [ratio, slope] = settings.rheology.density.ratio(pressure * to_pascal);
+            let [ratio, slope] = settings.rheology.density_law.ratio(pressure * to_pascal);
             (*density, *swelling) = (ratio, slope * to_pascal);
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! * `lanes`, `sweeps`: arithmetic over arrays, in an order that is the same on every machine.
 //! * `cells`, `gap`, `state`, `stage`, `liquid`, `upwind`, `balance`, `active_set`: the film cell by cell.
-//! * `base`, `linear`: the balances linearised, and the factorisation of their matrix.
+//! * `linear`: the balances linearised, and the factorisation of their matrix.
 //! * `geometry`, `workspace`: the film at a place of the journal, with all buffers; a step allocates nothing.
 //! * `asperities`, `forces`, `way`: the journal in it.
 //! * `newton`, `landing`: the solution of one implicit stage.
@@ -13,7 +13,6 @@
 mod active_set;
 mod asperities;
 mod balance;
-mod base;
 mod cells;
 mod compression;
 mod diagnostics;

@@ -33,10 +33,10 @@ pub struct Stepper {
     start: Vec<f64>,
     launch: Vec<f64>,
     /// The state before the present step.
-    kept: State,
+    pub kept: State,
     landing: Landing,
     /// Steps of the interval without a solution.
-    failures: usize,
+    pub failures: usize,
 }
 
 impl Stepper {
@@ -47,24 +47,11 @@ impl Stepper {
             start: vec![0.0; count],
             launch: vec![0.0; count],
             kept: work.state.clone(),
-            landing: Landing::new(&work.state.field),
+            landing: Landing {
+                trial: work.state.field.clone(),
+            },
             failures: 0,
         }
-    }
-
-    /// Begins an interval.
-    pub fn begin_interval(&mut self) {
-        self.failures = 0;
-    }
-
-    /// Steps of the interval without a solution.
-    pub fn failures(&self) -> usize {
-        self.failures
-    }
-
-    /// Goes back to the state before the last step.
-    pub fn take_back(&self, work: &mut Workspace) {
-        work.restore(&self.kept);
     }
 
     /// Takes one step. Returns its diagnostics and its error relative to the tolerance.

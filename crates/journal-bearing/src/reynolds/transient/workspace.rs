@@ -4,10 +4,9 @@ use nalgebra::Vector2;
 
 use super::active_set::ActiveSet;
 use super::balance::Balance;
-use super::base::Base;
 use super::geometry::Geometry;
 use super::lanes::dot;
-use super::linear::Linear;
+use super::linear::{Base, Linear};
 use super::liquid::Liquid;
 use super::stage::Stage;
 use super::state::{Field, State};

@@ -1,7 +1,7 @@
 //! The matrix of the linearised balances.
 
-use super::super::base::Base;
 use super::super::sweeps::{change, fill};
+use super::Base;
 use super::ring::Ring;
 use super::unknowns::Unknowns;
 

@@ -1,7 +1,7 @@
 //! The second-order density of [`upwind`](crate::reynolds::transient::upwind) in the matrix.
 
-use super::super::base::Base;
 use super::super::upwind::{Edge, edges};
+use super::Base;
 use super::ring::Ring;
 use super::unknowns::Unknowns;
 

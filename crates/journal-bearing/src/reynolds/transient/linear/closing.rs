@@ -1,7 +1,7 @@
 //! Derivatives of the residuals over the eccentricity ratio, as the journal closes or opens the gap.
 
-use super::super::base::Base;
 use super::super::sweeps::{add_difference, change, fill};
+use super::Base;
 
 /// The fluxes' derivatives over the gap at the edges, and buffers for them.
 #[derive(Clone, Debug)]
@@ -59,8 +59,7 @@ impl Closing {
             let over = &self.over[own.start..=own.end];
             add_difference(kept, [over, &over[1..]]);
             let around = [own.clone(), after.clone()].map(|of| &self.around[of]);
-            let directions = [&cells.normal_x, &cells.normal_y];
-            for (derivative, normal) in derivatives.iter_mut().zip(directions) {
+            for (derivative, normal) in derivatives.iter_mut().zip(&cells.normal) {
                 // The eccentricity closes the cell and its edges by the components of their normals.
                 let derivative = &mut derivative[own.clone()];
                 let mean = &normal.mean[own.clone()];
@@ -83,35 +82,34 @@ impl Closing {
         let (gap, balance) = (base.gap, base.balance);
         let pressure = &base.field.pressure;
         for (own, before) in base.cells.neighbours() {
-            let [along, carried] = [&balance.along, &balance.carried].map(|of| &of[own.clone()]);
-            let around = &mut self.around[own.clone()];
-            let oil = [before.clone(), own.clone()].map(|of| &balance.fill[of]);
+            let [along, carried, h, apart] =
+                [&balance.along, &balance.carried, &gap.edge, &gap.edge_apart]
+                    .map(|of| &of[own.clone()]);
+            let p = [before.clone(), own.clone()].map(|of| &pressure[of]);
+            let oil = [before, own.clone()].map(|of| &balance.fill[of]);
+            let of = [along, carried, p[0], p[1], oil[0], oil[1], h, apart];
             fill(
-                around,
-                [carried, oil[0], oil[1]],
-                |[carried, before, own]| carried * if carried > 0.0 { before } else { own },
+                &mut self.around[own],
+                of,
+                |[along, carried, p_before, p, before, own, h, apart]| {
+                    let oil = if carried > 0.0 { before } else { own };
+                    (carried * oil + 3.0 * along * (p_before - p)) * apart / h
+                },
             );
-            let p = [before, own.clone()].map(|of| &pressure[of]);
-            let [h, apart] = [&gap.edge, &gap.edge_apart].map(|of| &of[own.clone()]);
-            let of = [along, p[0], p[1], h, apart];
-            change(around, of, |flux, [along, before, own, h, apart]| {
-                (flux + 3.0 * along * (before - own)) * apart / h
-            });
         }
         let n = pressure.len();
         let (low, high) = (..n - 1, 1..n);
         let [p, h, apart] =
             [pressure, &gap.cell, &gap.cell_apart].map(|of| [&of[low], &of[high.clone()]]);
         let across = &balance.across[1..n];
-        let over = &mut self.over[1..n];
-        let gaps = [apart[0], apart[1], h[0], h[1]];
-        fill(over, gaps, |[apart_below, apart, below, above]| {
-            (apart_below + apart) / (below + above)
-        });
-        change(
-            over,
-            [across, p[0], p[1]],
-            |opening, [across, below, above]| 3.0 * across * (below - above) * opening,
+        let of = [across, p[0], p[1], h[0], h[1], apart[0], apart[1]];
+        fill(
+            &mut self.over[1..n],
+            of,
+            |[across, p_below, p, below, above, apart_below, apart]| {
+                let opening = (apart_below + apart) / (below + above);
+                3.0 * across * (p_below - p) * opening
+            },
         );
     }
 }

@@ -13,14 +13,26 @@ mod unknowns;
 use nalgebra::{Matrix2, Vector2};
 
 use super::balance::Balance;
-use super::base::Base;
 use super::cells::Cells;
 use super::gap::Gap;
 use super::lanes::sum_of;
+use super::liquid::Liquid;
+use super::stage::Stage;
 use super::state::Field;
 use closing::Closing;
 use ring::Ring;
 use unknowns::Unknowns;
+
+/// The film about which the balances are linearised: gap, oil, field and balances at one place of the journal, in one stage.
+#[derive(Clone, Copy)]
+pub struct Base<'a> {
+    pub cells: &'a Cells,
+    pub gap: &'a Gap,
+    pub liquid: &'a Liquid,
+    pub field: &'a Field,
+    pub balance: &'a Balance,
+    pub stage: &'a Stage<'a>,
+}
 
 /// A factorised linearisation of the balances over the cells' unknowns and the eccentricity ratio.
 ///

@@ -3,9 +3,9 @@
 //! The conductance of an edge goes with the mean `ease` of its two cells, which depends on their pressures. When the
 //! linearisation omits this, the iteration oscillates in oil that thickens much (`alpha p` of about one and more).
 
-use super::super::base::Base;
 use super::super::liquid::Liquid;
 use super::super::state::Field;
+use super::Base;
 use super::ring::Ring;
 use super::unknowns::Unknowns;
 

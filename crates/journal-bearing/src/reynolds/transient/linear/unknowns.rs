@@ -3,6 +3,7 @@
 use super::super::cells::Cells;
 use super::super::liquid::Liquid;
 use super::super::state::Field;
+use super::super::sweeps::fill;
 
 /// The kinds of the cells' unknowns, as factors of one or zero for sweeps without branches.
 #[derive(Clone, Debug)]
@@ -38,27 +39,17 @@ impl Unknowns {
             self.empty[c] = f64::from(!full && conserving && real);
             self.balanced[c] = self.full[c] + self.empty[c];
         }
-        self.swell(liquid);
-    }
-
-    fn swell(&mut self, liquid: &Liquid) {
-        let n = self.full.len();
-        let (full, empty, swell) = (&self.full[..n], &self.empty[..n], &mut self.swell[..n]);
-        let (density, swelling) = (&liquid.density[..n], &liquid.swelling[..n]);
-        for c in 0..n {
-            swell[c] = full[c] * swelling[c] + empty[c] * density[c];
-        }
+        let of = [&self.full, &liquid.swelling, &self.empty, &liquid.density].map(Vec::as_slice);
+        fill(&mut self.swell, of, |[full, swelling, empty, density]| {
+            full * swelling + empty * density
+        });
     }
 
     /// The column with the fewest full cells.
     pub fn emptiest_column(&self, cells: &Cells) -> usize {
         let count = |range: std::ops::Range<usize>| self.full[range].iter().sum::<f64>();
-        cells
-            .columns()
-            .map(|(i, range)| (count(range), i))
-            .fold((f64::INFINITY, 0), |least, column| {
-                if column.0 < least.0 { column } else { least }
-            })
-            .1
+        let counts = cells.columns().map(|(i, range)| (count(range), i));
+        let least = counts.min_by(|(one, _), (other, _)| one.total_cmp(other));
+        least.map_or(0, |(_, column)| column)
     }
 }

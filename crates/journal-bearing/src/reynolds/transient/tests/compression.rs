@@ -9,7 +9,7 @@ use crate::rheology::{DensityLaw, Rheology};
 fn settings(width: f64, density: DensityLaw) -> FilmSettings {
     FilmSettings {
         rheology: Rheology {
-            density,
+            density_law: density,
             ..Rheology::default()
         },
         ..FilmSettings::new(width, 0.025, 20e-6)

@@ -32,7 +32,7 @@ fn cells(columns: usize) -> [usize; 2] {
 
 fn rheology(kind: usize) -> Rheology {
     Rheology {
-        density: DENSITY[kind / 2],
+        density_law: DENSITY[kind / 2],
         ..Rheology::default()
     }
 }
@@ -121,7 +121,7 @@ impl Life {
             settings.clearance,
             settings.side_pressure,
             f64::from(settings.cavitation == CAVITATION[1])
-                + 2.0 * f64::from(settings.rheology.density == DENSITY[1]),
+                + 2.0 * f64::from(settings.rheology.density_law == DENSITY[1]),
             self.viscosity,
             settings.cells[0] as f64,
         ];
