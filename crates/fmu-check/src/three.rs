@@ -1,11 +1,11 @@
 //! Rules about model descriptions of FMI 3.0 (sections 2.4 to 2.4.8).
 
-mod kinds;
+mod variables;
 
-pub(crate) use kinds::{
+use std::collections::{HashMap, HashSet};
+pub(crate) use variables::{
     clocks, derivatives, initial_values, not_finite, structure as lists, variabilities,
 };
-use std::collections::{HashMap, HashSet};
 
 use roxmltree::Node;
 
@@ -118,7 +118,7 @@ pub(crate) fn starts(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
     if node.tag_name().name() == "Clock" || causality == "independent" {
         return None;
     }
-    let initial = kinds::initial(node);
+    let initial = variables::initial(node);
     let given = node.has_attribute("start") || named(node, "Start").next().is_some();
     let needed = matches!(causality, "parameter" | "structuralParameter" | "input")
         || node.attribute("variability") == Some("constant")

@@ -17,7 +17,6 @@ mod logger;
 pub mod needed;
 pub mod package;
 mod parse;
-mod parse_three;
 mod simulation;
 pub mod state;
 mod symbols;

@@ -4,6 +4,8 @@
 //! a byte-order mark and Latin-1 are understood. What cannot be ignored silently becomes one of
 //! [`Description::remarks`].
 
+mod three;
+
 use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
@@ -543,5 +545,4 @@ fn typed<'a>(node: Node<'a, 'a>) -> Option<Node<'a, 'a>> {
 }
 
 #[cfg(test)]
-#[path = "parse_tests.rs"]
 mod tests;

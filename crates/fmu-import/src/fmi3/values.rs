@@ -132,26 +132,38 @@ impl Model {
         Ok(values)
     }
 
-    fn put<T: Copy>(
+    fn put<T: Copy + Default>(
         &mut self,
         caller: &mut Caller,
         access: Access<T>,
         new: New<'_>,
         fit: impl Fn(&Value) -> Option<T>,
     ) -> Result<(), Call> {
-        let element = new.element;
-        let fit = |value| fit(value).ok_or_else(|| unfit(value, element, access.set.name));
-        let values = match new.all {
-            Some(all) => all.iter().map(fit).collect::<Result<Vec<T>, Call>>()?,
-            None => {
-                let value = fit(new.value)?;
-                let all = self.all(caller, access, element, value);
-                let mut all = all.map_err(|call| self.untold(call))?;
-                all[element.index] = value;
-                all
-            }
+        let told = |model: &mut Self, caller: &mut Caller| {
+            model.all(caller, access, new.element, T::default())
         };
-        self.put_all(caller, access, element, &values)
+        let values = self.merged(caller, new, access.set.name, fit, told)?;
+        self.put_all(caller, access, new.element, &values)
+    }
+
+    /// The values of all elements of a variable with the new one: the others are those that are known, or else those
+    /// that the FMU tells.
+    fn merged<T>(
+        &mut self,
+        caller: &mut Caller,
+        new: New<'_>,
+        function: &'static str,
+        fit: impl Fn(&Value) -> Option<T>,
+        told: impl FnOnce(&mut Self, &mut Caller) -> Result<Vec<T>, Call>,
+    ) -> Result<Vec<T>, Call> {
+        let fit = |value| fit(value).ok_or_else(|| unfit(value, new.element, function));
+        if let Some(all) = new.all {
+            return all.iter().map(fit).collect();
+        }
+        let value = fit(new.value)?;
+        let mut all = told(self, caller).map_err(|call| self.untold(call))?;
+        all[new.element.index] = value;
+        Ok(all)
     }
 
     /// Why an array cannot be set of which the FMU does not tell the other elements.
@@ -218,21 +230,11 @@ impl Model {
     fn put_text(&mut self, caller: &mut Caller, new: New<'_>) -> Result<(), Call> {
         let (element, access) = (new.element, self.functions.string);
         let fit = |value: &Value| match value {
-            Value::String(text) => Ok(c_string(text)),
-            other => Err(unfit(other, element, access.set.name)),
+            Value::String(text) => Some(c_string(text)),
+            _ => None,
         };
-        let texts = match new.all {
-            Some(all) => all
-                .iter()
-                .map(fit)
-                .collect::<Result<Vec<CString>, Call>>()?,
-            None => {
-                let texts = self.texts(caller, element);
-                let mut texts = texts.map_err(|call| self.untold(call))?;
-                texts[element.index] = fit(new.value)?;
-                texts
-            }
-        };
+        let told = |model: &mut Self, caller: &mut Caller| model.texts(caller, element);
+        let texts = self.merged(caller, new, access.set.name, fit, told)?;
         let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
         self.put_all(caller, access, element, &pointers)
     }

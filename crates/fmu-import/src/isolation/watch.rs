@@ -91,15 +91,10 @@ impl Watch {
     /// Watches a folder from now on.
     pub fn on(folder: &Path) -> Self {
         // In this order: a change in between is seen twice rather than not at all.
-        let mut before = Snapshot::of(folder);
-        let events = Events::of(&before);
-        let now = Snapshot::of(folder);
-        if now != before {
-            before = now;
-        }
+        let events = Events::of(&Snapshot::of(folder));
         Self {
             folder: folder.to_owned(),
-            before,
+            before: Snapshot::of(folder),
             events,
             changed: None,
         }

@@ -260,5 +260,5 @@ fn starts(node: Node<'_, '_>) -> Vec<String> {
 }
 
 #[cfg(test)]
-#[path = "parse_three_tests.rs"]
+#[path = "three_tests.rs"]
 mod tests;
