@@ -3,12 +3,14 @@
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use orchestrator::document::Document;
 use orchestrator::methods::{pareto, robustness as robust, sensitivity};
+use orchestrator::report::passes::{CriterionPasses, Passes, median_miss};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use parameter_regions::pareto::study::{Member, trade_off};
 use parameter_regions::robustness::{region, robustness, rows};
 use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
+use sampling::statistics::share::Fraction;
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -18,20 +20,70 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let table = cloud(n);
     let report = Report {
         documents: documents(&table),
+        passes: passes(&table),
+        interval_method: "Wilson's score interval".into(),
         study: "Plain bearing, parameter distribution of Table 3".into(),
-        description: "An invented cloud with the shape of the paper's: a smooth law for load and power, temperatures that follow the power.".into(),
         model: "PlainBearingStand".into(),
         date: "2026-01-01".into(),
-        judgement: Judgement { measurement: measurement(&table)?, ..Judgement::default() },
+        judgement: Judgement {
+            measurement: measurement(&table)?,
+            ..Judgement::default()
+        },
         table,
         history: history(),
-        provenance: vec![("Seed".into(), "1".into()), ("Points".into(), n.to_string()), ("FMU SHA-256".into(), "0f".repeat(32))],
+        provenance: vec![
+            ("Seed".into(), "1".into()),
+            ("Points".into(), n.to_string()),
+            ("FMU SHA-256".into(), "0f".repeat(32)),
+        ],
         command: "orchestrator verify studies/paper-table3.toml --output results/paper".into(),
         study_text: "[design]\nmethod = \"monte-carlo\"\n".into(),
         ..Report::default()
     };
     println!("{}", report.write(Path::new(&folder))?.display());
     Ok(())
+}
+
+/// The counts that a study's summary would have.
+fn passes(table: &PointTable) -> Passes {
+    let share = |passes: &dyn Fn(usize) -> bool| {
+        let count = (0..table.len()).filter(|&i| passes(i)).count();
+        Fraction::wilson(count, table.len())
+    };
+    let bindings: Vec<_> = (0..table.len()).map(|i| table.binding(i)).collect();
+    let criterion = |(k, c): (usize, &CriterionColumn)| {
+        let others = |i: usize| {
+            table
+                .criteria
+                .iter()
+                .enumerate()
+                .all(|(j, other)| j == k || other.ok[i])
+        };
+        CriterionPasses {
+            passes: share(&|i| c.ok[i]),
+            binds: bindings
+                .iter()
+                .flatten()
+                .filter(|b| b.criterion == k)
+                .count(),
+            only_failure: share(&|i| table.completed(i) && !c.ok[i] && others(i)).count,
+            median_miss: median_miss(c),
+        }
+    };
+    let group = |name: &str| {
+        let members: Vec<_> = table
+            .criteria
+            .iter()
+            .filter(|c| c.group.as_deref() == Some(name))
+            .collect();
+        (name.to_owned(), share(&|i| members.iter().all(|c| c.ok[i])))
+    };
+    Passes {
+        verified: share(&|i| table.verified[i]),
+        failed: (0..table.len()).filter(|&i| !table.completed(i)).count(),
+        criteria: table.criteria.iter().enumerate().map(criterion).collect(),
+        groups: table.groups().into_iter().map(group).collect(),
+    }
 }
 
 /// What the methods tell of the points; of many points it would take long.

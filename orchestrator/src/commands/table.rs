@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
+use crate::document;
+use crate::report::counted::{readings, risks};
 use crate::report::outlook::improve_first;
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
@@ -75,85 +77,12 @@ fn counts(summary: &Summary) -> String {
         None => "all criteria: verified",
     };
     line(&mut text, met, &all);
-    for (name, variant) in &summary.variants {
-        let about = variant.about.as_deref().unwrap_or(name);
-        let _ = writeln!(text, "\n{about}{}", unguarded(summary));
-        for (criterion, count) in &variant.criteria {
-            let own = &summary.criteria[criterion].criterion;
-            if own.tolerance != variant.tolerances[criterion] {
-                let unit = own
-                    .unit
-                    .as_deref()
-                    .map_or_else(String::new, |unit| format!(" {unit}"));
-                let tolerance = variant.tolerances[criterion];
-                let condition = format!("{criterion}  {}{unit} +-{tolerance}{unit}", own.nominal);
-                line(&mut text, &condition, count);
-            }
-        }
-        groups(&mut text, &variant.groups);
-        line(&mut text, met, &variant.verified);
-    }
-    risks(&mut text, summary);
+    text += &document::text(&[risks(summary), readings(summary)].concat());
     text.push('\n');
     for sentence in words::sentences(summary) {
         let _ = writeln!(text, "{sentence}");
     }
     text
-}
-
-/// Other readings of the tolerances count without the guard band.
-fn unguarded(summary: &Summary) -> &'static str {
-    match summary.conclusion.as_ref().map(|found| found.guard_band) {
-        Some(Some(0.0)) | None => "",
-        Some(_) => " (the guard band is not applied here)",
-    }
-}
-
-/// The risks of accepting, of every criterion and of all, where they are known.
-fn risks(text: &mut String, summary: &Summary) {
-    let criteria = summary.criteria.iter();
-    let own = criteria.filter_map(|(name, entry)| Some((name.as_str(), entry.risk.as_ref()?)));
-    let conclusion = summary.conclusion.as_ref();
-    let all = conclusion.and_then(|found| Some(("all criteria", found.risk.as_ref()?)));
-    let rows: Vec<_> = own.chain(all).collect();
-    let Some(longest) = rows.iter().map(|(name, _)| name.chars().count()).max() else {
-        return;
-    };
-    let width = longest.max(22);
-    let _ = writeln!(
-        text,
-        "\n{:<width$}{:>24}{:>26}{:>26}",
-        match summary.verified_interval {
-            Some(_) => "risk, 95 % interval",
-            None => "risk",
-        },
-        "accepted, not conforming",
-        "rejected, conforming",
-        "not conforming / accepted"
-    );
-    for (name, risk) in rows {
-        let intervals = risk.intervals.as_ref();
-        let _ = writeln!(
-            text,
-            "{name:<width$}{:>24}{:>26}{:>26}",
-            with_interval(Some(risk.consumer), intervals.map(|of| of.consumer)),
-            with_interval(Some(risk.producer), intervals.map(|of| of.producer)),
-            with_interval(
-                risk.not_conforming_given_accepted,
-                intervals.map(|of| of.not_conforming_given_accepted)
-            ),
-        );
-    }
-}
-
-fn with_interval(share: Option<f64>, interval: Option<[f64; 2]>) -> String {
-    let Some(share) = share.map(|share| 100.0 * share) else {
-        return "-".to_owned();
-    };
-    match interval.map(|interval| interval.map(|limit| 100.0 * limit)) {
-        Some([low, high]) => format!("{share:.2} % ({low:.1} .. {high:.1})"),
-        None => format!("{share:.2} %"),
-    }
 }
 
 fn groups(text: &mut String, groups: &IndexMap<String, Count>) {

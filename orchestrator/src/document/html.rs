@@ -12,12 +12,13 @@ impl Document {
         format!(
             "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n{}</section>\n",
             escape(title),
-            blocks(&self.blocks)
+            html(&self.blocks)
         )
     }
 }
 
-fn blocks(blocks: &[Block]) -> String {
+/// The parts of a document as HTML.
+pub fn html(blocks: &[Block]) -> String {
     blocks.iter().map(block).collect()
 }
 
@@ -46,7 +47,7 @@ fn block(block: &Block) -> String {
             "<details{}><summary>{}</summary>\n{}</details>\n",
             if *open { " open" } else { "" },
             marked(title),
-            blocks(content)
+            html(content)
         ),
     }
 }

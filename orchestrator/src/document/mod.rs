@@ -5,7 +5,8 @@ mod html;
 pub mod svg;
 mod text;
 
-pub use html::marked;
+pub use html::{html, marked};
+pub use text::text;
 
 /// A result for people.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,8 +8,13 @@ impl Document {
     /// The document for the terminal: without its title, which is the command's name, without explanations, and with the
     /// numbers of its figures.
     pub fn as_text(&self) -> String {
-        self.blocks.iter().map(block).collect()
+        text(&self.blocks)
     }
+}
+
+/// The parts of a document for the terminal.
+pub fn text(blocks: &[Block]) -> String {
+    blocks.iter().map(block).collect()
 }
 
 fn block(block: &Block) -> String {
@@ -40,10 +45,10 @@ fn table(table: &Table) -> String {
         .collect();
     let lines: Vec<&Vec<String>> = std::iter::once(&heads).chain(&table.rows).collect();
     let is_number = |k: usize| table.columns[k].is_number;
-    let text = aligned(&lines, is_number);
-    let width = text.lines().map(|line| line.chars().count()).max();
+    let drawn = aligned(&lines, is_number);
+    let width = drawn.lines().map(|line| line.chars().count()).max();
     if width.unwrap_or(0) <= WIDEST || table.rows.len() >= heads.len() {
-        return text;
+        return drawn;
     }
     let turned = |k: usize| lines.iter().map(|line| line[k].clone()).collect();
     let turned: Vec<Vec<String>> = (0..heads.len()).map(turned).collect();

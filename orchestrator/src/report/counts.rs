@@ -1,9 +1,8 @@
 //! The page's counts: how many points pass, and what decides.
 
-use super::Report;
 use super::judgement::{Decided, Judgement};
 use super::overlay::metric_of;
-use super::passes::PassCounts;
+use super::passes::Passes;
 use crate::document::format::{count, number, percent};
 use curves::{Kind, Metric};
 use parameter_regions::table::PointTable;
@@ -31,24 +30,6 @@ pub(super) struct CountRow {
     miss: String,
 }
 
-/// Another reading of the tolerances, and how its counts differ from the study's own.
-#[derive(Serialize)]
-pub(super) struct ReadingRow {
-    name: String,
-    about: String,
-    verified: String,
-    percent: String,
-    interval: String,
-    changes: String,
-}
-
-#[derive(Serialize)]
-pub(super) struct FractionText {
-    percent: String,
-    low: String,
-    high: String,
-}
-
 /// The share that the verdict rests on: that of the accepted points with the interval that decided, or of the points that
 /// meet all criteria.
 #[derive(Serialize)]
@@ -67,11 +48,10 @@ impl Headline {
     pub(super) fn new(judgement: &Judgement, total: usize, meets_all: &Fraction) -> Self {
         const USUAL: f64 = 95.0;
         let Some(decided) = &judgement.decided else {
-            let FractionText { percent, low, high } = fraction(meets_all);
             return Self {
                 count: count(meets_all.count),
-                percent,
-                interval: Some([low, high]),
+                percent: percent(meets_all.value()),
+                interval: Some([meets_all.low, meets_all.high].map(percent)),
                 confidence: number(USUAL, 4),
                 method: None,
             };
@@ -112,17 +92,9 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Fraction)> {
     Some((note, share))
 }
 
-pub(super) fn fraction(f: &Fraction) -> FractionText {
-    FractionText {
-        percent: percent(f.value()),
-        low: percent(f.low),
-        high: percent(f.high),
-    }
-}
-
 pub(super) fn count_rows(
     table: &PointTable,
-    counted: &PassCounts,
+    counted: &Passes,
     judgement: &Judgement,
     total: usize,
 ) -> Vec<CountRow> {
@@ -204,37 +176,6 @@ pub(super) fn count_rows(
     rows
 }
 
-pub(super) fn readings(report: &Report, counted: &PassCounts) -> Vec<ReadingRow> {
-    let own = |name: &str| {
-        let criterion = report.table.criteria.iter().position(|c| c.name == name);
-        criterion.map(|k| counted.criteria[k].passes.count)
-    };
-    let row = |reading: &super::Reading| {
-        let share = reading.verified as f64 / report.points().max(1) as f64;
-        let range = |[low, high]: [f64; 2]| format!("{} – {}", percent(low), percent(high));
-        let changed = reading
-            .criteria
-            .iter()
-            .filter(|(name, passed)| own(name) != Some(*passed));
-        let words: Vec<String> = changed
-            .map(|(name, passed)| format!("{name} {}", count(*passed)))
-            .collect();
-        ReadingRow {
-            name: reading.name.clone(),
-            about: reading.about.clone(),
-            verified: count(reading.verified),
-            percent: percent(share),
-            interval: reading.interval.map(range).unwrap_or_default(),
-            changes: if words.is_empty() {
-                "as above".into()
-            } else {
-                words.join(", ")
-            },
-        }
-    };
-    report.readings.iter().map(row).collect()
-}
-
 pub(super) fn quantity(value: f64, unit: &str) -> String {
     if unit.is_empty() || unit == "1" {
         number(value, 6)
@@ -244,7 +185,7 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
 }
 
 /// A sentence that names the criterion which decides the verdict.
-pub(super) fn decisive(table: &PointTable, counted: &PassCounts, total: usize) -> String {
+pub(super) fn decisive(table: &PointTable, counted: &Passes, total: usize) -> String {
     let binding = counted
         .criteria
         .iter()

@@ -1,10 +1,11 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::cases::Cases;
+use super::counted::{cases, readings, risks};
 use super::judgement::Judgement;
 use super::outlook::{comparison, improvements};
+use super::passes::Passes;
 use super::whatif::WhatIf;
-use super::{Intervals, Reading, Report, Whole, again, history};
+use super::{Report, again, history};
 use crate::document::Document;
 use crate::document::format::count;
 use crate::error::ReportError;
@@ -13,7 +14,6 @@ use crate::methods::known::Finished;
 use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::settled::Settled;
-use crate::results::summary::{CriterionCount, VariantCount};
 use crate::results::table;
 use crate::results::words::capitalised;
 use crate::results::{ResultsError, Summary};
@@ -40,14 +40,16 @@ impl Report {
             remarks: remarks(&summary, table.len()),
             judgement: judgement(folder, &summary)?,
             provenance: provenance(&summary),
-            whole: whole(&summary, table.len()),
-            intervals: intervals(&summary),
-            readings: summary
-                .variants
-                .iter()
-                .map(|(name, variant)| reading(name, variant))
-                .collect(),
-            cases: Cases::new(&summary),
+            passes: Passes::new(&summary, &table),
+            expected: summary.expected_verified,
+            failures: (summary.points > table.len() as u64).then(|| summary.failures.clone()),
+            // Summaries of older versions do not name their intervals; those are Wilson's.
+            interval_method: match summary.interval_method.as_str() {
+                "" => "Wilson's score interval".to_owned(),
+                method => method.to_owned(),
+            },
+            grid: summary.verified_interval.is_none(),
+            counted: [risks(&summary), cases(&summary), readings(&summary)].concat(),
             history: history::read(folder, &table, study.as_ref()),
             documents: documents(folder, &summary, &table),
             // Judging needs all criteria.
@@ -116,46 +118,12 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         .collect()
 }
 
-/// The counts of all points, where the table holds only some.
-fn whole(summary: &Summary, shown: usize) -> Option<Whole> {
-    let criterion = |count: &CriterionCount| {
-        [count.count.passed, count.binds, count.only_failure].map(|number| number as usize)
-    };
-    let groups = summary.groups.iter();
-    (summary.points > shown as u64).then(|| Whole {
-        points: summary.points as usize,
-        verified: summary.verified as usize,
-        failed: summary.failed as usize,
-        expected: summary.expected_verified,
-        criteria: summary.criteria.values().map(criterion).collect(),
-        groups: groups
-            .map(|(name, count)| (name.clone(), count.passed as usize))
-            .collect(),
-        failures: summary.failures.clone(),
-    })
-}
-
 fn judgement(folder: &Path, summary: &Summary) -> Result<Judgement, ResultsError> {
     let damaged = |message| ResultsError::Content {
         path: folder.join("summary.json"),
         message,
     };
     Judgement::new(summary).map_err(damaged)
-}
-
-/// Summaries of older versions do not name their intervals; those are Wilson's.
-fn intervals(summary: &Summary) -> Option<Intervals> {
-    let groups = summary.groups.iter();
-    (!summary.interval_method.is_empty()).then(|| Intervals {
-        method: summary.interval_method.clone(),
-        verified: summary.verified_interval,
-        criteria: summary
-            .criteria
-            .values()
-            .map(|c| c.count.interval)
-            .collect(),
-        groups: groups.map(|(name, c)| (name.clone(), c.interval)).collect(),
-    })
 }
 
 fn provenance(summary: &Summary) -> Vec<(String, String)> {
@@ -191,18 +159,4 @@ fn provenance(summary: &Summary) -> Vec<(String, String)> {
     let stated = summary.dossier.iter().flat_map(|dossier| dossier.stated());
     let stated = stated.map(|(key, text)| (capitalised(key), text.to_owned()));
     stated.chain(rows).collect()
-}
-
-fn reading(name: &str, variant: &VariantCount) -> Reading {
-    let part = |(name, count): (&String, &crate::results::summary::Count)| {
-        (name.clone(), count.passed as usize)
-    };
-    Reading {
-        name: name.to_owned(),
-        about: variant.about.clone().unwrap_or_default(),
-        verified: variant.verified.passed as usize,
-        interval: variant.verified.interval,
-        criteria: variant.criteria.iter().map(part).collect(),
-        groups: variant.groups.iter().map(part).collect(),
-    }
 }

@@ -2,13 +2,10 @@
 
 use std::borrow::Cow;
 
-use serde::Serialize;
-
-use crate::document::format::{number, percent};
 use crate::results::conclusion::Conclusion;
 use crate::results::{Summary, words};
 use conformity::decision::Decision;
-use conformity::measured::{Measured, Measurement};
+use conformity::measured::Measurement;
 use conformity::risk::Risk;
 use parameter_regions::table::PointTable;
 
@@ -25,8 +22,6 @@ pub struct Judgement {
     pub sentences: Vec<String>,
     /// The measured values with their uncertainties, in the order of the criteria.
     pub measurement: Measurement,
-    /// The risks of each criterion alone, where its uncertainty is known.
-    pub risks: Vec<Option<Risk>>,
     /// The risks of all criteria together, where all uncertainties are known.
     pub all: Option<Risk>,
 }
@@ -53,7 +48,6 @@ impl Judgement {
     /// When the summary contradicts itself.
     pub fn new(summary: &Summary) -> Result<Self, String> {
         let conclusion = summary.conclusion.as_ref();
-        let criteria = summary.criteria.values();
         Ok(Self {
             decision: conclusion.map(|found| found.verdict),
             decided: conclusion.and_then(decided),
@@ -63,7 +57,6 @@ impl Judgement {
             }),
             sentences: words::sentences(summary),
             measurement: summary.measurement()?,
-            risks: criteria.map(|entry| entry.risk.clone()).collect(),
             all: conclusion.and_then(|found| found.risk.clone()),
         })
     }
@@ -106,24 +99,6 @@ impl Judgement {
         };
         (0..table.len()).map(of).collect()
     }
-
-    /// A row for every criterion, and one for all of them; none where no risk is known.
-    pub(super) fn rows(&self, table: &PointTable) -> Vec<RiskRow> {
-        if self.risks.iter().all(Option::is_none) {
-            return Vec::new();
-        }
-        let measured = self.measurement.criteria();
-        let own = table.criteria.iter().zip(measured).zip(&self.risks);
-        let own = own.map(|((criterion, measured), risk)| {
-            RiskRow::new(
-                &criterion.name,
-                Some((measured, &criterion.unit)),
-                risk.as_ref(),
-            )
-        });
-        let all = RiskRow::new("all criteria", None, self.all.as_ref());
-        own.chain(std::iter::once(all)).collect()
-    }
 }
 
 fn decided(conclusion: &Conclusion) -> Option<Decided> {
@@ -143,70 +118,10 @@ fn decided(conclusion: &Conclusion) -> Option<Decided> {
     })
 }
 
-/// A row of the table of risks.
-#[derive(Serialize)]
-pub(super) struct RiskRow {
-    name: String,
-    total: bool,
-    tolerance: String,
-    uncertainty: String,
-    capability: String,
-    /// Per cent and interval of the consumer's risk, the producer's, and that of an accepted point.
-    risks: Vec<[String; 2]>,
-}
-
-impl RiskRow {
-    fn new(name: &str, measured: Option<(&Measured, &String)>, risk: Option<&Risk>) -> Self {
-        let unit = |unit: &str| match unit {
-            "" | "1" => String::new(),
-            unit => format!(" {unit}"),
-        };
-        let stated = measured.and_then(|(m, u)| Some((m.uncertainty?, unit(u))));
-        let share = |value: Option<f64>, interval: Option<[f64; 2]>| {
-            let range = |[low, high]: [f64; 2]| format!("{} – {}", percent(low), percent(high));
-            value.map_or_else(
-                || ["–".to_owned(), String::new()],
-                |value| [percent(value), interval.map(range).unwrap_or_default()],
-            )
-        };
-        let risks = risk.map(|risk| {
-            let intervals = risk.intervals.as_ref();
-            let given = risk.not_conforming_given_accepted;
-            vec![
-                share(Some(risk.consumer), intervals.map(|of| of.consumer)),
-                share(Some(risk.producer), intervals.map(|of| of.producer)),
-                share(given, intervals.map(|of| of.not_conforming_given_accepted)),
-            ]
-        });
-        let unknown = || vec![["–".to_owned(), String::new()]; 3];
-        Self {
-            name: name.to_owned(),
-            total: measured.is_none(),
-            tolerance: measured.map_or_else(String::new, |(m, u)| {
-                format!("±{}{}", number(m.tolerance, 4), unit(u))
-            }),
-            uncertainty: match stated {
-                Some((u, unit)) => format!(
-                    "{}{unit} (k = {})",
-                    number(u.expanded, 4),
-                    number(u.coverage, 3)
-                ),
-                None if measured.is_some() && risk.is_some() => "that of the rows".to_owned(),
-                None if measured.is_some() => "not stated".to_owned(),
-                None => String::new(),
-            },
-            capability: measured
-                .and_then(|(m, _)| m.capability())
-                .map_or_else(String::new, |c| number(c, 3)),
-            risks: risks.unwrap_or_else(unknown),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use conformity::measured::Uncertainty;
+    use conformity::measured::{Measured, Uncertainty};
     use parameter_regions::table::CriterionColumn;
 
     fn table(values: &[f64]) -> PointTable {
@@ -238,7 +153,6 @@ mod tests {
         };
         Judgement {
             measurement: Measurement::new(vec![criterion], &[]).unwrap(),
-            risks: vec![None],
             ..Judgement::default()
         }
     }
@@ -266,10 +180,5 @@ mod tests {
         assert_eq!(accepted, [true, true, false, false]);
         judgement.guard = Some(f64::INFINITY);
         assert_eq!(judgement.as_accepted(&points).verified, [false; 4]);
-    }
-
-    #[test]
-    fn risks_that_are_not_known_have_no_table() {
-        assert!(judgement(None).rows(&table(&[10.0])).is_empty());
     }
 }

@@ -3,7 +3,7 @@
 mod again;
 mod best;
 pub mod bins;
-pub mod cases;
+pub mod counted;
 mod counts;
 pub mod figures;
 mod from_results;
@@ -13,7 +13,7 @@ pub mod live;
 pub mod outlook;
 mod overlay;
 mod page;
-mod passes;
+pub mod passes;
 mod payload;
 mod planes;
 #[cfg(feature = "png")]
@@ -22,7 +22,7 @@ pub mod recording;
 mod shown;
 pub mod whatif;
 
-use crate::document::{Document, svg};
+use crate::document::{Block, Document, svg};
 use crate::error::ReportError;
 use crate::results::{ResultsError, write_atomically};
 use base64::{Engine, engine::general_purpose::STANDARD};
@@ -32,7 +32,7 @@ use fmu_points::tell::visible;
 use indexmap::IndexMap;
 use judgement::Judgement;
 use parameter_regions::table::PointTable;
-use passes::PassCounts;
+use passes::Passes;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use sampling::statistics::share::Fraction;
@@ -44,8 +44,6 @@ use std::path::{Path, PathBuf};
 pub struct Report {
     /// The study's name.
     pub study: String,
-    /// The study's own description.
-    pub description: String,
     /// The model's name.
     pub model: String,
     /// Date of the run, as people write it.
@@ -54,18 +52,22 @@ pub struct Report {
     pub remarks: Vec<String>,
     /// The points, or some of them where there are very many.
     pub table: PointTable,
-    /// The counts of all points, where the table holds only some.
-    pub whole: Option<Whole>,
+    /// The counts of all points.
+    pub passes: Passes,
+    /// How many points are expected to conform; where this is not stated, the table tells.
+    pub expected: Option<f64>,
+    /// Points without a result by reason, where the table holds only some.
+    pub failures: Option<IndexMap<String, u64>>,
     /// The criteria that have pictures, where they are too many for all to have some.
     pub pictured: Option<Vec<usize>>,
     /// The verdict and its risks.
     pub judgement: Judgement,
-    /// The counts' intervals, where the points are not independent of each other.
-    pub intervals: Option<Intervals>,
-    /// Counts by other readings of the tolerances.
-    pub readings: Vec<Reading>,
-    /// Cases against criteria, where the study has cases.
-    pub cases: Option<cases::Cases>,
+    /// How the counts' intervals were computed.
+    pub interval_method: String,
+    /// Whether the points are those of a grid, which have no intervals.
+    pub grid: bool,
+    /// Risks, cases, and other readings of the tolerances.
+    pub counted: Vec<Block>,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
     /// The model's own error, what to improve first, and what the methods told.
@@ -82,104 +84,12 @@ pub struct Report {
     pub study_text: String,
 }
 
-/// Counts of all points.
-#[derive(Clone, Debug, Default)]
-pub struct Whole {
-    /// How many points there are.
-    pub points: usize,
-    /// How many meet all criteria.
-    pub verified: usize,
-    /// How many have no result.
-    pub failed: usize,
-    /// How many are expected to conform, where every criterion has an uncertainty.
-    pub expected: Option<f64>,
-    /// By criterion: points that meet it, at which it deviates most, and that fail no other one.
-    pub criteria: Vec<[usize; 3]>,
-    /// Points that meet all criteria of a group, by its name.
-    pub groups: Vec<(String, usize)>,
-    /// Points without a result, by reason.
-    pub failures: IndexMap<String, u64>,
-}
-
-impl Whole {
-    /// Replaces the counts of some points.
-    fn replace_in(&self, counted: &mut PassCounts) {
-        let share = |count| Fraction::wilson(count, self.points);
-        counted.verified = share(self.verified);
-        counted.failed = self.failed;
-        for (count, [passes, binds, only]) in counted.criteria.iter_mut().zip(&self.criteria) {
-            count.passes = share(*passes);
-            (count.binds, count.only_failure) = (*binds, *only);
-        }
-        for (name, passes) in &mut counted.groups {
-            if let Some((_, count)) = self.groups.iter().find(|(own, _)| own == name) {
-                *passes = share(*count);
-            }
-        }
-    }
-}
-
-/// 95 % intervals of the shares of points that pass.
-#[derive(Clone, Debug, Default)]
-pub struct Intervals {
-    /// Name of the method, for people.
-    pub method: String,
-    /// Interval for the points that meet all criteria; none of a grid.
-    pub verified: Option<[f64; 2]>,
-    /// One interval per criterion.
-    pub criteria: Vec<Option<[f64; 2]>>,
-    /// One interval per group of criteria, with the group's name.
-    pub groups: Vec<(String, Option<[f64; 2]>)>,
-}
-
-impl Intervals {
-    /// Replaces the intervals that assume independent points.
-    fn replace_in(&self, counted: &mut PassCounts) {
-        let put = |share: &mut Fraction, interval: Option<[f64; 2]>| {
-            // Where there is none, the page has no column for it.
-            let [low, high] = interval.unwrap_or([share.value(); 2]);
-            (share.low, share.high) = (low, high);
-        };
-        put(&mut counted.verified, self.verified);
-        for (count, interval) in counted.criteria.iter_mut().zip(&self.criteria) {
-            put(&mut count.passes, *interval);
-        }
-        for (name, share) in &mut counted.groups {
-            if let Some((_, interval)) = self.groups.iter().find(|(own, _)| own == name) {
-                put(share, *interval);
-            }
-        }
-    }
-}
-
-/// Counts of points by another reading of the tolerances.
-#[derive(Clone, Debug, Default)]
-pub struct Reading {
-    /// Name, for people.
-    pub name: String,
-    /// Its meaning, and why it is there.
-    pub about: String,
-    /// Points that meet all criteria.
-    pub verified: usize,
-    /// The 95 % interval of their share; none of a grid.
-    pub interval: Option<[f64; 2]>,
-    /// Points that meet a criterion, by its name.
-    pub criteria: Vec<(String, usize)>,
-    /// Points that meet all criteria of a group, by its name.
-    pub groups: Vec<(String, usize)>,
-}
-
 impl Report {
-    /// How many points there are, those included that the table leaves out.
-    fn points(&self) -> usize {
-        let whole = self.whole.as_ref();
-        whole.map_or(self.table.len(), |whole| whole.points)
-    }
-
-    /// How many of them are accepted, by the counts of all points.
-    fn accepted(&self, counted: &PassCounts) -> usize {
+    /// How many points there are, those included that the table leaves out, and how many of them are accepted.
+    fn counts(&self) -> [usize; 2] {
+        let Fraction { count, of, .. } = self.passes.verified;
         let decided = self.judgement.decided.as_ref();
-        decided.map_or(counted.verified.count, |decided| decided.accepted)
+        [of, decided.map_or(count, |decided| decided.accepted)]
     }
 
     /// The page.

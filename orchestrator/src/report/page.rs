@@ -1,21 +1,20 @@
 //! Puts the page together: the numbers of the report as the template wants them.
 
+use super::Report;
 use super::best::{BestRow, best_rows, heading};
-use super::counts::{CountRow, Headline, ReadingRow, count_rows, decisive, readings};
+use super::counts::{CountRow, Headline, count_rows, decisive};
 use super::figures;
-use super::judgement::RiskRow;
-use super::passes::{PassCounts, verdict};
 use super::payload::{self, PlotColumn};
 use super::planes::{Plane, planes};
 use super::shown::Shown;
-use super::{Report, Whole};
 use crate::document::format::{count, number, with_unit};
-use crate::document::{Document, marked};
+use crate::document::{self, Document, marked};
 use crate::error::ReportError;
 use crate::results::words::capitalised;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
 use fmu_points::tell::is_hidden;
+use indexmap::IndexMap;
 use minijinja::{Environment, Value, value::Serde};
 use parameter_regions::table::PointTable;
 use serde::Serialize;
@@ -29,7 +28,6 @@ const MOST_PLAIN: usize = 300_000;
 #[derive(Serialize)]
 struct Page<'a> {
     study: &'a str,
-    description: &'a str,
     model: &'a str,
     date: &'a str,
     style: &'static str,
@@ -62,13 +60,11 @@ struct Page<'a> {
     crowded: bool,
     rows: Vec<CountRow>,
     decisive: String,
-    readings: Vec<ReadingRow>,
-    cases: Option<&'a super::cases::Cases>,
+    counted: String,
     interval_method: &'a str,
     /// Whether shares have intervals: those of a grid have none.
     intervals: bool,
     expected: Option<String>,
-    risks: Vec<RiskRow>,
     planes: Vec<Plane>,
     parameters: Vec<Small>,
     criteria: Vec<Small>,
@@ -134,10 +130,10 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let counted = counted(report);
+    let counted = &report.passes;
     let conformance = report.judgement.conformance(table);
-    let total = report.points();
-    let counts = [total, report.accepted(&counted)];
+    let counts = report.counts();
+    let [total, _] = counts;
     let bytes = payload::Bytes::default();
     let data = payload::payload(
         drawn,
@@ -156,14 +152,13 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         .as_ref()
         .map(serde_json::to_string)
         .transpose()?;
-    let decision = decision(report, &counted);
+    let decision = decision(report);
 
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
     environment.add_template("report.html", include_str!("assets/report.html"))?;
     let page = Page {
         study: &report.study,
-        description: &report.description,
         model: &report.model,
         date: &report.date,
         style: concat!(
@@ -217,24 +212,15 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         drawn: count(points.len()),
         sampled: points.len() < total,
         crowded: points.len() == total && total > figures::MOST_MARKS,
-        rows: count_rows(table, &counted, judgement, total),
-        decisive: decisive(table, &counted, total),
-        readings: readings(report, &counted),
-        cases: report.cases.as_ref(),
-        interval_method: report
-            .intervals
-            .as_ref()
-            .map_or("Wilson's score interval", |i| &i.method),
-        intervals: report
-            .intervals
-            .as_ref()
-            .is_none_or(|i| i.verified.is_some()),
-        expected: match &report.whole {
-            Some(whole) => whole.expected,
-            None => conformance.as_ref().map(|p| p.iter().sum()),
-        }
-        .map(expected),
-        risks: report.judgement.rows(table),
+        rows: count_rows(table, counted, judgement, total),
+        decisive: decisive(table, counted, total),
+        counted: document::html(&report.counted),
+        interval_method: &report.interval_method,
+        intervals: !report.grid,
+        expected: report
+            .expected
+            .or_else(|| Some(conformance.as_ref()?.iter().sum()))
+            .map(expected),
         planes: planes(drawn, &columns, &points, counts),
         parameters: distributions(table, &columns[..table.parameters.len()], 0, counts),
         criteria: distributions(
@@ -251,7 +237,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             conformance.as_deref(),
             report.pictured.as_deref(),
         ),
-        failures: failures(table, report.whole.as_ref()),
+        failures: failures(table, report.failures.as_ref()),
         histories: histories(report),
         documents: report.documents.iter().map(Section::new).collect(),
         provenance: &report.provenance,
@@ -265,25 +251,11 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     Ok(html)
 }
 
-/// The counts of all points with their intervals.
-fn counted(report: &Report) -> PassCounts {
-    let mut counted = verdict(&report.table);
-    if let Some(whole) = &report.whole {
-        whole.replace_in(&mut counted);
-    }
-    if let Some(intervals) = &report.intervals {
-        intervals.replace_in(&mut counted);
-    }
-    counted
-}
-
 /// The verdict; of results that state none, by the one-point rule.
-fn decision(report: &Report, counted: &PassCounts) -> Decision {
-    let any = counted.verified.count > 0;
-    let one_point = if any {
-        Decision::Verified
-    } else {
-        Decision::NotVerified
+fn decision(report: &Report) -> Decision {
+    let one_point = match report.passes.verified.count {
+        0 => Decision::NotVerified,
+        _ => Decision::Verified,
     };
     report.judgement.decision.unwrap_or(one_point)
 }
@@ -295,7 +267,7 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     let best = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = best.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let counts = [report.points(), report.accepted(&counted(report))];
+    let counts = report.counts();
     let mut plots: Vec<(String, String)> = planes(&drawn, &columns, &points, counts)
         .into_iter()
         .map(|p| {
@@ -475,11 +447,14 @@ fn sampled_from(table: &PointTable) -> Vec<(&str, &str)> {
 }
 
 /// Reasons of failure, how often, and the first points of each.
-fn failures(table: &PointTable, whole: Option<&Whole>) -> Vec<(String, String, String)> {
+fn failures(
+    table: &PointTable,
+    whole: Option<&IndexMap<String, u64>>,
+) -> Vec<(String, String, String)> {
     const LISTED: usize = 12;
     // Of some points, the classes of reasons are known with their exact counts, but not each reason.
     let class = |status: &str| {
-        let classes = whole.into_iter().flat_map(|whole| whole.failures.keys());
+        let classes = whole.into_iter().flat_map(IndexMap::keys);
         classes
             .into_iter()
             .find(|class| status.starts_with(*class))
@@ -487,10 +462,7 @@ fn failures(table: &PointTable, whole: Option<&Whole>) -> Vec<(String, String, S
     };
     let mut reasons: BTreeMap<String, Vec<u64>> = BTreeMap::new();
     if let Some(whole) = whole {
-        let none = whole
-            .failures
-            .keys()
-            .map(|class| (class.clone(), Vec::new()));
+        let none = whole.keys().map(|class| (class.clone(), Vec::new()));
         reasons.extend(none);
     }
     for i in (0..table.len()).filter(|&i| !table.completed(i)) {
@@ -499,7 +471,7 @@ fn failures(table: &PointTable, whole: Option<&Whole>) -> Vec<(String, String, S
         reasons.entry(reason).or_default().push(table.ids[i]);
     }
     let number = |(reason, ids): &(String, Vec<u64>)| {
-        let known = whole.and_then(|whole| whole.failures.get(reason));
+        let known = whole.and_then(|whole| whole.get(reason));
         known.map_or(ids.len(), |count| *count as usize)
     };
     let mut rows: Vec<_> = reasons.into_iter().collect();

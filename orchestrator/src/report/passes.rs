@@ -1,12 +1,13 @@
-//! The verdict with its uncertainty: how many points are verified, how sure that fraction is,
-//! and which criterion decides.
+//! How many points pass, how sure that share is, and which criterion decides.
 
-use parameter_regions::table::PointTable;
+use crate::results::Summary;
+use crate::results::summary::{Count, CriterionCount};
+use parameter_regions::table::{CriterionColumn, PointTable};
 use sampling::statistics::share::Fraction;
 
 /// How many points one criterion accepts and rejects.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CriterionVerdict {
+pub struct CriterionPasses {
     /// Points that meet it.
     pub passes: Fraction,
     /// Points at which it deviates most of all criteria, in units of the tolerances.
@@ -18,139 +19,64 @@ pub struct CriterionVerdict {
 }
 
 /// Counts over all points.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PassCounts {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Passes {
     /// Points that meet all criteria.
     pub verified: Fraction,
     /// Points that were not simulated to their end; they count as not verified.
     pub failed: usize,
-    /// One interval per criterion.
-    pub criteria: Vec<CriterionVerdict>,
+    /// One count a criterion.
+    pub criteria: Vec<CriterionPasses>,
     /// Passes of all criteria of a group, by group name.
     pub groups: Vec<(String, Fraction)>,
 }
 
-/// Counts a table of points.
-pub fn verdict(table: &PointTable) -> PassCounts {
-    let n = table.len();
-    let count =
-        |passes: &dyn Fn(usize) -> bool| Fraction::wilson((0..n).filter(|&i| passes(i)).count(), n);
-    let groups = table
-        .groups()
-        .into_iter()
-        .map(|group| {
-            let members: Vec<_> = table
+impl Passes {
+    /// The counts of a finished study; `table` may hold only some of its points.
+    pub fn new(summary: &Summary, table: &PointTable) -> Self {
+        let fraction = |passed: u64, interval: Option<[f64; 2]>| {
+            let count = passed as usize;
+            let of = summary.points as usize;
+            let share = count as f64 / of.max(1) as f64;
+            // Where there is none, the page has no column for it.
+            let [low, high] = interval.unwrap_or([share; 2]);
+            Fraction {
+                count,
+                of,
+                low,
+                high,
+            }
+        };
+        let of = |count: &Count| fraction(count.passed, count.interval);
+        let criterion = |(entry, column): (&CriterionCount, &CriterionColumn)| CriterionPasses {
+            passes: of(&entry.count),
+            binds: entry.binds as usize,
+            only_failure: entry.only_failure as usize,
+            median_miss: median_miss(column),
+        };
+        let groups = summary.groups.iter();
+        Self {
+            verified: fraction(summary.verified, summary.verified_interval),
+            failed: summary.failed as usize,
+            criteria: summary
                 .criteria
-                .iter()
-                .filter(|c| c.group.as_deref() == Some(group))
-                .collect();
-            (
-                group.to_owned(),
-                count(&|i| members.iter().all(|c| c.ok[i])),
-            )
-        })
-        .collect();
-    let bindings: Vec<_> = (0..n).map(|i| table.binding(i)).collect();
-    let criteria = (0..table.criteria.len())
-        .map(|k| criterion_verdict(table, k, &bindings, count(&|i| table.criteria[k].ok[i])))
-        .collect();
-    PassCounts {
-        verified: count(&|i| table.verified[i]),
-        failed: (0..n).filter(|&i| !table.completed(i)).count(),
-        criteria,
-        groups,
-    }
-}
-
-fn criterion_verdict(
-    table: &PointTable,
-    k: usize,
-    bindings: &[Option<parameter_regions::table::Binding>],
-    passes: Fraction,
-) -> CriterionVerdict {
-    let c = &table.criteria[k];
-    let mut misses: Vec<f64> = (0..table.len())
-        .filter(|&i| !c.ok[i])
-        .map(|i| c.deviation(c.values[i]))
-        .filter(|d| !d.is_nan())
-        .collect();
-    misses.sort_by(f64::total_cmp);
-    let only_failure = (0..table.len())
-        .filter(|&i| table.completed(i) && !c.ok[i])
-        .filter(|&i| {
-            table
-                .criteria
-                .iter()
-                .enumerate()
-                .all(|(j, other)| j == k || other.ok[i])
-        })
-        .count();
-    CriterionVerdict {
-        passes,
-        binds: bindings
-            .iter()
-            .flatten()
-            .filter(|b| b.criterion == k)
-            .count(),
-        only_failure,
-        median_miss: misses.get(misses.len() / 2).copied(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use parameter_regions::table::CriterionColumn;
-
-    /// A criterion of 10 ± 2, in a group or in none.
-    fn ten(name: &str, group: Option<&str>, values: [f64; 6]) -> CriterionColumn {
-        CriterionColumn {
-            name: name.into(),
-            source: String::new(),
-            unit: String::new(),
-            nominal: 10.0,
-            lower: 8.0,
-            upper: 12.0,
-            group: group.map(String::from),
-            ok: values.map(|v| (8.0..=12.0).contains(&v)).to_vec(),
-            values: values.to_vec(),
+                .values()
+                .zip(&table.criteria)
+                .map(criterion)
+                .collect(),
+            groups: groups
+                .map(|(name, count)| (name.clone(), of(count)))
+                .collect(),
         }
     }
+}
 
-    #[test]
-    fn points_are_counted_by_what_they_meet_and_what_fails_them() {
-        const LOST: f64 = f64::NAN;
-        let table = PointTable {
-            ids: (1..=6).collect(),
-            criteria: vec![
-                ten("a", Some("both"), [10.0, 13.0, 14.0, LOST, 10.0, 15.0]),
-                ten("b", Some("both"), [10.0, 10.0, 16.0, LOST, 10.0, 10.0]),
-                ten("c", None, [10.0, 10.0, 10.0, LOST, 5.0, 10.0]),
-            ],
-            verified: vec![true, false, false, false, false, false],
-            status: ["ok", "ok", "ok", "crash", "ok", "ok"]
-                .map(Into::into)
-                .to_vec(),
-            ..PointTable::default()
-        };
-        let of_six = |count| Fraction::wilson(count, 6);
-        let criterion = |passes, binds, only_failure, median_miss| CriterionVerdict {
-            passes: of_six(passes),
-            binds,
-            only_failure,
-            median_miss: Some(median_miss),
-        };
-        let expected = PassCounts {
-            verified: of_six(1),
-            failed: 1,
-            // Where all deviations are equal, the first criterion binds.
-            criteria: vec![
-                criterion(2, 3, 2, 2.0),
-                criterion(4, 1, 0, 3.0),
-                criterion(4, 1, 1, 2.5),
-            ],
-            groups: vec![("both".to_owned(), of_six(2))],
-        };
-        assert_eq!(verdict(&table), expected);
-    }
+/// The median deviation of the points that fail a criterion, in units of its tolerance.
+pub fn median_miss(criterion: &CriterionColumn) -> Option<f64> {
+    let failed = criterion.values.iter().zip(&criterion.ok);
+    let failed = failed.filter(|(_, ok)| !**ok);
+    let misses = failed.map(|(value, _)| criterion.deviation(*value));
+    let mut misses: Vec<f64> = misses.filter(|miss| !miss.is_nan()).collect();
+    misses.sort_by(f64::total_cmp);
+    misses.get(misses.len() / 2).copied()
 }

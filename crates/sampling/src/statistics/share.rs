@@ -23,7 +23,7 @@ fn score(p: f64, n: f64, z: f64) -> [f64; 2] {
 }
 
 /// A counted fraction with its 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fraction {
     /// How many.
     pub count: usize,

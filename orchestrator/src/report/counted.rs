@@ -1,0 +1,216 @@
+//! Tables of counts that the terminal and the page share: the risk of accepting, the cases, and other readings of the
+//! tolerances.
+
+use crate::document::format::{count, number, percent};
+use crate::document::{Block, Column, Table, numbers, words};
+use crate::results::Summary;
+use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
+use crate::study::cases::SEPARATOR;
+use conformity::measured::Measured;
+use conformity::risk::Risk;
+
+fn heading(title: &str) -> Block {
+    Block::Heading(title.to_owned())
+}
+
+fn range([low, high]: [f64; 2]) -> String {
+    format!("{} – {}", percent(low), percent(high))
+}
+
+fn dash() -> String {
+    "–".to_owned()
+}
+
+/// A share and its interval; of a grid, which has none, the column is left out.
+fn share(count: &Count, with_interval: bool) -> Vec<String> {
+    let share = percent(count.fraction);
+    let interval = count.interval.map(range).unwrap_or_default();
+    if with_interval {
+        vec![share, interval]
+    } else {
+        vec![share]
+    }
+}
+
+fn share_columns(with_interval: bool) -> Vec<Column> {
+    let columns = [numbers("Share %"), words("95 % interval")].into_iter();
+    columns.take(1 + usize::from(with_interval)).collect()
+}
+
+/// The risk of accepting, of every criterion and of all; nothing where none is known.
+pub fn risks(summary: &Summary) -> Vec<Block> {
+    let criteria = || summary.criteria.iter();
+    let measurement = summary.measurement();
+    let Ok(measurement) = measurement else {
+        return Vec::new();
+    };
+    if criteria().all(|(_, entry)| entry.risk.is_none()) {
+        return Vec::new();
+    }
+    let all = summary.conclusion.as_ref().and_then(|c| c.risk.as_ref());
+    let rows = criteria().zip(measurement.criteria());
+    let rows = rows.map(|((name, entry), measured)| risk(name, entry, measured));
+    let total = ["all criteria", "", "", ""].map(str::to_owned).into_iter();
+    let total = total.chain(shares(all)).collect();
+    let table = Table {
+        name: "Risks".into(),
+        class: "risks stack",
+        columns: vec![
+            words("Criterion"),
+            numbers("Tolerance"),
+            numbers("Uncertainty"),
+            numbers("C_{m}"),
+            numbers("Consumer's risk %"),
+            numbers("Producer's risk %"),
+            numbers("Not conforming % of accepted"),
+        ],
+        rows: rows.chain([total]).collect(),
+    };
+    let intervals = match summary.verified_interval {
+        Some(_) => " The intervals hold the error of the sample of points.",
+        None => "",
+    };
+    let hint = format!(
+        "*Tolerance*: how far the model may be from the true value. *Uncertainty*: how far the measured value may be from it, \
+         expanded by k. *C_{{m}}*: measurement capability index, the tolerance interval over four standard uncertainties. \
+         *Consumer's risk*: probability that a point is accepted and does not conform. *Producer's risk*: that it is rejected \
+         and conforms (JCGM 106).{intervals} All points share one measurement: if it is off, it is off for all of them."
+    );
+    let title = heading("The risk of accepting");
+    vec![title, Block::Table(table), Block::Hint(hint)]
+}
+
+fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> {
+    let unit = match entry.criterion.unit.as_deref() {
+        None | Some("" | "1") => String::new(),
+        Some(unit) => format!(" {unit}"),
+    };
+    let uncertainty = match (measured.uncertainty, &entry.risk) {
+        (Some(u), _) => {
+            let [expanded, coverage] = [number(u.expanded, 4), number(u.coverage, 3)];
+            format!("{expanded}{unit} (k = {coverage})")
+        }
+        (None, Some(_)) => "that of the rows".to_owned(),
+        (None, None) => "not stated".to_owned(),
+    };
+    let capability = measured.capability().map(|c| number(c, 3));
+    let stated = [
+        name.to_owned(),
+        format!("±{}{unit}", number(measured.tolerance, 4)),
+        uncertainty,
+        capability.unwrap_or_default(),
+    ];
+    let stated = stated.into_iter();
+    stated.chain(shares(entry.risk.as_ref())).collect()
+}
+
+/// Per cent, with their intervals: the consumer's risk, the producer's, and that of an accepted point.
+fn shares(risk: Option<&Risk>) -> [String; 3] {
+    let Some(risk) = risk else {
+        return [dash(), dash(), dash()];
+    };
+    let intervals = risk.intervals.as_ref();
+    let given = risk.not_conforming_given_accepted;
+    let cell = |value: Option<f64>, interval: Option<[f64; 2]>| {
+        let interval = interval.map(|ends| format!(" ({})", range(ends)));
+        value.map_or_else(dash, |value| {
+            format!("{}{}", percent(value), interval.unwrap_or_default())
+        })
+    };
+    [
+        cell(Some(risk.consumer), intervals.map(|of| of.consumer)),
+        cell(Some(risk.producer), intervals.map(|of| of.producer)),
+        cell(given, intervals.map(|of| of.not_conforming_given_accepted)),
+    ]
+}
+
+/// Cases against criteria; nothing where the study has no cases.
+pub fn cases(summary: &Summary) -> Vec<Block> {
+    if summary.cases.is_empty() {
+        return Vec::new();
+    }
+    let intervals = summary.verified_interval.is_some();
+    let mut criteria: Vec<&str> = Vec::new();
+    for name in summary.criteria.keys() {
+        let short = name.split_once(SEPARATOR).map_or(&**name, |(_, own)| own);
+        if !criteria.contains(&short) {
+            criteria.push(short);
+        }
+    }
+    let row = |(name, case): (&String, &CaseCount)| {
+        let held_out = if case.held_out { ", held out" } else { "" };
+        let criterion = |criterion: &&str| {
+            let full = format!("{name}{SEPARATOR}{criterion}");
+            let entry = summary.criteria.get(&full);
+            entry.map_or_else(dash, |entry| percent(entry.count.fraction))
+        };
+        let mut cells = vec![format!("{name}{held_out}")];
+        cells.extend(criteria.iter().map(criterion));
+        cells.push(count(case.count.passed as usize));
+        cells.extend(share(&case.count, intervals));
+        cells.push(count(case.failed as usize));
+        cells
+    };
+    let mut columns = vec![words("Case")];
+    columns.extend(criteria.iter().map(|name| numbers(format!("{name} %"))));
+    columns.push(numbers("Points"));
+    columns.extend(share_columns(intervals));
+    columns.push(numbers("Failed"));
+    let table = Table {
+        name: "Shares by case".into(),
+        class: "cases",
+        columns,
+        rows: summary.cases.iter().map(row).collect(),
+    };
+    let hint = "Share of the points that meet each criterion in each case, and points that hold in the case: meet all its \
+                criteria. A point is verified when it holds in every case. *Held out*: judged as any other case, but not used \
+                by `identify`.";
+    vec![
+        heading("By case"),
+        Block::Table(table),
+        Block::Hint(hint.to_owned()),
+    ]
+}
+
+/// Counts by other readings of the tolerances; nothing where the study gives none.
+pub fn readings(summary: &Summary) -> Vec<Block> {
+    if summary.variants.is_empty() {
+        return Vec::new();
+    }
+    let intervals = summary.verified_interval.is_some();
+    let row = |(name, variant): (&String, &VariantCount)| {
+        let about = variant.about.as_ref();
+        let about = about.map_or_else(|| name.clone(), |about| format!("{name}: {about}"));
+        let own = |name: &String| summary.criteria.get(name).map(|own| own.count.passed);
+        let changed = variant.criteria.iter();
+        let changed = changed.filter(|(name, count)| own(name) != Some(count.passed));
+        let changed = changed.map(|(name, of)| format!("{name} {}", count(of.passed as usize)));
+        let changed: Vec<String> = changed.collect();
+        let mut cells = vec![about, count(variant.verified.passed as usize)];
+        cells.extend(share(&variant.verified, intervals));
+        cells.push(match &changed[..] {
+            [] => "as above".to_owned(),
+            changed => changed.join(", "),
+        });
+        cells
+    };
+    let mut columns = vec![words("Reading"), numbers("Verified")];
+    columns.extend(share_columns(intervals));
+    columns.push(words("Criteria with other counts"));
+    let table = Table {
+        name: "Other readings of the tolerances".into(),
+        class: "stack wrap",
+        columns,
+        rows: summary.variants.iter().map(row).collect(),
+    };
+    let mut told = vec![heading("With the tolerances read otherwise")];
+    let conclusion = summary.conclusion.as_ref();
+    if conclusion.is_some_and(|conclusion| conclusion.guard_band != Some(0.0)) {
+        told.push(Block::Sentence(
+            "These counts are of points within the tolerances; the guard band of the verdict is not applied to them."
+                .to_owned(),
+        ));
+    }
+    told.push(Block::Table(table));
+    told
+}
