@@ -23,7 +23,7 @@ const RELEVANT: f64 = 18.5;
 /// A way between two places of one minimum may rise by so much: the density falls to 0.6 of the lower end's.
 const BARRIER: f64 = 1.0;
 
-/// Places on a straight line at which it is looked for a barrier.
+/// Points on the line between two optima where we look for a barrier.
 const BETWEEN: usize = 7;
 
 /// How often a way may be bent in its middle.

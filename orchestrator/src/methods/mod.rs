@@ -1,11 +1,11 @@
 //! The methods: each is a folder with its options, what it asks of a study, and the document of its result. To add one, add
 //! its folder and its line in [`methods!`] below; its command, `--resume`, `merge` and the page follow from that.
 
-pub mod asking;
-pub mod join;
-pub mod known;
+pub(crate) mod asking;
+pub(crate) mod join;
+pub(crate) mod known;
 pub mod rare;
-pub mod setup;
+pub(crate) mod setup;
 
 use clap::Subcommand;
 
@@ -34,7 +34,7 @@ macro_rules! methods {
             ///
             /// # Errors
             /// With one clear line, for a mistake in what was asked for.
-            pub fn run(self) -> Result<Delivery, CommandError> {
+            pub(crate) fn run(self) -> Result<Delivery, CommandError> {
                 match self {
                     $(Self::$name(options) => proven(options, $module::run, |o| &mut o.work),)*
                 }
@@ -42,13 +42,13 @@ macro_rules! methods {
         }
 
         /// The names of the methods, which are those of the folders of their journals.
-        pub const NAMES: &[&str] = &[$($module::NAME),*];
+        pub(crate) const NAMES: &[&str] = &[$($module::NAME),*];
 
         /// Joins the shards of the analysis that a request asks for.
         ///
         /// # Errors
         /// When they do not belong together, and when points are missing.
-        pub fn join(shards: &Shards<'_>, request: Request) -> Result<Delivery, CommandError> {
+        pub(crate) fn join(shards: &Shards<'_>, request: Request) -> Result<Delivery, CommandError> {
             let asking = request.analysis.clone();
             match asking.as_ref().map(|asking| asking.name.as_str()) {
                 $(Some($module::NAME) => shards.join::<$module::Asked>(request),)*
@@ -57,7 +57,7 @@ macro_rules! methods {
         }
 
         /// What the page of a finished study shows of the methods' results in its folder.
-        pub fn shown(study: &Finished<'_>) -> Vec<Document> {
+        pub(crate) fn shown(study: &Finished<'_>) -> Vec<Document> {
             [$($module::shown(study)),*].into_iter().flatten().collect()
         }
     };
@@ -81,7 +81,7 @@ methods! {
 ///
 /// # Errors
 /// Those of the analysis.
-pub fn proven<T>(
+pub(crate) fn proven<T>(
     mut options: T,
     run: fn(&T) -> Result<Delivery, CommandError>,
     work: fn(&mut T) -> &mut Work,

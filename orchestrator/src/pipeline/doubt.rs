@@ -1,6 +1,6 @@
 //! Points of an earlier part of the run that shared processes.
 //!
-//! A run that was killed still owed audits for its last points. So some of them are computed again before any of
+//! A killed run had not re-checked its last points. So some of them are computed again before any of
 //! them counts.
 
 use std::ops::{ControlFlow, Range};

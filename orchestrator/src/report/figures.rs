@@ -5,7 +5,7 @@ use super::bins::{bins_for, density, histogram, levels};
 use super::overlay::Measured;
 use super::payload::PlotColumn;
 use crate::document::format::{count, number, with_unit};
-use crate::document::svg::{Axis, Frame, envelope, ticks};
+use crate::document::svg::{Axis, Frame, area, circle, envelope, path, text, ticks};
 use parameter_regions::table::PointTable;
 use std::fmt::Write as _;
 
@@ -98,25 +98,13 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
         let ((x0, x1), (y0, y1)) = (across(inner[0]), along(inner[1]));
         out.push_str(&area("accept", [x0, x1], [y0, y1]));
     }
-    if let Some(v) = x.nominal {
-        let _ = write!(
-            out,
-            "<path class=\"nominal\" d=\"M{:.1},{y0:.1}V{y1:.1}\"/>",
-            frame.x.clamped(v)
-        );
+    if let Some(v) = x.nominal.map(|v| frame.x.clamped(v)) {
+        out += &path("nominal", format_args!("M{v:.1},{y0:.1}V{y1:.1}"));
     }
-    if let Some(v) = y.nominal {
-        let _ = write!(
-            out,
-            "<path class=\"nominal\" d=\"M{x0:.1},{:.1}H{x1:.1}\"/>",
-            frame.y.clamped(v)
-        );
+    if let Some(v) = y.nominal.map(|v| frame.y.clamped(v)) {
+        out += &path("nominal", format_args!("M{x0:.1},{v:.1}H{x1:.1}"));
     }
     out
-}
-
-fn area(class: &str, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> String {
-    format!("<path class=\"{class}\" d=\"M{x0:.1},{y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}z\"/>")
 }
 
 fn density_cells(
@@ -155,7 +143,7 @@ fn density_cells(
     paths
         .iter()
         .enumerate()
-        .map(|(s, d)| format!("<path class=\"{class} d{}\" d=\"{d}\"/>", s + 1))
+        .map(|(s, d)| path(&format!("{class} d{}", s + 1), d))
         .collect()
 }
 
@@ -165,26 +153,15 @@ fn scale(frame: &Frame, left: f64, class: &str, counts: &[u32]) -> String {
     let most = counts.iter().copied().max().unwrap_or(0);
     let top = frame.y.to - 17.0;
     let baseline = frame.y.to - 8.0;
-    let mut out = format!(
-        "<text class=\"tick\" x=\"{:.1}\" y=\"{baseline:.1}\" text-anchor=\"end\">{}</text>",
-        left - 3.0,
-        most.min(1)
-    );
+    let fewest = most.min(1).to_string();
+    let mut out = text("tick", [left - 3.0, baseline], "end", &fewest);
     for shade in 0..SHADES {
         let x = left + shade as f64 * SIDE;
-        let _ = write!(
-            out,
-            "<path class=\"{class} d{}\" d=\"M{x:.1},{top:.1}h{SIDE}v{SIDE}h-{SIDE}z\"/>",
-            shade + 1
-        );
+        let class = format!("{class} d{}", shade + 1);
+        out += &area(&class, [x, x + SIDE], [top, top + SIDE]);
     }
-    let _ = write!(
-        out,
-        "<text class=\"tick\" x=\"{:.1}\" y=\"{baseline:.1}\">{}</text>",
-        left + SHADES as f64 * SIDE + 3.0,
-        count(most as usize)
-    );
-    out
+    let end = [left + SHADES as f64 * SIDE + 3.0, baseline];
+    out + &text("tick", end, "start", &count(most as usize))
 }
 
 fn marks(
@@ -203,12 +180,7 @@ fn marks(
         }
         let (px, py) = (frame.x.at(vx), frame.y.at(vy));
         if table.verified[i] {
-            let _ = write!(
-                paths[2],
-                "M{:.1},{py:.1}a{r},{r} 0 1,0 {d},0a{r},{r} 0 1,0 -{d},0",
-                px - r,
-                d = 2.0 * r
-            );
+            paths[2] += &circle([px, py], r);
         } else if within(x, i) && within(y, i) {
             let _ = write!(
                 paths[1],
@@ -226,10 +198,8 @@ fn marks(
             );
         }
     }
-    format!(
-        "<path class=\"pt out\" d=\"{}\"/><path class=\"pt part\" d=\"{}\"/><path class=\"pt in\" d=\"{}\"/>",
-        paths[0], paths[1], paths[2]
-    )
+    let classes = ["pt out", "pt part", "pt in"].iter().zip(paths);
+    classes.map(|(class, d)| path(class, d)).collect()
 }
 
 /// The size of a mark, so that a crowd stays readable.
@@ -285,11 +255,7 @@ pub fn distribution(
         }
     }
     let counts = histogram(c.values.iter(), c.range, bins);
-    let _ = write!(
-        out,
-        "<path class=\"bar all\" d=\"{}\"/>",
-        bars(&counts, &frame, c.range, true)
-    );
+    out += &path("bar all", bars(&counts, &frame, c.range, true));
     out.push_str(&heights(&counts, &frame, false));
     if !verified.is_empty() {
         // Few verified points: fewer bins, else the outline is all spikes.
@@ -298,11 +264,7 @@ pub fn distribution(
         let [low, high] = c.drawn_in.unwrap_or(c.accepted);
         let range = [low.max(c.range[0]), high.min(c.range[1])];
         let counts = histogram(verified.iter(), range, coarse);
-        let _ = write!(
-            out,
-            "<path class=\"bar in\" d=\"{}\"/>",
-            bars(&counts, &frame, range, false)
-        );
+        out += &path("bar in", bars(&counts, &frame, range, false));
         out.push_str(&heights(&counts, &frame, true));
     }
     out.push_str(&frame.caption(&format!(
@@ -337,12 +299,8 @@ fn heights(counts: &[usize], frame: &Frame, accepted: bool) -> String {
     let whole = |t: &f64| t.fract() == 0.0;
     let mut out = String::new();
     for t in ticks(0.0, most, 3).into_iter().filter(whole) {
-        let _ = write!(
-            out,
-            "<text class=\"{class}\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
-            frame.y.at(t / most) + 4.0,
-            number(t, 4)
-        );
+        let place = [x, frame.y.at(t / most) + 4.0];
+        out += &text(class, place, anchor, &number(t, 4));
     }
     out
 }
@@ -451,11 +409,7 @@ pub fn history(series: &Series) -> Option<String> {
     } else {
         "line"
     };
-    let _ = write!(
-        out,
-        "<path class=\"{class}\" d=\"{}\"/>",
-        envelope(&series.time, &series.values, &frame)
-    );
+    out += &path(class, envelope(&series.time, &series.values, &frame));
     Some(frame.wrap(&format!("{} over time", series.name), &out))
 }
 

@@ -2,15 +2,15 @@
 
 mod again;
 mod best;
-pub mod bins;
-pub mod counted;
+pub(crate) mod bins;
+pub(crate) mod counted;
 mod counts;
 pub mod figures;
 mod from_results;
-pub mod history;
+pub(crate) mod history;
 pub mod judgement;
-pub mod live;
-pub mod outlook;
+pub(crate) mod live;
+pub(crate) mod outlook;
 mod overlay;
 mod page;
 pub mod passes;
@@ -18,9 +18,9 @@ mod payload;
 mod planes;
 #[cfg(feature = "png")]
 mod png;
-pub mod recording;
+pub(crate) mod recording;
 mod shown;
-pub mod whatif;
+pub(crate) mod whatif;
 
 use crate::document::{Block, Document, svg};
 use crate::error::ReportError;

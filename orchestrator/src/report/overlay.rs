@@ -1,9 +1,7 @@
 //! A measured curve in the picture of a signal, and the model's deviations from it.
 
-use std::fmt::Write;
-
 use super::bins::axis_range;
-use crate::document::svg::{Frame, envelope};
+use crate::document::svg::{Frame, envelope, path};
 use curves::{Curve, Metric};
 
 /// A measured curve on the model's time, in the criterion's unit.
@@ -58,10 +56,7 @@ impl Measured {
         let back = |of: &[f64]| of.iter().rev().copied().collect::<Vec<_>>();
         let time = [&self.time[..], &back(&self.time)].concat();
         let edge = [low, &back(high)].concat();
-        format!(
-            "<path class=\"{class}\" d=\"{}z\"/>",
-            envelope(&time, &edge, frame)
-        )
+        path(class, envelope(&time, &edge, frame) + "z")
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
@@ -75,19 +70,10 @@ impl Measured {
             out.push_str(&self.between("verified", [least, most], frame));
         }
         for time in [self.time.first(), self.time.last()].into_iter().flatten() {
-            let _ = write!(
-                out,
-                "<path class=\"judged\" d=\"M{:.1},{:.1}V{:.1}\"/>",
-                frame.x.at(*time),
-                frame.y.from,
-                frame.y.to
-            );
+            let (x, y) = (frame.x.at(*time), frame.y);
+            out += &path("judged", format_args!("M{x:.1},{:.1}V{:.1}", y.from, y.to));
         }
-        let _ = write!(
-            out,
-            "<path class=\"line measured\" d=\"{}\"/>",
-            envelope(&self.time, &self.values, frame)
-        );
+        out += &path("line measured", envelope(&self.time, &self.values, frame));
         out
     }
 
@@ -125,11 +111,7 @@ impl Measured {
         let frame = Frame::new(560.0, 150.0, [start, end], y);
         let mut out = frame.axes("time (s)", Some(unit));
         out.push_str(&around.draw(&frame));
-        let _ = write!(
-            out,
-            "<path class=\"line\" d=\"{}\"/>",
-            envelope(&self.time, &deviations, &frame)
-        );
+        out += &path("line", envelope(&self.time, &deviations, &frame));
         Some(frame.wrap(&format!("{name}: model less measurement over time"), &out))
     }
 }

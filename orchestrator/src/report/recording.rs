@@ -4,14 +4,13 @@
 use super::bins::axis_range;
 use super::write_file;
 use crate::document::format::number;
-use crate::document::svg::{Frame, envelope};
+use crate::document::svg::{Frame, area, envelope, path};
 use crate::error::ReportError;
 use crate::results::ResultsError;
 use minijinja::{Environment, value::Serde};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
 use serde::Serialize;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Length of the record's end that is drawn, s.
@@ -254,12 +253,9 @@ fn search(result: &Synchronised) -> Option<Figure> {
         };
         let at = |s: f64| frame.x.clamped(1e3 * s);
         let (low, high) = (at(found.low), at(found.high));
-        format!(
-            "<path class=\"accept\" d=\"M{low:.2},{top:.1}H{high:.2}V{bottom:.1}H{low:.2}z\"/><path class=\"nominal\" d=\"M{:.2},{top:.1}V{bottom:.1}\"/>",
-            at(found.value),
-            top = frame.y.to,
-            bottom = frame.y.from
-        )
+        let (top, bottom, delay) = (frame.y.to, frame.y.from, at(found.value));
+        area("accept", [low, high], [top, bottom])
+            + &path("nominal", format_args!("M{delay:.2},{top:.1}V{bottom:.1}"))
     };
     Some(Figure {
         name: name.to_owned(),
@@ -290,13 +286,9 @@ fn wander(finding: &DerivedCriterion, result: &Synchronised) -> Option<Figure> {
         };
         let (centre, half) = (mean(&finding.blocks), s.change.value / 2.0);
         let ends = [time.first(), time.last()].map(|t| frame.x.at(t.copied().unwrap_or(0.0)));
-        format!(
-            "<path class=\"limit\" d=\"M{:.1},{:.1}L{:.1},{:.1}\"/>",
-            ends[0],
-            frame.y.clamped(centre - half),
-            ends[1],
-            frame.y.clamped(centre + half)
-        )
+        let [from, to] = [-half, half].map(|step| frame.y.clamped(centre + step));
+        let line = format_args!("M{:.1},{from:.1}L{:.1},{to:.1}", ends[0], ends[1]);
+        path("limit", line)
     };
     let name = format!("{}: means of blocks and their trend", finding.name);
     Some(Figure {
@@ -325,8 +317,7 @@ fn plot(
     let mut out = frame.axes(across, Some(up));
     out.push_str(&marks(&frame));
     for trace in traces {
-        let line = envelope(trace.time, trace.values, &frame);
-        let _ = write!(out, "<path class=\"{}\" d=\"{line}\"/>", trace.class);
+        out += &path(trace.class, envelope(trace.time, trace.values, &frame));
     }
     Some(frame.wrap(name, &out))
 }

@@ -51,8 +51,8 @@ fn by_one_point(judgement: &Judgement, meets_all: &Fraction) -> Shown {
             count(hits)
         ),
         not_shown: format!(
-            "that the model is right. {} % is a part of the sampled parameter space and no mark for the model; another \
-             model may agree as well.{}",
+            "that the model is right. {} % is the fraction of the sampled parameter sets that pass. It does not grade the \
+             model; another one may agree as well.{}",
             percent(meets_all.value()),
             doubt(judgement, hits)
         ),
@@ -79,8 +79,8 @@ fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
                 count(points)
             ),
             format!(
-                "that the model is right, or agrees with every parameter set. The share is a part of the sampled space and \
-                 no mark for the model.{}",
+                "that the model is right, or agrees with every parameter set. The share is the fraction of \
+                 the sampled parameter sets that pass. It does not grade the model.{}",
                 doubt(judgement, accepted)
             ),
         ),
@@ -175,7 +175,9 @@ mod tests {
     fn one_point_shows_that_there_is_one() {
         let [shown, not_shown] = lines(Decision::Verified, &judgement(false), 11);
         assert!(shown.starts_with("11 of 50 points meet all criteria"));
-        assert!(not_shown.contains("22.0 % is a part of the sampled parameter space"));
+        assert!(
+            not_shown.contains("22.0 % is the fraction of the sampled parameter sets that pass")
+        );
         assert!(not_shown.contains("Of the 11 accepted points 6.6 are expected to be outside"));
         let [_, not_shown] = lines(Decision::NotVerified, &judgement(false), 0);
         assert!(not_shown.starts_with("that no parameter set agrees"));

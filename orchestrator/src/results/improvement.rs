@@ -109,7 +109,7 @@ pub struct Prospect {
     pub not_conforming_given_accepted: Option<f64>,
     /// The verdict; only where a share is required.
     pub verdict: Option<Decision>,
-    /// How many equally weighted points would tell as much.
+    /// The effective sample size.
     pub effective_points: f64,
 }
 

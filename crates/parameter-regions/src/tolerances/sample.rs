@@ -23,7 +23,7 @@ pub struct Sample {
 pub struct Estimate {
     /// The share.
     pub share: f64,
-    /// How many equally weighted points the weights leave (Kish 1965).
+    /// The effective sample size (Kish 1965).
     pub effective: f64,
     /// How many yes-or-no trials would tell the share as well.
     pub trials: f64,

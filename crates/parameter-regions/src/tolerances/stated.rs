@@ -74,7 +74,7 @@ pub struct Stated {
     pub share: f64,
     /// The range in which the fresh runs' result falls with a probability of 99 %.
     pub interval: [f64; 2],
-    /// How many equally weighted points the weights leave.
+    /// The effective sample size.
     pub effective_points: f64,
 }
 

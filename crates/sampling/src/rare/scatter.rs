@@ -10,11 +10,11 @@ pub(super) struct Scatter {
     pub(super) axes: Vec<Vec<f64>>,
     /// The variance along each of them.
     pub(super) variances: Vec<f64>,
-    /// As many equally weighted points would tell as much.
+    /// The effective sample size.
     pub(super) effective: f64,
 }
 
-/// As many equally weighted points would tell as much (Kish 1965, "Survey Sampling").
+/// The effective sample size (Kish 1965, "Survey Sampling").
 pub(super) fn effective(weights: &[f64]) -> f64 {
     let sum: f64 = weights.iter().sum();
     let squares: f64 = weights.iter().map(|w| w * w).sum();
