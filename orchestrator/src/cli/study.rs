@@ -7,7 +7,7 @@ use clap::builder::{RangedU64ValueParser, TypedValueParser};
 
 use super::verdict_help;
 use crate::methods::rare::{self, RareEvent};
-use crate::options::{Means, Parts, Work};
+use crate::options::Work;
 use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
 
@@ -19,14 +19,9 @@ use crate::session::Until;
     )
 )]
 pub struct Verify {
-    /// The study
-    pub study: PathBuf,
-    /// The folder for the results [default: results/ and the study's name]
-    #[arg(long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Run settings
+    /// The study, how its points are run, and where the results go
     #[command(flatten)]
-    pub means: Means,
+    pub work: Work,
     /// How many points, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub points: Option<u64>,
@@ -39,9 +34,6 @@ pub struct Verify {
     /// Show points, design and criteria and estimate the time from a few points; run nothing else
     #[arg(long)]
     pub dry_run: bool,
-    /// Resuming and shards
-    #[command(flatten)]
-    pub parts: Parts,
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
@@ -75,12 +67,7 @@ impl Verify {
             event,
             points: self.points,
             seed: self.seed,
-            work: Work {
-                study: self.study,
-                output: self.output,
-                means: self.means,
-                parts: self.parts,
-            },
+            work: self.work,
         }
     }
 }

@@ -21,10 +21,8 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {
     match &options.output {
         None => output::print(&study),
         Some(path) if path.exists() => {
-            return Err(CommandError::Option {
-                option: "output",
-                message: format!("{} exists already", path.display()),
-            });
+            let message = format!("{} exists already", path.display());
+            return Err(CommandError::option("output", message));
         }
         Some(path) => {
             write_atomically(path, |out| out.write_all(study.as_bytes()))?;

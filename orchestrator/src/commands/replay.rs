@@ -17,18 +17,12 @@ use fmu_points::task::Case;
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
-    let index =
-        verification
-            .source
-            .index_of(options.point)
-            .ok_or_else(|| CommandError::Option {
-                option: "point",
-                message: format!(
-                    "the study has no point {}; points.csv lists its {}",
-                    options.point,
-                    verification.source.len()
-                ),
-            })?;
+    let source = &verification.source;
+    let index = source.index_of(options.point).ok_or_else(|| {
+        let (point, all) = (options.point, source.len());
+        let message = format!("the study has no point {point}; points.csv lists its {all}");
+        CommandError::option("point", message)
+    })?;
     let job = verification.job(index);
     let parameters = verification.source.parameters(index);
     let session = &mut verification.session;
@@ -104,7 +98,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
 /// The cases whose trajectories are written, each with its file.
 fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, CommandError> {
     let point = options.point;
-    let wrong = |option, message: String| Err(CommandError::Option { option, message });
+    let wrong = |option, message: String| Err(CommandError::option(option, message));
     let names: Vec<&str> = cases
         .iter()
         .filter_map(|case| case.name.as_deref())

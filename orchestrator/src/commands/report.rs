@@ -23,10 +23,7 @@ pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
 
 /// The FMU's module and a point's simulation, for the page.
 fn live(options: &cli::Report, report: &Report) -> Result<Live, CommandError> {
-    let cannot = |message| CommandError::Option {
-        option: "live",
-        message,
-    };
+    let cannot = |message: String| CommandError::option("live", message);
     match &report.whatif {
         None => return Err(cannot("the points cannot be judged in the page".to_owned())),
         Some(study) => study.can_be_drawn().map_err(cannot)?,

@@ -8,6 +8,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use thiserror::Error;
+
 use super::{CommandError, output};
 use crate::cli::Simulate;
 use crate::results::points::number;
@@ -105,10 +107,8 @@ fn schedule(options: &Simulate, fmu: &Description) -> Result<Schedule, CommandEr
         leap: false,
         tolerance: suggested.tolerance,
     };
-    schedule.check().map_err(|message| CommandError::Option {
-        option: "stop/--step",
-        message,
-    })?;
+    let checked = schedule.check();
+    checked.map_err(|message| CommandError::option("stop/--step", message))?;
     Ok(schedule)
 }
 
@@ -133,12 +133,7 @@ pub(super) fn settings(
         }
         Ok((variable.handle().reference, value))
     };
-    let set = |text| {
-        setting(text).map_err(|message: String| CommandError::Option {
-            option: "set",
-            message,
-        })
-    };
+    let set = |text| setting(text).map_err(|message: String| CommandError::option("set", message));
     texts.iter().map(set).collect()
 }
 
@@ -189,23 +184,14 @@ fn cell(value: &Value) -> String {
 }
 
 /// Why the writing of a trajectory stopped.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub(super) enum TrajectoryError {
-    Simulation(Failure),
-    Engine(RunError),
+    #[error(transparent)]
+    Simulation(#[from] Failure),
+    #[error(transparent)]
+    Engine(#[from] RunError),
+    #[error(transparent)]
     Write(io::Error),
-}
-
-impl From<Failure> for TrajectoryError {
-    fn from(failure: Failure) -> Self {
-        Self::Simulation(failure)
-    }
-}
-
-impl From<RunError> for TrajectoryError {
-    fn from(error: RunError) -> Self {
-        Self::Engine(error)
-    }
 }
 
 impl From<csv::Error> for TrajectoryError {

@@ -16,7 +16,7 @@ const NO_POWER: &str = "\n# No criterion on the friction power (torque times spe
 
 pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> {
     let settings = Settings::read(&options.settings)?;
-    let recorded = settings.recording(&options.settings, &options.measured)?;
+    let recorded = settings.recording(&options.measured)?;
     let result = synchronise(&recorded).map_err(|source| SettingsError::Signal {
         path: options.measured.clone(),
         source,
@@ -47,11 +47,8 @@ fn case(
     recorded: &RigRecording,
     result: &Synchronised,
 ) -> Result<String, CommandError> {
-    let (folder, drives) = (
-        &options.output,
-        settings.drives(&options.settings, &options.measured)?,
-    );
-    settings.check_case(&options.settings, name)?;
+    let (folder, drives) = (&options.output, settings.drives(&options.measured)?);
+    settings.check_case(name)?;
     let case = Case::new(recorded, result, &drives);
     let table = folder.join("case.csv");
     let frame = Frame {
@@ -60,7 +57,7 @@ fn case(
         file: &table.to_string_lossy().replace('\\', "/"),
         drives: &drives,
         tolerances: &settings.tolerances(),
-        lag: settings.lag(&options.settings)?,
+        lag: settings.lag()?,
     };
     let text = case.to_toml(&frame);
     save(&table, &case.table(&drives))?;

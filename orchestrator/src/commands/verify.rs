@@ -13,6 +13,7 @@ use super::{CommandError, best, complete, cost, left_out, output, table, verdict
 use crate::cli::Verify;
 use crate::methods::asking;
 use crate::methods::setup::{self, Place, Source, Work};
+use crate::options;
 use crate::pipeline::folder::Earlier;
 use crate::pipeline::{Pipeline, Step};
 use crate::reruns::{self, Wish};
@@ -31,26 +32,27 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
-    let folder = setup::folder(
-        options.output.as_deref(),
-        &options.study,
-        &options.parts,
-        None,
-    )?;
+    let options::Work {
+        study: path,
+        output: named,
+        means,
+        parts,
+    } = &options.work;
+    let folder = setup::folder(named.as_deref(), path, parts, None)?;
     let mut looked = verification.looked(&folder, &[])?;
     let ending = check(options, &verification, &looked)?;
     // More workers than points would only take memory from each other.
     let points = usize::try_from(verification.expected()).unwrap_or(usize::MAX);
-    let jobs = options.means.jobs().min(points.max(1));
+    let jobs = means.jobs().min(points.max(1));
     if options.dry_run {
         output::print(&plan(&verification, &folder));
-        output::print(&cost::of(&mut verification, &options.means, jobs)?);
+        output::print(&cost::of(&mut verification, means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
     let place = Place {
         output: &folder,
         analysis: None,
-        earlier: options.parts.earlier(),
+        earlier: parts.earlier(),
     };
     let header = verification.header.clone();
     let taken = place.take(verification.parts(), &header, || {
@@ -60,7 +62,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
         }
     })?;
     let work = Work {
-        means: &options.means,
+        means,
         jobs,
         // A study that ends when enough is known has as many points as that takes.
         open: ending.is_some(),
@@ -95,7 +97,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     let wish = Wish {
         most: options.extra_runs,
         validation: options.validation,
-        limits: options.means.limits(jobs)?,
+        limits: means.limits(jobs)?,
         jobs,
     };
     conclude(&mut verification, &folder, summary, &wish)
@@ -107,17 +109,16 @@ fn check(
     verification: &Verification,
     looked: &Looked,
 ) -> Result<Option<Ending>, CommandError> {
-    let refuse = |option, message| CommandError::Option { option, message };
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
         let message = "the design has as many points as the levels make; change `levels`";
-        return Err(refuse("points", message.to_owned()));
+        return Err(CommandError::option("points", message));
     }
     let ending = options.until;
     let ending = ending.map(|until| verification.ending(until, &looked.history));
     ending
         .transpose()
-        .map_err(|message| refuse("until", message))
+        .map_err(|message| CommandError::option("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
@@ -139,13 +140,11 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError
     let method = verification.session.study.design.method.name();
     let with = Method::named(Method::is_extensible);
     let points = then.points.unwrap_or(0);
-    Err(CommandError::Option {
-        option: "points",
-        message: format!(
-            "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer \
-             one; choose another --output, or method = {with}"
-        ),
-    })
+    let message = format!(
+        "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer one; \
+         choose another --output, or method = {with}"
+    );
+    Err(CommandError::option("points", message))
 }
 
 /// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
@@ -247,19 +246,19 @@ fn set(session: &Session) -> String {
 fn request(options: &Verify) -> Result<Request, CommandError> {
     // A design that needs all its points keeps those of the study; `check` refuses it then, and says why.
     let open_ended = || {
-        let study = Study::read(&options.study);
+        let study = Study::read(&options.work.study);
         study.map_or(true, |study| study.design.method.is_extensible())
     };
     let until = options
         .until
         .filter(|_| options.points_from.is_none() && open_ended());
     Ok(Request {
-        study: options.study.clone(),
-        fmu: options.means.fmu.clone(),
+        study: options.work.study.clone(),
+        fmu: options.work.means.fmu.clone(),
         points: options.points.or(until.map(|_| MOST_POINTS)),
         seed: options.seed,
         points_from: options.points_from.clone(),
-        shard: options.parts.shard()?,
+        shard: options.work.parts.shard()?,
         ..Request::default()
     })
 }

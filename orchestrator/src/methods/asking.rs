@@ -6,7 +6,6 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::setup::{self, Place, Source};
-use crate::document::Document;
 use crate::error::CommandError;
 use crate::judge::Judge;
 use crate::options::Work;
@@ -105,7 +104,7 @@ impl AnalysisResult {
     /// A result that becomes the content of `file`.
     pub(super) fn new(
         result: &impl Serialize,
-        origin: Option<Origin>,
+        origin: impl Into<Option<Origin>>,
         text: String,
         file: &'static str,
     ) -> Result<Self, CommandError> {
@@ -114,22 +113,12 @@ impl AnalysisResult {
             message: error.to_string(),
         })?;
         Ok(Self {
-            origin,
+            origin: origin.into(),
             text,
             file,
             code: ExitCode::SUCCESS,
             result,
         })
-    }
-
-    /// The same, told by its document.
-    pub(super) fn told(
-        result: &impl Serialize,
-        origin: Origin,
-        document: &Document,
-        file: &'static str,
-    ) -> Result<Self, CommandError> {
-        Self::new(result, Some(origin), document.as_text(), file)
     }
 
     /// Writes the file.
@@ -186,13 +175,21 @@ impl Delivery {
     }
 }
 
-/// Which correlated parameters an analysis can take.
-#[derive(Clone, Copy, Debug)]
+/// Which parameters that belong together an analysis can take.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Takes {
     /// Whether it keeps correlated parameters together.
     pub(super) correlations: bool,
     /// Whether it takes rows of a sample as they are.
     pub(super) samples: bool,
+}
+
+impl Takes {
+    /// It draws whole points only.
+    pub(super) const ALL: Self = Self {
+        correlations: true,
+        samples: true,
+    };
 }
 
 /// A study whose parameters are as free as an analysis needs them.

@@ -1,6 +1,6 @@
 //! The settings file of `synchronise`: the columns of a recording and their treatment.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer};
 
@@ -16,6 +16,9 @@ use super::recorded::RecordedTable;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Settings {
+    /// The file.
+    #[serde(skip)]
+    path: PathBuf,
     /// The column of the time.
     time: TimeColumn,
     /// The load on the bearing.
@@ -116,7 +119,7 @@ impl Settings {
             path: path.to_owned(),
             source,
         })?;
-        toml::from_str(&text).map_err(|error| {
+        let settings = toml::from_str(&text).map_err(|error| {
             let line = error
                 .span()
                 .map_or(1, |span| text[..span.start].matches('\n').count() + 1);
@@ -124,11 +127,22 @@ impl Settings {
                 path: path.to_owned(),
                 message: format!("line {line}: {}", error.message()),
             }
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            ..settings
         })
     }
 
+    fn wrong(&self, message: impl Into<String>) -> SettingsError {
+        SettingsError::Content {
+            path: self.path.clone(),
+            message: message.into(),
+        }
+    }
+
     /// What drives the model in a case: the speed, where its variable is named, and the further inputs.
-    pub fn drives(&self, own: &Path, measured: &Path) -> Result<Vec<Drive>, SettingsError> {
+    pub fn drives(&self, measured: &Path) -> Result<Vec<Drive>, SettingsError> {
         let table = RecordedTable::read(measured, &self.time.column)?;
         let recorded = |variable: &String, column: &str, unit: Option<&str>| {
             Ok::<_, SettingsError>(Drive {
@@ -160,25 +174,19 @@ impl Settings {
             drives.push(recorded(variable, &input.column, input.unit.as_deref())?);
         }
         if drives.is_empty() {
-            return Err(SettingsError::Content {
-                path: own.to_owned(),
-                message: "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
-                          \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }"
-                    .to_owned(),
-            });
+            let message = "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
+                           \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }";
+            return Err(self.wrong(message));
         }
         Ok(drives)
     }
 
     /// By how much the torque lags behind the load in the rig itself, s.
-    pub fn lag(&self, own: &Path) -> Result<f64, SettingsError> {
+    pub fn lag(&self) -> Result<f64, SettingsError> {
         let Some(lag) = &self.lag else { return Ok(0.0) };
         let factor = scale(lag.unit.as_deref().unwrap_or("s"), TIME);
         let lag = factor.map(|factor| factor * lag.number);
-        lag.map_err(|message| SettingsError::Content {
-            path: own.to_owned(),
-            message: format!("lag: {message}"),
-        })
+        lag.map_err(|message| self.wrong(format!("lag: {message}")))
     }
 
     /// How far the model may be off, by criteria's names.
@@ -196,13 +204,9 @@ impl Settings {
     }
 
     /// Refuses what no case can be called, and tolerances that are no errors of a curve.
-    pub fn check_case(&self, own: &Path, name: &str) -> Result<(), SettingsError> {
-        let wrong = |message: String| SettingsError::Content {
-            path: own.to_owned(),
-            message,
-        };
+    pub fn check_case(&self, name: &str) -> Result<(), SettingsError> {
         if name.is_empty() || name.contains('/') {
-            return Err(wrong(format!(
+            return Err(self.wrong(format!(
                 "--case {name}: the name of a case must not be empty and has no `/`"
             )));
         }
@@ -211,7 +215,7 @@ impl Settings {
             .iter()
             .find(|(_, tolerance)| tolerance.ends_with('%'))
         {
-            Some((signal, tolerance)) => Err(wrong(format!(
+            Some((signal, tolerance)) => Err(self.wrong(format!(
                 "{signal}: the tolerance {tolerance} of a curve is not a part of anything; give it with a unit"
             ))),
             None => Ok(()),
@@ -219,13 +223,10 @@ impl Settings {
     }
 
     /// Reads the recording's columns in SI units.
-    pub fn recording(&self, own: &Path, measured: &Path) -> Result<RigRecording, SettingsError> {
+    pub fn recording(&self, measured: &Path) -> Result<RigRecording, SettingsError> {
         let table = RecordedTable::read(measured, &self.time.column)?;
-        let wrong = |message: String| SettingsError::Content {
-            path: own.to_owned(),
-            message,
-        };
-        let time = self.times(&table, own)?;
+        let wrong = |message: String| self.wrong(message);
+        let time = self.times(&table)?;
         let rows = time.len();
         let signal = |signal: &Signal, name: &str, known: &[(&str, f64)], si: Option<&str>| {
             let unit = table.unit(&signal.column, signal.unit.as_deref())?;
@@ -299,7 +300,7 @@ impl Settings {
     }
 
     /// The times of the rows, s; time stamps count from the first one.
-    fn times(&self, table: &RecordedTable, own: &Path) -> Result<Vec<f64>, SettingsError> {
+    fn times(&self, table: &RecordedTable) -> Result<Vec<f64>, SettingsError> {
         let name = &self.time.column;
         let column = table.column(name)?;
         if column.stamps {
@@ -310,10 +311,7 @@ impl Settings {
             (None, None) => "s".to_owned(),
             _ => table.unit(name, wanted)?,
         };
-        let factor = scale(&unit, TIME).map_err(|message| SettingsError::Content {
-            path: own.to_owned(),
-            message,
-        })?;
+        let factor = scale(&unit, TIME).map_err(|message| self.wrong(message))?;
         Ok(column.values.iter().map(|t| t * factor).collect())
     }
 }

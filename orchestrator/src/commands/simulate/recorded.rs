@@ -22,13 +22,9 @@ pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Co
     let variable = |name: &str| {
         find(fmu, name)
             .cloned()
-            .map_err(|message| mistake("record", message))
+            .map_err(|message| CommandError::option("record", message))
     };
     Ok(Columns::of(names.map(variable).collect::<Result<_, _>>()?))
-}
-
-fn mistake(option: &'static str, message: String) -> CommandError {
-    CommandError::Option { option, message }
 }
 
 /// The names of a list. A comma belongs to a name where a variable is called so, or within brackets: `a[1,2]`, `der(x,2)`.
@@ -77,7 +73,7 @@ pub(super) fn inputs(
     let header = file.header().map_err(failed)?;
     let series = |column: &String| {
         let wrong = |message: String| {
-            mistake(
+            CommandError::option(
                 "input",
                 format!("{}: column `{column}`: {message}", path.display()),
             )
@@ -113,7 +109,7 @@ pub(super) fn inputs(
             "{}: no column beside `{TIME}`: add one for each input",
             path.display()
         );
-        return Err(mistake("input", message));
+        return Err(CommandError::option("input", message));
     }
     if let Some(concern) = many_steps(&inputs, schedule) {
         fmu_points::tell::line!("note: {concern}");

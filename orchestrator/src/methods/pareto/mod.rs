@@ -125,11 +125,7 @@ impl Analysis for Asked {
     }
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
-        let takes = Takes {
-            correlations: false,
-            samples: false,
-        };
-        asking::session(request, takes)
+        asking::session(request, Takes::default())
     }
 
     fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
@@ -206,7 +202,7 @@ fn of_points(
 
 fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, CommandError> {
     let result = result.ok_or_else(|| CommandError::Search("no point has values".to_owned()))?;
-    AnalysisResult::told(&result, origin, &document(&result), FILE)
+    AnalysisResult::new(&result, origin, document(&result).as_text(), FILE)
 }
 
 /// The parameters at the medians of their distributions.

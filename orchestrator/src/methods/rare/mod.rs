@@ -181,12 +181,8 @@ impl Analysis for Rare {
     }
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
-        let takes = Takes {
-            correlations: true,
-            // `check` refuses them with a reason of its own.
-            samples: true,
-        };
-        asking::session(request, takes)
+        // `check` refuses samples with a reason of its own.
+        asking::session(request, Takes::ALL)
     }
 
     fn check(&self, session: &Session) -> Result<(), CommandError> {
@@ -226,7 +222,8 @@ impl Analysis for Rare {
         write_table(&folder.join(TABLE), session, &answer, &met)?;
         let statement = Statement::new(self.event, &search, &answer, session);
         let origin = asking::origin(session)?;
-        let mut result = AnalysisResult::told(&statement, origin, &statement.document(), FILE)?;
+        let mut result =
+            AnalysisResult::new(&statement, origin, statement.document().as_text(), FILE)?;
         result.code = match (statement.verdict, self.event) {
             (Some(verdict), _) => exit_code(Some(verdict)),
             // One verified point is enough.

@@ -103,7 +103,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
     if let Some(plan) = plan {
         result.keep_together(&plan.together());
     }
-    let result = AnalysisResult::told(&result, origin, &document(&result), FILE)?;
+    let result = AnalysisResult::new(&result, origin, document(&result).as_text(), FILE)?;
     Delivery::without_runs(result, work, folder)
 }
 
@@ -166,11 +166,7 @@ impl Analysis for Asked {
     }
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
-        let takes = Takes {
-            correlations: true,
-            samples: true,
-        };
-        asking::session(request, takes)
+        asking::session(request, Takes::ALL)
     }
 
     fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
@@ -201,7 +197,7 @@ impl Analysis for Asked {
         }
         .of(stated)?;
         confirmed.keep_together(&session.plan.together());
-        AnalysisResult::told(&confirmed, origin, &document(&confirmed), FILE)
+        AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE)
     }
 }
 

@@ -121,7 +121,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
             result.warnings.insert(0, SAMPLED.to_owned());
         }
         let origin = Origin::of_points(&summary);
-        let result = AnalysisResult::told(&result, origin, &document(&result, &table), FILE)?;
+        let result = AnalysisResult::new(&result, origin, document(&result, &table).as_text(), FILE)?;
         let folder = output.as_ref().unwrap_or(from).clone();
         return Delivery::without_runs(result, &options.work, folder);
     }
@@ -267,7 +267,7 @@ impl Analysis for Asked {
             result.warnings.insert(0, CORRELATED.to_owned());
         }
         let origin = asking::origin(session)?;
-        AnalysisResult::told(&result, origin, &document(&result, &rows), FILE)
+        AnalysisResult::new(&result, origin, document(&result, &rows).as_text(), FILE)
     }
 }
 

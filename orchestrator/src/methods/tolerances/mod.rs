@@ -215,7 +215,7 @@ impl Analysis for Asked {
                 found.reasons.extend(most);
             }
         }
-        AnalysisResult::told(&found, asking::origin(session)?, &document(&found), FILE)
+        AnalysisResult::new(&found, asking::origin(session)?, document(&found).as_text(), FILE)
     }
 }
 
