@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Number of best points in the table.
 pub(super) const BEST: usize = 12;
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct Cell {
     text: String,
     note: String,
@@ -54,28 +54,20 @@ pub(super) fn best_rows(
                 distance,
                 binding,
             } = *ranked;
-            let plain = |text| Cell {
-                text,
-                note: String::new(),
-                bad: false,
-                bar: None,
-            };
-            let parameters = table
-                .parameters
-                .iter()
-                .map(|p| plain(number(p.values[i], 5)));
+            let parameters = table.parameters.iter().map(|p| Cell {
+                text: number(p.values[i], 5),
+                ..Cell::default()
+            });
             let is_shown = |k: &usize| pictured.is_none_or(|shown| shown.contains(k));
             let criteria = (0..table.criteria.len()).filter(is_shown).map(|k| {
                 let c = &table.criteria[k];
                 let deviation = c.deviation(c.values[i]);
+                let bar = deviation.min(1.5) * (c.values[i] - c.nominal).signum();
                 Cell {
                     text: number(c.values[i], 5),
                     note: format!("{} of the tolerance", number(deviation, 2)),
                     bad: !c.ok[i],
-                    bar: Some(
-                        (deviation.min(1.5) * (c.values[i] - c.nominal).signum() * 100.0).round()
-                            / 100.0,
-                    ),
+                    bar: Some((100.0 * bar).round() / 100.0),
                 }
             });
             BestRow {

@@ -9,7 +9,7 @@ use parameter_regions::table::PointTable;
 use sampling::statistics::share::Fraction;
 use serde::Serialize;
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct CountRow {
     name: String,
     kind: &'static str,
@@ -101,19 +101,13 @@ pub(super) fn count_rows(
     let row = |name: &str, kind, f: &Fraction| CountRow {
         name: name.to_owned(),
         kind,
-        note: String::new(),
-        nominal: String::new(),
-        accepted: String::new(),
-        drawn_in: None,
         count: count(f.count),
         percent: percent(f.value()),
         interval: format!("{} – {}", percent(f.low), percent(f.high)),
         value: 100.0 * f.value(),
         low: 100.0 * f.low,
         high: 100.0 * f.high,
-        binds: String::new(),
-        only: String::new(),
-        miss: String::new(),
+        ..CountRow::default()
     };
     let criterion = |k: usize| {
         let (c, v) = (&table.criteria[k], &counted.criteria[k]);
@@ -186,16 +180,9 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
 
 /// A sentence that names the criterion which decides the verdict.
 pub(super) fn decisive(table: &PointTable, counted: &Passes, total: usize) -> String {
-    let binding = counted
-        .criteria
-        .iter()
-        .enumerate()
-        .max_by_key(|(_, c)| c.binds);
-    let alone = counted
-        .criteria
-        .iter()
-        .enumerate()
-        .max_by_key(|(_, c)| c.only_failure);
+    let criteria = || counted.criteria.iter().enumerate();
+    let binding = criteria().max_by_key(|(_, c)| c.binds);
+    let alone = criteria().max_by_key(|(_, c)| c.only_failure);
     let completed = total - counted.failed;
     match (binding, alone) {
         (Some((b, binds)), Some((a, only))) if completed > 0 => {

@@ -1,11 +1,11 @@
 //! Puts the page together: the numbers of the report as the template wants them.
 
 use super::Report;
-use super::best::{BestRow, best_rows, heading};
-use super::counts::{CountRow, Headline, count_rows, decisive};
+use super::best::{best_rows, heading};
+use super::counts::{Headline, count_rows, decisive};
 use super::figures;
 use super::payload::{self, PlotColumn};
-use super::planes::{Plane, planes};
+use super::planes::planes;
 use super::shown::Shown;
 use crate::document::format::{count, number, with_unit};
 use crate::document::{self, Document, marked};
@@ -15,110 +15,14 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
 use fmu_points::tell::is_hidden;
 use indexmap::IndexMap;
-use minijinja::{Environment, Value, value::Serde};
+use minijinja::{Environment, Value, context, value::Serde};
 use parameter_regions::table::PointTable;
-use serde::Serialize;
+use sampling::statistics::moments::{mean, variance};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// More bytes are packed. Fewer are read at once, and in browsers that cannot unpack, too.
 const MOST_PLAIN: usize = 300_000;
-
-/// Values that the template shows.
-#[derive(Serialize)]
-struct Page<'a> {
-    study: &'a str,
-    model: &'a str,
-    date: &'a str,
-    style: &'static str,
-    script: &'static str,
-    simulator: &'static str,
-    /// Whether the study can be changed in the page.
-    whatif: bool,
-    /// How the page simulates points, where it can.
-    live: Option<String>,
-    data: String,
-    bytes: String,
-    /// Whether the bytes are packed.
-    packed: bool,
-    remarks: &'a [String],
-    title: String,
-    kind: &'static str,
-    shown: Shown,
-    sentences: &'a [String],
-    by_share: bool,
-    /// Whether a guard band acts.
-    guarded: bool,
-    n: String,
-    /// Points within all tolerances.
-    count: String,
-    headline: Headline,
-    failed: String,
-    drawn: String,
-    sampled: bool,
-    /// Whether the pictures are densities, of which the script draws single points.
-    crowded: bool,
-    rows: Vec<CountRow>,
-    decisive: String,
-    counted: String,
-    interval_method: &'a str,
-    /// Whether shares have intervals: those of a grid have none.
-    intervals: bool,
-    expected: Option<String>,
-    planes: Vec<Plane>,
-    parameters: Vec<Small>,
-    criteria: Vec<Small>,
-    best_columns: Vec<(&'a str, &'a str, &'a str)>,
-    first_criterion: usize,
-    best: Vec<BestRow>,
-    failures: Vec<(String, String, String)>,
-    histories: Vec<History>,
-    documents: Vec<Section<'a>>,
-    provenance: &'a [(String, String)],
-    sampled_from: Vec<(&'a str, &'a str)>,
-    command: &'a str,
-    study_text: &'a str,
-}
-
-/// A document as the template shows it.
-#[derive(Serialize)]
-struct Section<'a> {
-    id: &'a str,
-    link: &'a str,
-    html: String,
-}
-
-impl<'a> Section<'a> {
-    fn new(document: &'a Document) -> Self {
-        Self {
-            id: document.id,
-            link: document.link,
-            html: document.as_html(),
-        }
-    }
-}
-
-/// One quantity over time: the whole run, and its last periods where it oscillates fast.
-#[derive(Serialize)]
-struct History {
-    name: String,
-    svg: String,
-    /// When its criterion looks at it, in words.
-    judged: Option<String>,
-    detail: Option<String>,
-    /// The deviations from the measured curve.
-    residuals: Option<String>,
-    /// How many verified points the band beside the measured curve holds.
-    verified: Option<usize>,
-}
-
-#[derive(Serialize)]
-struct Small {
-    name: String,
-    svg: String,
-    rows: Vec<(String, String, String)>,
-    column: usize,
-}
 
 /// Renders the page.
 pub fn render(report: &Report) -> Result<String, ReportError> {
@@ -157,16 +61,17 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
     environment.add_template("report.html", include_str!("assets/report.html"))?;
-    let page = Page {
-        study: &report.study,
-        model: &report.model,
-        date: &report.date,
-        style: concat!(
+    let (parameters, criteria) = columns.split_at(table.parameters.len());
+    let page = context! {
+        study => report.study.as_str(),
+        model => report.model.as_str(),
+        date => report.date.as_str(),
+        style => concat!(
             include_str!("assets/plot.css"),
             include_str!("assets/report.css"),
             include_str!("assets/whatif.css")
         ),
-        script: concat!(
+        script => concat!(
             include_str!("assets/packed.js"),
             include_str!("assets/numbers.js"),
             include_str!("assets/moments.js"),
@@ -178,30 +83,30 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
             include_str!("assets/whatif.js"),
             include_str!("assets/report.js")
         ),
-        simulator: include_str!("assets/simulator.js"),
-        whatif: report.whatif.is_some(),
-        live: live.as_deref().map(script_safe),
+        simulator => include_str!("assets/simulator.js"),
+        whatif => report.whatif.is_some(),
+        live => live.as_deref().map(script_safe),
         data,
-        bytes: match packed {
+        bytes => match packed {
             true => super::packed(&bytes).map_err(serde_json::Error::io)?,
             false => STANDARD.encode(&bytes),
         },
         packed,
-        remarks: &report.remarks,
-        title: capitalised(&decision.to_string()),
-        kind: match decision {
+        remarks => Serde(&report.remarks),
+        title => capitalised(&decision.to_string()),
+        kind => match decision {
             Decision::Verified => "yes",
             Decision::NotVerified => "no",
             Decision::Inconclusive => "open",
         },
-        shown: Shown::new(decision, judgement, &counted.verified, counted.failed),
-        sentences: &report.judgement.sentences,
-        by_share: judgement.decided.is_some(),
-        guarded: judgement.guard.is_some(),
-        n: count(total),
-        count: count(counted.verified.count),
-        headline: Headline::new(judgement, total, &counted.verified),
-        failed: match counted.failed {
+        shown => Serde(Shown::new(decision, judgement, &counted.verified, counted.failed)),
+        sentences => Serde(&report.judgement.sentences),
+        by_share => judgement.decided.is_some(),
+        guarded => judgement.guard.is_some(),
+        n => count(total),
+        count => count(counted.verified.count),
+        headline => Serde(Headline::new(judgement, total, &counted.verified)),
+        failed => match counted.failed {
             0 => String::new(),
             1 => "1 point could not be simulated and counts as not verified.".into(),
             n => format!(
@@ -209,46 +114,47 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
                 count(n)
             ),
         },
-        drawn: count(points.len()),
-        sampled: points.len() < total,
-        crowded: points.len() == total && total > figures::MOST_MARKS,
-        rows: count_rows(table, counted, judgement, total),
-        decisive: decisive(table, counted, total),
-        counted: document::html(&report.counted),
-        interval_method: &report.interval_method,
-        intervals: !report.grid,
-        expected: report
+        drawn => count(points.len()),
+        sampled => points.len() < total,
+        crowded => points.len() == total && total > figures::MOST_MARKS,
+        rows => Serde(count_rows(table, counted, judgement, total)),
+        decisive => decisive(table, counted, total),
+        counted => document::html(&report.counted),
+        interval_method => report.interval_method.as_str(),
+        intervals => !report.grid,
+        expected => report
             .expected
             .or_else(|| Some(conformance.as_ref()?.iter().sum()))
             .map(expected),
-        planes: planes(drawn, &columns, &points, counts),
-        parameters: distributions(table, &columns[..table.parameters.len()], 0, counts),
-        criteria: distributions(
-            table,
-            &columns[table.parameters.len()..],
-            table.parameters.len(),
-            counts,
-        ),
-        best_columns: columns.iter().map(heading).collect(),
-        first_criterion: table.parameters.len(),
-        best: best_rows(
+        planes => Serde(planes(drawn, &columns, &points, counts)),
+        parameters => distributions(table, parameters, 0, counts),
+        criteria => distributions(table, criteria, parameters.len(), counts),
+        best_columns => Serde(columns.iter().map(heading).collect::<Vec<_>>()),
+        first_criterion => parameters.len(),
+        best => Serde(best_rows(
             table,
             &ranking,
             conformance.as_deref(),
             report.pictured.as_deref(),
-        ),
-        failures: failures(table, report.failures.as_ref()),
-        histories: histories(report),
-        documents: report.documents.iter().map(Section::new).collect(),
-        provenance: &report.provenance,
-        sampled_from: sampled_from(table),
-        command: &report.command,
-        study_text: &report.study_text,
+        )),
+        failures => Serde(failures(table, report.failures.as_ref())),
+        histories => histories(report),
+        documents => report.documents.iter().map(section).collect::<Vec<_>>(),
+        provenance => Serde(&report.provenance),
+        sampled_from => Serde(sampled_from(table)),
+        command => report.command.as_str(),
+        study_text => report.study_text.as_str(),
     };
-    let html = environment
-        .get_template("report.html")?
-        .render(Serde(&page))?;
+    let html = environment.get_template("report.html")?.render(page)?;
     Ok(html)
+}
+
+fn section(document: &Document) -> Value {
+    context! {
+        id => document.id,
+        link => document.link,
+        html => document.as_html(),
+    }
 }
 
 /// The verdict; of results that state none, by the one-point rule.
@@ -376,51 +282,47 @@ fn distributions(
     columns: &[PlotColumn<'_>],
     first: usize,
     counts: [usize; 2],
-) -> Vec<Small> {
-    let row = |name: &str, values: &mut dyn Iterator<Item = f64>| {
-        let finite: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-        let n = finite.len() as f64;
-        let mean = finite.iter().sum::<f64>() / n;
-        let deviation = (finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-        (
+) -> Vec<Value> {
+    let row = |name: &str, values: Vec<f64>| {
+        let finite: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
+        let deviation = match finite.len() {
+            0 | 1 => f64::NAN,
+            _ => variance(&finite, 1).sqrt(),
+        };
+        vec![
             name.to_owned(),
-            number(mean, 4),
-            number(if n > 1.0 { deviation } else { f64::NAN }, 3),
-        )
+            number(mean(&finite), 4),
+            number(deviation, 3),
+        ]
     };
-    columns
-        .iter()
-        .enumerate()
-        .map(|(k, c)| Small {
-            name: with_unit(c.name, c.unit),
-            svg: figures::distribution(table, c, counts),
-            rows: vec![
-                row("all", &mut c.values.iter().copied()),
-                row(
-                    "accepted",
-                    &mut (0..table.len())
-                        .filter(|&i| table.verified[i])
-                        .map(|i| c.values[i]),
-                ),
-            ],
-            column: first + k,
-        })
-        .collect()
+    let accepted = |c: &PlotColumn<'_>| {
+        let accepted = c.values.iter().zip(&table.verified);
+        accepted.filter(|(_, ok)| **ok).map(|(v, _)| *v).collect()
+    };
+    let numbered = columns.iter().enumerate();
+    let shown = numbered.map(|(k, c)| {
+        context! {
+            name => with_unit(c.name, c.unit),
+            svg => figures::distribution(table, c, counts),
+            rows => vec![row("all", c.values.to_vec()), row("accepted", accepted(c))],
+            column => first + k,
+        }
+    });
+    shown.collect()
 }
 
-fn histories(report: &Report) -> Vec<History> {
+/// The quantities over time: the whole run each, its last periods where they oscillate fast, and the deviations from a measured
+/// curve.
+fn histories(report: &Report) -> Vec<Value> {
     let history = |s: &figures::Series| {
-        Some(History {
-            name: s.name.clone(),
-            svg: figures::history(s)?,
-            judged: judged(s),
-            detail: s.last_periods().as_ref().and_then(figures::history),
-            residuals: figures::residuals(s),
-            verified: s
-                .measured
-                .as_ref()
-                .map(|m| m.points)
-                .filter(|&points| points > 0),
+        let verified = s.measured.as_ref().map(|m| m.points);
+        Some(context! {
+            name => s.name.as_str(),
+            svg => figures::history(s)?,
+            judged => judged(s),
+            detail => s.last_periods().as_ref().and_then(figures::history),
+            residuals => figures::residuals(s),
+            verified => verified.filter(|&points| points > 0),
         })
     };
     report.history.iter().filter_map(history).collect()

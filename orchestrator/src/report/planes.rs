@@ -3,6 +3,7 @@
 use super::figures;
 use super::payload::PlotColumn;
 use parameter_regions::table::PointTable;
+use sampling::statistics::moments::pearson;
 use serde::Serialize;
 
 /// Largest number of planes of two criteria.
@@ -70,12 +71,12 @@ pub(super) fn planes(
 
 /// For every criterion the parameter with the largest linear correlation, the strongest first,
 /// every parameter once.
-pub(super) fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
+fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
     let mut all: Vec<(f64, usize, usize)> = Vec::new();
     for (p, parameter) in table.parameters.iter().enumerate() {
         for (c, criterion) in table.criteria.iter().enumerate() {
             let r = correlation(&parameter.values, &criterion.values).abs();
-            if r.is_finite() {
+            if r > 0.0 {
                 all.push((r, p, c));
             }
         }
@@ -90,23 +91,10 @@ pub(super) fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
     chosen
 }
 
-pub(super) fn correlation(x: &[f64], y: &[f64]) -> f64 {
-    let pairs = || {
-        let both = x.iter().copied().zip(y.iter().copied());
-        both.filter(|(a, b)| a.is_finite() && b.is_finite())
-    };
-    let (mut n, mut mx, mut my) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs() {
-        n += 1.0;
-        mx += a;
-        my += b;
-    }
-    (mx, my) = (mx / n, my / n);
-    let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs() {
-        xx += (a - mx).powi(2);
-        yy += (b - my).powi(2);
-        xy += (a - mx) * (b - my);
-    }
-    xy / (xx * yy).sqrt()
+/// Of the points that have both values.
+fn correlation(x: &[f64], y: &[f64]) -> f64 {
+    let both = x.iter().copied().zip(y.iter().copied());
+    let both = both.filter(|(a, b)| a.is_finite() && b.is_finite());
+    let (x, y): (Vec<f64>, Vec<f64>) = both.unzip();
+    pearson(&x, &y)
 }

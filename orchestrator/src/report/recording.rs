@@ -7,7 +7,7 @@ use crate::document::format::number;
 use crate::document::svg::{Frame, area, envelope, path};
 use crate::error::ReportError;
 use crate::results::ResultsError;
-use minijinja::{Environment, value::Serde};
+use minijinja::{Environment, context, value::Serde};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
 use serde::Serialize;
@@ -15,27 +15,6 @@ use std::path::{Path, PathBuf};
 
 /// Length of the record's end that is drawn, s.
 const SHOWN: f64 = 1.0;
-
-#[derive(Serialize)]
-struct Page {
-    title: String,
-    style: &'static str,
-    delay: Option<[String; 3]>,
-    before: String,
-    after: String,
-    friction: [String; 2],
-    smoothing: String,
-    window: String,
-    blocks: usize,
-    warnings: Vec<String>,
-    figures: Vec<Figure>,
-    rows: Vec<Row>,
-    block: String,
-    confidence: String,
-    steady: Vec<Figure>,
-    criteria: String,
-    facts: Vec<(String, String)>,
-}
 
 #[derive(Serialize)]
 struct Figure {
@@ -75,71 +54,59 @@ pub fn write(
     amplitudes: bool,
     folder: &Path,
 ) -> Result<PathBuf, ReportError> {
-    let page = page(recording, result, title, amplitudes);
-    let plots = folder.join("plots");
-    std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
-    for figure in page.figures.iter().chain(&page.steady) {
-        let path = plots.join(format!("{}.svg", figure.file));
-        write_file(&path, &crate::document::svg::standalone(&figure.svg))?;
-    }
-    let mut environment = Environment::new();
-    environment.add_template("recording.html", include_str!("assets/recording.html"))?;
-    let html = environment
-        .get_template("recording.html")?
-        .render(Serde(&page))?;
-    let path = folder.join("report.html");
-    write_file(&path, &html)?;
-    Ok(path)
-}
-
-fn page(recording: &RigRecording, result: &Synchronised, title: &str, amplitudes: bool) -> Page {
     let delay = &result.delay;
     let milliseconds = |s: f64| number(1e3 * s, 4);
     let per_cent = |part: f64| number(100.0 * part, 3);
     let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
-    let ends = [result.time.first(), result.time.last()].map(|t| t.copied().unwrap_or(0.0));
+    let rows: Vec<Row> = result.findings.iter().filter(shown).map(row).collect();
+    let [start, end] =
+        [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
-    Page {
-        title: title.to_owned(),
-        style: concat!(
+    let steady: Vec<Figure> = steady.filter_map(|f| wander(f, result)).collect();
+    let figures = figures(result);
+    let plots = folder.join("plots");
+    std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
+    for figure in figures.iter().chain(&steady) {
+        let path = plots.join(format!("{}.svg", figure.file));
+        write_file(&path, &crate::document::svg::standalone(&figure.svg))?;
+    }
+    let found = delay.delay.as_ref();
+    let friction = &result.mean_friction;
+    let diameter = number(1e3 * recording.diameter, 6);
+    let longest = milliseconds(recording.longest_delay);
+    let page = context! {
+        title,
+        style => concat!(
             include_str!("assets/plot.css"),
             include_str!("assets/report.css")
         ),
-        delay: delay
-            .delay
-            .map(|d| [d.value, d.low, d.high].map(milliseconds)),
-        before: per_cent(result.friction_scatter[0]),
-        after: per_cent(result.friction_scatter[1]),
-        friction: [
-            number(result.mean_friction.value, 4),
-            number(result.mean_friction.expanded(), 2),
-        ],
-        smoothing: recording.smoothing.to_string(),
-        window: format!("{} … {} s", number(ends[0], 5), number(ends[1], 5)),
-        blocks: delay.blocks,
-        warnings: result.warnings.clone(),
-        figures: figures(result),
-        rows: result.findings.iter().filter(shown).map(row).collect(),
-        block: number(result.block, 3),
-        confidence: number(100.0 * recording.confidence, 4),
-        steady: steady.filter_map(|f| wander(f, result)).collect(),
-        criteria: criteria::to_toml(result, amplitudes),
-        facts: vec![
-            (
-                "Program".into(),
-                concat!("orchestrator ", env!("CARGO_PKG_VERSION")).into(),
-            ),
-            ("Samples".into(), recording.time.len().to_string()),
-            (
-                "Bearing diameter".into(),
-                format!("{} mm", number(1e3 * recording.diameter, 6)),
-            ),
-            (
-                "Longest delay looked for".into(),
-                format!("{} ms", milliseconds(recording.longest_delay)),
-            ),
-        ],
-    }
+        delay => found.map(|d| [d.value, d.low, d.high].map(milliseconds).to_vec()),
+        before => per_cent(result.friction_scatter[0]),
+        after => per_cent(result.friction_scatter[1]),
+        friction => vec![number(friction.value, 4), number(friction.expanded(), 2)],
+        smoothing => recording.smoothing.to_string(),
+        window => format!("{start} … {end} s"),
+        blocks => delay.blocks,
+        warnings => Serde(&result.warnings),
+        figures => Serde(&figures),
+        rows => Serde(&rows),
+        block => number(result.block, 3),
+        confidence => number(100.0 * recording.confidence, 4),
+        steady => Serde(&steady),
+        criteria => criteria::to_toml(result, amplitudes),
+        facts => Serde([
+            ("Program", concat!("orchestrator ", env!("CARGO_PKG_VERSION")).to_owned()),
+            ("Samples", recording.time.len().to_string()),
+            ("Bearing diameter", format!("{diameter} mm")),
+            ("Longest delay looked for", format!("{longest} ms")),
+        ]),
+    };
+    let mut environment = Environment::new();
+    environment.add_template("recording.html", include_str!("assets/recording.html"))?;
+    let html = environment.get_template("recording.html")?.render(page)?;
+    let path = folder.join("report.html");
+    write_file(&path, &html)?;
+    Ok(path)
 }
 
 fn row(finding: &DerivedCriterion) -> Row {
