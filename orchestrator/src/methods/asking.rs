@@ -16,16 +16,13 @@ use crate::session::{Asking, Request, Session};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
 
-/// An analysis that asks for points of its own.
-pub trait Analysis {
+/// An analysis that asks for points of its own. Its fields are its options, as the request keeps them.
+pub trait Analysis: Serialize {
+    /// Its name: that of its command, and of the folder of its journal.
+    const NAME: &'static str;
+
     /// What its points are run of.
     type Source: Source;
-
-    /// Its name: that of its command, and of the folder of its journal.
-    fn name(&self) -> &'static str;
-
-    /// Its options, as the request keeps them.
-    fn options(&self) -> serde_json::Value;
 
     /// Reads the study and the FMU, and refuses what it can do nothing with.
     ///
@@ -223,8 +220,8 @@ pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, 
         fmu: work.means.fmu.clone(),
         shard,
         analysis: Some(Asking {
-            name: analysis.name().to_owned(),
-            options: analysis.options(),
+            name: A::NAME.to_owned(),
+            options: serde_json::json!(analysis),
         }),
         ..Request::default()
     })
@@ -234,10 +231,7 @@ pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, 
 ///
 /// # Errors
 /// When the options say nothing that can be run, or the FMU cannot be read any more.
-pub fn header<S: Source>(
-    source: &S,
-    analysis: &dyn Analysis<Source = S>,
-) -> Result<Header, CommandError> {
+pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, CommandError> {
     let set = analysis.points(source)?;
     let parts = source.parts();
     Ok(Header {
@@ -248,7 +242,7 @@ pub fn header<S: Source>(
         seed: set.seed,
         points: set.points,
         shard: parts.request.shard.map(|shard| shard.to_string()),
-        analysis: Some(format!("{}, {}", analysis.name(), set.method)),
+        analysis: Some(format!("{}, {}", A::NAME, set.method)),
     })
 }
 
@@ -263,7 +257,7 @@ pub(super) fn run<A: Analysis>(
     let header = header(&source, analysis)?;
     let place = Place {
         output: &folder,
-        analysis: Some(analysis.name()),
+        analysis: Some(A::NAME),
         earlier: work.parts.earlier(),
     };
     let taken = place.take(source.parts(), &header, || Ok(()))?;

@@ -39,7 +39,7 @@ impl Shards<'_> {
         let named = self.check(&header)?;
         let place = Place {
             output: self.output,
-            analysis: Some(analysis.name()),
+            analysis: Some(A::NAME),
             earlier: self.earlier(false),
         };
         let RunFolder {
@@ -63,7 +63,7 @@ impl Shards<'_> {
                 Ok(Delivery::new(result, self.output.to_owned(), kept))
             }
             Err(CommandError::Halted(Halt::Missing { missing, of })) => {
-                let command = format!("{} STUDY ...", analysis.name());
+                let command = format!("{} STUDY ...", A::NAME);
                 Err(self.incomplete([missing, of], &named, &command))
             }
             Err(error) => Err(error),

@@ -14,7 +14,7 @@ use crate::error::CommandError;
 use crate::options::Work;
 use crate::pipeline::Halt;
 use crate::session::Request;
-use asking::Delivery;
+use asking::{Analysis, Delivery};
 use fmu_points::{Isolation, RunError};
 use join::Shards;
 use known::Finished;
@@ -42,7 +42,7 @@ macro_rules! methods {
         }
 
         /// The names of the methods, which are those of the folders of their journals.
-        pub(crate) const NAMES: &[&str] = &[$($module::NAME),*];
+        pub(crate) const NAMES: &[&str] = &[$(<$module::Asked as Analysis>::NAME),*];
 
         /// Joins the shards of the analysis that a request asks for.
         ///
@@ -51,7 +51,7 @@ macro_rules! methods {
         pub(crate) fn join(shards: &Shards<'_>, request: Request) -> Result<Delivery, CommandError> {
             let asking = request.analysis.clone();
             match asking.as_ref().map(|asking| asking.name.as_str()) {
-                $(Some($module::NAME) => shards.join::<$module::Asked>(request),)*
+                $(Some(<$module::Asked as Analysis>::NAME) => shards.join::<$module::Asked>(request),)*
                 _ => Err(shards.unknown(&request)),
             }
         }

@@ -39,8 +39,6 @@ use calibration::text;
 use fmu_import::Package;
 use sampling::design::cube;
 
-/// The name of the command, and of the folder of its journal.
-pub const NAME: &str = "identify";
 /// The result's file in a folder of results.
 const FILE: &str = "identification.json";
 
@@ -138,15 +136,9 @@ impl Source for Fit {
 }
 
 impl Analysis for Asked {
+    const NAME: &'static str = "identify";
+
     type Source = Fit;
-
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn options(&self) -> serde_json::Value {
-        serde_json::json!(self)
-    }
 
     fn one_piece(&self) -> Option<&'static str> {
         Some("each step of a search depends on the one before, so it has no parts; --resume goes on with one")

@@ -23,8 +23,6 @@ use parameter_regions::table::PointTable;
 
 pub use document::document;
 
-/// The name of the command, and of the folder of its journal.
-pub const NAME: &str = "pareto";
 /// The result's file in a folder of results.
 pub const FILE: &str = "pareto.json";
 
@@ -114,15 +112,9 @@ pub enum Asked {
 }
 
 impl Analysis for Asked {
+    const NAME: &'static str = "pareto";
+
     type Source = Session;
-
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn options(&self) -> serde_json::Value {
-        serde_json::json!(self)
-    }
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
         asking::session(request, Takes::default())

@@ -22,7 +22,6 @@ use crate::table::csv_file;
 use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
 use statement::{Statement, confidence};
 
-const NAME: &str = "rare";
 const FILE: &str = "rare.json";
 const TABLE: &str = "rare.csv";
 const USUAL_RUNS: u64 = 100_000;
@@ -156,15 +155,9 @@ fn deviation(judge: &Judge, values: &[f64]) -> f64 {
 }
 
 impl Analysis for Rare {
+    const NAME: &'static str = "rare";
+
     type Source = Session;
-
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn options(&self) -> serde_json::Value {
-        serde_json::json!(self)
-    }
 
     fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
         Ok(PointSet {

@@ -27,8 +27,6 @@ use sampling::design::{Design, Method, Sampling, cube};
 
 pub use document::document;
 
-/// The name of the command, and of the folder of its journal.
-pub const NAME: &str = "robustness";
 /// The result's file in a folder of results.
 pub const FILE: &str = "robustness.json";
 
@@ -80,7 +78,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
     let shard = work.parts.shard()?;
     let folder = match (&work.output, shard) {
         (Some(output), _) => output.clone(),
-        (None, Some(_)) => setup::folder(None, &work.study, &work.parts, Some(NAME))?,
+        (None, Some(_)) => setup::folder(None, &work.study, &work.parts, Some(Asked::NAME))?,
         (None, None) => from,
     };
     if analysis.confirm > 0 {
@@ -155,15 +153,9 @@ impl Asked {
 }
 
 impl Analysis for Asked {
+    const NAME: &'static str = "robustness";
+
     type Source = Session;
-
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn options(&self) -> serde_json::Value {
-        serde_json::json!(self)
-    }
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
         asking::session(request, Takes::ALL)

@@ -32,8 +32,6 @@ use parameter_regions::table::PointTable;
 pub use document::document;
 pub use outputs::{Sensitivity, from_points};
 
-/// The name of the command, and of the folder of its journal.
-pub const NAME: &str = "sensitivity";
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";
 
@@ -126,7 +124,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
         return Delivery::without_runs(result, &options.work, folder);
     }
     let session = asking::open(&options.work, &analysis)?;
-    let folder = setup::folder(output.as_deref(), path, parts, Some(NAME))?;
+    let folder = setup::folder(output.as_deref(), path, parts, Some(Asked::NAME))?;
     asking::run(session, &analysis, &options.work, folder)
 }
 
@@ -221,15 +219,9 @@ impl Options {
 }
 
 impl Analysis for Asked {
+    const NAME: &'static str = "sensitivity";
+
     type Source = Session;
-
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn options(&self) -> serde_json::Value {
-        serde_json::json!(self)
-    }
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
         let takes = Takes {

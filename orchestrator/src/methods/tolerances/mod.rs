@@ -34,8 +34,6 @@ use sampling::distribution::Distribution;
 
 pub use document::document;
 
-/// The name of the command, and of the folder of its journal.
-pub const NAME: &str = "tolerances";
 /// The result's file in a folder of results.
 pub const FILE: &str = "tolerances.json";
 
@@ -87,7 +85,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
-    let folder = setup::folder(output.as_deref(), path, parts, Some(NAME))?;
+    let folder = setup::folder(output.as_deref(), path, parts, Some(Asked::NAME))?;
     asking::run(session, &analysis, &options.work, folder)
 }
 
@@ -104,15 +102,9 @@ pub struct Asked {
 }
 
 impl Analysis for Asked {
+    const NAME: &'static str = "tolerances";
+
     type Source = Session;
-
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
-    fn options(&self) -> serde_json::Value {
-        serde_json::json!(self)
-    }
 
     fn open(&self, request: Request) -> Result<Session, CommandError> {
         let takes = Takes {
