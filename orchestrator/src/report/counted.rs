@@ -179,14 +179,12 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
     }
     let intervals = summary.verified_interval.is_some();
     let row = |(name, variant): (&String, &VariantCount)| {
-        let about = variant.about.as_ref();
-        let about = about.map_or_else(|| name.clone(), |about| format!("{name}: {about}"));
         let own = |name: &String| summary.criteria.get(name).map(|own| own.count.passed);
         let changed = variant.criteria.iter();
         let changed = changed.filter(|(name, count)| own(name) != Some(count.passed));
         let changed = changed.map(|(name, of)| format!("{name} {}", count(of.passed as usize)));
         let changed: Vec<String> = changed.collect();
-        let mut cells = vec![about, count(variant.verified.passed as usize)];
+        let mut cells = vec![name.clone(), count(variant.verified.passed as usize)];
         cells.extend(share(&variant.verified, intervals));
         cells.push(match &changed[..] {
             [] => "as above".to_owned(),
@@ -199,7 +197,7 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
     columns.push(words("Criteria with other counts"));
     let table = Table {
         name: "Other readings of the tolerances".into(),
-        class: "stack wrap",
+        class: "stack",
         columns,
         rows: summary.variants.iter().map(row).collect(),
     };
@@ -212,5 +210,9 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
         ));
     }
     told.push(Block::Table(table));
+    let about = summary.variants.iter();
+    let about =
+        about.filter_map(|(name, variant)| Some(format!("{name}: {}", variant.about.as_ref()?)));
+    told.push(Block::List(about.collect()));
     told
 }

@@ -1,7 +1,7 @@
 //! The best point's trajectory, as a file beside the results.
 
 use super::figures::Series;
-use super::overlay::{Measured, metric_of};
+use super::overlay::{Measured, is_of, metric_of};
 use crate::study::Study;
 use crate::table::csv_file;
 use indexmap::IndexMap;
@@ -79,9 +79,7 @@ fn judged(study: &Study, name: &str, source: &str, run: [f64; 2]) -> Option<[f64
         (None, None, Some(window)) => [stop - window, stop],
         (None, None, None) => run,
     };
-    let last = source
-        .strip_prefix(Statistic::Final.label())
-        .is_some_and(|rest| rest.starts_with(" of "));
+    let last = is_of(source, Statistic::Final.label());
     Some([if last { to } else { from }, to])
 }
 
@@ -134,11 +132,8 @@ fn limits_the_signal(source: &str) -> bool {
 
 /// The statistic of a criterion with this source.
 fn statistic_of(source: &str) -> Option<Statistic> {
-    let of = |statistic: &Statistic| {
-        let rest = source.strip_prefix(statistic.label());
-        rest.is_some_and(|rest| rest.starts_with(" of "))
-    };
-    Statistic::ALL.iter().copied().find(of)
+    let mut all = Statistic::ALL.iter().copied();
+    all.find(|statistic| is_of(source, statistic.label()))
 }
 
 /// The names of a table, and its columns.

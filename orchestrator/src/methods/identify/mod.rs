@@ -49,6 +49,31 @@ pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
+    /// What is searched for, and how
+    #[command(flatten)]
+    pub asked: Asked,
+}
+
+/// The page of a finished study shows nothing of it: its points are others.
+pub(super) fn shown(_: &Finished<'_>) -> Option<Document> {
+    None
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// When the options or the study cannot be used, and when the search fails.
+pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+    let Options { work, asked } = options;
+    let fit = asking::open(work, asked)?;
+    let folder = setup::folder(work.output.as_deref(), &work.study, &work.parts, None)?;
+    asking::run(fit, asked, work, folder)
+}
+
+/// A search for the most probable parameters.
+#[derive(Debug, Args, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Asked {
     /// How many starts are screened, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub starts: Option<u64>,
@@ -62,51 +87,15 @@ pub struct Options {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub surrogate: Option<u64>,
     /// The seed of the starts, instead of the study's
+    // The request has it beside these.
+    #[serde(skip)]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// End the search after this long and report the best so far
-    #[arg(long, value_name = "SECONDS")]
-    pub time_limit: Option<f64>,
-}
-
-/// The page of a finished study shows nothing of it: its points are others.
-pub(super) fn shown(_: &Finished<'_>) -> Option<Document> {
-    None
-}
-
-/// Runs the command.
-///
-/// # Errors
-/// When the options or the study cannot be used, and when the search fails.
-pub fn run(options: &Options) -> Result<Delivery, CommandError> {
-    let Options { work, .. } = options;
-    let analysis = Asked {
-        starts: options.starts,
-        cross_validate: options.cross_validate,
-        posterior: options.posterior,
-        surrogate: options.surrogate,
-        seed: options.seed,
-        time_limit: options.time_limit,
-    };
-    let fit = asking::open(work, &analysis)?;
-    let folder = setup::folder(work.output.as_deref(), &work.study, &work.parts, None)?;
-    asking::run(fit, &analysis, work, folder)
-}
-
-/// A search for the most probable parameters.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct Asked {
-    starts: Option<u64>,
-    cross_validate: bool,
-    posterior: Option<u64>,
-    surrogate: Option<u64>,
-    // The request has it beside these.
-    #[serde(skip)]
-    seed: Option<u64>,
     // A search that is resumed may take as long again.
     #[serde(skip)]
-    time_limit: Option<f64>,
+    #[arg(long, value_name = "SECONDS")]
+    pub time_limit: Option<f64>,
 }
 
 /// A study with its unknowns, tied to its FMU.
