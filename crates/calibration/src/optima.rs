@@ -86,7 +86,7 @@ pub struct Optima<'a, 'b> {
     objective: &'a Objective<'b>,
     /// How far each minimum is followed down.
     limits: Limits,
-    found: Vec<Optimum>,
+    optima: Vec<Optimum>,
 }
 
 impl<'a, 'b> Optima<'a, 'b> {
@@ -95,7 +95,7 @@ impl<'a, 'b> Optima<'a, 'b> {
         Self {
             objective,
             limits,
-            found: Vec::new(),
+            optima: Vec::new(),
         }
     }
 
@@ -103,7 +103,7 @@ impl<'a, 'b> Optima<'a, 'b> {
     pub fn count(&self) -> usize {
         let least = self.least();
         let relevant = |optimum: &&Optimum| optimum.minimum.misfit.cost() <= least + RELEVANT;
-        self.found.iter().filter(relevant).count()
+        self.optima.iter().filter(relevant).count()
     }
 
     /// Whether nothing was found yet that is as deep.
@@ -112,7 +112,7 @@ impl<'a, 'b> Optima<'a, 'b> {
     }
 
     fn least(&self) -> f64 {
-        let costs = self.found.iter().map(|own| own.minimum.misfit.cost());
+        let costs = self.optima.iter().map(|own| own.minimum.misfit.cost());
         costs.fold(f64::INFINITY, f64::min)
     }
 
@@ -127,19 +127,19 @@ impl<'a, 'b> Optima<'a, 'b> {
         }
         let end = Place { places, cost };
         if let Some(known) = self.same(end)?
-            && self.found[known].minimum.misfit.cost() <= cost
+            && self.optima[known].minimum.misfit.cost() <= cost
         {
-            self.found[known].reached += 1;
+            self.optima[known].reached += 1;
             return Ok(());
         }
         let start = places.to_vec();
         let limits = &self.limits;
         let minimum = minimise(self.objective, start, &[], Differences::Central, limits)?;
         let known = self.same(Place::from(&minimum))?;
-        let reached = known.map_or(0, |known| self.found[known].reached) + 1;
+        let reached = known.map_or(0, |known| self.optima[known].reached) + 1;
         match known {
-            Some(known) if self.found[known].minimum.misfit.cost() <= minimum.misfit.cost() => {
-                self.found[known].reached = reached;
+            Some(known) if self.optima[known].minimum.misfit.cost() <= minimum.misfit.cost() => {
+                self.optima[known].reached = reached;
             }
             _ => {
                 let optimum = Optimum {
@@ -150,8 +150,8 @@ impl<'a, 'b> Optima<'a, 'b> {
                     edge: Edge::default(),
                 };
                 match known {
-                    Some(known) => self.found[known] = optimum,
-                    None => self.found.push(optimum),
+                    Some(known) => self.optima[known] = optimum,
+                    None => self.optima.push(optimum),
                 }
             }
         }
@@ -161,10 +161,10 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// The minimum that a place belongs to.
     fn same(&self, end: Place<'_>) -> Result<Option<usize>, NoPrediction> {
         let distance = |own: &Optimum| own.posterior.distance(&own.minimum.places, end.places);
-        let mut order: Vec<(usize, f64)> = self.found.iter().map(distance).enumerate().collect();
+        let mut order: Vec<(usize, f64)> = self.optima.iter().map(distance).enumerate().collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1));
         for (index, distance) in order {
-            let own = Place::from(&self.found[index].minimum);
+            let own = Place::from(&self.optima[index].minimum);
             if distance <= 1.0 || self.connected(own, end, BENDS)? {
                 return Ok(Some(index));
             }
@@ -210,20 +210,20 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// The minima that matter, those with the largest part of the posterior first.
     pub fn weighed(self) -> Vec<Optimum> {
         let least = self.least();
-        let mut found = self.found;
-        found.retain(|own| own.minimum.misfit.cost() <= least + RELEVANT);
+        let mut optima = self.optima;
+        optima.retain(|own| own.minimum.misfit.cost() <= least + RELEVANT);
         let mass = |own: &Optimum| {
             let density = -0.5 * (own.minimum.misfit.cost() - least);
             density + own.posterior.log_volume + log_inside(own)
         };
-        let masses: Vec<f64> = found.iter().map(mass).collect();
+        let masses: Vec<f64> = optima.iter().map(mass).collect();
         let most = masses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = masses.iter().map(|mass| (mass - most).exp()).sum();
-        for (own, mass) in found.iter_mut().zip(&masses) {
+        for (own, mass) in optima.iter_mut().zip(&masses) {
             own.weight = (mass - most).exp() / sum;
         }
-        found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-        found
+        optima.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        optima
     }
 }
 

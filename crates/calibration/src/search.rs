@@ -150,18 +150,20 @@ pub fn search(
         let cost = objective.misfit(&start)?.cost();
         optima.add(&start, cost)?;
     }
-    let mut found = optima.weighed();
+    let mut ranked = optima.weighed();
     if objective.failures().failed > 0 {
-        for own in &mut found {
+        for own in &mut ranked {
             own.look_around(objective)?;
         }
     }
     progress.failures = objective.failures();
     if is_over(settings.deadline) {
         // Further minima may have been missed.
-        found.iter_mut().for_each(|own| own.minimum.end = End::Time);
+        for optimum in &mut ranked {
+            optimum.minimum.end = End::Time;
+        }
     }
-    Ok((found, progress))
+    Ok((ranked, progress))
 }
 
 /// Follows starts down; the ends come with the deepest first.

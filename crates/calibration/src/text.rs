@@ -135,7 +135,7 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
         .iter()
         .filter(|d| d.undetermined)
         .collect();
-    let beside = if outcome.ambiguous {
+    let which = if outcome.ambiguous {
         " at optimum 1"
     } else {
         ""
@@ -149,7 +149,7 @@ fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
         }
         return;
     }
-    let _ = writeln!(text, "\nThe data do not determine{beside}:");
+    let _ = writeln!(text, "\nThe data do not determine{which}:");
     for direction in open {
         let left = 100.0 * direction.left;
         let names: Vec<String> = strong(direction)
@@ -230,7 +230,7 @@ fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
             unit => format!(" {unit}"),
         };
         let name = &own.quantity;
-        let found = Digits(own.deviation, 3);
+        let deviation = Digits(own.deviation, 3);
         let sampled = own.sampled.map_or_else(String::new, |(_, [low, high])| {
             format!("; 95 %: {} .. {}{unit}", Digits(low, 3), Digits(high, 3))
         });
@@ -238,16 +238,16 @@ fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
             _ if !own.settled => writeln!(
                 text,
                 "\nthe discrepancy of the model in {name} is NOT determined: it still changed in the last of {ROUNDS} searches, to \
-                 {found}{unit}{sampled}"
+                 {deviation}{unit}{sampled}"
             ),
             true => writeln!(
                 text,
-                "\nthe model misses {name} by a discrepancy of its own: {found}{unit}, one standard deviation{sampled}"
+                "\nthe model misses {name} by a discrepancy of its own: {deviation}{unit}, one standard deviation{sampled}"
             ),
             false => writeln!(
                 text,
                 "\nthe data cannot tell a discrepancy of the model in {name} from the accuracy of the measurement; most \
-                 probable {found}{unit}{sampled}"
+                 probable {deviation}{unit}{sampled}"
             ),
         };
     }

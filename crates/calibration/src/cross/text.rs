@@ -7,17 +7,17 @@ use super::super::local::End;
 use super::outcome::{CrossValidation, ErrorSize, HeldOut, Moves, QuantityErrors};
 
 /// A summary for people.
-pub fn summary(found: &CrossValidation) -> String {
+pub fn summary(told: &CrossValidation) -> String {
     let mut text = String::from(
         "\ncross-validation: each case predicted by the model fitted to the others\n\
          errors (predicted less measured) as root mean square, with the largest one and its case\n",
     );
-    let columns = columns(found);
+    let columns = columns(told);
     let width = |k: usize| {
         let cells = columns[k].1.iter().map(|cell| cell.chars().count());
         cells.chain([columns[k].0.len()]).max().unwrap_or(0)
     };
-    for row in 0..=found.quantities.len() {
+    for row in 0..=told.quantities.len() {
         for (k, (head, cells)) in columns.iter().enumerate() {
             let cell = if row == 0 { head } else { &cells[row - 1] };
             let pad = width(k);
@@ -28,14 +28,14 @@ pub fn summary(found: &CrossValidation) -> String {
         }
         text.push('\n');
     }
-    explanation(&mut text, found);
-    parameters(&mut text, found);
-    cases(&mut text, found);
+    explanation(&mut text, told);
+    parameters(&mut text, told);
+    cases(&mut text, told);
     text
 }
 
 /// The columns of the table of errors that have anything in them, each with its head.
-fn columns(found: &CrossValidation) -> Vec<(String, Vec<String>)> {
+fn columns(told: &CrossValidation) -> Vec<(String, Vec<String>)> {
     type Pick = fn(&QuantityErrors) -> Option<&ErrorSize>;
     let picks: [(&str, Pick); 5] = [
         ("fitted", |q| q.fitted.as_ref()),
@@ -45,7 +45,7 @@ fn columns(found: &CrossValidation) -> Vec<(String, Vec<String>)> {
         ("mean of the others", |q| q.mean.as_ref()),
     ];
     let name = |q: &QuantityErrors| named(&q.quantity, &q.unit);
-    let names = found.quantities.iter().map(name).collect();
+    let names = told.quantities.iter().map(name).collect();
     let mut columns = vec![("result".to_owned(), names)];
     for (head, pick) in picks {
         let cell = |q| {
@@ -61,8 +61,8 @@ fn columns(found: &CrossValidation) -> Vec<(String, Vec<String>)> {
                 },
             )
         };
-        if found.quantities.iter().any(|q| pick(q).is_some()) {
-            columns.push((head.to_owned(), found.quantities.iter().map(cell).collect()));
+        if told.quantities.iter().any(|q| pick(q).is_some()) {
+            columns.push((head.to_owned(), told.quantities.iter().map(cell).collect()));
         }
     }
     columns
@@ -76,8 +76,8 @@ fn named(name: &str, unit: &Option<String>) -> String {
     }
 }
 
-fn explanation(text: &mut String, found: &CrossValidation) {
-    let latents = found.cases.iter().find(|case| !case.latents.is_empty());
+fn explanation(text: &mut String, told: &CrossValidation) {
+    let latents = told.cases.iter().find(|case| !case.latents.is_empty());
     if let Some(case) = latents {
         let names: Vec<&str> = case.latents.iter().map(|l| l.name.as_str()).collect();
         let names = names.join(", ");
@@ -90,7 +90,7 @@ fn explanation(text: &mut String, found: &CrossValidation) {
     text.push_str(
         "no prediction has an interval: the errors of the cases left out show how far one may be off\n",
     );
-    if found.quantities.iter().any(|q| q.linear.is_some()) {
+    if told.quantities.iter().any(|q| q.linear.is_some()) {
         text.push_str(
             "linear regression: least squares of each result on the known values of the other cases\n",
         );
@@ -101,13 +101,13 @@ fn explanation(text: &mut String, found: &CrossValidation) {
     }
 }
 
-fn parameters(text: &mut String, found: &CrossValidation) {
+fn parameters(text: &mut String, told: &CrossValidation) {
     text.push_str(
         "\nparameters as cases are left out: all cases, least (without case), greatest\n",
     );
     let name = |m: &Moves| named(&m.name, &m.unit);
-    let width = found.free.iter().map(|m| name(m).len()).max().unwrap_or(0);
-    for moves in &found.free {
+    let width = told.free.iter().map(|m| name(m).len()).max().unwrap_or(0);
+    for moves in &told.free {
         let end = |end: &Option<(f64, String)>| {
             end.as_ref().map_or_else(
                 || "-".to_owned(),
@@ -125,8 +125,8 @@ fn parameters(text: &mut String, found: &CrossValidation) {
     }
 }
 
-fn cases(text: &mut String, found: &CrossValidation) {
-    for case in &found.cases {
+fn cases(text: &mut String, told: &CrossValidation) {
+    for case in &told.cases {
         if let Some(failure) = &case.failure {
             let _ = writeln!(
                 text,
@@ -190,11 +190,11 @@ pub const HEAD: [&str; 11] = [
 ];
 
 /// A row for each case and result; what is not known is empty.
-pub fn rows(found: &CrossValidation) -> Vec<Vec<String>> {
+pub fn rows(told: &CrossValidation) -> Vec<Vec<String>> {
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     let mut rows = Vec::new();
-    for case in &found.cases {
-        for (result, quantity) in case.results.iter().zip(&found.quantities) {
+    for case in &told.cases {
+        for (result, quantity) in case.results.iter().zip(&told.quantities) {
             let numbers = [
                 Some(result.measured),
                 Some(result.accuracy),

@@ -417,10 +417,13 @@ fn seeds(optima: &[Optimum], discrepancies: &[(Unknown, f64)]) -> Option<Mixture
     // Their weights are estimates: none should start with next to nothing.
     const LEAST: f64 = 0.05;
     let parts = optima.iter().map(|own| {
-        let found = discrepancies.iter();
-        let found = found.map(|(unknown, deviation)| unknown.place(*deviation));
-        let mean: Vec<f64> = own.minimum.places.iter().copied().chain(found).collect();
         let known = own.minimum.places.len();
+        let mut mean = own.minimum.places.clone();
+        mean.extend(
+            discrepancies
+                .iter()
+                .map(|(unknown, own)| unknown.place(*own)),
+        );
         let covariance = DMatrix::from_fn(mean.len(), mean.len(), |i, j| match (i, j) {
             (i, j) if i < known && j < known => own.posterior.covariance[(i, j)] * WIDER,
             (i, j) if i == j => ROUGH * ROUGH,
