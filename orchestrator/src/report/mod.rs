@@ -100,6 +100,10 @@ impl Report {
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, ReportError> {
         let plots = folder.join("plots");
+        // As files are: a link is replaced, never written through.
+        if plots.is_symlink() {
+            std::fs::remove_file(&plots).map_err(ResultsError::io(&plots))?;
+        }
         std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
         // A picture that cannot be written costs itself: the page has it all the same.
         let written = page::plots(self).into_iter().map(|(name, plot)| {

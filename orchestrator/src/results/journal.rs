@@ -89,6 +89,8 @@ impl Journal {
         let draft = draft(folder).map_err(ResultsError::io(folder))?;
         let mut journal = Self::open(folder, draft.path(), header)?;
         journal.append_header();
+        // Lines on which others depend are there twice from the beginning, so that no single damage costs more than its line.
+        journal.append_header();
         journal.flush()?;
         Ok((draft, journal))
     }
@@ -177,7 +179,16 @@ impl Journal {
             self.void = Some(self.void.map_or(separation, |void| void.min(separation)));
         }
         self.append_note(note);
+        if let Note::Void(_) = note {
+            self.append_void();
+        }
         self.flush_when_full()
+    }
+
+    fn append_void(&mut self) {
+        if let Some(void) = self.void {
+            self.append_note(&Note::StillVoid(void));
+        }
     }
 
     fn append_note(&mut self, note: &Note) {
@@ -261,9 +272,7 @@ impl Journal {
     pub fn sync(&mut self) -> Result<(), ResultsError> {
         self.append_header();
         self.append_same_set();
-        if let Some(void) = self.void {
-            self.append_note(&Note::StillVoid(void));
-        }
+        self.append_void();
         self.flush()?;
         self.file.sync_data().map_err(ResultsError::io(&self.path))
     }

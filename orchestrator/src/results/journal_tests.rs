@@ -298,7 +298,7 @@ fn a_note_that_points_do_not_count_outlasts_its_line() {
     journal
         .append(1, &Ok(vec![2.0]), Separation::New, None)
         .unwrap();
-    journal.sync().unwrap();
+    journal.flush().unwrap();
     let path = path_in(folder.path());
     let text = fs::read_to_string(&path).unwrap();
     let damaged = text.replacen("\"Void\"", "\"Vojd\"", 1);

@@ -292,7 +292,11 @@ fn find(
         let column = names.first().map_or("", String::as_str);
         let near = nearest(column, header.iter().map(String::as_str)).map(shown);
         let suggestion = did_you_mean(near.as_deref());
-        let known: Vec<String> = header.iter().map(|name| shown(name)).collect();
+        const MANY: usize = 20;
+        let known = header.iter().take(MANY).map(|name| shown(name));
+        let further = header.len().saturating_sub(MANY);
+        let further = (further > 0).then(|| format!("{further} more"));
+        let known: Vec<String> = known.chain(further).collect();
         let known = known.join(", ");
         let rest = match header.iter().all(is_number) {
             true => format!(": the first line must name the columns, and it has {known}"),
