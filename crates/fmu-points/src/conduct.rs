@@ -85,7 +85,7 @@ pub struct Conduct {
     pub isolation_reason: Option<Reason>,
     /// How many points were computed twice, the second time in a new process with other bytes in unwritten memory.
     pub audits: u64,
-    /// How many of these had shared a process the first time.
+    /// How many of these had followed another point in its process the first time.
     #[serde(default)]
     pub audits_of_shared: u64,
     /// How many of them differed.

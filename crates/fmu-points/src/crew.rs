@@ -181,7 +181,7 @@ impl Crew {
     /// Notes the audit of a point that an earlier part of the run computed in a used process.
     pub fn note_audit(&self, index: u64, agreed: bool) {
         let mut policy = locked(&self.policy);
-        policy.audited(index, agreed, Separation::Used);
+        policy.audited(index, agreed, true);
         if !agreed {
             policy.refute(Separation::Used);
         }

@@ -138,16 +138,28 @@ impl Isolated {
                     Err(trouble) if trouble.from == Origin::Loading => {}
                     Err(_) => self.policy().loaded = true,
                 }
+                if reply.odd.is_some() || reply.answer.is_err() {
+                    self.load_anew(separation);
+                }
                 return Ok(reply);
             }
             (Ok(()), None) => Failure::Crashed("no answer came".to_owned()),
             (Err(Gone::Lost(failure)), None) => failure,
             (Err(gone), None) => return Err(gone),
         };
+        self.load_anew(separation);
         Ok(Reply {
             odd: Some(Reason::Complaints),
             ..Reply::new(job.index, Err(Trouble::lost(failure)))
         })
+    }
+
+    /// Behind an odd point that ran in a fork, the FMU is loaded anew: what it makes when it is loaded, such as a folder, all
+    /// forks share.
+    fn load_anew(&mut self, separation: Separation) {
+        if separation == Separation::Forked {
+            self.forking.end();
+        }
     }
 
     /// A worker for one point.
@@ -362,7 +374,7 @@ impl Isolated {
         }
         if told && (first.answer.is_ok() || second.answer.is_ok()) {
             let new = self.strictest();
-            self.policy().audited(job.index, same, new);
+            self.policy().audited(job.index, same, false);
         }
         if !same {
             let probed = if told {
@@ -491,7 +503,7 @@ impl Isolated {
             false => self.alone(job, separation, post)?,
         };
         if found.is_ok() && speaks_of_the_fmu(used) {
-            self.policy().audited(job.index, false, Separation::Used);
+            self.policy().audited(job.index, false, true);
             self.refute(Separation::Used, post);
         }
         tell(post, job.index, found, separation);
@@ -562,7 +574,9 @@ impl Isolated {
             return Ok(true);
         }
         let agreed = is_same(&first, &again);
-        self.policy().audited(job.index, agreed, separation);
+        // Behind an odd point it was the first in its process, where no other can have spoilt it.
+        let shared = separation == Separation::Used && !point.behind_odd;
+        self.policy().audited(job.index, agreed, shared);
         if !agreed {
             self.judge(job, separation, &again, post)?;
         }

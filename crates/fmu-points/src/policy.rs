@@ -117,7 +117,7 @@ impl Spent {
 /// The points that were computed twice, each counted once however often that was.
 #[derive(Debug, Default)]
 struct Audits {
-    /// Whether the point was always the same, and whether it had shared a process.
+    /// Whether the point was always the same, and whether it had followed another one in its process.
     points: BTreeMap<u64, (bool, bool)>,
     shared: u64,
     mismatches: u64,
@@ -130,12 +130,12 @@ struct Audits {
 }
 
 impl Audits {
-    fn note(&mut self, index: u64, agreed: bool, used: bool) {
-        let (same, shared) = self.points.entry(index).or_insert((true, false));
+    fn note(&mut self, index: u64, agreed: bool, shared: bool) {
+        let (same, known) = self.points.entry(index).or_insert((true, false));
         self.mismatches += u64::from(*same && !agreed);
-        self.shared += u64::from(used && !*shared);
+        self.shared += u64::from(shared && !*known);
         *same &= agreed;
-        *shared |= used;
+        *known |= shared;
     }
 }
 
@@ -482,10 +482,9 @@ impl Policy {
         audits.behind_odd += usize::from(behind_odd);
     }
 
-    /// Notes what came of an audit of a point that had been computed in such a process.
-    pub(crate) fn audited(&mut self, index: u64, agreed: bool, separation: Separation) {
-        let used = separation == Separation::Used;
-        self.audits.note(index, agreed, used);
+    /// Notes what came of an audit of a point, which another one before it in its process may have spoilt or not.
+    pub(crate) fn audited(&mut self, index: u64, agreed: bool, shared: bool) {
+        self.audits.note(index, agreed, shared);
     }
 
     /// Points of this separation are not to be had any more. Those that there are do not count.

@@ -11,7 +11,7 @@ use crate::isolation::STUDY;
 use crate::support::{Bench, Said, model};
 
 /// What a point leaves, by the numbers of `damage.c`.
-const WHAT: [&str; 36] = [
+const WHAT: [&str; 37] = [
     "nothing",
     "static memory",
     "a table",
@@ -48,6 +48,7 @@ const WHAT: [&str; 36] = [
     "the signal stack",
     "the allocator",
     "an alarm",
+    "a folder of the library",
 ];
 
 /// How it ends, likewise.
@@ -60,6 +61,9 @@ const HOW: [&str; 6] = [
     "with a logged error",
 ];
 const PLAINLY: usize = 0;
+
+/// What the library makes when it is loaded, in a fixture of its own.
+const IN_MADE: usize = 36;
 
 /// What is seen of a point however it ends.
 const SEEN: [&str; 6] = [
@@ -157,7 +161,7 @@ fn number(names: &[&str], name: &str) -> usize {
 #[test]
 fn a_point_that_does_not_end_plainly_spoils_no_other() {
     let bench = Bench::empty();
-    bench.damage();
+    bench.damage(&[]);
     for (what, how) in [
         ("static memory", "with an error"),
         ("heap", "with a warning"),
@@ -172,10 +176,22 @@ fn a_point_that_does_not_end_plainly_spoils_no_other() {
     }
 }
 
+/// Forks of a process that has loaded the library share what it made then.
+#[test]
+fn behind_an_odd_point_the_library_is_loaded_anew() {
+    let bench = Bench::empty();
+    let place = bench.path("made-XXXXXX");
+    bench.damage(&[&format!("MADE={:?}", place.to_str().unwrap())]);
+    // So many odd ones leave nothing but forks.
+    let found = study(&bench, IN_MADE, number(&HOW, "with an error"), 6, 600);
+    assert_eq!((found.wrong, found.mismatches), (0, 0), "{found:?}");
+    assert_eq!(found.reproducible, true);
+}
+
 #[test]
 fn what_still_runs_or_handles_signals_is_followed_by_a_fresh_process() {
     let bench = Bench::empty();
-    bench.damage();
+    bench.damage(&[]);
     for what in ["a thread", "a process", "a timer"] {
         let found = study(&bench, number(&WHAT, what), PLAINLY, 400, 2400);
         let shared = (found.wrong, &*found.isolation, found.mismatches);
@@ -210,12 +226,12 @@ fn points_that_always_warn_run_alone_and_the_files_say_why() {
 #[ignore = "takes minutes"]
 fn all_behaviours() {
     let bench = Bench::empty();
-    bench.damage();
+    bench.damage(&[]);
     let (mut plain, mut found, mut expected) = (0, 0, 0.0);
     let mut spoilt = Vec::new();
     for every in [10, 50, 500] {
         let points = 2000.max(6 * every);
-        for (what, name) in WHAT.iter().enumerate().skip(1) {
+        for (what, name) in WHAT.iter().enumerate().take(IN_MADE).skip(1) {
             for (how, end) in HOW.iter().enumerate() {
                 let outcome = study(&bench, what, how, every, points);
                 println!("{name}, {end}, one in {every}: {outcome:?}");

@@ -248,6 +248,12 @@ fn a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
     assert!(bench.run(&["replay", "out", "2"]).code < 2);
     assert_eq!(bench.run(&["report", "out"]).code, 0);
     assert_eq!(bench.read("precious"), "precious");
+    let elsewhere = bench.path("elsewhere");
+    fs::create_dir(&elsewhere).unwrap();
+    fs::remove_dir_all(bench.path("out/plots")).unwrap();
+    std::os::unix::fs::symlink(&elsewhere, bench.path("out/plots")).unwrap();
+    assert_eq!(bench.run(&["report", "out"]).code, 0);
+    assert_eq!(fs::read_dir(&elsewhere).unwrap().count(), 0);
     for file in &files[..4] {
         let path = bench.path(&format!("out/{file}"));
         assert!(!fs::symlink_metadata(path).unwrap().is_symlink(), "{file}");

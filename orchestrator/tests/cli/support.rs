@@ -63,8 +63,8 @@ impl Bench {
     }
 
     /// Packs `damage.fmu`, of which each point may spoil what it leaves.
-    pub fn damage(&self) {
-        let binary = self.compiled("damage", &[]);
+    pub fn damage(&self, macros: &[&str]) {
+        let binary = self.compiled("damage", macros);
         let entries: [(&str, &[u8]); 2] = [
             ("modelDescription.xml", DAMAGE.as_bytes()),
             ("binaries/linux64/damage.so", &binary),
