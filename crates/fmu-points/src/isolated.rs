@@ -373,7 +373,6 @@ impl Isolated {
             told = false;
         }
         if told && (first.answer.is_ok() || second.answer.is_ok()) {
-            let new = self.strictest();
             self.policy().audited(job.index, same, false);
         }
         if !same {
