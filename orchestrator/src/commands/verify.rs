@@ -22,6 +22,7 @@ use crate::results::{Journal, Looked, ResultsError, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::plan::bare;
 use crate::study::{Name, Setting, Study};
+use fmu_points::names::behind;
 use fmu_points::task::Case;
 use sampling::design::Method;
 
@@ -228,8 +229,7 @@ fn set(session: &Session) -> String {
         }
     }
     let recorded = recorded.iter().map(|(name, [low, high])| {
-        let unit = fmu.variables[*name].unit();
-        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let unit = behind(fmu.variables[*name].unit());
         format!("  {name} {low:.5} .. {high:.5}{unit} (recorded)\n")
     });
     let fixed = session.study.by_case().into_iter().flat_map(|(_, study)| {

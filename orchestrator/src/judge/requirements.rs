@@ -250,19 +250,12 @@ fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), StudyE
 
 fn rule(study: &Study, required: &Required) -> Result<Rule, StudyError> {
     const USUAL: f64 = 0.95;
-    let confidence = match &required.confidence {
-        None => USUAL,
-        Some(confidence) => {
-            let number = Quantity::from(*confidence.as_ref());
-            share(&number)
-                .filter(|&confidence| confidence >= 0.5)
-                .ok_or_else(|| {
-                    let message =
-                        format!("the confidence {number} must be at least 0.5 and below 1");
-                    study.error_at(confidence, message)
-                })?
-        }
-    };
+    let confidence = required.confidence.as_ref().map_or(Ok(USUAL), |stated| {
+        let number = Quantity::from(*stated.as_ref());
+        let confidence = share(&number).filter(|&confidence| confidence >= 0.5);
+        let message = || format!("the confidence {number} must be at least 0.5 and below 1");
+        confidence.ok_or_else(|| study.error_at(stated, message()))
+    })?;
     Ok(Rule {
         share: between_0_and_1(study, &required.share, "the share")?,
         confidence,

@@ -70,10 +70,7 @@ fn of_rows(goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) -> String {
 
 /// Narrower tolerances bring all points nearer to the nominal one.
 fn nominal_is_off(criterion: &Criterion, value: f64) -> String {
-    let unit = criterion
-        .unit
-        .as_deref()
-        .map_or_else(String::new, |unit| format!(" {unit}"));
+    let unit = criterion.unit_behind();
     let beyond = (value - criterion.nominal).abs() - criterion.tolerance;
     format!(
         "{}: with all parameters at their nominal values it is {}{unit}, {}{unit} beyond the tolerance, and narrower \
