@@ -1,8 +1,7 @@
 //! Full factorial designs: every combination of the levels of all inputs. The levels of an input are the
 //! middles of equally probable slices, so that every point stands for the same probability.
 
-use super::rule::{Inputs, Registered, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Numbers, Registered, Rule};
 
 /// A grid.
 #[derive(Clone, Debug)]
@@ -13,7 +12,7 @@ pub(super) struct Grid {
 impl Registered for Grid {
     const BY_LEVELS: bool = true;
 
-    fn new(_: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+    fn new(_: &Numbers, inputs: &Inputs) -> Result<Self, String> {
         if inputs.correlation.is_some() {
             return Err(
                 "a full factorial combines all levels and knows no correlations".to_owned(),

@@ -2,8 +2,7 @@
 //! base for every input. Every digit is permuted at random (Owen 2017, "A randomized Halton algorithm in R"):
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
-use super::rule::{Inputs, Registered, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Numbers, Registered, Rule};
 use crate::distribution::BELOW_ONE;
 use crate::random::{self, Purpose};
 
@@ -28,8 +27,8 @@ struct Radix {
 impl Registered for Sequence {
     const EXTENSIBLE: bool = true;
 
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(sampling.seed, inputs.dimensions())
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(numbers.seed, inputs.dimensions())
     }
 }
 

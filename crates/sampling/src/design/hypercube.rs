@@ -4,8 +4,7 @@
 //! The slice of point `i` comes from a permutation that is computed for one index at a time
 //! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
 
-use super::rule::{Inputs, Registered, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Numbers, Registered, Rule};
 use super::slices::coordinate;
 use crate::random::{self, Purpose, mix};
 
@@ -21,8 +20,8 @@ pub(super) struct Hypercube {
 impl Registered for Hypercube {
     const STRATIFIED: bool = true;
 
-    fn new(sampling: &Sampling, _: &Inputs) -> Result<Self, String> {
-        Ok(Self::of(sampling.seed, sampling.points))
+    fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
+        Ok(Self::of(numbers.seed, numbers.points))
     }
 }
 

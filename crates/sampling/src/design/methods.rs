@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::rule::{self, Inputs, Rule};
-use super::sampling::Sampling;
+use super::rule::{self, Inputs, Numbers, Rule};
 use super::{factorial, halton, hypercube, monte_carlo, optimised, sobol};
 
 /// Makes the choice of the designs from lines of name, type and meaning.
@@ -54,9 +53,9 @@ macro_rules! methods {
             }
 
             /// The rule for the points of a study.
-            pub(super) fn rule(self, sampling: &Sampling, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
+            pub(super) fn rule(self, numbers: &Numbers, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
                 Ok(match self {
-                    $(Self::$method => Arc::new(<$rule as rule::Registered>::new(sampling, inputs)?),)*
+                    $(Self::$method => Arc::new(<$rule as rule::Registered>::new(numbers, inputs)?),)*
                 })
             }
         }

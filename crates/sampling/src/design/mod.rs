@@ -66,7 +66,7 @@ impl Design {
                 "levels do not say which rows of a sample to take; use method = {without}"
             ));
         }
-        let mut rule = sampling.method.rule(sampling, &inputs)?;
+        let mut rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
         let points = rule.points().unwrap_or(sampling.points);
         let mut correlation = inputs.correlation.clone();
         if let Some(wanted) = correlation.take_if(|_| sampling.method.is_stratified()) {

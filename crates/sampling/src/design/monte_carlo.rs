@@ -1,7 +1,6 @@
 //! Independent random points.
 
-use super::rule::{Inputs, Registered, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Numbers, Registered, Rule};
 use crate::random::{Purpose, uniform};
 
 /// Independent points.
@@ -13,7 +12,8 @@ pub(crate) struct Independent {
 impl Registered for Independent {
     const EXTENSIBLE: bool = true;
 
-    fn new(&Sampling { seed, .. }: &Sampling, _: &Inputs) -> Result<Self, String> {
+    fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
+        let seed = numbers.seed;
         Ok(Self { seed })
     }
 }

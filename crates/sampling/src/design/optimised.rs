@@ -8,8 +8,7 @@
 
 use super::discrepancy::{Discrepancy, Exchange};
 use super::hypercube::Hypercube;
-use super::rule::{Inputs, Registered, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Numbers, Registered, Rule};
 use super::slices::{Slices, ranks};
 use super::sobol::Nets;
 use crate::random::{self, Purpose};
@@ -33,8 +32,8 @@ pub(super) struct Spread(Slices);
 impl Registered for Spread {
     const STRATIFIED: bool = true;
 
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(sampling.seed, inputs.dimensions(), sampling.points)
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(numbers.seed, inputs.dimensions(), numbers.points)
     }
 }
 
@@ -61,12 +60,12 @@ impl Spread {
 
 /// The ranks of a Sobol net, input after input; of random points where there are more inputs than nets have.
 fn start(seed: u64, dimensions: usize, points: u64) -> Vec<Vec<u32>> {
-    let sampling = Sampling {
+    let numbers = Numbers {
         points,
         seed,
-        ..Sampling::default()
+        replicates: 1,
     };
-    let rule: Box<dyn Rule> = match Nets::of(&sampling, dimensions) {
+    let rule: Box<dyn Rule> = match Nets::of(&numbers, dimensions) {
         Ok(net) => Box::new(net),
         Err(_) => Box::new(Hypercube::of(seed, points)),
     };
@@ -193,12 +192,12 @@ mod tests {
 
     #[test]
     fn the_search_starts_from_a_net() {
-        let sampling = Sampling {
+        let numbers = Numbers {
             points: 32,
             seed: 5,
-            ..Sampling::default()
+            replicates: 1,
         };
-        let net = Nets::of(&sampling, 3).unwrap();
+        let net = Nets::of(&numbers, 3).unwrap();
         for (dimension, column) in (0..).zip(start(5, 3, 32)) {
             for (index, slice) in (0..).zip(column) {
                 let expected = (32.0 * net.uniform(index, dimension)).floor();

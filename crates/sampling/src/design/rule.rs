@@ -4,7 +4,6 @@ use std::fmt::Debug;
 
 use super::correlation::Correlation;
 use super::joint::Joint;
-use super::sampling::Sampling;
 use crate::distribution::Distribution;
 
 /// A rule that gives every point a place in the unit cube.
@@ -16,6 +15,17 @@ pub trait Rule: Debug + Send + Sync {
     fn points(&self) -> Option<u64> {
         None
     }
+}
+
+/// The numbers that a design is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbers {
+    /// Number of points.
+    pub points: u64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Independent randomisations to which the points belong in turn.
+    pub replicates: u64,
 }
 
 /// A rule as it is registered.
@@ -36,7 +46,7 @@ pub trait Registered: Rule + Sized + 'static {
     ///
     /// # Errors
     /// When it cannot serve this number of inputs or points.
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String>;
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String>;
 }
 
 /// The inputs of a design: distributions, levels, correlations.

@@ -4,8 +4,7 @@
 
 use ::sobol::params::JoeKuoD6;
 
-use super::rule::{Inputs, Registered, Rule};
-use super::sampling::Sampling;
+use super::rule::{Inputs, Numbers, Registered, Rule};
 use crate::random::{self, Purpose, mix};
 
 const BITS: u32 = 32;
@@ -24,8 +23,8 @@ impl Registered for Nets {
     const EXTENSIBLE: bool = true;
     const REPLICATES: bool = true;
 
-    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(sampling, inputs.dimensions())
+    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(numbers, inputs.dimensions())
     }
 }
 
@@ -41,8 +40,8 @@ impl Rule for Nets {
 }
 
 impl Nets {
-    pub(super) fn of(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
-        if sampling.points / sampling.replicates > 1 << BITS {
+    pub(super) fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
+        if numbers.points / numbers.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }
         let parameters = JoeKuoD6::minimal();
@@ -59,8 +58,8 @@ impl Nets {
             .take(dimensions)
             .collect();
         Ok(Self {
-            seed: sampling.seed,
-            replicates: sampling.replicates,
+            seed: numbers.seed,
+            replicates: numbers.replicates,
             directions,
         })
     }
@@ -160,13 +159,12 @@ mod tests {
     }
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
-        let sampling = Sampling {
+        let numbers = Numbers {
             points,
             seed: 11,
             replicates,
-            ..Sampling::default()
         };
-        Nets::of(&sampling, dimensions)
+        Nets::of(&numbers, dimensions)
     }
 
     #[test]
