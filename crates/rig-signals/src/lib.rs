@@ -8,6 +8,7 @@ pub mod criteria;
 pub mod delay;
 mod holes;
 mod kernel;
+pub mod motion;
 mod recording;
 pub mod signal;
 pub mod smooth;

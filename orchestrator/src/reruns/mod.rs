@@ -6,7 +6,6 @@ mod band;
 mod best;
 mod budget;
 mod finer;
-mod motion;
 mod numerical;
 mod settled;
 

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use super::finer::{golden, longer};
-use super::motion::{Motion, motion};
 use super::{Halt, Reruns};
 use crate::concern::{Code, Concern};
 use crate::document::format::number;
@@ -17,6 +16,7 @@ use crate::results::settled::Moved;
 use crate::study::plan::Plan;
 use fmu_points::single::Recording;
 use fmu_points::task::{Probe, Schedule, Task};
+use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
 
 /// So many numbers are held at a time; more would only take memory.

@@ -13,11 +13,14 @@ pub mod stated;
 #[cfg(test)]
 mod tests;
 
-use sampling::design::{Design, Joint, cube};
+use conformity::decision::Rule;
+use conformity::interval::{Moments, of_mean};
+use sampling::design::{Design, Joint, Method, Sampling, cube};
 use sampling::distribution::Distribution;
 use sampling::statistics::share::wilson;
 
 pub use sample::{Estimate, Sample};
+use stated::{Confirmed, Stated};
 
 /// The task: goal, parameters, costs.
 #[derive(Clone, Debug)]
@@ -48,18 +51,14 @@ pub struct Widest {
     /// Tolerances at which the share is just the wanted one, as far as the points tell.
     pub scales: Vec<f64>,
     /// The share there.
-    pub estimate: Estimate,
+    pub at_scales: Stated,
     /// Somewhat narrower ones, at which as many fresh runs as will be made should show that it holds.
     pub safe: Vec<f64>,
     /// The share there.
-    pub at_safe: Estimate,
-    /// The share that fresh runs there will show, with a probability of 99 %.
-    pub stated: [f64; 2],
+    pub at_safe: Stated,
     /// Whether the share is expected to hold there. Narrower is not always better: where the nominal value misses a
     /// criterion, some spread is needed to meet it at all.
     pub is_expected: bool,
-    /// How many rounds of points were drawn.
-    pub rounds: u64,
 }
 
 /// Tolerances narrower than this are none that one could make.
@@ -72,60 +71,105 @@ const SHRINK: f64 = 0.95;
 /// So much wider than the present answer the next points are drawn, so that weights stay bounded.
 const WIDER: f64 = 1.25;
 
-/// Looks for the widest tolerances. `known` are points drawn at the study's own; `run` tells how good points are, from 0
-/// to 1, of which the share is the mean.
-///
-/// # Errors
-/// The return value of `run`.
-pub fn widest<E>(
-    problem: &Problem,
-    known: Option<Sample>,
-    mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
-) -> Result<(Widest, Sample), E> {
-    let ones = vec![1.0; problem.distributions.len()];
-    let mut rounds = 0;
-    let mut draw = |scales: &[f64], rounds: &mut u64| {
-        *rounds += 1;
-        let points = problem.draw(scales, problem.seed.wrapping_add(*rounds));
-        let goods = run(points.clone())?;
-        Ok::<_, E>((points, goods))
-    };
-    let mut sample = match known {
-        Some(sample) => sample,
-        None => {
-            let (points, goods) = draw(&ones, &mut rounds)?;
-            Sample::new(&problem.distributions, points, goods)
-        }
-    };
-    let mut scales = problem.least_cost(&sample, ones);
-    while rounds < MOST_ROUNDS && !problem.settled(&sample, &scales) {
-        let near = scales.iter().map(|s| (WIDER * s).min(problem.limit));
-        let near: Vec<f64> = near.collect();
-        let (points, goods) = draw(&near, &mut rounds)?;
-        sample.extend(&near, points, goods);
-        scales = problem.least_cost(&sample, scales);
-    }
-    let safe = problem.safe(&sample, &scales);
-    let at_safe = sample.estimate(&safe);
-    let widest = Widest {
-        estimate: sample.estimate(&scales),
-        stated: problem.stated(at_safe),
-        is_expected: at_safe.share >= problem.target,
-        scales,
-        safe,
-        at_safe,
-        rounds,
-    };
-    Ok((widest, sample))
-}
-
 impl Problem {
+    /// Looks for the widest tolerances. `sample` has points drawn at the study's own, to which those of further rounds are
+    /// added; `run` tells how good points are, from 0 to 1, of which the share is the mean. Where the share at the centre of
+    /// all tolerances is less than the wanted one, there may be none.
+    ///
+    /// # Errors
+    /// The return value of `run`.
+    pub fn search<E>(
+        &self,
+        sample: &mut Sample,
+        at_centre: f64,
+        mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
+    ) -> Result<Option<Widest>, E> {
+        if at_centre < self.target {
+            self.explore(sample, &mut run)?;
+            if !self.holds_anywhere(sample) {
+                return Ok(None);
+            }
+        }
+        self.widest(sample, run).map(Some)
+    }
+
+    /// The widest tolerances, where the share holds at some.
+    fn widest<E>(
+        &self,
+        sample: &mut Sample,
+        mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
+    ) -> Result<Widest, E> {
+        let ones = vec![1.0; self.distributions.len()];
+        let mut scales = self.least_cost(sample, ones);
+        for round in 1..=MOST_ROUNDS {
+            if self.settled(sample, &scales) {
+                break;
+            }
+            let near = scales.iter().map(|s| (WIDER * s).min(self.limit));
+            let near: Vec<f64> = near.collect();
+            let points = self.draw(&near, self.seed.wrapping_add(round));
+            let goods = run(points.clone())?;
+            sample.extend(&near, points, goods);
+            scales = self.least_cost(sample, scales);
+        }
+        let safe = self.safe(sample, &scales);
+        let at_safe = self.stated(sample.estimate(&safe));
+        Ok(Widest {
+            at_scales: self.stated(sample.estimate(&scales)),
+            is_expected: at_safe.share >= self.target,
+            scales,
+            safe,
+            at_safe,
+        })
+    }
+
+    /// Independent runs at these tolerances, and whether they show that the share holds.
+    ///
+    /// # Errors
+    /// The return value of `run`.
+    pub fn confirm<E>(
+        &self,
+        scales: &[f64],
+        run: impl FnOnce(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
+    ) -> Result<Confirmed, E> {
+        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+        let sampling = Sampling {
+            method: Method::MonteCarlo,
+            points: self.confirm,
+            // Far from the seeds of the rounds.
+            seed: !self.seed,
+            ..Sampling::default()
+        };
+        let places = Design::new(&sampling, vec![unit; self.dimensions()]);
+        let places = places.expect("random points are there in any number of dimensions");
+        let mut moments = Moments::default();
+        for good in run(self.points_of(&places, scales))? {
+            moments.add(good);
+        }
+        let rule = Rule {
+            share: self.target,
+            confidence: self.confidence,
+        };
+        let interval = of_mean(&[moments], self.confidence);
+        Ok(Confirmed {
+            runs: self.confirm,
+            share: moments.mean(),
+            interval,
+            decision: rule.decide(interval),
+        })
+    }
+
     /// Points of the parameters' distributions with these tolerances.
     pub fn draw(&self, scales: &[f64], seed: u64) -> Vec<Vec<f64>> {
-        let scaled = scaled(&self.distributions, scales);
         let net = self.net(seed).expect("`check` has made such a net");
-        let point = |index| self.point(&scaled, &net.point(index));
-        (0..self.points).map(point).collect()
+        self.points_of(&net, scales)
+    }
+
+    /// The points of a design in the unit cube, at these tolerances.
+    fn points_of(&self, places: &Design, scales: &[f64]) -> Vec<Vec<f64>> {
+        let scaled = scaled(&self.distributions, scales);
+        let point = |index| self.point(&scaled, &places.point(index));
+        (0..places.len()).map(point).collect()
     }
 
     /// Says what is wrong with the number of points or parameters, if anything is.
@@ -141,12 +185,12 @@ impl Problem {
     }
 
     /// Numbers from 0 to 1 that choose a point: one a tolerance, and one a sample.
-    pub fn dimensions(&self) -> usize {
+    fn dimensions(&self) -> usize {
         self.distributions.len() + self.samples.len()
     }
 
     /// The point at such numbers, with distributions that were scaled before.
-    pub fn point(&self, scaled: &[Distribution], place: &[f64]) -> Vec<f64> {
+    fn point(&self, scaled: &[Distribution], place: &[f64]) -> Vec<f64> {
         let (own, rows) = place.split_at(scaled.len());
         let quantiles = scaled.iter().zip(own);
         let quantiles =
@@ -175,15 +219,12 @@ impl Problem {
     }
 
     /// Draws wider and wider points as long as the share gets larger with the widest ones and holds nowhere: where the
-    /// nominal value misses a criterion, wider tolerances may meet it more often. Tells how many rounds that took.
-    ///
-    /// # Errors
-    /// The return value of `run`.
-    pub fn explore<E>(
+    /// nominal value misses a criterion, wider tolerances may meet it more often.
+    fn explore<E>(
         &self,
         sample: &mut Sample,
         mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
-    ) -> Result<u64, E> {
+    ) -> Result<(), E> {
         const FURTHER: f64 = 1.5;
         // Far from the seeds of the other rounds.
         const SEEDS: u64 = 1000;
@@ -205,11 +246,11 @@ impl Problem {
             let goods = run(points.clone())?;
             sample.extend(&scales, points, goods);
         }
-        Ok(rounds)
+        Ok(())
     }
 
     /// Whether the share holds at any tolerances in the proportions of the study's that the points tell of.
-    pub fn holds_anywhere(&self, sample: &Sample) -> bool {
+    fn holds_anywhere(&self, sample: &Sample) -> bool {
         let ones = vec![1.0; self.distributions.len()];
         let found = sample.estimate(&self.along(sample, &ones));
         is_known(found) && found.share >= self.target
@@ -374,10 +415,14 @@ impl Problem {
 
     /// The share that the fresh runs will show, with a probability of 99 %: the uncertainty of the estimate and the chance
     /// of these runs come together.
-    pub fn stated(&self, estimate: Estimate) -> [f64; 2] {
+    fn stated(&self, estimate: Estimate) -> Stated {
         const PROBABILITY: f64 = 0.99;
         let trials = 1.0 / (1.0 / estimate.trials.max(1.0) + 1.0 / self.confirm as f64);
-        wilson(estimate.share, trials, PROBABILITY)
+        Stated {
+            share: estimate.share,
+            interval: wilson(estimate.share, trials, PROBABILITY),
+            effective_points: estimate.effective,
+        }
     }
 }
 

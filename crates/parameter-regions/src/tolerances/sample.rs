@@ -78,6 +78,11 @@ impl Sample {
         self.points.is_empty()
     }
 
+    /// In how many rounds points were added to the first ones.
+    pub fn rounds(&self) -> u64 {
+        self.drawn.len() as u64 - 1
+    }
+
     /// The widest tolerance of each parameter at which points were drawn.
     pub fn reach(&self) -> &[f64] {
         &self.reach

@@ -3,7 +3,6 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::Estimate;
 use conformity::decision::Decision;
 
 /// The goal of the tolerances.
@@ -76,17 +75,6 @@ pub struct Stated {
     pub interval: [f64; 2],
     /// The effective sample size.
     pub effective_points: f64,
-}
-
-impl Stated {
-    /// An estimate with the interval of what fresh runs will show.
-    pub fn new(estimate: Estimate, interval: [f64; 2]) -> Self {
-        Self {
-            share: estimate.share,
-            interval,
-            effective_points: estimate.effective,
-        }
-    }
 }
 
 /// The result of the fresh runs.

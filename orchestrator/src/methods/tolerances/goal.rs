@@ -65,6 +65,12 @@ impl<'a> Goal<'a> {
         })
     }
 
+    /// How good points are.
+    pub(super) fn goods(&self, outcomes: &[Option<Vec<f64>>]) -> Vec<f64> {
+        let outcomes = outcomes.iter();
+        outcomes.map(|one| self.good(one.as_deref())).collect()
+    }
+
     /// How good a point is, from 0 to 1; one that failed is not at all.
     pub(super) fn good(&self, values: Option<&[f64]>) -> f64 {
         let Some(values) = values else { return 0.0 };

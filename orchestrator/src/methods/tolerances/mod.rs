@@ -23,14 +23,11 @@ use crate::results::table;
 use crate::session::{Request, Session};
 use crate::study::plan::{Input, Plan};
 use crate::study::{Study, StudyError};
-use conformity::decision::Rule;
-use conformity::interval::{Moments, of_mean};
 use goal::Goal;
 use parameter_regions::table::PointTable;
-use parameter_regions::tolerances::stated::{Confirmed, Parameter, Stated, Tolerances};
-use parameter_regions::tolerances::{Problem, Sample, widest};
-use sampling::design::{Design, Joint, Method, Sampling};
-use sampling::distribution::Distribution;
+use parameter_regions::tolerances::stated::{Parameter, Tolerances};
+use parameter_regions::tolerances::{Problem, Sample};
+use sampling::design::Joint;
 
 pub use document::document;
 
@@ -147,7 +144,6 @@ impl Analysis for Asked {
         let problem = self.problem(session, &goal)?;
         let mut runs = Runs {
             session,
-            goal: &goal,
             varied: of_points(&session.plan),
             pipeline,
         };
@@ -160,54 +156,43 @@ impl Analysis for Asked {
                 (points, outcomes)
             }
         };
-        let goods = outcomes
-            .iter()
-            .map(|outcome| goal.good(outcome.as_deref()))
-            .collect();
-        let mut sample = Sample::new(&problem.distributions, points, goods);
-        let mut found = Tolerances {
+        let mut sample = Sample::new(&problem.distributions, points, goal.goods(&outcomes));
+        let at_centre = goal.goods(&centre).iter().sum::<f64>() / centre.len() as f64;
+        let mut fresh = |points: Vec<Vec<f64>>| {
+            let outcomes = runs.outcomes(&points)?;
+            Ok::<_, CommandError>(goal.goods(&outcomes))
+        };
+        let answer = problem.search(&mut sample, at_centre, &mut fresh)?;
+        let mut told = Tolerances {
             wanted: goal.wanted,
             share: problem.target,
             confidence: problem.confidence,
+            points: sample.len() as u64,
+            rounds: sample.rounds(),
             ..Tolerances::default()
         };
-        let mut fresh = |points: Vec<Vec<f64>>| Ok::<_, CommandError>(runs.goods(&points)?);
-        let at_centre: f64 = centre.iter().map(|one| goal.good(one.as_deref())).sum();
-        let is_off = at_centre / (centre.len().max(1) as f64) < problem.target;
-        let explored = if is_off {
-            problem.explore(&mut sample, &mut fresh)?
-        } else {
-            0
-        };
-        if is_off && !problem.holds_anywhere(&sample) {
-            found.rounds = explored;
-            found.points = sample.len() as u64;
-            found.reasons = reasons::of(&session.judge, &goal, &centre, &outcomes);
-            let ones = vec![1.0; problem.distributions.len()];
-            found
-                .reasons
-                .extend(most(session, &problem, &sample, &ones));
-        } else {
-            let (answer, sample) = widest(&problem, Some(sample), &mut fresh)?;
-            found.points = sample.len() as u64;
-            found.rounds = explored + answer.rounds;
-            if answer.is_expected {
-                found.parameters =
+        match answer {
+            Some(answer) if answer.is_expected => {
+                told.parameters =
                     parameters(&session.plan, &problem, &answer.scales, &answer.safe);
-                found.widest = Some(Stated::new(
-                    answer.estimate,
-                    problem.stated(answer.estimate),
-                ));
-                found.stated = Some(Stated::new(answer.at_safe, answer.stated));
-                found.confirmed = Some(self.confirm(&problem, &answer.safe, &mut runs)?);
-            } else {
-                found.reasons = reasons::off(&session.judge, &goal, &centre);
+                told.widest = Some(answer.at_scales);
+                told.stated = Some(answer.at_safe);
+                told.confirmed = Some(problem.confirm(&answer.safe, fresh)?);
+            }
+            Some(answer) => {
+                told.reasons = reasons::off(&session.judge, &goal, &centre);
+                told.reasons.push(reasons::not_shown(&problem));
                 let most = most(session, &problem, &sample, &answer.scales);
-                found.reasons.push(reasons::not_shown(&problem));
-                found.reasons.extend(most);
+                told.reasons.extend(most);
+            }
+            None => {
+                told.reasons = reasons::of(&session.judge, &goal, &centre, &outcomes);
+                let ones = vec![1.0; problem.distributions.len()];
+                told.reasons
+                    .extend(most(session, &problem, &sample, &ones));
             }
         }
-        AnalysisResult::new(&found, asking::origin(session)?, document(&found).as_text(), FILE)
+        AnalysisResult::new(&told, asking::origin(session)?, document(&told).as_text(), FILE)
     }
 }
 
@@ -251,44 +236,6 @@ impl Asked {
             .map_err(|message| study.error(format!("[tolerances] {message}")))?;
         Ok(problem)
     }
-
-    /// Independent runs at the tolerances that are stated.
-    fn confirm(
-        &self,
-        problem: &Problem,
-        scales: &[f64],
-        runs: &mut Runs<'_, '_>,
-    ) -> Result<Confirmed, CommandError> {
-        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-        let sampling = Sampling {
-            method: Method::MonteCarlo,
-            points: self.confirm,
-            // Far from the seeds of the rounds.
-            seed: !self.seed,
-            ..Sampling::default()
-        };
-        let cube = Design::new(&sampling, vec![unit; problem.dimensions()]);
-        let cube = cube.map_err(|message| runs.session.study.error(message))?;
-        let pairs = problem.distributions.iter().zip(scales);
-        let scaled: Vec<Distribution> = pairs.map(|(own, &scale)| own.scaled(scale)).collect();
-        let point = |index| problem.point(&scaled, &cube.point(index));
-        let points: Vec<Vec<f64>> = (0..self.confirm).map(point).collect();
-        let mut moments = Moments::default();
-        runs.goods(&points)?
-            .into_iter()
-            .for_each(|good| moments.add(good));
-        let rule = Rule {
-            share: problem.target,
-            confidence: problem.confidence,
-        };
-        let interval = of_mean(&[moments], problem.confidence);
-        Ok(Confirmed {
-            runs: self.confirm,
-            share: moments.mean(),
-            interval,
-            decision: rule.decide(interval),
-        })
-    }
 }
 
 /// The largest share that the points tell of at tolerances in these proportions, as a sentence.
@@ -298,7 +245,7 @@ fn most(
     sample: &Sample,
     proportions: &[f64],
 ) -> Option<String> {
-    let (scales, found) = problem.most(sample, proportions)?;
+    let (scales, largest) = problem.most(sample, proportions)?;
     let with_tolerances = session.plan.with_tolerances();
     let names = with_tolerances
         .iter()
@@ -308,7 +255,7 @@ fn most(
         .map(|(name, scale)| format!("{name} {}", number(*scale, 3)));
     Some(format!(
         "at most about {} % can be reached in these proportions, at so many times the study's tolerances: {}",
-        number(100.0 * found.share, 3),
+        number(100.0 * largest.share, 3),
         each.collect::<Vec<_>>().join(", ")
     ))
 }
@@ -414,7 +361,6 @@ fn words(parameter: &ParameterSummary) -> String {
 /// Points of the parameters that vary, run through the pipeline.
 struct Runs<'a, 'b> {
     session: &'a Session,
-    goal: &'a Goal<'a>,
     /// The places among the inputs of the numbers of a point.
     varied: Vec<usize>,
     pipeline: &'a mut Pipeline<'b>,
@@ -438,14 +384,6 @@ impl Runs<'_, '_> {
         let full: Vec<Vec<f64>> = points.iter().map(full).collect();
         let outcomes: Vec<Outcome> = self.pipeline.ask(&full)?;
         Ok(outcomes.into_iter().map(Result::ok).collect())
-    }
-
-    fn goods(&mut self, points: &[Vec<f64>]) -> Result<Vec<f64>, Halt> {
-        let outcomes = self.outcomes(points)?;
-        Ok(outcomes
-            .iter()
-            .map(|outcome| self.goal.good(outcome.as_deref()))
-            .collect())
     }
 
     /// The points of a finished study, with what came of them; more would only cost time.

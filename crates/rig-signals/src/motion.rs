@@ -123,7 +123,7 @@ fn turnings(values: &[f64], enough: f64) -> usize {
 struct Stretch<'a> {
     time: &'a [f64],
     line: Line,
-    /// What is left beside the line.
+    /// The values less those of the line.
     rest: Vec<f64>,
     /// How often the rest changes sides: twice a period.
     turns: usize,
@@ -239,24 +239,24 @@ mod tests {
 
     #[test]
     fn a_swing_is_that_of_the_last_period() {
-        let found = of(|t| 750.0 + 3.0 * (TAU * t / 1.7).sin());
-        assert!((found.swing - 6.0).abs() < 0.05, "{found:?}");
-        assert_eq!(found.drift, 0.0);
+        let moves = of(|t| 750.0 + 3.0 * (TAU * t / 1.7).sin());
+        assert!((moves.swing - 6.0).abs() < 0.05, "{moves:?}");
+        assert_eq!(moves.drift, 0.0);
         // It has died away before the end.
-        let found = of(|t| 750.0 + 3.0 * (TAU * t / 1.7).sin() * (-t / 10.0).exp());
-        assert!(found.swing < 1e-4, "{found:?}");
+        let moves = of(|t| 750.0 + 3.0 * (TAU * t / 1.7).sin() * (-t / 10.0).exp());
+        assert!(moves.swing < 1e-4, "{moves:?}");
     }
 
     #[test]
     fn a_drift_is_that_over_the_length_of_the_run() {
-        let found = of(|t| 82.0 + 0.02 * t + 0.5 * (TAU * t / 0.2).sin());
+        let moves = of(|t| 82.0 + 0.02 * t + 0.5 * (TAU * t / 0.2).sin());
         assert!(
-            (found.drift - 3.0).abs() < 0.1 && (found.swing - 1.0).abs() < 0.05,
-            "{found:?}"
+            (moves.drift - 3.0).abs() < 0.1 && (moves.swing - 1.0).abs() < 0.05,
+            "{moves:?}"
         );
-        let found = of(|t| 82.0 - 5.0 * (-t / 300.0).exp());
-        assert!((1.3..1.8).contains(&found.drift), "{found:?}");
-        assert_eq!(found.swing, 0.0);
+        let moves = of(|t| 82.0 - 5.0 * (-t / 300.0).exp());
+        assert!((1.3..1.8).contains(&moves.drift), "{moves:?}");
+        assert_eq!(moves.swing, 0.0);
     }
 
     #[test]
@@ -279,14 +279,14 @@ mod tests {
     #[test]
     fn the_drift_is_that_which_comes_after_the_end() {
         // 5 exp(-t) loses 5 (exp(-1) - exp(-2)) in the second after the first one.
-        let found = of_a_second(|t| 82.0 - 5.0 * (-t).exp());
+        let moves = of_a_second(|t| 82.0 - 5.0 * (-t).exp());
         let expected = 5.0 * ((-1.0_f64).exp() - (-2.0_f64).exp());
-        assert!((found.drift - expected).abs() < 1e-9, "{found:?}");
-        assert_eq!(found.swing, 0.0);
-        let found = of_a_second(|t| 750.0 + 0.7 * t + (TAU * 50.0 * t).sin());
+        assert!((moves.drift - expected).abs() < 1e-9, "{moves:?}");
+        assert_eq!(moves.swing, 0.0);
+        let moves = of_a_second(|t| 750.0 + 0.7 * t + (TAU * 50.0 * t).sin());
         assert!(
-            (found.drift - 0.7).abs() < 0.05 && (found.swing - 2.0).abs() < 0.05,
-            "{found:?}"
+            (moves.drift - 0.7).abs() < 0.05 && (moves.swing - 2.0).abs() < 0.05,
+            "{moves:?}"
         );
     }
 
@@ -294,11 +294,11 @@ mod tests {
     fn a_part_of_a_swing_is_no_drift() {
         for periods in 2..=60 {
             let periods = 0.6 * f64::from(periods);
-            let found = of_a_second(|t| 5.0 + (TAU * periods * t).sin());
-            assert_eq!(found.drift, 0.0, "{periods} periods: {found:?}");
+            let moves = of_a_second(|t| 5.0 + (TAU * periods * t).sin());
+            assert_eq!(moves.drift, 0.0, "{periods} periods: {moves:?}");
             assert!(
-                (found.swing - 2.0).abs() < 0.3,
-                "{periods} periods: {found:?}"
+                (moves.swing - 2.0).abs() < 0.3,
+                "{periods} periods: {moves:?}"
             );
         }
     }
@@ -306,10 +306,10 @@ mod tests {
     /// A value that rises after the end of the run and comes back has no period, but moves.
     #[test]
     fn a_single_turn_is_a_drift_as_far_as_it_goes() {
-        let found = of_a_second(|t| 82.0 - 4.0 * (t - 1.5).powi(2));
+        let moves = of_a_second(|t| 82.0 - 4.0 * (t - 1.5).powi(2));
         assert!(
-            (found.drift - 1.0).abs() < 1e-3 && found.swing == 0.0,
-            "{found:?}"
+            (moves.drift - 1.0).abs() < 1e-3 && moves.swing == 0.0,
+            "{moves:?}"
         );
     }
 
@@ -321,9 +321,9 @@ mod tests {
             let time: Vec<f64> = (0..=10_000).map(|k| f64::from(k) / golden).collect();
             let values: Vec<f64> = time.iter().map(|t| (TAU * multiple * t).sin()).collect();
             let run = [0.0, time[5000]];
-            let found = motion(&time, &values, run).unwrap();
-            assert!((found.swing - 2.0).abs() < 0.1, "{multiple}: {found:?}");
-            assert_eq!(found.drift, 0.0);
+            let moves = motion(&time, &values, run).unwrap();
+            assert!((moves.swing - 2.0).abs() < 0.1, "{multiple}: {moves:?}");
+            assert_eq!(moves.drift, 0.0);
         }
     }
 }
