@@ -5,7 +5,9 @@
 //! nothing else is known of it (JCGM 106:2012, "Evaluation of measurement data - The role of
 //! measurement uncertainty in conformity assessment", whose terms are used here).
 
+pub mod conclusion;
 pub mod decision;
+pub mod gain;
 pub mod interval;
 pub mod joint;
 pub mod likelihood;
@@ -14,6 +16,7 @@ pub mod measured;
 pub mod normal;
 pub mod risk;
 pub mod sequence;
+pub mod validation;
 
 mod genz;
 mod lattice;

@@ -1,6 +1,6 @@
 //! Numbers and text for people.
 
-use crate::results::conclusion::grouped;
+use conformity::conclusion::grouped;
 
 /// A number, rounded to significant digits, without needless zeros: `0.02`, `1.5e-7`, `843.84`.
 /// Numbers that are none are written as a dash.

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::results::conclusion::Conclusion;
 use crate::results::{Summary, words};
+use conformity::conclusion::Conclusion;
 use conformity::decision::Decision;
 use conformity::measured::Measurement;
 use conformity::risk::Risk;

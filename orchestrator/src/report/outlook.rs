@@ -4,7 +4,7 @@ use crate::document::format::{number, percent};
 use crate::document::{Document, Table, numbers, words};
 use crate::results::Summary;
 use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign};
-use crate::results::validation::Comparison;
+use conformity::validation::Comparison;
 
 /// What the model's own error may be, where the study tells.
 pub fn comparison(summary: &Summary) -> Option<Document> {

@@ -1,6 +1,6 @@
 //! How runs of a study are made finer or longer: for a picture, to see swing and drift, and for the numerical uncertainty.
 
-use crate::results::validation::Refined;
+use conformity::validation::Refined;
 use fmu_points::task::{Case, Schedule};
 
 /// The fewest communication steps of the study's part of a run that is to show swing and drift.

@@ -5,7 +5,7 @@ use super::Reruns;
 use super::finer::refined_case;
 use crate::pipeline::Model;
 use crate::results::Summary;
-use crate::results::validation::{Comparison, Numerical, Refined, refined};
+use conformity::validation::{Comparison, Numerical, Refined, refined};
 use fmu_points::task::Case;
 
 /// So many points are refined.
@@ -20,7 +20,7 @@ pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) {
         let numerical = place.and_then(|(number, ..)| all.get(number));
         if let (Some((_, _, count)), Some(numerical)) = (place, numerical) {
             let spread = [comparison.model, comparison.u_input];
-            let refined = Comparison::new(&count.criterion, spread, numerical.clone());
+            let refined = Comparison::new(&count.criterion.measured(), spread, numerical.clone());
             *comparison = refined.unwrap_or_else(|| comparison.clone());
         }
     }

@@ -1,8 +1,8 @@
 //! Points without a result: what they leave open of a verdict, and where among the parameters they lie.
 
-use super::conclusion::{Conclusion, grouped};
 use super::{Row, Summary};
 use crate::study::plan::Plan;
+use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
 

@@ -8,10 +8,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::Row;
-use super::gain::{self, Pair};
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::decision::Decision;
+use conformity::gain::{self, Pair};
 use conformity::interval::clopper_pearson;
 use conformity::measured::Assessed;
 use conformity::risk::Guard;

@@ -8,10 +8,8 @@
 pub mod asides;
 pub mod choice;
 pub mod concerns;
-pub mod conclusion;
 mod failed;
 pub mod finished;
-mod gain;
 pub mod header;
 pub mod improvement;
 pub mod journal;
@@ -30,7 +28,6 @@ pub mod survey;
 pub mod table;
 pub mod tally;
 pub mod traceability;
-pub mod validation;
 pub mod words;
 
 use std::io;

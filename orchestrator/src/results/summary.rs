@@ -7,15 +7,15 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use super::asides::Asides;
-use super::conclusion::Conclusion;
 use super::improvement::Improvements;
 use super::settled::Settled;
-use super::validation::Comparison;
 use crate::concern::{self, Code, Concern};
 use crate::judge::{Criterion, Judge};
 use crate::study::Dossier;
+use conformity::conclusion::Conclusion;
 use conformity::measured::Measurement;
 use conformity::risk::Risk;
+use conformity::validation::Comparison;
 use fmu_points::Conduct;
 
 /// The content of `summary.json`.

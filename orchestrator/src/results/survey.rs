@@ -7,11 +7,11 @@ use super::improvement::{improvements, most_points};
 use super::probable::MostProbable;
 use super::settled::{Edges, Settled};
 use super::summary::{BestPoint, Summary};
-use super::validation::{Comparison, Numerical, Spread};
 use super::{Outcome, Row};
 use crate::concern::Code;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
+use conformity::validation::{Comparison, Numerical, Spread};
 
 /// Looks at points one by one, in constant memory.
 #[derive(Debug)]
@@ -85,7 +85,7 @@ impl<'a> Survey<'a> {
                 .result()
                 .filter(|_| criterion.metric.is_none());
             let Some(spread) = spread else { continue };
-            match Comparison::new(criterion, spread, Numerical::default()) {
+            match Comparison::new(&criterion.measured(), spread, Numerical::default()) {
                 Some(comparison) => {
                     summary
                         .validation

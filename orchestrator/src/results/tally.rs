@@ -3,7 +3,6 @@
 use indexmap::IndexMap;
 
 use super::Outcome;
-use super::conclusion::{Conclusion, Ruling};
 use super::failed;
 use super::resampled::{not_stated, told};
 use super::summary::{
@@ -11,6 +10,7 @@ use super::summary::{
     Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
+use conformity::conclusion::{Conclusion, Ruling};
 use conformity::decision::randomised;
 use conformity::looks::Looks;
 use conformity::risk::RiskTally;

@@ -1,9 +1,9 @@
 //! Where results come from, as SSP Traceability 1.0 writes it: meta data of a file (SRMD) and of the whole task (STMD).
 
 use super::Summary;
-use super::conclusion::Conclusion;
 use super::summary::{CriterionCount, ParameterSummary};
 use crate::study::ssv::Element;
+use conformity::conclusion::Conclusion;
 use fmu_import::digest;
 
 const RESOURCE: &str = "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData";

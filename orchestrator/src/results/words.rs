@@ -1,8 +1,8 @@
 //! The verdict in sentences, for the terminal and the page.
 
 use super::Summary;
-use super::conclusion::{Conclusion, Requirement, grouped};
 use super::resampled::presumed;
+use conformity::conclusion::{Conclusion, Requirement, grouped};
 use conformity::risk::Risk;
 
 /// The first lines for a reader: the verdict, how firmly it stands, and how many of the accepted points conform.

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use conformity::decision::{Decision, Rule, other_verdict};
-use conformity::looks::{Looks, Way};
-use conformity::risk::{Bands, Risk, Statement, Unfit};
-use conformity::sequence::{points_needed, points_needed_once};
+use crate::decision::{Decision, Rule, other_verdict};
+use crate::looks::{Looks, Way};
+use crate::risk::{Bands, Risk, Statement, Unfit};
+use crate::sequence::{points_needed, points_needed_once};
 
 /// The verdict on the model, with what it rests on.
 #[derive(Clone, Debug, Serialize, Deserialize)]

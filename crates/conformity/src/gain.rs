@@ -2,12 +2,15 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// One point in both studies: its weight in the changed one, and what it is worth in either (from 0 to 1).
+/// One point in both studies, with its worth from 0 to 1 in either.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    pub(super) weight: f64,
-    pub(super) changed: f64,
-    pub(super) now: f64,
+pub struct Pair {
+    /// The weight in the changed study.
+    pub weight: f64,
+    /// Its worth there.
+    pub changed: f64,
+    /// Its worth in the present one.
+    pub now: f64,
 }
 
 /// The interval of the weighted mean of `changed` less the mean of `now`.
@@ -17,7 +20,7 @@ pub(super) struct Pair {
 /// is that with four points more, of which two are gained and two are lost: otherwise few points that all agree would have
 /// an interval without width (after Agresti and Coull 1998, "Approximate is better than exact", The American Statistician
 /// 52, who add so many to a share). Student's limit counts as many points as the weights leave.
-pub(super) fn interval(pairs: &[Pair], confidence: f64) -> [f64; 2] {
+pub fn interval(pairs: &[Pair], confidence: f64) -> [f64; 2] {
     const ADDED: f64 = 4.0;
     let n = pairs.len() as f64;
     let sum = |of: &dyn Fn(&Pair) -> f64| pairs.iter().map(of).sum::<f64>();
@@ -92,8 +95,8 @@ mod tests {
             (200, 0.5, 0.5),
             (1000, 0.0, 0.02),
         ] {
-            let found = coverage(n, nominal, tolerance);
-            assert!(found > 0.935, "{n} {nominal} {tolerance}: {found}");
+            let held = coverage(n, nominal, tolerance);
+            assert!(held > 0.935, "{n} {nominal} {tolerance}: {held}");
         }
     }
 

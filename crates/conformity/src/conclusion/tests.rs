@@ -1,5 +1,5 @@
 use super::*;
-use conformity::looks::History;
+use crate::looks::History;
 
 fn statement(accepted: u64) -> Statement {
     Statement {

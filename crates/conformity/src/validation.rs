@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::judge::Criterion;
+use crate::measured::Measured;
 
 /// The comparison for one criterion, in its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,15 +52,15 @@ impl Default for Numerical {
 }
 
 impl Comparison {
-    /// The comparison of a criterion, given mean and standard deviation of the model's value over the points. None where
+    /// The comparison with a measured value, given mean and standard deviation of the model's value over the points. None where
     /// one of its numbers would be beyond all numbers.
     pub fn new(
-        criterion: &Criterion,
+        measured: &Measured,
         [mean, deviation]: [f64; 2],
         numerical: Numerical,
     ) -> Option<Self> {
         const COVERAGE: f64 = 2.0;
-        let u_d = criterion.uncertainty.map(|u| u.standard());
+        let u_d = measured.uncertainty.map(|u| u.standard());
         let known = [
             ("numerical", numerical.standard),
             ("input", Some(deviation)),
@@ -68,7 +68,7 @@ impl Comparison {
         ];
         // Squares of large numbers would be beyond all numbers.
         let u_val = known.iter().filter_map(|(_, u)| *u).fold(0.0, f64::hypot);
-        let error = mean - criterion.nominal;
+        let error = mean - measured.nominal;
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)
@@ -175,7 +175,7 @@ impl Numerical {
 
 /// Mean and variance of numbers that come one by one (Welford 1962, Technometrics 4).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Spread {
+pub struct Spread {
     count: f64,
     mean: f64,
     squares: f64,
@@ -189,7 +189,8 @@ const LARGE: f64 = 1e150;
 const UNIT: f64 = f64::from_bits((1023 + 600) << 52);
 
 impl Spread {
-    pub(super) fn add(&mut self, value: f64) {
+    /// Takes one more number.
+    pub fn add(&mut self, value: f64) {
         if !self.large && value.abs() > LARGE {
             self.large = true;
             self.mean /= UNIT;
@@ -203,7 +204,7 @@ impl Spread {
     }
 
     /// Mean and standard deviation, of two numbers or more.
-    pub(super) fn result(&self) -> Option<[f64; 2]> {
+    pub fn result(&self) -> Option<[f64; 2]> {
         let deviation = (self.squares / (self.count - 1.0)).sqrt();
         let unit = if self.large { UNIT } else { 1.0 };
         (self.count > 1.0).then_some([unit * self.mean, unit * deviation])
@@ -213,22 +214,16 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use conformity::measured::Uncertainty;
-    use sampling::statistics::Statistic;
+    use crate::measured::Uncertainty;
 
-    fn criterion(uncertainty: Option<f64>) -> Criterion {
-        Criterion {
-            name: "T".into(),
-            variable: "t".into(),
-            statistic: Statistic::Final,
+    fn measured(uncertainty: Option<f64>) -> Measured {
+        Measured {
             nominal: 82.0,
             tolerance: 0.6,
-            stated_tolerance: "0.6".into(),
             uncertainty: uncertainty.map(|expanded| Uncertainty {
                 expanded,
                 coverage: 2.0,
             }),
-            ..Criterion::default()
         }
     }
 
@@ -238,37 +233,33 @@ mod tests {
             standard: Some(0.4),
             note: String::new(),
         };
-        let found = Comparison::new(&criterion(Some(0.6)), [81.0, 1.2], numerical).unwrap();
+        let told = Comparison::new(&measured(Some(0.6)), [81.0, 1.2], numerical).unwrap();
         // 0.4, 1.2 and 0.3 make 1.3.
-        assert!((found.u_val - 1.3).abs() < 1e-12 && found.complete);
+        assert!((told.u_val - 1.3).abs() < 1e-12 && told.complete);
         assert!(
-            (found.model_error[0] + 3.6).abs() < 1e-12
-                && (found.model_error[1] - 1.6).abs() < 1e-12
+            (told.model_error[0] + 3.6).abs() < 1e-12 && (told.model_error[1] - 1.6).abs() < 1e-12
         );
-        assert_eq!(found.dominant, "input");
+        assert_eq!(told.dominant, "input");
     }
 
     #[test]
     fn what_is_not_known_is_not_0() {
-        let found = Comparison::new(&criterion(None), [81.0, 1.2], Numerical::default());
-        let found = found.unwrap();
-        assert_eq!(
-            (found.u_num, found.u_d, found.complete),
-            (None, None, false)
-        );
-        assert_eq!(found.u_num_note, "not observed");
-        assert_eq!(found.u_val, 1.2);
+        let told = Comparison::new(&measured(None), [81.0, 1.2], Numerical::default());
+        let told = told.unwrap();
+        assert_eq!((told.u_num, told.u_d, told.complete), (None, None, false));
+        assert_eq!(told.u_num_note, "not observed");
+        assert_eq!(told.u_val, 1.2);
     }
 
     /// Euler's explicit method on y' = -y has the order 1.
     #[test]
     fn the_error_of_a_known_order_is_found() {
         let euler = |steps: i32| (1.0 - 1.0 / f64::from(steps)).powi(steps);
-        let found = refined([euler(20), euler(40), euler(80)], Refined::Step);
+        let told = refined([euler(20), euler(40), euler(80)], Refined::Step);
         let error = (euler(20) - (-1.0_f64).exp()).abs();
-        let stated = found.standard.unwrap() * 1.15 / 1.25;
+        let stated = told.standard.unwrap() * 1.15 / 1.25;
         assert!((stated / error - 1.0).abs() < 0.03, "{stated} {error}");
-        assert!(found.note.contains("order 1.0"), "{}", found.note);
+        assert!(told.note.contains("order 1.0"), "{}", told.note);
     }
 
     #[test]
@@ -279,28 +270,28 @@ mod tests {
             ([1.0, 1.1, 1.3], "no order"),
             ([1.0, 1.0, 1.1], "no order"),
         ] {
-            let found = refined(values, Refined::Step);
-            assert_eq!(found.standard, None);
-            assert!(found.note.contains(why), "{}", found.note);
+            let told = refined(values, Refined::Step);
+            assert_eq!(told.standard, None);
+            assert!(told.note.contains(why), "{}", told.note);
         }
     }
 
     #[test]
     fn step_and_tolerance_come_together() {
         let of_tolerance = |tol: f64| 5.0 + 3.0 * tol;
-        let found = refined([1e-3, 1e-4, 1e-5].map(of_tolerance), Refined::Tolerance);
-        let stated = found.standard.unwrap();
+        let told = refined([1e-3, 1e-4, 1e-5].map(of_tolerance), Refined::Tolerance);
+        let stated = told.standard.unwrap();
         assert!(
             (stated / (3e-3 * 1.25 / 1.15) - 1.0).abs() < 1e-6,
-            "{found:?}"
+            "{told:?}"
         );
         let step = Numerical {
             standard: Some(stated),
             note: "a".to_owned(),
         };
-        let both = found.clone().and(step).standard.unwrap();
+        let both = told.clone().and(step).standard.unwrap();
         assert!((both / stated - 2.0_f64.sqrt()).abs() < 1e-12);
-        let ignored = refined([1.0; 3], Refined::Step).and(found);
+        let ignored = refined([1.0; 3], Refined::Step).and(told);
         assert_eq!(ignored.standard, Some(stated));
         assert!(
             ignored
@@ -338,7 +329,7 @@ mod tests {
         // Beyond all numbers, there is no comparison.
         let spread = of(&[f64::MAX, -f64::MAX]);
         assert_eq!(
-            Comparison::new(&criterion(None), spread, Numerical::default()),
+            Comparison::new(&measured(None), spread, Numerical::default()),
             None
         );
     }
