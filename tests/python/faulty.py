@@ -171,7 +171,7 @@ FILES = [
     changing("keeps_a_log_in_its_resources", "resources/log.txt"),
     changing("maps_a_file_of_its_resources", "resources/number.txt"),
     changing("removes_a_file_of_its_resources", "resources/number.txt"),
-    changing("replaces_a_file_of_its_resources", "resources/number.txt"),
+    changing("replaces_a_file_of_its_resources", "resources/"),
     changing("removes_its_own_folder", ""),
     changing("cuts_its_own_binary", "binaries/linux64/faulty.so", status=(OK, "crashed")),
     Model("opens_its_resources_for_writing"),

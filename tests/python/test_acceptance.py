@@ -61,8 +61,10 @@ def test_the_loads_of_table_3(tmp_path):
 
 def test_the_papers_rows_are_judged_both_ways():
     text = orchestrator("judge", "studies/paper-table3.toml", TABLE3)
-    verified = [int(line.split()[3]) for line in text.splitlines() if line.startswith("all criteria: verified")]
-    assert verified == [9, 10]
+    words = [line.split() for line in text.splitlines()]
+    verified = [int(line[3]) for line in words if line[:3] == ["all", "criteria:", "verified"]]
+    read_otherwise = [int(line[1]) for line in words if line[:1] == ["absolute-bearing-tolerance"]]
+    assert (verified, read_otherwise) == ([9], [10])
 
 
 @pytest.mark.parametrize("eccentricity, sommerfeld, friction", [
