@@ -1,6 +1,6 @@
 //! The page's counts: how many points pass, and what decides.
 
-use super::judgement::{Decided, Judgement};
+use super::judgement::Judgement;
 use super::overlay::metric_of;
 use super::passes::Passes;
 use crate::document::format::{count, number, percent};
@@ -47,7 +47,7 @@ pub(super) struct Headline {
 impl Headline {
     pub(super) fn new(judgement: &Judgement, total: usize, meets_all: &Fraction) -> Self {
         const USUAL: f64 = 95.0;
-        let Some(decided) = &judgement.decided else {
+        let Some((required, accepted)) = judgement.required() else {
             return Self {
                 count: count(meets_all.count),
                 percent: percent(meets_all.value()),
@@ -57,11 +57,17 @@ impl Headline {
             };
         };
         Self {
-            count: count(decided.accepted),
-            percent: percent(decided.accepted as f64 / total.max(1) as f64),
-            interval: decided.interval.map(|ends| ends.map(percent)),
-            confidence: number(100.0 * decided.confidence, 4),
-            method: Some(decided.method.clone()),
+            count: count(accepted),
+            percent: percent(accepted as f64 / total.max(1) as f64),
+            interval: required.interval.map(|ends| ends.map(percent)),
+            confidence: number(100.0 * required.rule.confidence, 4),
+            method: Some(match required.guard_bands {
+                Some(_) => format!(
+                    "{}, over all guard bands that may be the right one",
+                    required.method
+                ),
+                None => required.method.clone(),
+            }),
         }
     }
 }
@@ -69,11 +75,9 @@ impl Headline {
 /// The share of the accepted points, where a guard band makes them fewer than those within all tolerances, and a note on
 /// the guard band.
 fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Fraction)> {
-    let Decided {
-        accepted, interval, ..
-    } = *judgement.decided.as_ref()?;
+    let (required, accepted) = judgement.required()?;
     // Of nothing accepted without an interval there is no row.
-    let [low, high] = interval?;
+    let [low, high] = required.interval?;
     let band = judgement.guard?;
     let note = if band.is_finite() {
         format!(

@@ -3,42 +3,21 @@
 use std::borrow::Cow;
 
 use crate::results::{Summary, words};
-use conformity::conclusion::Conclusion;
-use conformity::decision::Decision;
+use conformity::conclusion::{Conclusion, Requirement};
 use conformity::measured::Measurement;
-use conformity::risk::Risk;
 use parameter_regions::table::PointTable;
 
 /// The verdict with its risks.
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
-    /// The verdict; where there is none, one point that meets all criteria is enough.
-    pub decision: Option<Decision>,
-    /// The share that decided, where a share of the sampled space is required.
-    pub decided: Option<Decided>,
+    /// The verdict with what it rests on; where there is none, one point that meets all criteria is enough.
+    pub conclusion: Option<Conclusion>,
     /// The guard band in expanded uncertainties, where one acts; infinite where nothing is accepted.
     pub guard: Option<f64>,
     /// The verdict in words, a sentence each.
     pub sentences: Vec<String>,
     /// The measured values with their uncertainties, in the order of the criteria.
     pub measurement: Measurement,
-    /// The risks of all criteria together, where all uncertainties are known.
-    pub all: Option<Risk>,
-}
-
-/// The share of accepted points as the verdict sees it.
-#[derive(Clone, Debug)]
-pub struct Decided {
-    /// The required share.
-    pub required: f64,
-    /// How many points are accepted.
-    pub accepted: usize,
-    /// The interval of their share; none where nothing can be said of it.
-    pub interval: Option<[f64; 2]>,
-    /// The confidence of the interval.
-    pub confidence: f64,
-    /// How it was computed.
-    pub method: String,
 }
 
 impl Judgement {
@@ -49,16 +28,20 @@ impl Judgement {
     pub fn new(summary: &Summary) -> Result<Self, String> {
         let conclusion = summary.conclusion.as_ref();
         Ok(Self {
-            decision: conclusion.map(|found| found.verdict),
-            decided: conclusion.and_then(decided),
-            guard: conclusion.and_then(|found| match found.guard_band {
+            conclusion: conclusion.cloned(),
+            guard: conclusion.and_then(|conclusion| match conclusion.guard_band {
                 Some(0.0) => None,
                 band => Some(band.unwrap_or(f64::INFINITY)),
             }),
             sentences: words::sentences(summary),
             measurement: summary.measurement()?,
-            all: conclusion.and_then(|found| found.risk.clone()),
         })
+    }
+
+    /// The share that decided and how many points are accepted, where a share of the sampled space is required.
+    pub(super) fn required(&self) -> Option<(&Requirement, usize)> {
+        let conclusion = self.conclusion.as_ref()?;
+        Some((conclusion.required.as_ref()?, conclusion.accepted as usize))
     }
 
     /// The table in which those points count as verified that are accepted: under a guard band these are fewer than those
@@ -99,23 +82,6 @@ impl Judgement {
         };
         (0..table.len()).map(of).collect()
     }
-}
-
-fn decided(conclusion: &Conclusion) -> Option<Decided> {
-    let required = conclusion.required.as_ref()?;
-    Some(Decided {
-        required: required.rule.share,
-        accepted: conclusion.accepted as usize,
-        interval: required.interval,
-        confidence: required.rule.confidence,
-        method: match required.guard_bands {
-            Some(_) => format!(
-                "{}, over all guard bands that may be the right one",
-                required.method
-            ),
-            None => required.method.clone(),
-        },
-    })
 }
 
 #[cfg(test)]
@@ -159,8 +125,8 @@ mod tests {
 
     #[test]
     fn points_conform_with_the_probability_of_their_uncertainty() {
-        let found = judgement(Some(2.0)).conformance(&table(&[10.0, 12.0, 20.0, f64::NAN]));
-        let p = found.unwrap();
+        let p = judgement(Some(2.0)).conformance(&table(&[10.0, 12.0, 20.0, f64::NAN]));
+        let p = p.unwrap();
         assert!((p[0] - 0.954_499_7).abs() < 1e-6 && (p[1] - 0.5).abs() < 1e-4);
         assert!(p[2] < 1e-9 && p[3] == 0.0);
         assert_eq!(judgement(None).conformance(&table(&[10.0])), None);

@@ -88,8 +88,8 @@ impl Report {
     /// How many points there are, those included that the table leaves out, and how many of them are accepted.
     fn counts(&self) -> [usize; 2] {
         let Fraction { count, of, .. } = self.passes.verified;
-        let decided = self.judgement.decided.as_ref();
-        [of, decided.map_or(count, |decided| decided.accepted)]
+        let required = self.judgement.required();
+        [of, required.map_or(count, |(_, accepted)| accepted)]
     }
 
     /// The page.

@@ -101,7 +101,7 @@ pub fn render(report: &Report) -> Result<String, ReportError> {
         },
         shown => Serde(Shown::new(decision, judgement, &counted.verified, counted.failed)),
         sentences => Serde(&report.judgement.sentences),
-        by_share => judgement.decided.is_some(),
+        by_share => judgement.required().is_some(),
         guarded => judgement.guard.is_some(),
         n => count(total),
         count => count(counted.verified.count),
@@ -163,7 +163,8 @@ fn decision(report: &Report) -> Decision {
         0 => Decision::NotVerified,
         _ => Decision::Verified,
     };
-    report.judgement.decision.unwrap_or(one_point)
+    let conclusion = report.judgement.conclusion.as_ref();
+    conclusion.map_or(one_point, |conclusion| conclusion.verdict)
 }
 
 /// The plots that are written as files: name and picture.

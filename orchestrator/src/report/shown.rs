@@ -2,7 +2,7 @@
 
 use super::judgement::Judgement;
 use crate::document::format::{count, number, percent};
-use conformity::decision::Decision;
+use conformity::decision::{Decision, Rule};
 use sampling::statistics::share::Fraction;
 use serde::Serialize;
 
@@ -27,8 +27,11 @@ impl Shown {
                 not_shown: "whether the model agrees with the measurement.".to_owned(),
             };
         }
-        match &judgement.decided {
-            Some(_) => by_share(decision, judgement, meets_all.of),
+        match judgement.required() {
+            Some((required, accepted)) => {
+                let counts = [accepted, meets_all.of];
+                by_share(decision, judgement, required.rule, counts)
+            }
             None => by_one_point(judgement, meets_all),
         }
     }
@@ -59,13 +62,13 @@ fn by_one_point(judgement: &Judgement, meets_all: &Fraction) -> Shown {
     }
 }
 
-fn by_share(decision: Decision, judgement: &Judgement, points: usize) -> Shown {
-    let Some(decided) = &judgement.decided else {
-        return by_one_point(judgement, &Fraction::wilson(0, points));
-    };
-    let required = number(100.0 * decided.required, 4);
-    let confidence = number(100.0 * decided.confidence, 4);
-    let accepted = decided.accepted;
+fn by_share(
+    decision: Decision,
+    judgement: &Judgement,
+    rule: Rule,
+    [accepted, points]: [usize; 2],
+) -> Shown {
+    let [required, confidence] = [rule.share, rule.confidence].map(|part| number(100.0 * part, 4));
     let within = match judgement.guard {
         Some(_) => "within the tolerances less the guard bands",
         None => "within the tolerances",
@@ -119,9 +122,9 @@ fn expected(points: f64) -> String {
 
 /// How many of the accepted points are expected not to conform.
 fn doubt(judgement: &Judgement, accepted: usize) -> String {
-    let risk = judgement.all.as_ref();
-    let share = risk.and_then(|risk| risk.not_conforming_given_accepted);
-    match share {
+    let conclusion = judgement.conclusion.as_ref();
+    let risk = conclusion.and_then(|conclusion| conclusion.risk.as_ref());
+    match risk.and_then(|risk| risk.not_conforming_given_accepted) {
         Some(share) if accepted == 1 => format!(
             " The accepted point is outside of the tolerances of the true values with a probability of {} %, since the \
              measured values are uncertain.",
@@ -142,7 +145,7 @@ fn doubt(judgement: &Judgement, accepted: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::judgement::Decided;
+    use conformity::conclusion::{Conclusion, Requirement, RuleName};
     use conformity::risk::Risk;
 
     fn lines(decision: Decision, judgement: &Judgement, hits: usize) -> [String; 2] {
@@ -152,21 +155,39 @@ mod tests {
     }
 
     fn judgement(by_share: bool) -> Judgement {
-        Judgement {
-            decided: by_share.then(|| Decided {
-                required: 0.05,
-                accepted: 7,
-                interval: Some([0.058, 0.267]),
+        let required = Requirement {
+            rule: Rule {
+                share: 0.05,
                 confidence: 0.95,
-                method: String::new(),
-            }),
-            all: Some(Risk {
+            },
+            interval: Some([0.058, 0.267]),
+            method: String::new(),
+            guard_bands: None,
+            looks: 1,
+            points_needed: None,
+            points_needed_going_on: None,
+        };
+        let conclusion = Conclusion {
+            verdict: Decision::Verified,
+            rule: match by_share {
+                true => RuleName::Share,
+                false => RuleName::OnePoint,
+            },
+            verdict_words: String::new(),
+            required: by_share.then_some(required),
+            other_verdict_interval: None,
+            accepted: 7,
+            guard_band: Some(0.0),
+            risk: Some(Risk {
                 consumer: 0.1,
                 producer: 0.1,
                 conformance_probability: 0.3,
                 not_conforming_given_accepted: Some(0.6),
                 intervals: None,
             }),
+        };
+        Judgement {
+            conclusion: Some(conclusion),
             ..Judgement::default()
         }
     }
