@@ -36,7 +36,7 @@ pub struct SliceFamily {
 
 impl SliceFamily {
     /// Prepares a map.
-    pub fn new(map: &MobilityMap) -> Self {
+    pub fn new(map: &MobilityMap<'static>) -> Self {
         Self {
             first: map.width(0).ln(),
             spacing: (map.width(1) / map.width(0)).ln(),

@@ -67,7 +67,7 @@ pub fn exact(
 pub fn generate(
     threads: usize,
     progress: impl Fn(f64) + Sync,
-) -> Result<MobilityMap, NotConverged> {
+) -> Result<MobilityMap<'static>, NotConverged> {
     let mut map = MobilityMap::empty();
     let [widths, us, ss] = map.nodes();
     let mut values = vec![0.0_f32; widths * us * ss * CHANNELS];
@@ -98,12 +98,12 @@ pub fn generate(
         }
         Ok(())
     })?;
-    map.values = values;
+    map.values = values.into_iter().flat_map(f32::to_le_bytes).collect();
     Ok(map)
 }
 
 /// Solves for the nodes of slice `k` and eccentricity ratio `i`.
-fn fill(map: &MobilityMap, k: usize, i: usize, row: &mut [f32]) -> Result<(), NotConverged> {
+fn fill(map: &MobilityMap<'_>, k: usize, i: usize, row: &mut [f32]) -> Result<(), NotConverged> {
     let e = map.point(i, 0).eccentricity();
     let mut station = Station::new(map.width(k), e, CELLS);
     let ss = row.len() / CHANNELS;

@@ -1,12 +1,13 @@
 //! The tabulated mobility and its file format.
 
+use std::borrow::Cow;
 use std::f64::consts::LN_10;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::coordinates::Point;
-use super::table::{CHANNELS, Tabulated};
+use super::table::{CHANNELS, NUMBER, Tabulated, numbers};
 
 /// The committed table, made by [`generate`](super::generate).
 static COMMITTED: &[u8] = include_bytes!("map.bin");
@@ -15,15 +16,17 @@ static COMMITTED: &[u8] = include_bytes!("map.bin");
 ///
 /// Prepare it with [`SliceFamily::new`](super::SliceFamily::new) before looking anything up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MobilityMap {
+pub struct MobilityMap<'a> {
     /// `ln(B/D)` of the first and the last slice.
     widths: [f64; 2],
     /// The largest `u = -ln(1 - e)`; the smallest is 0.
     last_u: f64,
     /// Nodes over `ln(B/D)`, `u` and `s`.
     nodes: [u16; 3],
-    /// By `ln(B/D)`, then `u`, then `s`, then channel.
-    pub(super) values: Vec<f32>,
+    /// Numbers of four bytes, the lowest first; by `ln(B/D)`, then `u`, then `s`, then channel. Borrowed, as a process that
+    /// lives for one simulation needs few of them.
+    #[serde(borrow)]
+    pub(super) values: Cow<'a, [u8]>,
 }
 
 /// The bytes are not a mobility map; the text says why.
@@ -33,14 +36,14 @@ pub struct MobilityMap {
 )]
 pub struct MapError(String);
 
-impl MobilityMap {
+impl MobilityMap<'static> {
     /// A map without values that covers `B/D` from 0.1 to 4 and eccentricity ratios from 0 to 0.9999.
     pub(super) fn empty() -> Self {
         Self {
             widths: [0.1_f64.ln(), 4.0_f64.ln()],
             last_u: 4.0 * LN_10,
             nodes: [13, 41, 33],
-            values: Vec::new(),
+            values: Cow::default(),
         }
     }
 
@@ -52,18 +55,36 @@ impl MobilityMap {
         Self::from_bytes(COMMITTED)
     }
 
+    /// The tabulated slices in the order of `B/D`.
+    pub(super) fn slices(&self) -> Vec<Tabulated> {
+        let [slices, us, ss] = self.nodes();
+        let size = self.values.len() / slices;
+        (0..slices)
+            .map(|k| {
+                let bytes = k * size..(k + 1) * size;
+                let values = match &self.values {
+                    Cow::Borrowed(all) => Cow::Borrowed(&all[bytes]),
+                    Cow::Owned(all) => Cow::Owned(all[bytes].to_vec()),
+                };
+                Tabulated::new(values, us, ss, self.last_u)
+            })
+            .collect()
+    }
+}
+
+impl<'a> MobilityMap<'a> {
     /// Reads a map that [`to_bytes`](Self::to_bytes) wrote.
     ///
     /// # Errors
     /// Returns [`MapError`] when the bytes do not decode, do not fit the stated extent, or hold a value that is not finite.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, MapError> {
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, MapError> {
         let map: Self = postcard::from_bytes(bytes).map_err(|error| MapError(error.to_string()))?;
         let count: usize = map.nodes.iter().map(|&n| usize::from(n)).product();
         let ordered = map.widths[0] < map.widths[1] && map.last_u > 0.0;
-        if map.nodes.iter().any(|&n| n < 4) || map.values.len() != count * CHANNELS || !ordered {
+        if map.nodes.iter().any(|&n| n < 4) || map.values.len() != count * CHANNELS * NUMBER || !ordered {
             return Err(MapError("its extent does not fit its values".to_owned()));
         }
-        if map.values.iter().any(|value| !value.is_finite()) {
+        if numbers(&map.values).any(|value| !value.is_finite()) {
             return Err(MapError("a value is not finite".to_owned()));
         }
         Ok(map)
@@ -75,15 +96,6 @@ impl MobilityMap {
     /// Returns [`MapError`] when serialisation fails, which does not happen for a map in memory.
     pub fn to_bytes(&self) -> Result<Vec<u8>, MapError> {
         postcard::to_stdvec(self).map_err(|error| MapError(error.to_string()))
-    }
-
-    /// The tabulated slices in the order of `B/D`.
-    pub(super) fn slices(&self) -> Vec<Tabulated> {
-        let [_, us, ss] = self.nodes();
-        self.values
-            .chunks_exact(us * ss * CHANNELS)
-            .map(|values| Tabulated::new(values, us, ss, self.last_u))
-            .collect()
     }
 
     /// `B/D` of slice `k`.

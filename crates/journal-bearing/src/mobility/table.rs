@@ -1,5 +1,7 @@
 //! The tabulated quantities at one `B/D`, with the slopes that bicubic interpolation needs.
 
+use std::borrow::Cow;
+
 use super::spline::{End, Spline};
 
 /// Quantities per node: `ln |M|`, the angle by which `M` leads the load (rad), `ln` of the largest pressure over
@@ -18,6 +20,17 @@ pub type Node = [[f64; CHANNELS]; 4];
 pub const VALUE: usize = 0;
 pub const MOBILITY: usize = 0;
 
+/// Bytes of a tabulated number.
+pub const NUMBER: usize = size_of::<f32>();
+
+/// The numbers that a map's bytes hold.
+pub fn numbers(bytes: &[u8]) -> impl Iterator<Item = f64> {
+    let (numbers, _) = bytes.as_chunks();
+    numbers
+        .iter()
+        .map(|&bytes| f64::from(f32::from_le_bytes(bytes)))
+}
+
 /// The evenly spaced nodes over `u` and `s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
@@ -35,18 +48,18 @@ pub struct Lattice {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     pub lattice: Lattice,
-    /// By `u`, then `s`, then channel.
-    values: Vec<f64>,
+    /// By `u`, then `s`, then channel, as the map holds them.
+    values: Cow<'static, [u8]>,
     /// Their slopes over `u`, per node spacing.
     over_u: Vec<f64>,
 }
 
 impl Tabulated {
     /// Makes the table from `us * ss` node values, ordered by `u`, then `s`, then channel; `u` ends at `last_u`.
-    pub fn new(values: &[f32], us: usize, ss: usize, last_u: f64) -> Self {
-        let values: Vec<f64> = values.iter().map(|&value| f64::from(value)).collect();
-        let mut over_u = vec![0.0; values.len()];
-        Spline::new(us, [End::Free; 2]).slopes_of_many(ss * CHANNELS, &values, &mut over_u);
+    pub fn new(values: Cow<'static, [u8]>, us: usize, ss: usize, last_u: f64) -> Self {
+        let mut over_u = vec![0.0; values.len() / NUMBER];
+        let all: Vec<f64> = numbers(&values).collect();
+        Spline::new(us, [End::Free; 2]).slopes_of_many(ss * CHANNELS, &all, &mut over_u);
         let last = (us - 1) as f64;
         let lattice = Lattice {
             ss,
@@ -64,13 +77,11 @@ impl Tabulated {
     /// The nodes of row `i`: one `u`, all `s`. `along` has the splines over `s`.
     pub fn row(&self, i: usize, along: &[Spline; CHANNELS]) -> Vec<Node> {
         let ss = self.lattice.ss;
-        let row = i * ss * CHANNELS..(i + 1) * ss * CHANNELS;
+        let (first, last) = (i * ss * CHANNELS, (i + 1) * ss * CHANNELS);
+        let values: Vec<f64> = numbers(&self.values[first * NUMBER..last * NUMBER]).collect();
         let mut nodes = vec![Node::default(); ss];
         let (mut line, mut slopes) = (vec![0.0; ss], vec![0.0; ss]);
-        for (kind, all) in [&self.values[row.clone()], &self.over_u[row]]
-            .into_iter()
-            .enumerate()
-        {
+        for (kind, all) in [&values, &self.over_u[first..last]].into_iter().enumerate() {
             for (channel, spline) in along.iter().enumerate() {
                 for (value, at) in line.iter_mut().zip(all.chunks_exact(CHANNELS)) {
                     *value = at[channel];
