@@ -81,7 +81,10 @@ impl<'a> MobilityMap<'a> {
         let map: Self = postcard::from_bytes(bytes).map_err(|error| MapError(error.to_string()))?;
         let count: usize = map.nodes.iter().map(|&n| usize::from(n)).product();
         let ordered = map.widths[0] < map.widths[1] && map.last_u > 0.0;
-        if map.nodes.iter().any(|&n| n < 4) || map.values.len() != count * CHANNELS * NUMBER || !ordered {
+        if map.nodes.iter().any(|&n| n < 4)
+            || map.values.len() != count * CHANNELS * NUMBER
+            || !ordered
+        {
             return Err(MapError("its extent does not fit its values".to_owned()));
         }
         if numbers(&map.values).any(|value| !value.is_finite()) {
