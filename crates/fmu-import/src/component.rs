@@ -51,69 +51,90 @@ impl Common {
     }
 }
 
-/// A component, called by the functions that every version has.
+/// A component, with the functions that every version has and the importer's side of its calls.
 #[derive(Debug)]
 pub(crate) struct Base {
     pub(crate) component: Component,
     pub(crate) common: Common,
-}
-
-impl Component {
-    /// Calls a function of nothing but the component.
-    pub(crate) fn plain(self, caller: &mut Caller, function: Function<Plain>) -> Result<(), Call> {
-        let code = function.get()?;
-        // SAFETY: the component is alive.
-        let status = caller.call(|| unsafe { code(self) });
-        caller.check(function.name, status)
-    }
+    pub(crate) caller: Caller,
 }
 
 impl Base {
-    pub(crate) fn exit_initialization_mode(&self, caller: &mut Caller) -> Result<(), Call> {
-        self.component
-            .plain(caller, self.common.exit_initialization_mode)
+    /// Lets the FMU tell its errors and warnings, where it has categories for them. What it answers does not matter:
+    /// without it there are fewer messages. `log` gets the number of categories and their names.
+    pub(crate) fn hear<F: Copy>(
+        &mut self,
+        categories: &[String],
+        function: Function<F>,
+        log: impl FnOnce(F, Component, usize, *const *const c_char) -> c_int,
+    ) {
+        let Ok(code) = function.get() else { return };
+        let texts: Vec<CString> = categories.iter().map(|text| c_string(text)).collect();
+        let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+        if !pointers.is_empty() {
+            let of = self.component;
+            self.caller
+                .call(|| log(code, of, pointers.len(), pointers.as_ptr()));
+        }
     }
 
-    pub(crate) fn reset(&self, caller: &mut Caller) -> Result<(), Call> {
-        self.component.plain(caller, self.common.reset)
+    /// Calls a function of the component in its own floating-point mode, and judges what it returns.
+    #[inline(always)]
+    pub(crate) fn call<F: Copy>(
+        &mut self,
+        function: Function<F>,
+        call: impl FnOnce(F, Component) -> c_int,
+    ) -> Result<(), Call> {
+        let (code, component) = (function.get()?, self.component);
+        let status = self.caller.call(|| call(code, component));
+        self.caller.check(function.name, status)
+    }
+
+    /// Calls a function of nothing but the component.
+    pub(crate) fn plain(&mut self, function: Function<Plain>) -> Result<(), Call> {
+        // SAFETY: the component is alive.
+        self.call(function, |call, component| unsafe { call(component) })
+    }
+
+    pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), Call> {
+        self.plain(self.common.exit_initialization_mode)
+    }
+
+    pub(crate) fn reset(&mut self) -> Result<(), Call> {
+        self.plain(self.common.reset)
     }
 
     /// Ends the simulation; nothing is done where the FMU has no function for that.
-    pub(crate) fn terminate(&self, caller: &mut Caller) -> Result<(), Call> {
+    pub(crate) fn terminate(&mut self) -> Result<(), Call> {
         match self.common.terminate {
-            terminate if terminate.is_there() => self.component.plain(caller, terminate),
+            terminate if terminate.is_there() => self.plain(terminate),
             _ => Ok(()),
         }
     }
 
-    pub(crate) fn save(&self, caller: &mut Caller) -> Option<Saved> {
-        let function = self.common.get_state;
-        let get = function.get().ok().filter(|_| self.common.saves)?;
+    pub(crate) fn save(&mut self) -> Option<Saved> {
         let mut state = Saved(ptr::null_mut());
+        let get = Some(self.common.get_state).filter(|_| self.common.saves)?;
         // SAFETY: the component is alive, and the state is a valid place to write to.
-        let status = caller.call(|| unsafe { get(self.component, &raw mut state) });
-        caller.check(function.name, status).ok()?;
-        Some(state)
+        let saved = self.call(get, |get, of| unsafe { get(of, &raw mut state) });
+        saved.ok().map(|()| state)
     }
 
-    pub(crate) fn restore(&self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
-        let set = self.common.set_state.get()?;
+    pub(crate) fn restore(&mut self, state: Saved) -> Result<(), Call> {
         // SAFETY: the component is alive, and the state is one of its own.
-        let status = caller.call(|| unsafe { set(self.component, state) });
-        caller.check(self.common.set_state.name, status)
+        self.call(self.common.set_state, |set, of| unsafe { set(of, state) })
     }
 
-    pub(crate) fn forget(&self, caller: &mut Caller, mut state: Saved) -> Result<(), Call> {
-        let free = self.common.free_state.get()?;
+    pub(crate) fn forget(&mut self, mut state: Saved) -> Result<(), Call> {
+        let free = self.common.free_state;
         // SAFETY: the component is alive, and the state is one of its own, used no more.
-        let status = caller.call(|| unsafe { free(self.component, &raw mut state) });
-        caller.check(self.common.free_state.name, status)
+        self.call(free, |free, of| unsafe { free(of, &raw mut state) })
     }
 
-    pub(crate) fn free(&self, caller: &mut Caller) {
+    pub(crate) fn free(&mut self) {
         if let Ok(free) = self.common.free_instance.get() {
             // SAFETY: the component is alive and never used again.
-            caller.call(|| unsafe { free(self.component) });
+            self.caller.call(|| unsafe { free(self.component) });
         }
     }
 }
@@ -122,11 +143,4 @@ impl Base {
 pub(crate) fn c_string(text: &str) -> CString {
     let end = text.find('\0').unwrap_or(text.len());
     CString::new(&text[..end]).expect("the text ends before its first zero byte")
-}
-
-/// C strings, and the pointers to them.
-pub(crate) fn c_strings(texts: &[String]) -> (Vec<CString>, Vec<*const c_char>) {
-    let texts: Vec<CString> = texts.iter().map(|text| c_string(text)).collect();
-    let pointers = texts.iter().map(|text| text.as_ptr()).collect();
-    (texts, pointers)
 }

@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::call::{Call, Warnings};
-use crate::caller::Caller;
 use crate::library::Library;
 use crate::simulation::{Batch, Experiment, Simulation};
 use crate::value::{Handle, Value};
@@ -15,7 +14,6 @@ pub struct Instance {
     /// Unlike that of every other instance of this process: a state says with it whose it is.
     pub(crate) number: u64,
     library: Arc<Library>,
-    pub(crate) caller: Caller,
     pub(crate) simulation: Box<dyn Simulation>,
 }
 
@@ -25,36 +23,34 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses.
     pub fn new(library: &Arc<Library>, name: &str) -> Result<Self, Call> {
-        let mut caller = Caller::new(library.mode);
-        let simulation = library.instantiate(&mut caller, name)?;
+        let simulation = library.instantiate(name)?;
         static CREATED: AtomicU64 = AtomicU64::new(0);
         Ok(Self {
             number: CREATED.fetch_add(1, Ordering::Relaxed),
             library: Arc::clone(library),
-            caller,
             simulation,
         })
     }
 
     /// Whether the FMU is unusable after `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
     pub fn is_dead(&self) -> bool {
-        self.caller.dead
+        self.simulation.base().caller.dead
     }
 
     /// The warnings since the instance was created or reset, or since they were
     /// [forgotten](Self::forget_warnings).
     pub fn warnings(&self) -> Warnings {
-        self.caller.log.warnings()
+        self.simulation.base().caller.log.warnings()
     }
 
     /// Counts warnings from zero again.
     pub fn forget_warnings(&mut self) {
-        self.caller.log.forget_warnings();
+        self.simulation.base().caller.log.forget_warnings();
     }
 
     /// How many messages the FMU has passed to the logger with an environment that is not its own.
     pub fn strays(&self) -> u64 {
-        self.caller.log.strays()
+        self.simulation.base().caller.log.strays()
     }
 
     /// Announces the experiment: start and stop time in s, and the relative tolerance.
@@ -72,7 +68,7 @@ impl Instance {
             stop,
             tolerance,
         };
-        self.simulation.set_up(&mut self.caller, experiment)
+        self.simulation.set_up(experiment)
     }
 
     /// Enters and leaves initialisation mode.
@@ -80,7 +76,7 @@ impl Instance {
     /// # Errors
     /// When the FMU cannot be initialised.
     pub fn initialise(&mut self) -> Result<(), Call> {
-        self.simulation.initialise(&mut self.caller, &[])
+        self.simulation.initialise(&[])
     }
 
     /// Reads real variables, by the references of their [handles](crate::Variable::handle).
@@ -92,7 +88,7 @@ impl Instance {
     /// When there are not as many places as references.
     #[inline(never)]
     pub fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
-        self.simulation.reals(&mut self.caller, references, into)
+        self.simulation.reals(references, into)
     }
 
     /// Reads a variable of any kind.
@@ -100,7 +96,7 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses.
     pub fn value(&mut self, handle: Handle) -> Result<Value, Call> {
-        self.simulation.value(&mut self.caller, handle)
+        self.simulation.value(handle)
     }
 
     /// Lets an input vary linearly over the next step.
@@ -109,7 +105,7 @@ impl Instance {
     /// When the FMU refuses, or cannot.
     pub fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
         let simulation = &mut self.simulation;
-        simulation.set_slope(&mut self.caller, reference, slope)
+        simulation.set_slope(reference, slope)
     }
 
     /// Writes one variable, by the reference of its [handle](crate::Variable::handle).
@@ -117,7 +113,7 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses, and when the value does not fit the variable's type.
     pub fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
-        self.simulation.set(&mut self.caller, reference, value)
+        self.simulation.set(reference, value)
     }
 
     /// Lets `step` seconds pass from `time`.
@@ -127,7 +123,7 @@ impl Instance {
     /// when, and the instance holds its last values.
     #[inline(never)]
     pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
-        self.simulation.step(&mut self.caller, time, step)
+        self.simulation.step(time, step)
     }
 
     /// Lets several steps pass, one after another, and reads real variables after each: `times` says when the steps
@@ -157,7 +153,7 @@ impl Instance {
             references,
             rows,
         };
-        self.simulation.steps(&mut self.caller, batch)
+        self.simulation.steps(batch)
     }
 
     /// Takes the instance back to where it was after its creation.
@@ -165,10 +161,10 @@ impl Instance {
     /// # Errors
     /// When the FMU cannot; then a new instance is needed.
     pub fn reset(&mut self) -> Result<(), Call> {
-        self.caller.log.clear();
-        let reset = self.simulation.reset(&mut self.caller);
+        self.simulation.base().caller.log.clear();
+        let reset = self.simulation.reset();
         // As after its creation.
-        self.caller.mode = self.library.mode;
+        self.simulation.base_mut().caller.mode = self.library.mode;
         reset
     }
 
@@ -177,17 +173,17 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses. What was computed before holds all the same.
     pub fn terminate(&mut self) -> Result<(), Call> {
-        if self.caller.dead {
+        if self.simulation.base().caller.dead {
             return Ok(());
         }
-        self.simulation.base().terminate(&mut self.caller)
+        self.simulation.base_mut().terminate()
     }
 }
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if !self.caller.dead {
-            self.simulation.base().free(&mut self.caller);
+        if !self.simulation.base().caller.dead {
+            self.simulation.base_mut().free();
         }
     }
 }

@@ -125,12 +125,8 @@ impl Library {
     }
 
     /// Creates a component.
-    pub(crate) fn instantiate(
-        &self,
-        caller: &mut Caller,
-        name: &str,
-    ) -> Result<Box<dyn Simulation>, Call> {
-        let (birth, common) = (&self.birth, self.common);
+    pub(crate) fn instantiate(&self, name: &str) -> Result<Box<dyn Simulation>, Call> {
+        let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
         let model: Box<dyn Simulation> = match &self.functions {
             Functions::Two(functions) => {
                 Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?)

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use crate::call::Call;
 use crate::caller::Caller;
-use crate::component::Base;
+use crate::component::{Base, Common};
 use crate::description::Interface;
-use crate::symbols::Saved;
+use crate::symbols::{Component, Saved};
 use crate::value::{Handle, Value};
 
 /// The experiment that is announced to an FMU.
@@ -37,10 +37,24 @@ pub(crate) struct Birth {
 }
 
 impl Birth {
-    /// Why there is no component: what the FMU says, or else the likely cause.
-    pub(crate) fn refused(&self, caller: &Caller, function: &'static str) -> Call {
-        let message = caller.log.last();
-        Call::impossible(function, message.unwrap_or_else(|| self.likely_cause()))
+    /// What `function` has created. Where that is nothing, the FMU says why, or else the likely cause.
+    pub(crate) fn base(
+        &self,
+        component: Component,
+        common: Common,
+        caller: Caller,
+        function: &'static str,
+    ) -> Result<Base, Call> {
+        if component.0.is_null() {
+            let message = caller.log.last();
+            let why = message.unwrap_or_else(|| self.likely_cause());
+            return Err(Call::impossible(function, why));
+        }
+        Ok(Base {
+            component,
+            common,
+            caller,
+        })
     }
 
     fn likely_cause(&self) -> String {
@@ -82,35 +96,30 @@ impl Batch<'_> {
 }
 
 /// A component of a binary, called by the functions of its version. [`Instance`](crate::Instance) documents the
-/// methods; the caller keeps what the calls of every version share.
+/// methods.
 ///
 /// A reference is that of a [`Handle`]: in FMI 2.0 the value reference, in FMI 3.0 the number of an element.
 pub(crate) trait Simulation: Debug + Send {
     /// Announces the experiment.
-    fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call>;
+    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call>;
     /// Enters initialisation mode, sets these inputs, and leaves it.
-    fn initialise(&mut self, caller: &mut Caller, inputs: &[(u32, Value)]) -> Result<(), Call>;
+    fn initialise(&mut self, inputs: &[(u32, Value)]) -> Result<(), Call>;
     /// Reads real variables, as many as there are references and places.
-    fn reals(
-        &mut self,
-        caller: &mut Caller,
-        references: &[u32],
-        into: &mut [f64],
-    ) -> Result<(), Call>;
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call>;
     /// Reads a variable of any kind.
-    fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call>;
+    fn value(&mut self, handle: Handle) -> Result<Value, Call>;
     /// Writes one variable.
-    fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call>;
+    fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call>;
     /// Lets an input vary linearly over the next step.
-    fn set_slope(&mut self, caller: &mut Caller, reference: u32, slope: f64) -> Result<(), Call>;
+    fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call>;
     /// Lets time pass, s.
-    fn step(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<(), Call>;
+    fn step(&mut self, time: f64, step: f64) -> Result<(), Call>;
     /// Lets several steps pass and reads after each; how many were taken and read, and why not all.
-    fn steps(&mut self, caller: &mut Caller, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
+    fn steps(&mut self, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
         for (taken, (&time, &size)) in batch.times.iter().zip(batch.sizes).enumerate() {
-            let mut outcome = self.step(caller, time, size);
+            let mut outcome = self.step(time, size);
             if outcome.is_ok() && !batch.references.is_empty() {
-                outcome = self.reals(caller, batch.references, batch.row(taken));
+                outcome = self.reals(batch.references, batch.row(taken));
             }
             if outcome.is_err() {
                 return (taken, outcome);
@@ -120,20 +129,22 @@ pub(crate) trait Simulation: Debug + Send {
     }
     /// The component with what every version can do.
     fn base(&self) -> &Base;
+    /// The same, for calls.
+    fn base_mut(&mut self) -> &mut Base;
     /// Goes back to the state after the creation.
-    fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
-        self.base().reset(caller)
+    fn reset(&mut self) -> Result<(), Call> {
+        self.base_mut().reset()
     }
     /// Keeps the present state; `None` where the FMU cannot.
-    fn save(&mut self, caller: &mut Caller) -> Option<Saved> {
-        self.base().save(caller)
+    fn save(&mut self) -> Option<Saved> {
+        self.base_mut().save()
     }
     /// Goes back to a state, which must be one of this component's own.
-    fn restore(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
-        self.base().restore(caller, state)
+    fn restore(&mut self, state: Saved) -> Result<(), Call> {
+        self.base_mut().restore(state)
     }
     /// Frees such a state, which is used no more.
-    fn forget(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
-        self.base().forget(caller, state)
+    fn forget(&mut self, state: Saved) -> Result<(), Call> {
+        self.base_mut().forget(state)
     }
 }

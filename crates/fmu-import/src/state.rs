@@ -35,13 +35,13 @@ pub enum StateError {
 impl Instance {
     /// Keeps the present state of the FMU; `None` where the FMU cannot.
     pub fn save(&mut self) -> Option<State> {
-        if self.caller.dead {
+        if self.simulation.base().caller.dead {
             return None;
         }
         Some(State {
             owner: self.number,
-            state: self.simulation.save(&mut self.caller)?,
-            mode: self.caller.mode,
+            state: self.simulation.save()?,
+            mode: self.simulation.base().caller.mode,
         })
     }
 
@@ -52,9 +52,9 @@ impl Instance {
     /// is needed.
     pub fn restore(&mut self, state: &State) -> Result<(), StateError> {
         self.owns(state)?;
-        self.caller.log.clear();
-        let restored = self.simulation.restore(&mut self.caller, state.state);
-        self.caller.mode = state.mode;
+        self.simulation.base().caller.log.clear();
+        let restored = self.simulation.restore(state.state);
+        self.simulation.base_mut().caller.mode = state.mode;
         Ok(restored?)
     }
 
@@ -64,14 +64,14 @@ impl Instance {
     /// When the state is not one of this instance; nothing has been freed then.
     pub fn forget(&mut self, state: State) -> Result<(), StateError> {
         self.owns(&state)?;
-        Ok(self.simulation.forget(&mut self.caller, state.state)?)
+        Ok(self.simulation.forget(state.state)?)
     }
 
     fn owns(&self, state: &State) -> Result<(), StateError> {
         if state.owner != self.number {
             return Err(StateError::OfAnother);
         }
-        if self.caller.dead {
+        if self.simulation.base().caller.dead {
             return Err(StateError::Dead);
         }
         Ok(())

@@ -2,25 +2,24 @@
 
 use std::ffi::c_int;
 
-use crate::call::Call;
-use crate::caller::Caller;
+use crate::call::{Call, Status};
 use crate::description::ExchangeSizes;
+use crate::simulation::Simulation;
 use crate::symbols::{Component, Function, LibraryError, Plain, Symbols};
+use crate::value::Value;
 use crate::version::Version;
 
 type Read = unsafe extern "C" fn(Component, *mut f64, usize) -> c_int;
 type Write = unsafe extern "C" fn(Component, *const f64, usize) -> c_int;
+type SetTime = unsafe extern "C" fn(Component, f64) -> c_int;
 type Count = unsafe extern "C" fn(Component, *mut usize) -> c_int;
 
 /// The struct `fmi2EventInfo`.
 #[repr(C)]
 #[derive(Debug, Default)]
 struct EventInfo {
-    again: c_int,
-    ends: c_int,
-    nominals: c_int,
-    states: c_int,
-    next_is_defined: c_int,
+    /// In the order of [`Update`], the last one whether the next event is known.
+    flags: [c_int; 5],
     next: f64,
 }
 
@@ -49,7 +48,7 @@ enum Special {
 pub(crate) struct Functions {
     enter_event_mode: Function<Plain>,
     enter_continuous_time_mode: Function<Plain>,
-    set_time: Function<unsafe extern "C" fn(Component, f64) -> c_int>,
+    set_time: Function<SetTime>,
     set_continuous_states: Function<Write>,
     get_derivatives: Function<Read>,
     get_event_indicators: Function<Read>,
@@ -110,16 +109,28 @@ pub(super) struct Update {
     pub(super) next: Option<f64>,
 }
 
-/// The equations of a component.
+/// The FMU as the integrator sees it.
 #[derive(Debug)]
-pub(super) struct Equations {
-    pub(super) component: Component,
+pub(super) struct Plant {
+    /// The component, by which variables are read and written.
+    pub(super) model: Box<dyn Simulation>,
     pub(super) functions: Functions,
     /// The declarations in a description of FMI 2.0.
     pub(super) declared: ExchangeSizes,
+    pub(super) ramps: Vec<Ramp>,
 }
 
-impl Equations {
+/// An input that varies linearly.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ramp {
+    pub(super) reference: u32,
+    /// Its value at a time, s, and its rate.
+    pub(super) value: f64,
+    pub(super) from: f64,
+    pub(super) slope: f64,
+}
+
+impl Plant {
     /// The function under which the integrator's own failures are told, by which a user finds them in the standard.
     pub(super) fn step(&self) -> &'static str {
         match self.functions.special {
@@ -128,166 +139,172 @@ impl Equations {
         }
     }
 
-    #[inline(never)]
-    fn read(
-        &self,
-        caller: &mut Caller,
-        function: Function<Read>,
-        into: &mut [f64],
-    ) -> Result<(), Call> {
-        let (code, place, count) = (function.get()?, into.as_mut_ptr(), into.len());
-        // SAFETY: the component is alive, and there is room for as many numbers as stated.
-        let status = caller.call(|| unsafe { code(self.component, place, count) });
-        caller.check(function.name, status)
+    /// A failure of the integration itself.
+    pub(super) fn failed(&self, why: String) -> Call {
+        Call::impossible(self.step(), why)
     }
 
-    fn count(&self, caller: &mut Caller, function: Function<Count>) -> Result<usize, Call> {
-        let (code, mut count) = (function.get()?, 0);
+    #[inline(never)]
+    fn read(&mut self, function: Function<Read>, into: &mut [f64]) -> Result<(), Call> {
+        let (place, count) = (into.as_mut_ptr(), into.len());
+        // SAFETY: the component is alive, and there is room for as many numbers as stated.
+        let read = |read: Read, of| unsafe { read(of, place, count) };
+        self.model.base_mut().call(function, read)
+    }
+
+    fn count(&mut self, function: Function<Count>) -> Result<usize, Call> {
+        let mut count = 0;
         // SAFETY: the component is alive, and the count is a valid place to write to.
-        let status = caller.call(|| unsafe { code(self.component, &raw mut count) });
-        caller.check(function.name, status)?;
+        let get = |get: Count, of| unsafe { get(of, &raw mut count) };
+        self.model.base_mut().call(function, get)?;
         Ok(count)
     }
 
     /// How many states and event indicators there are.
-    pub(super) fn sizes(&self, caller: &mut Caller) -> Result<[usize; 2], Call> {
+    pub(super) fn sizes(&mut self) -> Result<[usize; 2], Call> {
         match self.functions.special {
             Special::Two { .. } => Ok([self.declared.states, self.declared.indicators]),
             Special::Three {
                 count_states,
                 count_indicators,
                 ..
-            } => Ok([
-                self.count(caller, count_states)?,
-                self.count(caller, count_indicators)?,
-            ]),
+            } => Ok([self.count(count_states)?, self.count(count_indicators)?]),
         }
     }
 
-    /// Sets the time, s.
-    #[inline(never)]
-    pub(super) fn set_time(&self, caller: &mut Caller, time: f64) -> Result<(), Call> {
-        let (function, set) = (self.functions.set_time, self.functions.set_time.get()?);
-        // SAFETY: the component is alive.
-        let status = caller.call(|| unsafe { set(self.component, time) });
-        caller.check(function.name, status)
+    /// Takes the FMU to a time and states, with the inputs that vary linearly.
+    pub(super) fn place(&mut self, time: f64, states: &[f64]) -> Result<(), Call> {
+        self.set_time(time)?;
+        if !states.is_empty() {
+            self.set_states(states)?;
+        }
+        for ramp in &self.ramps {
+            let value = Value::Real(ramp.value + ramp.slope * (time - ramp.from));
+            self.model.set(ramp.reference, &value)?;
+        }
+        Ok(())
     }
 
-    /// Sets the states.
     #[inline(never)]
-    pub(super) fn set_states(&self, caller: &mut Caller, states: &[f64]) -> Result<(), Call> {
+    fn set_time(&mut self, time: f64) -> Result<(), Call> {
+        let function = self.functions.set_time;
+        // SAFETY: the component is alive.
+        let set = |set: SetTime, of| unsafe { set(of, time) };
+        self.model.base_mut().call(function, set)
+    }
+
+    #[inline(never)]
+    fn set_states(&mut self, states: &[f64]) -> Result<(), Call> {
+        let (place, count) = (states.as_ptr(), states.len());
         let function = self.functions.set_continuous_states;
-        let (set, place, count) = (function.get()?, states.as_ptr(), states.len());
         // SAFETY: the component is alive, and there are as many states as stated.
-        let status = caller.call(|| unsafe { set(self.component, place, count) });
-        caller.check(function.name, status)
+        let set = |set: Write, of| unsafe { set(of, place, count) };
+        self.model.base_mut().call(function, set)
     }
 
     /// Reads the states.
-    pub(super) fn states(&self, caller: &mut Caller, into: &mut [f64]) -> Result<(), Call> {
-        self.read(caller, self.functions.get_continuous_states, into)
+    pub(super) fn states(&mut self, into: &mut [f64]) -> Result<(), Call> {
+        self.read(self.functions.get_continuous_states, into)
     }
 
     /// Reads the typical magnitudes of the states: 1 where the FMU does not tell them.
-    pub(super) fn nominals(&self, caller: &mut Caller, into: &mut [f64]) -> Result<(), Call> {
+    pub(super) fn nominals(&mut self, into: &mut [f64]) -> Result<(), Call> {
         let get = self.functions.get_nominals;
         if get.is_there() {
-            return self.read(caller, get, into);
+            return self.read(get, into);
         }
         into.fill(1.0);
         Ok(())
     }
 
-    /// Computes the rates of the states.
-    pub(super) fn rates(&self, caller: &mut Caller, into: &mut [f64]) -> Result<(), Call> {
-        self.read(caller, self.functions.get_derivatives, into)
+    /// The rates at a time and states; whether the FMU computes them there.
+    pub(super) fn rates_at(
+        &mut self,
+        time: f64,
+        states: &[f64],
+        into: &mut [f64],
+    ) -> Result<bool, Call> {
+        let placed = self.place(time, states);
+        match placed.and_then(|()| self.read(self.functions.get_derivatives, into)) {
+            Ok(()) => Ok(true),
+            Err(call) if call.status == Status::Discard => Ok(false),
+            Err(call) => Err(call),
+        }
     }
 
-    /// Computes the event indicators.
-    pub(super) fn indicators(&self, caller: &mut Caller, into: &mut [f64]) -> Result<(), Call> {
-        self.read(caller, self.functions.get_event_indicators, into)
+    /// Computes the event indicators, where there are any.
+    pub(super) fn indicators(&mut self, into: &mut [f64]) -> Result<(), Call> {
+        match into {
+            [] => Ok(()),
+            into => self.read(self.functions.get_event_indicators, into),
+        }
     }
 
     /// Says that a step is done. Whether the FMU wants an event, and whether it ends the simulation.
-    pub(super) fn completed(&self, caller: &mut Caller) -> Result<[bool; 2], Call> {
-        let (status, told) = match self.functions.special {
+    pub(super) fn completed(&mut self) -> Result<[bool; 2], Call> {
+        let base = self.model.base_mut();
+        match self.functions.special {
             Special::Two { completed, .. } => {
-                let wanted = completed.get().ok();
-                let Some(code) = wanted.filter(|_| !self.declared.completed_not_needed) else {
+                if !completed.is_there() || self.declared.completed_not_needed {
                     return Ok([false; 2]);
-                };
-                let (mut event, mut ends): (c_int, c_int) = (0, 0);
+                }
+                let (mut event, mut ends) = (0, 0);
                 // SAFETY: the component is alive, and both places are valid.
-                let status = caller
-                    .call(|| unsafe { code(self.component, 1, &raw mut event, &raw mut ends) });
-                (status, [event != 0, ends != 0])
+                base.call(completed, |completed, of| unsafe {
+                    completed(of, 1, &raw mut event, &raw mut ends)
+                })?;
+                Ok([event, ends].map(|flag| flag != 0))
             }
             Special::Three { completed, .. } => {
-                let (code, mut event, mut ends) = (completed.get()?, 0, 0);
+                let (mut event, mut ends) = (0, 0);
                 // SAFETY: the component is alive, and both places are valid.
-                let status = caller
-                    .call(|| unsafe { code(self.component, true, &raw mut event, &raw mut ends) });
-                (status, [event != 0, ends != 0])
+                base.call(completed, |completed, of| unsafe {
+                    completed(of, true, &raw mut event, &raw mut ends)
+                })?;
+                Ok([event, ends].map(|flag| flag != 0))
             }
-        };
-        caller.check(self.step(), status)?;
-        Ok(told)
+        }
     }
 
     /// Enters event mode.
-    pub(super) fn enter_events(&self, caller: &mut Caller) -> Result<(), Call> {
-        self.component
-            .plain(caller, self.functions.enter_event_mode)
+    pub(super) fn enter_events(&mut self) -> Result<(), Call> {
+        self.model.base_mut().plain(self.functions.enter_event_mode)
     }
 
     /// Leaves event mode.
-    pub(super) fn leave_events(&self, caller: &mut Caller) -> Result<(), Call> {
-        self.component
-            .plain(caller, self.functions.enter_continuous_time_mode)
+    pub(super) fn leave_events(&mut self) -> Result<(), Call> {
+        let leave = self.functions.enter_continuous_time_mode;
+        self.model.base_mut().plain(leave)
     }
 
     /// Makes a round of events.
-    pub(super) fn update(&self, caller: &mut Caller) -> Result<Update, Call> {
-        match self.functions.special {
+    pub(super) fn update(&mut self) -> Result<Update, Call> {
+        let base = self.model.base_mut();
+        let (flags, next) = match self.functions.special {
             Special::Two { update, .. } => {
-                let (code, mut info) = (update.get()?, EventInfo::default());
+                let mut info = EventInfo::default();
                 // SAFETY: the component is alive, and the struct is a valid place to write to.
-                let status = caller.call(|| unsafe { code(self.component, &raw mut info) });
-                caller.check(update.name, status)?;
-                Ok(Update {
-                    again: info.again != 0,
-                    ends: info.ends != 0,
-                    nominals: info.nominals != 0,
-                    states: info.states != 0,
-                    next: (info.next_is_defined != 0).then_some(info.next),
-                })
+                base.call(update, |update, of| unsafe { update(of, &raw mut info) })?;
+                let EventInfo { flags, next } = info;
+                (flags.map(|flag| flag != 0), next)
             }
             Special::Three { update, .. } => {
-                let (code, mut flags, mut next) = (update.get()?, [0; 5], 0.0);
+                let (mut flags, mut next) = ([0; 5], 0.0);
                 let [again, ends, nominals, states, known] = &mut flags;
                 // SAFETY: the component is alive, and the six places are valid.
-                let status = caller.call(|| unsafe {
-                    let component = self.component;
-                    code(
-                        component,
-                        again,
-                        ends,
-                        nominals,
-                        states,
-                        known,
-                        &raw mut next,
-                    )
-                });
-                caller.check(update.name, status)?;
-                let [again, ends, nominals, states, known] = flags.map(|flag| flag != 0);
-                Ok(Update {
-                    again,
-                    ends,
-                    nominals,
-                    states,
-                    next: known.then_some(next),
-                })
+                base.call(update, |update, of| unsafe {
+                    update(of, again, ends, nominals, states, known, &raw mut next)
+                })?;
+                (flags.map(|flag| flag != 0), next)
             }
-        }
+        };
+        let [again, ends, nominals, states, known] = flags;
+        Ok(Update {
+            again,
+            ends,
+            nominals,
+            states,
+            next: known.then_some(next),
+        })
     }
 }

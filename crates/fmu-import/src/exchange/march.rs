@@ -3,10 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::equations::{Equations, Functions};
+use super::equations::{Functions, Plant};
 use super::rosenbrock::Rosenbrock;
 use crate::call::{Call, End, Status};
-use crate::caller::Caller;
 use crate::description::ExchangeSizes;
 use crate::simulation::{Experiment, Simulation};
 use crate::value::{Handle, Value};
@@ -31,61 +30,6 @@ pub(super) enum Mode {
     Continuous,
 }
 
-/// An input that varies linearly.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ramp {
-    pub(super) reference: u32,
-    /// Its value at a time, s, and its rate.
-    pub(super) value: f64,
-    pub(super) from: f64,
-    pub(super) slope: f64,
-}
-
-/// The FMU as the integrator sees it.
-#[derive(Debug)]
-pub(super) struct Plant {
-    /// The component, by which variables are read and written.
-    pub(super) model: Box<dyn Simulation>,
-    pub(super) equations: Equations,
-    pub(super) ramps: Vec<Ramp>,
-}
-
-impl Plant {
-    /// Takes the FMU to a time and states, with the inputs that vary linearly.
-    fn place(&mut self, caller: &mut Caller, time: f64, states: &[f64]) -> Result<(), Call> {
-        self.equations.set_time(caller, time)?;
-        if !states.is_empty() {
-            self.equations.set_states(caller, states)?;
-        }
-        for ramp in &self.ramps {
-            let value = Value::Real(ramp.value + ramp.slope * (time - ramp.from));
-            self.model.set(caller, ramp.reference, &value)?;
-        }
-        Ok(())
-    }
-
-    /// The rates at a time and states; whether the FMU computes them there.
-    fn rates_at(
-        &mut self,
-        caller: &mut Caller,
-        time: f64,
-        states: &[f64],
-        into: &mut [f64],
-    ) -> Result<bool, Call> {
-        let placed = self.place(caller, time, states);
-        match placed.and_then(|()| self.equations.rates(caller, into)) {
-            Ok(()) => Ok(true),
-            Err(call) if call.status == Status::Discard => Ok(false),
-            Err(call) => Err(call),
-        }
-    }
-
-    /// A failure of the integration itself.
-    fn failed(&self, why: String) -> Call {
-        Call::impossible(self.equations.step(), why)
-    }
-}
-
 /// A simulation of an FMU for Model Exchange.
 #[derive(Debug)]
 pub(crate) struct Exchange {
@@ -108,12 +52,9 @@ impl Exchange {
     ) -> Self {
         Self {
             plant: Plant {
-                equations: Equations {
-                    component: model.base().component,
-                    functions,
-                    declared,
-                },
                 model,
+                functions,
+                declared,
                 ramps: Vec::new(),
             },
             inputs,
@@ -125,10 +66,12 @@ impl Exchange {
 }
 
 /// The integrator's state.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct March {
+    /// An FMU refuses times after its stop.
+    experiment: Experiment,
     method: Rosenbrock,
-    time: f64,
+    pub(super) time: f64,
     states: Vec<f64>,
     nominals: Vec<f64>,
     /// The event indicators at the present time.
@@ -137,36 +80,18 @@ pub(super) struct March {
     step: f64,
     /// The next event that is known beforehand, s.
     next: Option<f64>,
-    tolerance: f64,
-    /// When the simulation ends, s: an FMU refuses later times.
-    stop: f64,
     /// Whether the FMU has ended the simulation.
     ended: bool,
 }
 
-impl Default for March {
-    fn default() -> Self {
-        Self {
-            method: Rosenbrock::default(),
-            time: 0.0,
-            states: Vec::new(),
-            nominals: Vec::new(),
-            indicators: Vec::new(),
-            step: 0.0,
-            next: None,
-            tolerance: TOLERANCE,
-            stop: f64::INFINITY,
-            ended: false,
-        }
-    }
-}
-
 impl March {
-    /// Begins an experiment.
-    pub(super) fn begin(&mut self, experiment: Experiment) {
-        self.time = experiment.start;
-        self.stop = experiment.stop;
-        self.tolerance = experiment.tolerance.unwrap_or(TOLERANCE);
+    /// At the beginning of an experiment.
+    pub(super) fn new(experiment: Experiment) -> Self {
+        Self {
+            time: experiment.start,
+            experiment,
+            ..Self::default()
+        }
     }
 
     /// Makes room for so many states and event indicators.
@@ -177,16 +102,12 @@ impl March {
         self.indicators = vec![0.0; indicators];
     }
 
-    /// The present time, s.
-    pub(super) fn time(&self) -> f64 {
-        self.time
-    }
-
     /// The error allowed in each state.
     fn allowed(&self) -> Vec<f64> {
+        let tolerance = self.experiment.tolerance.unwrap_or(TOLERANCE);
         let states = self.states.iter().zip(&self.nominals);
         states
-            .map(|(state, nominal)| self.tolerance * state.abs().max(*nominal))
+            .map(|(state, nominal)| tolerance * state.abs().max(*nominal))
             .collect()
     }
 }
@@ -212,7 +133,7 @@ struct Taken {
 
 impl Exchange {
     /// Follows the equations from one communication point to another, s.
-    pub(super) fn advance(&mut self, caller: &mut Caller, from: f64, to: f64) -> Result<(), Call> {
+    pub(super) fn advance(&mut self, from: f64, to: f64) -> Result<(), Call> {
         // By rounding, the last step may have ended a little later; time never goes back for an FMU.
         let reached = self.march.time;
         self.march.time = if are_near(reached, from) {
@@ -222,13 +143,12 @@ impl Exchange {
         };
         let mut events = 0;
         if self.mode == Mode::Events {
-            self.settle(caller)?;
+            self.settle()?;
         } else {
             // An input may have taken an indicator to its other side.
-            let (now, states) = (self.march.time, self.march.states.clone());
-            self.plant.place(caller, now, &states)?;
-            if self.has_crossed(caller)? {
-                self.events(caller)?;
+            self.plant.place(self.march.time, &self.march.states)?;
+            if self.has_crossed()? {
+                self.events()?;
             }
         }
         while self.march.time < self.goal(to) && !self.march.ended {
@@ -237,10 +157,10 @@ impl Exchange {
             let is_due = |time: f64| next.is_some_and(|next| next <= time);
             let mut event = is_due(self.march.time);
             if !event {
-                event = self.stride(caller, next.unwrap_or(to))? || is_due(self.march.time);
+                event = self.stride(next.unwrap_or(to))? || is_due(self.march.time);
             }
             if event && !self.march.ended {
-                self.events(caller)?;
+                self.events()?;
                 events += 1;
             }
             if events > MOST_EVENTS {
@@ -252,12 +172,12 @@ impl Exchange {
         // An event at the communication point itself belongs to it.
         let due = self.march.next.is_some_and(|next| next <= self.goal(to));
         if due && !self.march.ended {
-            self.events(caller)?;
+            self.events()?;
         }
         if self.march.ended {
             let at = self.march.time;
             return Err(Call {
-                function: self.plant.equations.step(),
+                function: self.plant.step(),
                 status: Status::Discard,
                 message: Some("the FMU wants no further step".to_owned()),
                 ended: Some(End { from, at }),
@@ -268,7 +188,7 @@ impl Exchange {
 
     /// The end of a step to a time, s: the next event or the stop where the two differ by rounding only.
     fn goal(&self, to: f64) -> f64 {
-        let stop = self.march.stop;
+        let stop = self.march.experiment.stop;
         let near = |next: &f64| are_near(*next, to) && *next <= stop;
         match self.march.next.filter(near) {
             Some(next) => next,
@@ -278,34 +198,32 @@ impl Exchange {
     }
 
     /// Whether an indicator is on another side than it was.
-    fn has_crossed(&mut self, caller: &mut Caller) -> Result<bool, Call> {
-        if self.march.indicators.is_empty() {
-            return Ok(false);
-        }
+    fn has_crossed(&mut self) -> Result<bool, Call> {
         let mut now = vec![0.0; self.march.indicators.len()];
-        self.plant.equations.indicators(caller, &mut now)?;
+        self.plant.indicators(&mut now)?;
         Ok(crossed(&self.march.indicators, &now))
     }
 
     /// Handles the events of the present time.
-    fn events(&mut self, caller: &mut Caller) -> Result<(), Call> {
-        self.plant.equations.enter_events(caller)?;
+    fn events(&mut self) -> Result<(), Call> {
+        self.plant.enter_events()?;
         self.mode = Mode::Events;
-        self.settle(caller)?;
-        Ok(())
+        self.settle()
     }
 
-    /// Makes rounds of events until nothing changes, and leaves event mode. Whether the FMU ends the simulation.
-    pub(super) fn settle(&mut self, caller: &mut Caller) -> Result<bool, Call> {
-        let (mut states, mut nominals) = (self.mode_is_first(), self.mode_is_first());
+    /// Makes rounds of events until nothing changes, and leaves event mode, unless the FMU ends the simulation.
+    pub(super) fn settle(&mut self) -> Result<(), Call> {
+        // At first no states have been read.
+        let is_first = self.march.step == 0.0;
+        let (mut states, mut nominals) = (is_first, is_first);
         for round in 0.. {
-            let update = self.plant.equations.update(caller)?;
+            let update = self.plant.update()?;
             states |= update.states;
             nominals |= update.nominals;
             self.march.next = update.next;
             if update.ends {
                 self.march.ended = true;
-                return Ok(true);
+                return Ok(());
             }
             if !update.again {
                 break;
@@ -317,17 +235,15 @@ impl Exchange {
                 )));
             }
         }
-        self.plant.equations.leave_events(caller)?;
+        self.plant.leave_events()?;
         self.mode = Mode::Continuous;
-        if self.march.states.is_empty() {
-            nominals = false;
-        } else if states {
-            let march = &mut self.march;
-            self.plant.equations.states(caller, &mut march.states)?;
+        let march = &mut self.march;
+        let has_states = !march.states.is_empty();
+        if has_states && states {
+            self.plant.states(&mut march.states)?;
         }
-        if nominals {
-            let march = &mut self.march;
-            self.plant.equations.nominals(caller, &mut march.nominals)?;
+        if has_states && nominals {
+            self.plant.nominals(&mut march.nominals)?;
             for nominal in &mut march.nominals {
                 *nominal = match nominal.abs() {
                     size if size > 0.0 && size.is_finite() => size,
@@ -335,27 +251,16 @@ impl Exchange {
                 };
             }
         }
-        if !self.march.indicators.is_empty() {
-            let march = &mut self.march;
-            self.plant
-                .equations
-                .indicators(caller, &mut march.indicators)?;
-        }
-        Ok(false)
-    }
-
-    /// Whether no states have been read yet.
-    fn mode_is_first(&self) -> bool {
-        self.march.step == 0.0
+        self.plant.indicators(&mut march.indicators)
     }
 
     /// Takes one step towards a time, s. Whether an event is to be handled at its end.
-    fn stride(&mut self, caller: &mut Caller, to: f64) -> Result<bool, Call> {
+    fn stride(&mut self, to: f64) -> Result<bool, Call> {
         let Taken {
             length,
             states,
             crossed,
-        } = self.taken(caller, to)?;
+        } = self.taken(to)?;
         let march = &mut self.march;
         march.time = if length == to - march.time {
             to
@@ -363,28 +268,24 @@ impl Exchange {
             march.time + length
         };
         march.states = states;
-        let (time, states) = (march.time, march.states.clone());
-        self.plant.place(caller, time, &states)?;
-        let [event, ends] = self.plant.equations.completed(caller)?;
-        self.march.ended |= ends;
-        if !crossed && !event && !self.march.indicators.is_empty() {
-            let march = &mut self.march;
-            self.plant
-                .equations
-                .indicators(caller, &mut march.indicators)?;
+        self.plant.place(march.time, &march.states)?;
+        let [event, ends] = self.plant.completed()?;
+        march.ended |= ends;
+        if !crossed && !event {
+            self.plant.indicators(&mut march.indicators)?;
         }
         Ok(crossed || event)
     }
 
     /// Finds a step whose error is allowed, and cuts it where an event indicator changes its side.
-    fn taken(&mut self, caller: &mut Caller, to: f64) -> Result<Taken, Call> {
+    fn taken(&mut self, to: f64) -> Result<Taken, Call> {
         let time = self.march.time;
         let left = to - time;
         let least = 8.0 * f64::EPSILON * time.abs().max(to.abs());
         if self.march.step <= 0.0 {
             self.march.step = left;
         }
-        self.linearise(caller, to)?;
+        self.linearise(to)?;
         let allowed = self.march.allowed();
         let mut end = vec![0.0; self.march.states.len()];
         for _ in 0..MOST_TRIES {
@@ -397,14 +298,14 @@ impl Exchange {
             } else {
                 step
             };
-            let error = self.attempt(caller, h, &allowed, &mut end)?;
+            let error = self.attempt(h, &allowed, &mut end)?;
             let fits = error.is_some_and(|error| error <= 1.0);
             let factor = error.map_or(0.1, |error| 0.9 * error.max(1e-10).powf(-0.25));
             let next = h * factor.clamp(0.1, 5.0);
             if fits {
                 // A step cut short by its end says nothing against the longer one.
                 self.march.step = if h < step { next.max(step) } else { next };
-                return self.cut(caller, h, &allowed, end);
+                return self.cut(h, &allowed, end);
             }
             self.march.step = next.min(0.9 * h);
             if self.march.step < least && h < left {
@@ -419,16 +320,10 @@ impl Exchange {
     }
 
     /// Cuts a step at the first moment, to the resolution of time, after which an indicator has changed its side.
-    fn cut(
-        &mut self,
-        caller: &mut Caller,
-        length: f64,
-        allowed: &[f64],
-        states: Vec<f64>,
-    ) -> Result<Taken, Call> {
+    fn cut(&mut self, length: f64, allowed: &[f64], states: Vec<f64>) -> Result<Taken, Call> {
         let mut taken = Taken {
             length,
-            crossed: self.crosses(caller, length, &states)?,
+            crossed: self.crosses(length, &states)?,
             states,
         };
         if !taken.crossed {
@@ -442,8 +337,8 @@ impl Exchange {
             if h <= before || h >= after {
                 break;
             }
-            let known = self.attempt(caller, h, allowed, &mut trial)?;
-            if known.is_some() && !self.crosses(caller, h, &trial)? {
+            let known = self.attempt(h, allowed, &mut trial)?;
+            if known.is_some() && !self.crosses(h, &trial)? {
                 before = h;
             } else if known.is_some() {
                 after = h;
@@ -457,19 +352,19 @@ impl Exchange {
     }
 
     /// Whether an indicator has changed its side after a step.
-    fn crosses(&mut self, caller: &mut Caller, h: f64, states: &[f64]) -> Result<bool, Call> {
+    fn crosses(&mut self, h: f64, states: &[f64]) -> Result<bool, Call> {
         if self.march.indicators.is_empty() {
             return Ok(false);
         }
-        self.plant.place(caller, self.march.time + h, states)?;
-        self.has_crossed(caller)
+        self.plant.place(self.march.time + h, states)?;
+        self.has_crossed()
     }
 
     /// Linearises at the present time; no rates are asked for after `to`, s.
-    fn linearise(&mut self, caller: &mut Caller, to: f64) -> Result<(), Call> {
+    fn linearise(&mut self, to: f64) -> Result<(), Call> {
         let Self { plant, march, .. } = self;
         let (time, ahead) = (march.time, march.step.min(to - march.time));
-        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(caller, t, x, into);
+        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
         let method = &mut march.method;
         let computed = method.linearise(&mut rates, time, &march.states, &march.nominals, ahead)?;
         let why = match method.unfit() {
@@ -484,15 +379,9 @@ impl Exchange {
         Err(plant.failed(why))
     }
 
-    fn attempt(
-        &mut self,
-        caller: &mut Caller,
-        h: f64,
-        allowed: &[f64],
-        end: &mut [f64],
-    ) -> Result<Option<f64>, Call> {
+    fn attempt(&mut self, h: f64, allowed: &[f64], end: &mut [f64]) -> Result<Option<f64>, Call> {
         let Self { plant, march, .. } = self;
-        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(caller, t, x, into);
+        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
         let method = &mut march.method;
         method.attempt(&mut rates, march.time, &march.states, h, allowed, end)
     }

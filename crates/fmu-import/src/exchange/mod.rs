@@ -10,55 +10,54 @@ mod march;
 mod rosenbrock;
 
 use crate::call::Call;
-use crate::caller::Caller;
 use crate::component::Base;
 use crate::simulation::{Experiment, Simulation};
 use crate::symbols::Saved;
 use crate::value::{Handle, Value};
 pub(crate) use equations::Functions;
+use equations::Ramp;
 pub(crate) use march::Exchange;
-use march::{March, Mode, Ramp};
+use march::{March, Mode};
 
 impl Simulation for Exchange {
     fn base(&self) -> &Base {
         self.plant.model.base()
     }
 
-    fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call> {
-        self.march.begin(experiment);
+    fn base_mut(&mut self) -> &mut Base {
+        self.plant.model.base_mut()
+    }
+
+    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
+        self.march = March::new(experiment);
         // The tolerance is this solver's. FMUs of Dymola warn at every point when they are told one.
         let told = Experiment {
             tolerance: None,
             ..experiment
         };
-        self.plant.model.set_up(caller, told)
+        self.plant.model.set_up(told)
     }
 
-    fn initialise(&mut self, caller: &mut Caller, _: &[(u32, Value)]) -> Result<(), Call> {
+    fn initialise(&mut self, _: &[(u32, Value)]) -> Result<(), Call> {
         let waiting = std::mem::take(&mut self.waiting);
-        self.plant.model.initialise(caller, &waiting)?;
+        self.plant.model.initialise(&waiting)?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;
-        let sizes = self.plant.equations.sizes(caller)?;
+        let sizes = self.plant.sizes()?;
         self.march.size(sizes);
         // An end before the first step is told by that step.
-        self.settle(caller).map(drop)
+        self.settle()
     }
 
-    fn reals(
-        &mut self,
-        caller: &mut Caller,
-        references: &[u32],
-        into: &mut [f64],
-    ) -> Result<(), Call> {
-        self.plant.model.reals(caller, references, into)
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+        self.plant.model.reals(references, into)
     }
 
-    fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call> {
-        self.plant.model.value(caller, handle)
+    fn value(&mut self, handle: Handle) -> Result<Value, Call> {
+        self.plant.model.value(handle)
     }
 
-    fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
+    fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
         self.plant.ramps.retain(|ramp| ramp.reference != reference);
         let content = value.content();
         let is_continuous = self.inputs.get(&Handle { reference, content });
@@ -69,39 +68,39 @@ impl Simulation for Exchange {
         }
         // All but continuous inputs change by an event.
         if self.mode == Mode::Continuous && is_continuous != Some(&true) {
-            self.plant.equations.enter_events(caller)?;
+            self.plant.enter_events()?;
             self.mode = Mode::Events;
         }
-        self.plant.model.set(caller, reference, value)
+        self.plant.model.set(reference, value)
     }
 
-    fn set_slope(&mut self, caller: &mut Caller, reference: u32, slope: f64) -> Result<(), Call> {
+    fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
         let mut value = [0.0];
-        self.plant.model.reals(caller, &[reference], &mut value)?;
+        self.plant.model.reals(&[reference], &mut value)?;
         self.plant.ramps.retain(|ramp| ramp.reference != reference);
         self.plant.ramps.push(Ramp {
             reference,
             value: value[0],
-            from: self.march.time(),
+            from: self.march.time,
             slope,
         });
         Ok(())
     }
 
-    fn step(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<(), Call> {
-        self.advance(caller, time, time + step)
+    fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+        self.advance(time, time + step)
     }
 
-    fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
+    fn reset(&mut self) -> Result<(), Call> {
         self.mode = Mode::New;
         self.plant.ramps.clear();
         self.waiting.clear();
         self.march = March::default();
-        self.plant.model.reset(caller)
+        self.plant.model.reset()
     }
 
     /// The integrator has a state, too, which no state of the FMU holds: instances are made anew instead.
-    fn save(&mut self, _: &mut Caller) -> Option<Saved> {
+    fn save(&mut self) -> Option<Saved> {
         None
     }
 }

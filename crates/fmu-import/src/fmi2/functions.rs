@@ -6,13 +6,13 @@ use crate::description::Interface;
 use crate::logger::Callbacks;
 use crate::symbols::{self, Component, Function, LibraryError, Plain, Symbols, Text};
 
-type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
-type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
+pub(super) type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
+pub(super) type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
 /// `fmi2SetRealInputDerivatives`.
 type SetSlopes =
     unsafe extern "C" fn(Component, *const u32, usize, *const c_int, *const f64) -> c_int;
 /// `fmi2GetStatus` and those like it.
-type GetStatus<T> = unsafe extern "C" fn(Component, c_int, *mut T) -> c_int;
+pub(super) type GetStatus<T> = unsafe extern "C" fn(Component, c_int, *mut T) -> c_int;
 
 /// To read and write variables of one type.
 pub(super) type Access<T> = symbols::Access<Get<T>, Set<T>>;

@@ -3,10 +3,10 @@
 use std::ffi::{CStr, c_int};
 use std::ptr;
 
-use super::functions::{Access, Functions};
+use super::functions::{Access, Functions, Get, Set};
 use crate::call::Call;
 use crate::caller::Caller;
-use crate::component::{Base, Common, c_string, c_strings};
+use crate::component::{Base, Common, c_string};
 use crate::description::Interface;
 use crate::simulation::{Batch, Birth, Experiment, Simulation};
 use crate::value::{Content, Handle, Value};
@@ -24,7 +24,7 @@ impl Model {
         functions: Functions,
         common: Common,
         birth: &Birth,
-        caller: &mut Caller,
+        mut caller: Caller,
         name: &str,
     ) -> Result<Self, Call> {
         let [name, guid, resources] = [name, &birth.guid, &birth.resources].map(c_string);
@@ -45,52 +45,33 @@ impl Model {
                 0,
             )
         });
-        if component.0.is_null() {
-            return Err(birth.refused(caller, functions.instantiate.name));
-        }
-        let base = Base { component, common };
-        // The FMU tells its errors and warnings, where it has categories for them.
-        if let Ok(log) = functions.set_debug_logging.get()
-            && !birth.categories.is_empty()
-        {
-            let (_texts, categories) = c_strings(&birth.categories);
-            // SAFETY: the array holds as many valid strings as stated. What it returns does not
-            // matter: without it there are fewer messages.
-            caller.call(|| unsafe { log(component, 1, categories.len(), categories.as_ptr()) });
-        }
+        let mut base = birth.base(component, common, caller, functions.instantiate.name)?;
+        let function = functions.set_debug_logging;
+        // SAFETY: the array holds as many valid strings as stated.
+        base.hear(
+            &birth.categories,
+            function,
+            |log, of, count, texts| unsafe { log(of, 1, count, texts) },
+        );
         Ok(Self { base, functions })
     }
 
     /// Reads one variable.
-    fn get<T: Copy>(
-        &self,
-        caller: &mut Caller,
-        reference: u32,
-        access: Access<T>,
-        blank: T,
-    ) -> Result<T, Call> {
-        let (get, component) = (access.get.get()?, self.base.component);
+    fn get<T: Copy>(&mut self, reference: u32, access: Access<T>, blank: T) -> Result<T, Call> {
         let mut value = blank;
+        let (reference, place) = (&raw const reference, &raw mut value);
         // SAFETY: both pointers are to one element.
-        let status =
-            caller.call(|| unsafe { get(component, &raw const reference, 1, &raw mut value) });
-        caller.check(access.get.name, status)?;
+        let call = |get: Get<T>, of| unsafe { get(of, reference, 1, place) };
+        self.base.call(access.get, call)?;
         Ok(value)
     }
 
     /// Writes one variable.
-    fn put<T>(
-        &self,
-        caller: &mut Caller,
-        reference: u32,
-        access: Access<T>,
-        value: T,
-    ) -> Result<(), Call> {
-        let (set, component) = (access.set.get()?, self.base.component);
+    fn put<T>(&mut self, reference: u32, access: Access<T>, value: T) -> Result<(), Call> {
+        let (reference, value) = (&raw const reference, &raw const value);
         // SAFETY: both pointers are to one element.
-        let status =
-            caller.call(|| unsafe { set(component, &raw const reference, 1, &raw const value) });
-        caller.check(access.set.name, status)
+        let call = |set: Set<T>, of| unsafe { set(of, reference, 1, value) };
+        self.base.call(access.set, call)
     }
 }
 
@@ -99,55 +80,51 @@ impl Simulation for Model {
         &self.base
     }
 
-    fn set_up(&mut self, caller: &mut Caller, experiment: Experiment) -> Result<(), Call> {
+    fn base_mut(&mut self) -> &mut Base {
+        &mut self.base
+    }
+
+    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
         let Experiment {
             start,
             stop,
             tolerance,
         } = experiment;
-        let function = self.functions.setup_experiment;
-        let (set_up, component) = (function.get()?, self.base.component);
         let (known, tolerance) = (tolerance.is_some().into(), tolerance.unwrap_or(0.0));
+        let function = self.functions.setup_experiment;
         // SAFETY: the component is alive.
-        let status = caller.call(|| unsafe { set_up(component, known, tolerance, start, 1, stop) });
-        caller.check(function.name, status)
+        self.base.call(function, |set_up, of| unsafe {
+            set_up(of, known, tolerance, start, 1, stop)
+        })
     }
 
-    fn initialise(&mut self, caller: &mut Caller, inputs: &[(u32, Value)]) -> Result<(), Call> {
-        self.base
-            .component
-            .plain(caller, self.functions.enter_initialization_mode)?;
+    fn initialise(&mut self, inputs: &[(u32, Value)]) -> Result<(), Call> {
+        self.base.plain(self.functions.enter_initialization_mode)?;
         for (reference, value) in inputs {
-            self.set(caller, *reference, value)?;
+            self.set(*reference, value)?;
         }
-        self.base.exit_initialization_mode(caller)
+        self.base.exit_initialization_mode()
     }
 
     #[inline(never)]
-    fn reals(
-        &mut self,
-        caller: &mut Caller,
-        references: &[u32],
-        into: &mut [f64],
-    ) -> Result<(), Call> {
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
         let count = references.len();
         assert_eq!(count, into.len(), "a place for each reference");
-        let function = self.functions.real.get;
-        let (get, component) = (function.get()?, self.base.component);
         let (references, into) = (references.as_ptr(), into.as_mut_ptr());
+        let get = self.functions.real.get;
         // SAFETY: both arrays hold `count` elements.
-        let status = caller.call(|| unsafe { get(component, references, count, into) });
-        caller.check(function.name, status)
+        self.base
+            .call(get, |get, of| unsafe { get(of, references, count, into) })
     }
 
-    fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call> {
-        let (of, functions) = (handle.reference, &self.functions);
+    fn value(&mut self, handle: Handle) -> Result<Value, Call> {
+        let (of, functions) = (handle.reference, self.functions);
         Ok(match handle.content {
-            Content::Real => Value::Real(self.get(caller, of, functions.real, 0.0)?),
-            Content::Integer => Value::Integer(self.get(caller, of, functions.integer, 0)?.into()),
-            Content::Boolean => Value::Boolean(self.get(caller, of, functions.boolean, 0)? != 0),
+            Content::Real => Value::Real(self.get(of, functions.real, 0.0)?),
+            Content::Integer => Value::Integer(self.get(of, functions.integer, 0)?.into()),
+            Content::Boolean => Value::Boolean(self.get(of, functions.boolean, 0)? != 0),
             Content::Text => {
-                let text = self.get(caller, of, functions.string, ptr::null())?;
+                let text = self.get(of, functions.string, ptr::null())?;
                 Value::String(if text.is_null() {
                     String::new()
                 } else {
@@ -159,48 +136,49 @@ impl Simulation for Model {
         })
     }
 
-    fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
-        let functions = &self.functions;
+    fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
+        let functions = self.functions;
         match value {
-            Value::Real(value) => self.put(caller, reference, functions.real, *value),
+            Value::Real(value) => self.put(reference, functions.real, *value),
             Value::Integer(value) => {
                 let value = c_int::try_from(*value).map_err(|_| {
                     let why = format!("{value} is no whole number of 32 bits");
                     Call::impossible(functions.integer.set.name, why)
                 })?;
-                self.put(caller, reference, functions.integer, value)
+                self.put(reference, functions.integer, value)
             }
-            Value::Boolean(value) => {
-                self.put(caller, reference, functions.boolean, c_int::from(*value))
-            }
+            Value::Boolean(value) => self.put(reference, functions.boolean, c_int::from(*value)),
             Value::String(value) => {
                 let text = c_string(value);
-                self.put(caller, reference, functions.string, text.as_ptr())
+                self.put(reference, functions.string, text.as_ptr())
             }
         }
     }
 
-    fn set_slope(&mut self, caller: &mut Caller, reference: u32, slope: f64) -> Result<(), Call> {
-        let function = self.functions.set_slopes;
-        let (set, component) = (function.get()?, self.base.component);
+    fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
         let (reference, slope) = (&raw const reference, &raw const slope);
+        let function = self.functions.set_slopes;
         // SAFETY: all three pointers are to one element.
-        let status = caller.call(|| unsafe { set(component, reference, 1, &1, slope) });
-        caller.check(function.name, status)
+        self.base.call(function, |set, of| unsafe {
+            set(of, reference, 1, &1, slope)
+        })
     }
 
     #[inline(never)]
-    fn step(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<(), Call> {
+    fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
         let (do_step, component) = (self.functions.do_step.get()?, self.base.component);
         // SAFETY: the component is alive.
-        let status = caller.call(|| unsafe { do_step(component, time, step, 1) });
+        let status = self
+            .base
+            .caller
+            .call(|| unsafe { do_step(component, time, step, 1) });
         if status == 0 {
             return Ok(());
         }
-        self.slow_step(caller, status, time, step)
+        self.slow_step(status, time, step)
     }
 
-    fn steps(&mut self, caller: &mut Caller, batch: Batch<'_>) -> (usize, Result<(), Call>) {
-        self.take(caller, batch)
+    fn steps(&mut self, batch: Batch<'_>) -> (usize, Result<(), Call>) {
+        self.take(batch)
     }
 }

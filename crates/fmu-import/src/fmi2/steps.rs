@@ -3,10 +3,16 @@
 use std::ffi::c_int;
 use std::time::Duration;
 
+use super::functions::GetStatus;
 use super::simulation::Model;
 use crate::call::{Call, End, Status};
-use crate::caller::Caller;
 use crate::simulation::{Batch, Simulation};
+use crate::symbols::Function;
+
+/// What can be asked about a step, as `fmi2StatusKind` numbers it.
+const DO_STEP_STATUS: c_int = 0;
+const LAST_SUCCESSFUL_TIME: c_int = 2;
+const TERMINATED: c_int = 3;
 
 /// A status other than `fmi2OK`, by the function that returned it.
 enum Halt {
@@ -16,24 +22,23 @@ enum Halt {
 
 impl Model {
     /// Takes the steps. Returns how many were taken and read, and why not all.
-    pub(super) fn take(
-        &mut self,
-        caller: &mut Caller,
-        mut batch: Batch<'_>,
-    ) -> (usize, Result<(), Call>) {
+    pub(super) fn take(&mut self, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
         let mut done = 0;
         loop {
-            let outcome = match self.usual_steps(caller, &mut batch, &mut done) {
+            let outcome = match self.usual_steps(&mut batch, &mut done) {
                 Ok(None) => return (done, Ok(())),
                 Ok(Some(Halt::Step(status))) => {
                     let (time, size) = (batch.times[done], batch.sizes[done]);
-                    let step = self.slow_step(caller, status, time, size);
+                    let step = self.slow_step(status, time, size);
                     step.and_then(|()| match batch.references {
                         [] => Ok(()),
-                        references => self.reals(caller, references, batch.row(done)),
+                        references => self.reals(references, batch.row(done)),
                     })
                 }
-                Ok(Some(Halt::Read(status))) => caller.check(self.functions.real.get.name, status),
+                Ok(Some(Halt::Read(status))) => {
+                    let function = self.functions.real.get.name;
+                    self.base.caller.check(function, status)
+                }
                 Err(call) => Err(call),
             };
             if outcome.is_err() {
@@ -46,8 +51,7 @@ impl Model {
     /// Takes steps from `done` on until one returns anything but `fmi2OK`, reads after each, and counts them.
     #[inline(never)]
     fn usual_steps(
-        &self,
-        caller: &mut Caller,
+        &mut self,
         batch: &mut Batch<'_>,
         done: &mut usize,
     ) -> Result<Option<Halt>, Call> {
@@ -58,7 +62,7 @@ impl Model {
         let rows = &mut batch.rows[*done * width..];
         assert!(rows.len() >= times.len() * width);
         let (references, mut row) = (batch.references.as_ptr(), rows.as_mut_ptr());
-        Ok(caller.call(move || {
+        Ok(self.base.caller.call(move || {
             for (&time, &size) in times.iter().zip(sizes) {
                 // SAFETY: the component is alive.
                 let status = unsafe { do_step(component, time, size, 1) };
@@ -82,42 +86,50 @@ impl Model {
     #[cold]
     pub(super) fn slow_step(
         &mut self,
-        caller: &mut Caller,
         mut status: c_int,
         time: f64,
         step: f64,
     ) -> Result<(), Call> {
         while Status::from(status) == Status::Pending {
             std::thread::sleep(Duration::from_micros(100));
-            status = self.pending_step(caller)?;
+            status = self.pending_step()?;
         }
-        let result = caller.check("fmi2DoStep", status);
+        let result = self.base.caller.check("fmi2DoStep", status);
         result.map_err(|mut call| {
-            if call.status == Status::Discard && self.wants_to_stop(caller) {
-                let at = self.reached(caller, time, step);
-                call.ended = Some(End { from: time, at });
+            let stopped = self.functions.get_boolean_status;
+            if call.status == Status::Discard
+                && self.told(stopped, TERMINATED, 0).is_some_and(|is| is != 0)
+            {
+                let at = self.told(self.functions.get_real_status, LAST_SUCCESSFUL_TIME, time);
+                // Its beginning where the FMU says nothing sensible.
+                let at = at.filter(|at| (time..=time + step).contains(at));
+                call.ended = Some(End {
+                    from: time,
+                    at: at.unwrap_or(time),
+                });
             }
             call
         })
     }
 
     /// The present status of a step that returned before it was done.
-    fn pending_step(&mut self, caller: &mut Caller) -> Result<c_int, Call> {
-        const DO_STEP_STATUS: c_int = 0;
+    fn pending_step(&mut self) -> Result<c_int, Call> {
         let forsaken = |why: &str| Call {
             function: "fmi2DoStep",
             status: Status::Pending,
             message: Some(format!("nobody can tell when the step is done, as {why}")),
             ended: None,
         };
-        let (function, component) = (self.functions.get_status, self.base.component);
-        let Ok(get) = function.get() else {
+        let function = self.functions.get_status;
+        if !function.is_there() {
             return Err(forsaken("the FMU does not export fmi2GetStatus"));
-        };
+        }
         let mut status: c_int = 0;
         // SAFETY: the component is alive, and the status is a valid place to write to.
-        let call = caller.call(|| unsafe { get(component, DO_STEP_STATUS, &raw mut status) });
-        match caller.check(function.name, call) {
+        let told = self.base.call(function, |get, of| unsafe {
+            get(of, DO_STEP_STATUS, &raw mut status)
+        });
+        match told {
             Ok(()) => Ok(status),
             Err(Call {
                 status: Status::Fatal,
@@ -135,29 +147,14 @@ impl Model {
         }
     }
 
-    /// Whether the FMU refused the step because it wants no further ones.
-    fn wants_to_stop(&self, caller: &mut Caller) -> bool {
-        const TERMINATED: c_int = 3;
-        let (get, mut terminated) = (self.functions.get_boolean_status.get(), 0);
-        get.is_ok_and(|get| {
-            // SAFETY: the component is alive, and the flag is a valid place to write to.
-            let status = caller
-                .call(|| unsafe { get(self.base.component, TERMINATED, &raw mut terminated) });
-            matches!(status, 0 | 1) && terminated != 0
-        })
-    }
-
-    /// The time up to which a refused step was computed; its beginning where the FMU says nothing sensible.
-    fn reached(&self, caller: &mut Caller, time: f64, step: f64) -> f64 {
-        const LAST_SUCCESSFUL_TIME: c_int = 2;
-        let (get, mut reached) = (self.functions.get_real_status.get(), time);
-        let told = get.is_ok_and(|get| {
-            // SAFETY: the component is alive, and the time is a valid place to write to.
-            let status = caller.call(|| unsafe {
-                get(self.base.component, LAST_SUCCESSFUL_TIME, &raw mut reached)
-            });
-            matches!(status, 0 | 1) && (time..=time + step).contains(&reached)
-        });
-        if told { reached } else { time }
+    /// What the FMU tells of a step that it refused; none where it does not.
+    fn told<T>(&mut self, function: Function<GetStatus<T>>, kind: c_int, blank: T) -> Option<T> {
+        let (get, of, mut value) = (function.get().ok()?, self.base.component, blank);
+        // SAFETY: the component is alive, and the value is a valid place to write to.
+        let status = self
+            .base
+            .caller
+            .call(|| unsafe { get(of, kind, &raw mut value) });
+        matches!(status, 0 | 1).then_some(value)
     }
 }

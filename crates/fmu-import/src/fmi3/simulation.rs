@@ -11,7 +11,7 @@ use super::element::Element;
 use super::functions::{Functions, Instantiates, LogMessage};
 use crate::call::{Call, End, Status};
 use crate::caller::Caller;
-use crate::component::{Base, Common, c_string, c_strings};
+use crate::component::{Base, Common, c_string};
 use crate::description::Storage;
 use crate::logger::fmu_import_log;
 use crate::simulation::{Birth, Experiment, Simulation};
@@ -46,7 +46,7 @@ impl Model {
         common: Common,
         elements: Arc<[Element]>,
         birth: &Birth,
-        caller: &mut Caller,
+        mut caller: Caller,
         name: &str,
     ) -> Result<Self, Call> {
         const LOGGER: LogMessage = fmu_import_log;
@@ -85,20 +85,16 @@ impl Model {
                 (function.name, component)
             }
         };
-        if component.0.is_null() {
-            return Err(birth.refused(caller, function));
-        }
-        // The FMU tells its errors and warnings, where it has categories for them.
-        if let Ok(log) = functions.set_debug_logging.get()
-            && !birth.categories.is_empty()
-        {
-            let (_texts, categories) = c_strings(&birth.categories);
-            // SAFETY: the array holds as many valid strings as stated. What it returns does not
-            // matter: without it there are fewer messages.
-            caller.call(|| unsafe { log(component, true, categories.len(), categories.as_ptr()) });
-        }
+        let mut base = birth.base(component, common, caller, function)?;
+        let function = functions.set_debug_logging;
+        // SAFETY: the array holds as many valid strings as stated.
+        base.hear(
+            &birth.categories,
+            function,
+            |log, of, count, texts| unsafe { log(of, true, count, texts) },
+        );
         Ok(Self {
-            base: Base { component, common },
+            base,
             functions,
             elements,
             written: Some(Written::new()),
@@ -128,26 +124,27 @@ impl Model {
     }
 
     /// Lets time pass up to the next return of the FMU, s.
-    fn part(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<Return, Call> {
+    fn part(&mut self, time: f64, step: f64) -> Result<Return, Call> {
         let (mut event, mut terminate, mut early) = (0_u8, 0_u8, 0_u8);
         let mut reached = f64::NAN;
-        let do_step = self.functions.do_step.get()?;
         // SAFETY: the component is alive, and the four places are valid.
-        let status = caller.call(|| unsafe {
-            do_step(
-                self.base.component,
-                time,
-                step,
-                true,
-                &raw mut event,
-                &raw mut terminate,
-                &raw mut early,
-                &raw mut reached,
-            )
-        });
+        let done = self
+            .base
+            .call(self.functions.do_step, |do_step, of| unsafe {
+                do_step(
+                    of,
+                    time,
+                    step,
+                    true,
+                    &raw mut event,
+                    &raw mut terminate,
+                    &raw mut early,
+                    &raw mut reached,
+                )
+            });
         let ended = terminate != 0;
         let known = (time..=time + step).contains(&reached);
-        match caller.check(DO_STEP, status) {
+        match done {
             Err(call) if ended && call.status == Status::Discard => {
                 Ok(Return::Ended(if known { reached } else { time }))
             }
@@ -178,48 +175,46 @@ impl Simulation for Model {
         &self.base
     }
 
-    fn set_up(&mut self, _: &mut Caller, experiment: Experiment) -> Result<(), Call> {
+    fn base_mut(&mut self) -> &mut Base {
+        &mut self.base
+    }
+
+    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
         // Told when the initialisation begins.
         self.experiment = experiment;
         Ok(())
     }
 
-    fn initialise(&mut self, caller: &mut Caller, inputs: &[(u32, Value)]) -> Result<(), Call> {
+    fn initialise(&mut self, inputs: &[(u32, Value)]) -> Result<(), Call> {
         let Experiment {
             start,
             stop,
             tolerance,
         } = self.experiment;
-        let function = self.functions.enter_initialization_mode;
-        let (enter, component) = (function.get()?, self.base.component);
         let (known, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
+        let function = self.functions.enter_initialization_mode;
         // SAFETY: the component is alive.
-        let status =
-            caller.call(|| unsafe { enter(component, known, tolerance, start, true, stop) });
-        caller.check(function.name, status)?;
+        self.base.call(function, |enter, of| unsafe {
+            enter(of, known, tolerance, start, true, stop)
+        })?;
         for (reference, value) in inputs {
-            self.set(caller, *reference, value)?;
+            self.set(*reference, value)?;
         }
         self.written = None;
-        self.base.exit_initialization_mode(caller)
+        self.base.exit_initialization_mode()
     }
 
     #[inline(never)]
-    fn reals(
-        &mut self,
-        caller: &mut Caller,
-        references: &[u32],
-        into: &mut [f64],
-    ) -> Result<(), Call> {
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
         assert_eq!(references.len(), into.len(), "a place for each reference");
         let access = self.functions.float64;
         if self.are_plain(references) {
-            let (get, component) = (access.get.get()?, self.base.component);
             let (references, count) = (self.references.as_ptr(), into.len());
             let into = into.as_mut_ptr();
             // SAFETY: both arrays hold `count` elements.
-            let status = caller.call(|| unsafe { get(component, references, count, into, count) });
-            return caller.check(access.get.name, status);
+            return self.base.call(access.get, |get, of| unsafe {
+                get(of, references, count, into, count)
+            });
         }
         // The elements of an array are read together.
         let mut array: Option<(u32, Vec<f64>)> = None;
@@ -227,38 +222,38 @@ impl Simulation for Model {
         for (number, place) in references.iter().zip(into) {
             let element = Element::of(&elements, *number)?;
             if element.of == 1 || element.storage != Storage::Float64 {
-                *place = self.read(caller, *number)?.number();
+                *place = self.read(*number)?.number();
                 continue;
             }
             let known = array.take().filter(|(of, _)| *of == element.reference);
             let (_, values) = array.insert(match known {
                 Some(known) => known,
-                None => (element.reference, self.all(caller, access, element, 0.0)?),
+                None => (element.reference, self.all(access, element, 0.0)?),
             });
             *place = values[element.index];
         }
         Ok(())
     }
 
-    fn value(&mut self, caller: &mut Caller, handle: Handle) -> Result<Value, Call> {
-        self.read(caller, handle.reference)
+    fn value(&mut self, handle: Handle) -> Result<Value, Call> {
+        self.read(handle.reference)
     }
 
-    fn set(&mut self, caller: &mut Caller, reference: u32, value: &Value) -> Result<(), Call> {
-        self.write(caller, reference, value)
+    fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
+        self.write(reference, value)
     }
 
-    fn set_slope(&mut self, _: &mut Caller, _: u32, _: f64) -> Result<(), Call> {
+    fn set_slope(&mut self, _: u32, _: f64) -> Result<(), Call> {
         let why = "FMI 3.0 has no function for rates of inputs".to_owned();
         Err(Call::impossible("fmi3SetRealInputDerivatives", why))
     }
 
     #[inline(never)]
-    fn step(&mut self, caller: &mut Caller, time: f64, step: f64) -> Result<(), Call> {
+    fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
         let end = time + step;
         let (mut from, mut rest) = (time, step);
         loop {
-            match self.part(caller, from, rest)? {
+            match self.part(from, rest)? {
                 Return::Done => return Ok(()),
                 // The rest of the step.
                 Return::Early(at) => (from, rest) = (at, end - at),
@@ -274,27 +269,27 @@ impl Simulation for Model {
         }
     }
 
-    fn reset(&mut self, caller: &mut Caller) -> Result<(), Call> {
+    fn reset(&mut self) -> Result<(), Call> {
         self.written = Some(Written::new());
-        self.base.reset(caller)
+        self.base.reset()
     }
 
-    fn save(&mut self, caller: &mut Caller) -> Option<Saved> {
-        let state = self.base.save(caller)?;
+    fn save(&mut self) -> Option<Saved> {
+        let state = self.base.save()?;
         // An FMU may give one address to several states.
         self.saved.retain(|(saved, _)| *saved != state);
         self.saved.push((state, self.written.clone()));
         Some(state)
     }
 
-    fn restore(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
+    fn restore(&mut self, state: Saved) -> Result<(), Call> {
         let saved = self.saved.iter().find(|(saved, _)| *saved == state);
         self.written = saved.and_then(|(_, written)| written.clone());
-        self.base.restore(caller, state)
+        self.base.restore(state)
     }
 
-    fn forget(&mut self, caller: &mut Caller, state: Saved) -> Result<(), Call> {
+    fn forget(&mut self, state: Saved) -> Result<(), Call> {
         self.saved.retain(|(saved, _)| *saved != state);
-        self.base.forget(caller, state)
+        self.base.forget(state)
     }
 }

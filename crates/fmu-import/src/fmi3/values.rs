@@ -9,41 +9,38 @@ use super::element::Element;
 use super::functions::Access;
 use super::simulation::Model;
 use crate::call::{Call, Status};
-use crate::caller::Caller;
 use crate::component::c_string;
 use crate::description::Storage;
 use crate::value::Value;
 
 impl Model {
-    pub(super) fn read(&mut self, caller: &mut Caller, number: u32) -> Result<Value, Call> {
+    pub(super) fn read(&mut self, number: u32) -> Result<Value, Call> {
         let functions = self.functions;
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
         Ok(match element.storage {
             Storage::Float32 => {
-                let values = self.all(caller, functions.float32, element, 0.0)?;
+                let values = self.all(functions.float32, element, 0.0)?;
                 Value::Real(values[element.index].into())
             }
             Storage::Float64 => {
-                let values = self.all(caller, functions.float64, element, 0.0)?;
+                let values = self.all(functions.float64, element, 0.0)?;
                 Value::Real(values[element.index])
             }
-            Storage::Int8 => self.read_whole(caller, functions.int8, element)?,
-            Storage::UInt8 => self.read_whole(caller, functions.uint8, element)?,
-            Storage::Int16 => self.read_whole(caller, functions.int16, element)?,
-            Storage::UInt16 => self.read_whole(caller, functions.uint16, element)?,
-            Storage::Int32 => self.read_whole(caller, functions.int32, element)?,
-            Storage::UInt32 => self.read_whole(caller, functions.uint32, element)?,
-            Storage::Int64 | Storage::Enumeration => {
-                self.read_whole(caller, functions.int64, element)?
-            }
-            Storage::UInt64 => self.read_whole(caller, functions.uint64, element)?,
+            Storage::Int8 => self.read_whole(functions.int8, element)?,
+            Storage::UInt8 => self.read_whole(functions.uint8, element)?,
+            Storage::Int16 => self.read_whole(functions.int16, element)?,
+            Storage::UInt16 => self.read_whole(functions.uint16, element)?,
+            Storage::Int32 => self.read_whole(functions.int32, element)?,
+            Storage::UInt32 => self.read_whole(functions.uint32, element)?,
+            Storage::Int64 | Storage::Enumeration => self.read_whole(functions.int64, element)?,
+            Storage::UInt64 => self.read_whole(functions.uint64, element)?,
             Storage::Boolean => {
-                let values = self.all(caller, functions.boolean, element, 0)?;
+                let values = self.all(functions.boolean, element, 0)?;
                 Value::Boolean(values[element.index] != 0)
             }
             Storage::String => {
-                let mut texts = self.texts(caller, element)?;
+                let mut texts = self.texts(element)?;
                 let text = std::mem::take(&mut texts[element.index]);
                 Value::String(text.to_string_lossy().into_owned())
             }
@@ -52,12 +49,7 @@ impl Model {
 
     /// Writes one element. The others of its array keep their values: before the initialisation those that were written
     /// or with which the FMU starts, as some FMUs tell none then.
-    pub(super) fn write(
-        &mut self,
-        caller: &mut Caller,
-        number: u32,
-        value: &Value,
-    ) -> Result<(), Call> {
+    pub(super) fn write(&mut self, number: u32, value: &Value) -> Result<(), Call> {
         let functions = self.functions;
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
@@ -78,21 +70,21 @@ impl Model {
             all,
         };
         match element.storage {
-            Storage::Float32 => self.put(caller, functions.float32, new, narrow),
-            Storage::Float64 => self.put(caller, functions.float64, new, real),
-            Storage::Int8 => self.put(caller, functions.int8, new, whole),
-            Storage::UInt8 => self.put(caller, functions.uint8, new, whole),
-            Storage::Int16 => self.put(caller, functions.int16, new, whole),
-            Storage::UInt16 => self.put(caller, functions.uint16, new, whole),
-            Storage::Int32 => self.put(caller, functions.int32, new, whole),
-            Storage::UInt32 => self.put(caller, functions.uint32, new, whole),
-            Storage::Int64 | Storage::Enumeration => self.put(caller, functions.int64, new, whole),
-            Storage::UInt64 => self.put(caller, functions.uint64, new, whole),
-            Storage::Boolean => self.put(caller, functions.boolean, new, |value| match value {
+            Storage::Float32 => self.put(functions.float32, new, narrow),
+            Storage::Float64 => self.put(functions.float64, new, real),
+            Storage::Int8 => self.put(functions.int8, new, whole),
+            Storage::UInt8 => self.put(functions.uint8, new, whole),
+            Storage::Int16 => self.put(functions.int16, new, whole),
+            Storage::UInt16 => self.put(functions.uint16, new, whole),
+            Storage::Int32 => self.put(functions.int32, new, whole),
+            Storage::UInt32 => self.put(functions.uint32, new, whole),
+            Storage::Int64 | Storage::Enumeration => self.put(functions.int64, new, whole),
+            Storage::UInt64 => self.put(functions.uint64, new, whole),
+            Storage::Boolean => self.put(functions.boolean, new, |value| match value {
                 Value::Boolean(yes) => Some(u8::from(*yes)),
                 _ => None,
             }),
-            Storage::String => self.put_text(caller, new),
+            Storage::String => self.put_text(new),
         }?;
         if let (Some(written), Some(array)) = (&mut self.written, array) {
             written.insert(element.reference, array);
@@ -118,50 +110,45 @@ impl Model {
     /// The values of all elements of a variable, at least one.
     pub(super) fn all<T: Copy>(
         &mut self,
-        caller: &mut Caller,
         access: Access<T>,
         element: &Element,
         blank: T,
     ) -> Result<Vec<T>, Call> {
-        let (get, component) = (access.get.get()?, self.base.component);
         let mut values = vec![blank; element.of];
         let (reference, into) = (&raw const element.reference, values.as_mut_ptr());
         // SAFETY: there is one reference, and room for as many values as the variable has.
-        let status = caller.call(|| unsafe { get(component, reference, 1, into, element.of) });
-        caller.check(access.get.name, status)?;
+        self.base.call(access.get, |get, of| unsafe {
+            get(of, reference, 1, into, element.of)
+        })?;
         Ok(values)
     }
 
     fn put<T: Copy + Default>(
         &mut self,
-        caller: &mut Caller,
         access: Access<T>,
         new: New<'_>,
         fit: impl Fn(&Value) -> Option<T>,
     ) -> Result<(), Call> {
-        let told = |model: &mut Self, caller: &mut Caller| {
-            model.all(caller, access, new.element, T::default())
-        };
-        let values = self.merged(caller, new, access.set.name, fit, told)?;
-        self.put_all(caller, access, new.element, &values)
+        let told = |model: &mut Self| model.all(access, new.element, T::default());
+        let values = self.merged(new, access.set.name, fit, told)?;
+        self.put_all(access, new.element, &values)
     }
 
     /// The values of all elements of a variable with the new one: the others are those that are known, or else those
     /// that the FMU tells.
     fn merged<T>(
         &mut self,
-        caller: &mut Caller,
         new: New<'_>,
         function: &'static str,
         fit: impl Fn(&Value) -> Option<T>,
-        told: impl FnOnce(&mut Self, &mut Caller) -> Result<Vec<T>, Call>,
+        told: impl FnOnce(&mut Self) -> Result<Vec<T>, Call>,
     ) -> Result<Vec<T>, Call> {
         let fit = |value| fit(value).ok_or_else(|| unfit(value, new.element, function));
         if let Some(all) = new.all {
             return all.iter().map(fit).collect();
         }
         let value = fit(new.value)?;
-        let mut all = told(self, caller).map_err(|call| self.untold(call))?;
+        let mut all = told(self).map_err(|call| self.untold(call))?;
         all[new.element.index] = value;
         Ok(all)
     }
@@ -179,29 +166,23 @@ impl Model {
 
     fn put_all<T>(
         &mut self,
-        caller: &mut Caller,
         access: Access<T>,
         element: &Element,
         values: &[T],
     ) -> Result<(), Call> {
-        let (set, component) = (access.set.get()?, self.base.component);
         let (reference, from) = (&raw const element.reference, values.as_ptr());
         // SAFETY: there is one reference, and as many values as the variable has.
-        let status = caller.call(|| unsafe { set(component, reference, 1, from, values.len()) });
-        caller.check(access.set.name, status)
+        self.base.call(access.set, |set, of| unsafe {
+            set(of, reference, 1, from, values.len())
+        })
     }
 
-    fn read_whole<T>(
-        &mut self,
-        caller: &mut Caller,
-        access: Access<T>,
-        element: &Element,
-    ) -> Result<Value, Call>
+    fn read_whole<T>(&mut self, access: Access<T>, element: &Element) -> Result<Value, Call>
     where
         T: Copy + Default + Display,
         i64: TryFrom<T>,
     {
-        let value = self.all(caller, access, element, T::default())?[element.index];
+        let value = self.all(access, element, T::default())?[element.index];
         let whole = i64::try_from(value).map_err(|_| {
             let why = format!(
                 "{value}, the value of the variable with value reference {}, is larger than {}, and cannot be kept here",
@@ -214,9 +195,9 @@ impl Model {
     }
 
     /// The texts of a variable, copied: the FMU's own ones are valid until the next call only.
-    fn texts(&mut self, caller: &mut Caller, element: &Element) -> Result<Vec<CString>, Call> {
+    fn texts(&mut self, element: &Element) -> Result<Vec<CString>, Call> {
         let access = self.functions.string;
-        let texts = self.all(caller, access, element, ptr::null::<c_char>())?;
+        let texts = self.all(access, element, ptr::null::<c_char>())?;
         let copy = |text: &*const c_char| {
             if text.is_null() {
                 return CString::default();
@@ -227,16 +208,16 @@ impl Model {
         Ok(texts.iter().map(copy).collect())
     }
 
-    fn put_text(&mut self, caller: &mut Caller, new: New<'_>) -> Result<(), Call> {
+    fn put_text(&mut self, new: New<'_>) -> Result<(), Call> {
         let (element, access) = (new.element, self.functions.string);
         let fit = |value: &Value| match value {
             Value::String(text) => Some(c_string(text)),
             _ => None,
         };
-        let told = |model: &mut Self, caller: &mut Caller| model.texts(caller, element);
-        let texts = self.merged(caller, new, access.set.name, fit, told)?;
+        let told = |model: &mut Self| model.texts(element);
+        let texts = self.merged(new, access.set.name, fit, told)?;
         let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
-        self.put_all(caller, access, element, &pointers)
+        self.put_all(access, element, &pointers)
     }
 }
 
