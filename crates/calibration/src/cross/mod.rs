@@ -22,7 +22,7 @@ use sampling::statistics::moments::{mean, variance};
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective, finite};
 use super::problem::{Case, Interval, NoPrediction, Prediction, Problem, Query, Simulate};
-use outcome::CrossValidation;
+use outcome::{CrossValidation, HeldOut, Needed};
 
 /// Points over the intervals of latent parameters that a prediction is averaged over.
 const POINTS: usize = 16;
@@ -59,41 +59,6 @@ impl Whole<'_> {
     }
 }
 
-/// A case that was left out.
-#[derive(Clone, Debug)]
-struct Fold {
-    /// Why the search over the other cases ended.
-    end: End,
-    /// The free parameters from the other cases.
-    free: Vec<f64>,
-    /// The prediction of the case.
-    forecast: Forecast,
-    /// What the case says of its own latent parameters; `None` where it has none.
-    own: Option<Own>,
-}
-
-/// A prediction over all values that latent parameters may have.
-#[derive(Clone, Debug, PartialEq)]
-struct Forecast {
-    /// Means, one a quantity.
-    mean: Vec<f64>,
-    /// Standard deviations, one a quantity: 0 without latent parameters.
-    deviation: Vec<f64>,
-    /// How many of the simulations over the intervals failed; they are left out.
-    failed: usize,
-}
-
-/// The latent parameters that fit a case best, with free parameters from the others.
-#[derive(Clone, Debug)]
-struct Own {
-    /// Predictions with the most probable values within the intervals.
-    predicted: Vec<f64>,
-    /// The most probable values when each interval is twice as wide.
-    needed: Vec<f64>,
-    /// The case's sums of squares: within the intervals, and with the values needed.
-    squares: [f64; 2],
-}
-
 /// Leaves each case out in turn, and tells which one is at work. A case that cannot be predicted has a message instead.
 ///
 /// # Errors
@@ -103,18 +68,24 @@ pub fn cross_validate(
     observe: &dyn Fn(usize),
 ) -> Result<CrossValidation, NoPrediction> {
     let cases = 0..whole.problem.cases.len();
-    let fold = |case| {
+    let plain = outcome::plain(whole);
+    let held_out = |case| {
         observe(case);
-        match fold(whole, case) {
-            Err(NoPrediction::Here(message)) => Ok(Err(message)),
-            fold => fold.map(Ok),
+        let told = HeldOut::new(whole, case, &plain);
+        match predicted(whole, case, told.clone()) {
+            Err(NoPrediction::Here(message)) => Ok(HeldOut {
+                failure: Some(message),
+                ..told
+            }),
+            told => told,
         }
     };
-    let folds: Vec<_> = cases.map(fold).collect::<Result<_, _>>()?;
-    Ok(CrossValidation::new(whole, &folds))
+    let cases = cases.map(held_out).collect::<Result<_, _>>()?;
+    Ok(CrossValidation::new(whole, cases))
 }
 
-fn fold(whole: &Whole<'_>, case: usize) -> Result<Fold, NoPrediction> {
+/// Adds the predictions of a case from the others.
+fn predicted(whole: &Whole<'_>, case: usize, mut told: HeldOut) -> Result<HeldOut, NoPrediction> {
     let minimum = without(whole, case)?;
     if minimum.end == End::Time {
         // What is there is still the fit to all cases, or on the way from it: no prediction.
@@ -123,13 +94,11 @@ fn fold(whole: &Whole<'_>, case: usize) -> Result<Fold, NoPrediction> {
         ));
     }
     let places = &minimum.places[..whole.problem.free.len()];
-    let free = whole.problem.free_values(places);
-    Ok(Fold {
-        end: minimum.end,
-        forecast: forecast(whole, case, &free)?,
-        own: own(whole, case, places)?,
-        free,
-    })
+    told.end = Some(minimum.end);
+    told.free = whole.problem.free_values(places);
+    forecast(whole, case, &mut told)?;
+    own(whole, case, places, &mut told)?;
+    Ok(told)
 }
 
 /// Some of the cases of a model.
@@ -176,14 +145,14 @@ fn with_cases(problem: &Problem, cases: Vec<Case>) -> Problem {
     }
 }
 
-/// The prediction of a case: the mean over all values that its latent parameters may have.
-fn forecast(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Forecast, NoPrediction> {
+/// The prediction of a case by its free parameters: the mean over all values that its latent parameters may have.
+fn forecast(whole: &Whole<'_>, case: usize, told: &mut HeldOut) -> Result<(), NoPrediction> {
     let intervals = &whole.problem.cases[case].latents;
     let query = |places: Vec<f64>| {
         let pairs = intervals.iter().zip(places);
         Query {
             case,
-            free: free.to_vec(),
+            free: told.free.clone(),
             latents: pairs.map(|(own, place)| own.value(place)).collect(),
         }
     };
@@ -199,13 +168,13 @@ fn forecast(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Forecast, No
     if rows.is_empty() {
         return Err(NoPrediction::Here(message));
     }
-    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
-    let columns: Vec<Vec<f64>> = (0..whole.problem.quantities.len()).map(column).collect();
-    Ok(Forecast {
-        deviation: columns.iter().map(|own| variance(own, 0).sqrt()).collect(),
-        mean: columns.iter().map(|own| mean(own)).collect(),
-        failed: queries.len() - rows.len(),
-    })
+    told.failed_simulations = queries.len() - rows.len();
+    for (k, result) in told.results.iter_mut().enumerate() {
+        let column: Vec<f64> = rows.iter().map(|row| row[k]).collect();
+        result.predicted = Some(mean(&column));
+        result.spread = Some(variance(&column, 0).sqrt());
+    }
+    Ok(())
 }
 
 /// Evenly spread places between the ends of intervals: the midpoint rule for one of them, and beside it a lattice with
@@ -225,24 +194,40 @@ fn lattice(dimensions: usize) -> Vec<Vec<f64>> {
 }
 
 /// What a case says of its latent parameters with given free ones (as places).
-fn own(whole: &Whole<'_>, case: usize, free: &[f64]) -> Result<Option<Own>, NoPrediction> {
+fn own(
+    whole: &Whole<'_>,
+    case: usize,
+    free: &[f64],
+    told: &mut HeldOut,
+) -> Result<(), NoPrediction> {
     let alone = &whole.problem.cases[case];
     if alone.latents.is_empty() {
-        return Ok(None);
+        return Ok(());
     }
     let wide: Vec<Interval> = alone.latents.iter().map(widened).collect();
     let within = latents(whole, case, &alone.latents, free)?;
     let needed = latents(whole, case, &wide, free)?;
-    let squares = |minimum: &Minimum| {
+    told.squares = Some([&within, &needed].map(|minimum| {
         let data = minimum.misfit.residuals.rows(0, alone.measured.len());
         data.norm_squared()
-    };
+    }));
+    let predicted = within.misfit.predicted.into_iter().flatten();
+    for (result, own) in told.results.iter_mut().zip(predicted) {
+        result.own = Some(own);
+    }
+    let known = whole.problem.latents.iter().zip(&alone.latents);
     let values = wide.iter().zip(&needed.places[free.len()..]);
-    Ok(Some(Own {
-        squares: [squares(&within), squares(&needed)],
-        predicted: within.misfit.predicted.into_iter().flatten().collect(),
-        needed: values.map(|(own, &place)| own.value(place)).collect(),
-    }))
+    let needed = known.zip(values).map(|((latent, known), (own, &place))| {
+        let (Interval { min, max }, value) = (*known, own.value(place));
+        Needed {
+            name: latent.name.clone(),
+            interval: [min, max],
+            value,
+            outside: !(min..=max).contains(&value),
+        }
+    });
+    told.latents = needed.collect();
+    Ok(())
 }
 
 fn widened(interval: &Interval) -> Interval {

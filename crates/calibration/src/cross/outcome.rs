@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::super::local::End;
-use super::super::problem::{Case, Interval, Problem};
+use super::super::problem::{Case, Interval, Quantity};
+use super::Whole;
 use super::regression::leave_one_out;
-use super::{Fold, Whole};
 
 /// A cross-validation.
 #[derive(Clone, Debug, Serialize)]
@@ -123,25 +123,39 @@ pub struct Needed {
 }
 
 impl CrossValidation {
-    /// Gathers what leaving out the cases has told.
-    pub(super) fn new(whole: &Whole<'_>, folds: &[Result<Fold, String>]) -> Self {
-        let problem = whole.problem;
-        let rows: Vec<Vec<f64>> = whole.known.iter().zip(&problem.cases).map(row).collect();
-        let columns: Vec<Column> = (0..problem.quantities.len())
-            .map(|quantity| Column::new(problem, &rows, quantity))
-            .collect();
+    /// Sums up what leaving out the cases has told.
+    pub(super) fn new(whole: &Whole<'_>, cases: Vec<HeldOut>) -> Self {
+        let quantities = whole.problem.quantities.iter().enumerate();
         Self {
-            quantities: (columns.iter().enumerate())
-                .map(|(quantity, column)| errors(whole, folds, column, quantity))
+            quantities: quantities
+                .map(|(k, quantity)| errors(quantity, &cases, k))
                 .collect(),
-            free: (0..problem.free.len())
-                .map(|index| moves(whole, folds, index))
+            free: (0..whole.problem.free.len())
+                .map(|index| moves(whole, &cases, index))
                 .collect(),
-            cases: (folds.iter().enumerate())
-                .map(|(case, fold)| held_out(whole, fold.as_ref(), &columns, case))
-                .collect(),
+            cases,
         }
     }
+}
+
+/// Predictions of a quantity, case by case: by a linear regression of the other cases, and by their mean.
+pub(super) type Plain = [Vec<Option<f64>>; 2];
+
+/// The plain predictions of each quantity.
+pub(super) fn plain(whole: &Whole<'_>) -> Vec<Plain> {
+    let problem = whole.problem;
+    let rows: Vec<Vec<f64>> = whole.known.iter().zip(&problem.cases).map(row).collect();
+    let none = vec![Vec::new(); rows.len()];
+    let of = |quantity: usize| {
+        let cases = problem.cases.iter();
+        let measured: Vec<f64> = cases.map(|case| case.measured[quantity].value).collect();
+        let linear = match rows == none {
+            true => vec![None; rows.len()],
+            false => leave_one_out(&rows, &measured),
+        };
+        [linear, leave_one_out(&none, &measured)]
+    };
+    (0..problem.quantities.len()).map(of).collect()
 }
 
 /// What is known of a case before it is measured.
@@ -151,94 +165,78 @@ fn row((known, case): (&Vec<f64>, &Case)) -> Vec<f64> {
     known.chain(case.latents.iter().map(middle)).collect()
 }
 
-/// Predictions of a quantity, case by case.
-struct Column {
-    measured: Vec<f64>,
-    linear: Vec<Option<f64>>,
-    mean: Vec<Option<f64>>,
-}
-
-impl Column {
-    fn new(problem: &Problem, rows: &[Vec<f64>], quantity: usize) -> Self {
-        let cases = problem.cases.iter();
-        let measured: Vec<f64> = cases.map(|case| case.measured[quantity].value).collect();
-        let none = vec![Vec::new(); rows.len()];
-        let bare = rows.iter().all(Vec::is_empty);
+impl HeldOut {
+    /// A case without predictions by the model.
+    pub(super) fn new(whole: &Whole<'_>, case: usize, plain: &[Plain]) -> Self {
+        let Case {
+            label, measured, ..
+        } = &whole.problem.cases[case];
+        let result = |(k, quantity): (usize, &Quantity)| HeldOutResult {
+            quantity: quantity.name.clone(),
+            measured: measured[k].value,
+            accuracy: measured[k].accuracy,
+            fitted: whole.minimum.misfit.predicted[case][k],
+            predicted: None,
+            spread: None,
+            own: None,
+            linear: plain[k][0][case],
+            mean: plain[k][1][case],
+        };
+        let quantities = whole.problem.quantities.iter().enumerate();
         Self {
-            linear: if bare {
-                vec![None; rows.len()]
-            } else {
-                leave_one_out(rows, &measured)
-            },
-            mean: leave_one_out(&none, &measured),
-            measured,
+            label: label.clone(),
+            end: None,
+            failure: None,
+            failed_simulations: 0,
+            free: Vec::new(),
+            results: quantities.map(result).collect(),
+            latents: Vec::new(),
+            squares: None,
         }
     }
 }
 
-fn errors(
-    whole: &Whole<'_>,
-    folds: &[Result<Fold, String>],
-    column: &Column,
-    quantity: usize,
-) -> QuantityErrors {
-    let of_all = |value: &dyn Fn(&Fold) -> Option<f64>| {
-        let values = folds.iter().map(|fold| value(fold.as_ref().ok()?));
-        size(whole.problem, folds, &column.measured, values)
-    };
-    let of = |values: &[Option<f64>]| {
-        size(
-            whole.problem,
-            folds,
-            &column.measured,
-            values.iter().copied(),
-        )
-    };
-    let fitted = whole.minimum.misfit.predicted.iter();
-    let fitted: Vec<_> = fitted.map(|row| Some(row[quantity])).collect();
-    let named = &whole.problem.quantities[quantity];
+fn errors(quantity: &Quantity, cases: &[HeldOut], index: usize) -> QuantityErrors {
+    let of = |value: fn(&HeldOutResult) -> Option<f64>| size(cases, index, value);
     QuantityErrors {
-        quantity: named.name.clone(),
-        unit: named.unit.clone(),
-        fitted: of(&fitted),
-        predicted: of_all(&|fold| Some(fold.forecast.mean[quantity])),
-        own: of_all(&|fold| Some(fold.own.as_ref()?.predicted[quantity])),
-        linear: of(&column.linear),
-        mean: of(&column.mean),
+        quantity: quantity.name.clone(),
+        unit: quantity.unit.clone(),
+        fitted: of(|result| Some(result.fitted)),
+        predicted: of(|result| result.predicted),
+        own: of(|result| result.own),
+        linear: of(|result| result.linear),
+        mean: of(|result| result.mean),
     }
 }
 
 /// The size of the errors over all cases that were predicted; `None` where one of these has no value.
 fn size(
-    problem: &Problem,
-    folds: &[Result<Fold, String>],
-    measured: &[f64],
-    values: impl Iterator<Item = Option<f64>>,
+    cases: &[HeldOut],
+    index: usize,
+    value: impl Fn(&HeldOutResult) -> Option<f64>,
 ) -> Option<ErrorSize> {
     let (mut count, mut squares, mut largest) = (0, 0.0, None);
-    for (case, (value, measured)) in values.zip(measured).enumerate() {
-        if folds[case].is_err() {
-            continue;
-        }
-        let error = (value? - measured).abs();
+    for case in cases.iter().filter(|case| case.failure.is_none()) {
+        let result = &case.results[index];
+        let error = (value(result)? - result.measured).abs();
         count += 1;
         squares += error * error;
         if largest.is_none_or(|(most, _)| error > most) {
-            largest = Some((error, case));
+            largest = Some((error, &case.label));
         }
     }
     let (largest, case) = largest?;
     Some(ErrorSize {
         rms: (squares / f64::from(count)).sqrt(),
         largest,
-        case: problem.cases[case].label.clone(),
+        case: case.clone(),
     })
 }
 
-fn moves(whole: &Whole<'_>, folds: &[Result<Fold, String>], index: usize) -> Moves {
-    let pairs = folds.iter().zip(&whole.problem.cases);
-    let values: Vec<(f64, String)> = pairs
-        .filter_map(|(fold, case)| Some((fold.as_ref().ok()?.free[index], case.label.clone())))
+fn moves(whole: &Whole<'_>, cases: &[HeldOut], index: usize) -> Moves {
+    let predicted = cases.iter().filter(|case| case.failure.is_none());
+    let values: Vec<(f64, String)> = predicted
+        .map(|case| (case.free[index], case.label.clone()))
         .collect();
     let order = |a: &&(f64, String), b: &&(f64, String)| a.0.total_cmp(&b.0);
     let free = &whole.problem.free[index];
@@ -248,49 +246,5 @@ fn moves(whole: &Whole<'_>, folds: &[Result<Fold, String>], index: usize) -> Mov
         value: free.value(whole.minimum.places[index]),
         least: values.iter().min_by(order).cloned(),
         greatest: values.iter().max_by(order).cloned(),
-    }
-}
-
-fn held_out(
-    whole: &Whole<'_>,
-    fold: Result<&Fold, &String>,
-    columns: &[Column],
-    case: usize,
-) -> HeldOut {
-    let Case {
-        label,
-        latents,
-        measured,
-    } = &whole.problem.cases[case];
-    let own = fold.ok().and_then(|fold| fold.own.as_ref());
-    let forecast = fold.ok().map(|fold| &fold.forecast);
-    let result = |(quantity, column): (usize, &Column)| HeldOutResult {
-        quantity: whole.problem.quantities[quantity].name.clone(),
-        measured: measured[quantity].value,
-        accuracy: measured[quantity].accuracy,
-        fitted: whole.minimum.misfit.predicted[case][quantity],
-        predicted: forecast.map(|forecast| forecast.mean[quantity]),
-        spread: forecast.map(|forecast| forecast.deviation[quantity]),
-        own: own.map(|own| own.predicted[quantity]),
-        linear: column.linear[case],
-        mean: column.mean[case],
-    };
-    let needed = own.iter().flat_map(|own| &own.needed);
-    let needed = whole.problem.latents.iter().zip(latents).zip(needed);
-    let needed = needed.map(|((latent, &Interval { min, max }), &value)| Needed {
-        name: latent.name.clone(),
-        interval: [min, max],
-        value,
-        outside: !(min..=max).contains(&value),
-    });
-    HeldOut {
-        label: label.clone(),
-        end: fold.ok().map(|fold| fold.end),
-        failure: fold.err().cloned(),
-        failed_simulations: forecast.map_or(0, |forecast| forecast.failed),
-        free: fold.map_or_else(|_| Vec::new(), |fold| fold.free.clone()),
-        results: columns.iter().enumerate().map(result).collect(),
-        latents: needed.collect(),
-        squares: own.map(|own| own.squares),
     }
 }
