@@ -1,5 +1,4 @@
-//! From measured time series to criteria: resample, smooth, align, test, and state the result with
-//! its uncertainty (section 5.1 of Vrublevskyi & Skonieczna, and beyond it).
+#![doc = include_str!("../README.md")]
 
 mod aligned;
 pub mod case;
@@ -141,8 +140,3 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
 
 #[cfg(test)]
 mod tests;
-
-/// The README's example, as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

@@ -1,8 +1,4 @@
-//! Uncertain parameters and what their samples tell.
-//!
-//! [`distribution`] says how a parameter is distributed, [`design`] places the points of a study in the unit cube and
-//! maps them to values, [`random`] has the random numbers of all of them, and [`statistics`] condenses what comes back:
-//! signals over time, moments, and shares with their intervals.
+#![doc = include_str!("../README.md")]
 
 pub mod design;
 pub mod distribution;
@@ -18,8 +14,3 @@ fn word(choice: &impl serde::Serialize) -> String {
         other => unreachable!("a choice is written as a word, not as {other:?}"),
     }
 }
-
-/// The README's example, as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

@@ -1,10 +1,4 @@
-//! Global sensitivity analysis: which parameter of a model matters, and how much, with intervals.
-//!
-//! One method a file. [`sobol`], [`morris`] and [`shapley`] need runs of their own design ([`method::FromRuns`]); [`rank`]
-//! and [`pawn`] work on any points that already exist ([`method::FromPoints`]), and so does [`regional`], which compares two
-//! classes of points. A failed run (a value that is
-//! not finite) is left out with the comparisons that need it. The result says how many there were, what the numbers then
-//! mean, and between which bounds they would lie if the failed runs had values ([`lost`]).
+#![doc = include_str!("../README.md")]
 
 pub mod functions;
 pub mod lost;
@@ -21,11 +15,6 @@ pub mod shapley;
 pub mod sobol;
 #[cfg(test)]
 mod testing;
-
-/// The README's example, as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
 
 pub use sampling::statistics::estimate::Estimate;
 
