@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::digits::{Digits, shown};
+use super::digits::{rounded, shown};
 use super::problem::Problem;
 
 /// The places that were asked for, and those of them at which a run failed.
@@ -101,7 +101,7 @@ impl Range {
 /// A box in words.
 pub fn words(within: &[Range]) -> String {
     let range = |own: &Range| {
-        let [low, high] = own.range.map(|end| Digits::of(end, 4));
+        let [low, high] = own.range.map(|end| rounded(end, 4));
         let words = format!("{} {low} .. {high} {}", own.name, shown(&own.unit));
         words.trim_end().to_owned()
     };

@@ -75,7 +75,10 @@ pub fn minimise(
         blocked: false,
         surrounded: Vec::new(),
     };
-    let mut damping = Damping::default();
+    let mut damping = Damping {
+        value: 1e-3,
+        growth: 2.0,
+    };
     for _ in 0..limits.iterations {
         if is_over(limits.deadline) {
             at.end = End::Time;
@@ -136,15 +139,6 @@ fn moved(places: &[f64], step: &DVector<f64>) -> Vec<f64> {
 struct Damping {
     value: f64,
     growth: f64,
-}
-
-impl Default for Damping {
-    fn default() -> Self {
-        Self {
-            value: 1e-3,
-            growth: 2.0,
-        }
-    }
 }
 
 impl Damping {

@@ -106,12 +106,8 @@ impl<'a, 'b> Optima<'a, 'b> {
         self.optima.iter().filter(relevant).count()
     }
 
-    /// Whether nothing was found yet that is as deep.
-    pub fn is_deeper(&self, cost: f64) -> bool {
-        cost < self.least()
-    }
-
-    fn least(&self) -> f64 {
+    /// The least sum of squares so far; infinite without a minimum.
+    pub fn least(&self) -> f64 {
         let costs = self.optima.iter().map(|own| own.minimum.misfit.cost());
         costs.fold(f64::INFINITY, f64::min)
     }

@@ -9,7 +9,7 @@ use super::discrepancy::Discrepancy;
 use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::optima::Optimum;
-use super::posterior::{Direction, Posterior, UNDETERMINED};
+use super::posterior::{Direction, UNDETERMINED};
 use super::problem::Problem;
 use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
@@ -238,20 +238,17 @@ impl IdentificationOutcome {
 }
 
 fn optimum(problem: &Problem, own: &Optimum) -> OptimumOutcome {
-    let Optimum {
-        minimum, posterior, ..
-    } = own;
     OptimumOutcome {
         weight: own.weight,
-        cost: minimum.misfit.cost(),
-        end: minimum.end,
+        cost: own.minimum.misfit.cost(),
+        end: own.minimum.end,
         reached: own.reached,
         edge: own.edge,
         free: (0..problem.free.len())
-            .map(|index| free(problem, minimum, posterior, index))
+            .map(|index| free(problem, own, index))
             .collect(),
         latents: (0..problem.cases.len())
-            .map(|case| latents(problem, minimum, posterior, case))
+            .map(|case| latents(problem, own, case))
             .collect(),
     }
 }
@@ -266,10 +263,10 @@ fn bound(place: f64) -> Option<&'static str> {
     }
 }
 
-fn free(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usize) -> FreeOutcome {
+fn free(problem: &Problem, own: &Optimum, index: usize) -> FreeOutcome {
     let free = &problem.free[index];
-    let place = minimum.places[index];
-    let deviation = posterior.deviation(index);
+    let place = own.minimum.places[index];
+    let deviation = own.posterior.deviation(index);
     FreeOutcome {
         name: free.name.clone(),
         unit: free.unit.clone(),
@@ -279,8 +276,8 @@ fn free(problem: &Problem, minimum: &Minimum, posterior: &Posterior, index: usiz
         interval: [-1.0, 1.0].map(|side| free.value(place + side * NINETY_FIVE * deviation)),
         bounds: [free.min, free.max],
         at_bound: bound(place),
-        left: deviation * posterior.prior[index].sqrt(),
-        surrounded: minimum.surrounded.contains(&index),
+        left: deviation * own.posterior.prior[index].sqrt(),
+        surrounded: own.minimum.surrounded.contains(&index),
     }
 }
 
@@ -326,20 +323,15 @@ fn case(
     }
 }
 
-fn latents(
-    problem: &Problem,
-    minimum: &Minimum,
-    posterior: &Posterior,
-    index: usize,
-) -> Vec<LatentOutcome> {
+fn latents(problem: &Problem, own: &Optimum, index: usize) -> Vec<LatentOutcome> {
     let unknowns = problem.latents_of(index);
     let latents = problem.latents.iter().zip(&problem.cases[index].latents);
     let latents = latents
         .zip(unknowns)
         .map(|((latent, interval), unknown)| LatentOutcome {
             name: latent.name.clone(),
-            value: interval.value(minimum.places[unknown]),
-            deviation: posterior.deviation(unknown) * (interval.max - interval.min),
+            value: interval.value(own.minimum.places[unknown]),
+            deviation: own.posterior.deviation(unknown) * (interval.max - interval.min),
             interval: [interval.min, interval.max],
         });
     latents.collect()
@@ -367,6 +359,6 @@ fn searches(progress: &Progress) -> SearchOutcome {
     SearchOutcome {
         screened: progress.screened.len(),
         failed: screened.filter(|cost| cost.is_none()).count(),
-        minima: sorted(ended.map(|descent| descent.cost).collect()),
+        minima: sorted(ended.map(|end| end.misfit.cost()).collect()),
     }
 }

@@ -15,6 +15,7 @@ use super::local::{End, Limits, Minimum, is_over, minimise};
 use super::objective::{Differences, Objective};
 use super::optima::{Optima, Optimum};
 use super::problem::NoPrediction;
+use super::sample::SampleError;
 
 /// How much to search.
 #[derive(Clone, Copy, Debug)]
@@ -27,33 +28,22 @@ pub struct Effort {
     pub deadline: Option<Instant>,
 }
 
-/// Where a local search ended.
-#[derive(Clone, Debug)]
-pub struct Descent {
-    /// The unknowns, as places between their bounds.
-    pub places: Vec<f64>,
-    /// The sum of squares.
-    pub cost: f64,
-    /// Why it ended.
-    pub end: End,
-}
-
 /// How far a search has got.
 #[derive(Clone, Debug, Default)]
 pub struct Progress {
     /// The sum of squares at each start; `None` where a simulation failed.
     pub screened: Vec<Option<f64>>,
-    /// The local searches; `None` where simulations failed.
-    pub descents: Vec<Option<Descent>>,
+    /// The ends of the local searches; `None` where simulations failed.
+    pub descents: Vec<Option<Minimum>>,
     /// The places at which runs failed.
     pub failures: Failures,
 }
 
 impl Progress {
     /// The deepest place so far.
-    pub fn best(&self) -> Option<&Descent> {
+    pub fn best(&self) -> Option<&Minimum> {
         let ended = self.descents.iter().flatten();
-        ended.min_by(|a, b| a.cost.total_cmp(&b.cost))
+        ended.min_by(|a, b| a.misfit.cost().total_cmp(&b.misfit.cost()))
     }
 }
 
@@ -67,8 +57,8 @@ pub enum SearchError {
     #[error("the time limit ended the search before the first start was simulated")]
     NoTime,
     /// The posterior could not be sampled.
-    #[error("{0}")]
-    Sample(String),
+    #[error(transparent)]
+    Sample(#[from] SampleError),
     /// There are no surrogates.
     #[error("{0}")]
     Surrogate(String),
@@ -140,8 +130,9 @@ pub fn search(
         let ends = descend(objective, starts, &batch, settings, &mut progress, observe)?;
         for end in ends {
             // A search that was still on its way down has found no minimum; only the deepest is followed further.
-            if end.end == End::Converged || optima.is_deeper(end.cost) {
-                optima.add(&end.places, end.cost)?;
+            let cost = end.misfit.cost();
+            if end.end == End::Converged || cost < optima.least() {
+                optima.add(&end.places, cost)?;
             }
         }
     }
@@ -174,13 +165,13 @@ fn descend(
     settings: &Effort,
     progress: &mut Progress,
     observe: &dyn Fn(&Progress),
-) -> Result<Vec<Descent>, SearchError> {
+) -> Result<Vec<Minimum>, SearchError> {
     let limits = Limits {
         iterations: settings.iterations,
         decrease: 1e-4,
         deadline: settings.deadline,
     };
-    let mut ends: Vec<Descent> = Vec::new();
+    let mut ends: Vec<Minimum> = Vec::new();
     for &start in batch {
         let from = unknowns(objective, &starts[start]);
         let minimum = match minimise(objective, from, &[], Differences::Forward, &limits) {
@@ -192,16 +183,11 @@ fn descend(
         if minimum.as_ref().is_some_and(cut) && progress.best().is_some() {
             break;
         }
-        let descent = minimum.map(|minimum| Descent {
-            cost: minimum.misfit.cost(),
-            places: minimum.places,
-            end: minimum.end,
-        });
-        ends.extend(descent.clone());
-        progress.descents.push(descent);
+        ends.extend(minimum.clone());
+        progress.descents.push(minimum);
         observe(progress);
     }
-    ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    ends.sort_by(|a, b| a.misfit.cost().total_cmp(&b.misfit.cost()));
     Ok(ends)
 }
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::digits::shown;
-pub use super::digits::{Digits, digits};
+pub use super::digits::digits;
+use super::digits::{rounded, shown};
 use super::failures::words;
 use super::local::End;
 use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
@@ -20,10 +20,10 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome)
         ),
     };
     for free in outcome.optima.get(place).iter().flat_map(|own| &own.free) {
-        let number = digits(free.value);
-        let _ = match shown(&free.unit) {
-            "" => writeln!(text, "\"{}\" = {number}", free.name),
-            unit => writeln!(text, "\"{}\" = \"{number} {unit}\"", free.name),
+        let (name, number) = (&free.name, digits(free.value));
+        text += &match shown(&free.unit) {
+            "" => format!("\"{name}\" = {number}\n"),
+            unit => format!("\"{name}\" = \"{number} {unit}\"\n"),
         };
     }
     text
@@ -31,42 +31,41 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome)
 
 /// A summary for people.
 pub fn summary(outcome: &IdentificationOutcome) -> String {
-    let mut text = String::new();
-    if outcome.ambiguous {
-        several(&mut text, outcome);
-    } else {
-        parameters(&mut text, &outcome.free, &on_ridges(outcome));
-    }
-    undetermined(&mut text, outcome);
-    excluded(&mut text, outcome);
-    if let Some(told) = &outcome.surrogate {
-        text += &surrogate::text::summary(told);
-    }
-    discrepancies(&mut text, outcome);
-    residuals(&mut text, outcome);
-    goodness(&mut text, outcome);
-    text
+    let found = match outcome.ambiguous {
+        true => several(outcome),
+        false => parameters(&outcome.free, &on_ridges(outcome)),
+    };
+    let told = outcome.surrogate.as_ref();
+    [
+        found,
+        undetermined(outcome),
+        excluded(outcome),
+        told.map(surrogate::text::summary).unwrap_or_default(),
+        discrepancies(outcome),
+        residuals(outcome),
+        goodness(outcome),
+    ]
+    .concat()
 }
 
 /// All optima, where no single one is the value.
-fn several(text: &mut String, outcome: &IdentificationOutcome) {
-    let _ = writeln!(
-        text,
+fn several(outcome: &IdentificationOutcome) -> String {
+    let mut text = format!(
         "{} distinct sets of parameters fit the measured values, and none of them is \"the\" value: further \
-         measurements must decide.",
+         measurements must decide.\n",
         outcome.optima.len()
     );
     for (place, own) in outcome.optima.iter().enumerate() {
-        let _ = writeln!(
-            text,
-            "\noptimum {}: {:.3} % of the posterior, sum of squares {}, reached by {} searches",
+        text += &format!(
+            "\noptimum {}: {:.3} % of the posterior, sum of squares {}, reached by {} searches\n",
             place + 1,
             100.0 * own.weight,
             digits(own.cost),
             own.reached
         );
-        parameters(text, &own.free, &[]);
+        text += &parameters(&own.free, &[]);
     }
+    text
 }
 
 /// The parameters that the data do not tell from others: those of a combination that they leave open.
@@ -83,28 +82,17 @@ fn strong(direction: &DirectionOutcome) -> impl Iterator<Item = &(String, f64)> 
     weights.filter(|(_, weight)| weight.abs() > 0.3)
 }
 
-fn parameters(text: &mut String, parameters: &[FreeOutcome], on_ridges: &[&str]) {
-    let width = parameters
-        .iter()
-        .map(|free| free.name.len())
-        .max()
-        .unwrap_or(0);
-    let _ = writeln!(
-        text,
-        "{:width$}  {:>11}  95 % interval",
-        "parameter", "value"
-    );
+fn parameters(parameters: &[FreeOutcome], on_ridges: &[&str]) -> String {
+    let names = parameters.iter().map(|free| free.name.len());
+    let width = names.max().unwrap_or(0);
+    let mut text = format!("{:width$}  {:>11}  95 % interval\n", "parameter", "value");
     for free in parameters {
-        let unit = shown(&free.unit);
-        let [low, high] = free.interval.map(digits);
-        let _ = writeln!(
-            text,
-            "{:width$}  {:>11}  {low} .. {high} {unit}{}",
-            free.name,
-            digits(free.value),
-            remark(free, on_ridges.contains(&free.name.as_str()))
-        );
+        let (name, unit) = (&free.name, shown(&free.unit));
+        let [value, low, high] = [free.value, free.interval[0], free.interval[1]].map(digits);
+        let remark = remark(free, on_ridges.contains(&name.as_str()));
+        text += &format!("{name:width$}  {value:>11}  {low} .. {high} {unit}{remark}\n");
     }
+    text
 }
 
 fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
@@ -120,79 +108,70 @@ fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
             "; the search ended at its {side} bound, but the data do not determine it, see below"
         ),
     });
-    let prior = (free.left > LITTLE).then(|| {
-        format!(
-            "; the data leave {:.0} % of the prior's uncertainty",
-            100.0 * free.left
-        )
-    });
+    let left = 100.0 * free.left;
+    let prior = (free.left > LITTLE)
+        .then(|| format!("; the data leave {left:.0} % of the prior's uncertainty"));
     [bound, prior].into_iter().flatten().collect()
 }
 
-fn undetermined(text: &mut String, outcome: &IdentificationOutcome) {
-    let open: Vec<_> = outcome
-        .directions
-        .iter()
-        .filter(|d| d.undetermined)
-        .collect();
+fn undetermined(outcome: &IdentificationOutcome) -> String {
+    let open = outcome.directions.iter().filter(|d| d.undetermined);
+    let open: Vec<_> = open.collect();
+    if open.is_empty() {
+        // Around each of several optima they may do so; which one is right they do not tell. And a search that has not
+        // converged tells of no optimum.
+        let clear = outcome.optima.iter().all(|own| own.edge.is_clear());
+        let all = !outcome.ambiguous && clear && outcome.end == End::Converged;
+        let text = if all {
+            "\nThe data determine every parameter.\n"
+        } else {
+            ""
+        };
+        return text.to_owned();
+    }
     let which = if outcome.ambiguous {
         " at optimum 1"
     } else {
         ""
     };
-    if open.is_empty() {
-        // Around each of several optima they may do so; which one is right they do not tell. And a search that has not
-        // converged tells of no optimum.
-        let clear = outcome.optima.iter().all(|own| own.edge.is_clear());
-        if !outcome.ambiguous && clear && outcome.end == End::Converged {
-            let _ = writeln!(text, "\nThe data determine every parameter.");
-        }
-        return;
-    }
-    let _ = writeln!(text, "\nThe data do not determine{which}:");
+    let mut text = format!("\nThe data do not determine{which}:\n");
     for direction in open {
         let left = 100.0 * direction.left;
         let names: Vec<String> = strong(direction)
             .map(|(name, weight)| format!("{} {name}", if *weight < 0.0 { '-' } else { '+' }))
             .collect();
-        let _ = match names.len() {
-            1 => writeln!(
-                text,
-                "  {}: {left:.0} % of the prior's uncertainty is left",
-                &names[0][2..]
+        text += &match &names[..] {
+            [name] => format!(
+                "  {}: {left:.0} % of the prior's uncertainty is left\n",
+                &name[2..]
             ),
-            _ => writeln!(
-                text,
+            names => format!(
                 "  {}: the data tell these parameters only together; where they change by these signs at once, {left:.0} % of \
-                 the prior's uncertainty is left",
+                 the prior's uncertainty is left\n",
                 names.join(" ")
             ),
         };
     }
     if outcome.posterior.is_none() {
-        let _ = writeln!(
-            text,
-            "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 \
-             samples the posterior"
-        );
+        text += "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 \
+                 samples the posterior\n";
     }
+    text
 }
 
 /// Places where runs failed, and what that leaves open at the optima.
-fn excluded(text: &mut String, outcome: &IdentificationOutcome) {
-    let Some(own) = &outcome.excluded else { return };
+fn excluded(outcome: &IdentificationOutcome) -> String {
+    let Some(own) = &outcome.excluded else {
+        return String::new();
+    };
     let [starts, lost] = own.starts;
-    let _ = writeln!(
-        text,
+    let mut text = format!(
         "\nRuns failed at {} of {} places, among them {lost} of {starts} starts, which are spread evenly between the bounds: \
-         about {:.0} % of the space is excluded. An optimum may lie there; nothing is known of it.",
+         about {:.0} % of the space is excluded. An optimum may lie there; nothing is known of it.\n  all of them lie within \
+         {}; last: {}\n",
         own.failed,
         own.asked,
-        100.0 * lost as f64 / starts.max(1) as f64
-    );
-    let _ = writeln!(
-        text,
-        "  all of them lie within {}; last: {}",
+        100.0 * lost as f64 / starts.max(1) as f64,
         words(&own.within),
         own.message
     );
@@ -201,89 +180,85 @@ fn excluded(text: &mut String, outcome: &IdentificationOutcome) {
             true => format!("optimum {}", place + 1),
             false => "the optimum".to_owned(),
         };
+        let edge = optimum.edge;
         if optimum.free.iter().any(|free| free.surrounded) {
-            let _ = writeln!(
-                text,
-                "  runs fail all around {name}: it is the best place at which runs end, and no minimum is known"
+            text += &format!(
+                "  runs fail all around {name}: it is the best place at which runs end, and no minimum is known\n"
             );
-        } else if optimum.edge.blocked {
-            let _ = writeln!(
-                text,
+        } else if edge.blocked {
+            text += &format!(
                 "  {name} lies at the edge of these places: the sum of squares falls towards them, so it is no minimum, and \
-                 its intervals do not hold"
+                 its intervals do not hold\n"
             );
-        } else if optimum.edge.failed > 0 {
-            let _ = writeln!(
-                text,
-                "  runs fail at {} of {} ends of the 95 % region of {name}: its intervals reach where nothing is known",
-                optimum.edge.failed, optimum.edge.asked
+        } else if edge.failed > 0 {
+            text += &format!(
+                "  runs fail at {} of {} ends of the 95 % region of {name}: its intervals reach where nothing is known\n",
+                edge.failed, edge.asked
             );
         }
     }
+    text
 }
 
 /// What the data say of the model's discrepancies.
-fn discrepancies(text: &mut String, outcome: &IdentificationOutcome) {
+fn discrepancies(outcome: &IdentificationOutcome) -> String {
+    let mut text = String::new();
     for own in &outcome.discrepancies {
         let unit = match shown(&own.unit) {
             "" => String::new(),
             unit => format!(" {unit}"),
         };
-        let name = &own.quantity;
-        let deviation = Digits(own.deviation, 3);
-        let sampled = own.sampled.map_or_else(String::new, |(_, [low, high])| {
-            format!("; 95 %: {} .. {}{unit}", Digits(low, 3), Digits(high, 3))
+        let (name, deviation) = (&own.quantity, rounded(own.deviation, 3));
+        let sampled = own.sampled.map_or_else(String::new, |(_, ends)| {
+            let [low, high] = ends.map(|end| rounded(end, 3));
+            format!("; 95 %: {low} .. {high}{unit}")
         });
-        let _ = match own.told {
-            _ if !own.settled => writeln!(
-                text,
+        text += &match own.told {
+            _ if !own.settled => format!(
                 "\nthe discrepancy of the model in {name} is NOT determined: it still changed in the last of {ROUNDS} searches, to \
-                 {deviation}{unit}{sampled}"
+                 {deviation}{unit}{sampled}\n"
             ),
-            true => writeln!(
-                text,
-                "\nthe model misses {name} by a discrepancy of its own: {deviation}{unit}, one standard deviation{sampled}"
+            true => format!(
+                "\nthe model misses {name} by a discrepancy of its own: {deviation}{unit}, one standard deviation{sampled}\n"
             ),
-            false => writeln!(
-                text,
+            false => format!(
                 "\nthe data cannot tell a discrepancy of the model in {name} from the accuracy of the measurement; most \
-                 probable {deviation}{unit}{sampled}"
+                 probable {deviation}{unit}{sampled}\n"
             ),
         };
     }
     if !outcome.discrepancies.is_empty() && outcome.posterior.is_none() {
-        let _ = writeln!(
-            text,
-            "the intervals take it as known; --posterior 1000 counts how uncertain it is"
-        );
+        text += "the intervals take it as known; --posterior 1000 counts how uncertain it is\n";
     }
+    text
 }
 
 /// The measured value that is missed most, where there are too many for a table.
-fn largest(text: &mut String, outcome: &IdentificationOutcome) {
+fn largest(outcome: &IdentificationOutcome) -> String {
     let all = outcome.cases.iter().flat_map(|case| &case.residuals);
-    let missed = |residual: &&Residual| (residual.difference / residual.accuracy).abs();
+    let missed = |residual: &Residual| (residual.difference / residual.accuracy).abs();
     let count = all.clone().count();
-    let Some(worst) = all.max_by(|a, b| missed(a).total_cmp(&missed(b))) else {
-        return;
-    };
-    let _ = writeln!(
-        text,
-        "\n{count} measured values; the largest misfit is {} standard uncertainties, of {}",
-        Digits(missed(&worst), 3),
-        worst.quantity
-    );
+    let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)));
+    worst.map_or_else(String::new, |worst| {
+        format!(
+            "\n{count} measured values; the largest misfit is {} standard uncertainties, of {}\n",
+            rounded(missed(worst), 3),
+            worst.quantity
+        )
+    })
 }
 
-fn residuals(text: &mut String, outcome: &IdentificationOutcome) {
+fn residuals(outcome: &IdentificationOutcome) -> String {
     const MANY: usize = 12;
     if outcome.worst.len() > MANY {
-        return largest(text, outcome);
+        return largest(outcome);
     }
-    if outcome.ambiguous {
-        let _ = write!(text, "\nAt optimum 1:");
-    }
-    let _ = write!(text, "\n{:>8}", "case");
+    let which = if outcome.ambiguous {
+        "\nAt optimum 1:"
+    } else {
+        ""
+    };
+    let mut text = format!("{which}\n{:>8}", "case");
     if let Some(first) = outcome.cases.first() {
         for latent in &first.latents {
             let short = latent.name.rsplit('.').next().unwrap_or_default();
@@ -299,73 +274,53 @@ fn residuals(text: &mut String, outcome: &IdentificationOutcome) {
             let _ = write!(text, "  {:>15}", digits(latent.value));
         }
         for residual in &case.residuals {
-            let _ = write!(
-                text,
-                "  {:>12} {:>+9}",
-                digits(residual.predicted),
-                Digits(residual.difference, 3)
-            );
+            let predicted = digits(residual.predicted);
+            let sign = if residual.difference >= 0.0 { "+" } else { "" };
+            let misfit = sign.to_owned() + &rounded(residual.difference, 3);
+            let _ = write!(text, "  {predicted:>12} {misfit:>9}");
         }
     }
-    let _ = writeln!(text);
+    text.push('\n');
     for worst in &outcome.worst {
-        let unit = shown(&worst.unit);
+        let (unit, difference) = (shown(&worst.unit), rounded(worst.difference, 3));
         // A measured value of 0 has no percentage.
         let relative = worst.relative.is_finite().then_some(100.0 * worst.relative);
         let percent = relative.map_or_else(String::new, |percent| format!(" ({percent:.2} %)"));
-        let _ = writeln!(
-            text,
-            "largest misfit of {}: {} {unit}{percent}",
-            worst.quantity,
-            Digits(worst.difference, 3),
+        text += &format!(
+            "largest misfit of {}: {difference} {unit}{percent}\n",
+            worst.quantity
         );
     }
+    text
 }
 
-fn goodness(text: &mut String, outcome: &IdentificationOutcome) {
-    let IdentificationOutcome {
-        cost,
-        degrees_of_freedom,
-        search,
-        ..
-    } = outcome;
-    let _ = writeln!(
-        text,
-        "\nsum of squares {} with {degrees_of_freedom} degrees of freedom",
-        digits(*cost)
-    );
+fn goodness(outcome: &IdentificationOutcome) -> String {
     const DOUBTFUL: f64 = 0.001;
     let doubtful = |probability| probability < DOUBTFUL;
-    if outcome.end == End::Converged && outcome.probability.is_some_and(doubtful) {
-        let _ = writeln!(
-            text,
-            "the model misses the measurement by more than the stated accuracies allow"
-        );
-    }
-    let _ = writeln!(
-        text,
-        "{} starts screened ({} failed), {} followed down, {}",
+    let misses = outcome.end == End::Converged && outcome.probability.is_some_and(doubtful);
+    let search = &outcome.search;
+    format!(
+        "\nsum of squares {} with {} degrees of freedom\n{}{} starts screened ({} failed), {} followed down, {}\n{}",
+        digits(outcome.cost),
+        outcome.degrees_of_freedom,
+        match misses {
+            true => "the model misses the measurement by more than the stated accuracies allow\n",
+            false => "",
+        },
         search.screened,
         search.failed,
         search.minima.len(),
-        ends(outcome)
-    );
-    let _ = match outcome.end {
-        End::Converged => Ok(()),
-        End::Rounds => writeln!(
-            text,
-            "the searches ended before they converged, and the values above would change further: state the model's \
-             discrepancy as a number, or give more cases"
-        ),
-        End::Iterations => writeln!(
-            text,
-            "the search ended before it converged: give it more `iterations` in [identify]"
-        ),
-        End::Time => writeln!(
-            text,
-            "the search ended before it converged; --resume goes on"
-        ),
-    };
+        ends(outcome),
+        match outcome.end {
+            End::Converged => "",
+            End::Rounds =>
+                "the searches ended before they converged, and the values above would change further: state the model's \
+                 discrepancy as a number, or give more cases\n",
+            End::Iterations =>
+                "the search ended before it converged: give it more `iterations` in [identify]\n",
+            End::Time => "the search ended before it converged; --resume goes on\n",
+        }
+    )
 }
 
 /// Where the local searches ended.

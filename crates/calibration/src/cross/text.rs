@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::super::digits::{Digits, digits, shown};
+use super::super::digits::{digits, rounded, shown};
 use super::super::local::End;
 use super::outcome::{CrossValidation, ErrorSize, HeldOut, Moves, QuantityErrors};
 
@@ -13,14 +13,10 @@ pub fn summary(told: &CrossValidation) -> String {
          errors (predicted less measured) as root mean square, with the largest one and its case\n",
     );
     let columns = columns(told);
-    let width = |k: usize| {
-        let cells = columns[k].1.iter().map(|cell| cell.chars().count());
-        cells.chain([columns[k].0.len()]).max().unwrap_or(0)
-    };
     for row in 0..=told.quantities.len() {
-        for (k, (head, cells)) in columns.iter().enumerate() {
-            let cell = if row == 0 { head } else { &cells[row - 1] };
-            let pad = width(k);
+        for (k, cells) in columns.iter().enumerate() {
+            let lengths = cells.iter().map(|cell| cell.chars().count());
+            let (cell, pad) = (&cells[row], lengths.max().unwrap_or(0));
             let _ = match k {
                 0 => write!(text, "{cell:pad$}"),
                 _ => write!(text, "  {cell:>pad$}"),
@@ -28,14 +24,14 @@ pub fn summary(told: &CrossValidation) -> String {
         }
         text.push('\n');
     }
-    explanation(&mut text, told);
-    parameters(&mut text, told);
-    cases(&mut text, told);
+    text += &explanation(told);
+    text += &parameters(told);
+    text.extend(told.cases.iter().map(case));
     text
 }
 
-/// The columns of the table of errors that have anything in them, each with its head.
-fn columns(told: &CrossValidation) -> Vec<(String, Vec<String>)> {
+/// The columns of the table of errors that have anything in them, each below its head.
+fn columns(told: &CrossValidation) -> Vec<Vec<String>> {
     type Pick = fn(&QuantityErrors) -> Option<&ErrorSize>;
     let picks: [(&str, Pick); 5] = [
         ("fitted", |q| q.fitted.as_ref()),
@@ -44,25 +40,20 @@ fn columns(told: &CrossValidation) -> Vec<(String, Vec<String>)> {
         ("linear regression", |q| q.linear.as_ref()),
         ("mean of the others", |q| q.mean.as_ref()),
     ];
-    let name = |q: &QuantityErrors| named(&q.quantity, &q.unit);
-    let names = told.quantities.iter().map(name).collect();
-    let mut columns = vec![("result".to_owned(), names)];
+    let below = |head: &str, cell: &dyn Fn(&QuantityErrors) -> String| {
+        let cells = told.quantities.iter().map(cell);
+        std::iter::once(head.to_owned()).chain(cells).collect()
+    };
+    let mut columns = vec![below("result", &|q| named(&q.quantity, &q.unit))];
     for (head, pick) in picks {
-        let cell = |q| {
-            pick(q).map_or_else(
-                || "-".to_owned(),
-                |size: &ErrorSize| {
-                    format!(
-                        "{} ({}, {})",
-                        Digits::of(size.rms, 3),
-                        Digits::of(size.largest, 3),
-                        size.case
-                    )
-                },
-            )
+        let cell = |q: &QuantityErrors| match pick(q) {
+            None => "-".to_owned(),
+            Some(ErrorSize { rms, largest, case }) => {
+                format!("{} ({}, {case})", rounded(*rms, 3), rounded(*largest, 3))
+            }
         };
         if told.quantities.iter().any(|q| pick(q).is_some()) {
-            columns.push((head.to_owned(), told.quantities.iter().map(cell).collect()));
+            columns.push(below(head, &cell));
         }
     }
     columns
@@ -76,102 +67,73 @@ fn named(name: &str, unit: &Option<String>) -> String {
     }
 }
 
-fn explanation(text: &mut String, told: &CrossValidation) {
+fn explanation(told: &CrossValidation) -> String {
     let latents = told.cases.iter().find(|case| !case.latents.is_empty());
-    if let Some(case) = latents {
+    let latents = latents.map_or_else(String::new, |case| {
         let names: Vec<&str> = case.latents.iter().map(|l| l.name.as_str()).collect();
         let names = names.join(", ");
-        let _ = writeln!(
-            text,
+        format!(
             "predicted: {names} of the case left out is known to its interval only, and the mean over the interval is \
-             taken\nown unknowns: {names} is found from the case's own results, within the interval"
-        );
-    }
-    text.push_str(
-        "no prediction has an interval: the errors of the cases left out show how far one may be off\n",
-    );
-    if told.quantities.iter().any(|q| q.linear.is_some()) {
-        text.push_str(
-            "linear regression: least squares of each result on the known values of the other cases\n",
-        );
-    } else {
-        text.push_str(
-            "no linear regression: the known values are none, or too many for so few cases\n",
-        );
-    }
+             taken\nown unknowns: {names} is found from the case's own results, within the interval\n"
+        )
+    });
+    let linear = match told.quantities.iter().any(|q| q.linear.is_some()) {
+        true => {
+            "linear regression: least squares of each result on the known values of the other cases"
+        }
+        false => "no linear regression: the known values are none, or too many for so few cases",
+    };
+    format!(
+        "{latents}no prediction has an interval: the errors of the cases left out show how far one may be off\n{linear}\n"
+    )
 }
 
-fn parameters(text: &mut String, told: &CrossValidation) {
-    text.push_str(
-        "\nparameters as cases are left out: all cases, least (without case), greatest\n",
-    );
+fn parameters(told: &CrossValidation) -> String {
     let name = |m: &Moves| named(&m.name, &m.unit);
     let width = told.free.iter().map(|m| name(m).len()).max().unwrap_or(0);
-    for moves in &told.free {
-        let end = |end: &Option<(f64, String)>| {
-            end.as_ref().map_or_else(
-                || "-".to_owned(),
-                |(value, case)| format!("{} ({case})", digits(*value)),
-            )
-        };
-        let _ = writeln!(
-            text,
-            "{:width$}  {:>11}  {} .. {}",
-            name(moves),
-            digits(moves.value),
-            end(&moves.least),
-            end(&moves.greatest)
+    let end = |end: &Option<(f64, String)>| match end {
+        None => "-".to_owned(),
+        Some((value, case)) => format!("{} ({case})", digits(*value)),
+    };
+    let line = |moves: &Moves| {
+        let (name, value) = (name(moves), digits(moves.value));
+        let [least, greatest] = [&moves.least, &moves.greatest].map(end);
+        format!("{name:width$}  {value:>11}  {least} .. {greatest}\n")
+    };
+    let lines: String = told.free.iter().map(line).collect();
+    format!(
+        "\nparameters as cases are left out: all cases, least (without case), greatest\n{lines}"
+    )
+}
+
+/// What a reader must know of a case.
+fn case(case: &HeldOut) -> String {
+    let label = &case.label;
+    let mut text = match &case.failure {
+        Some(failure) => format!("case {label} could not be predicted: {failure}\n"),
+        None if case.end == Some(End::Iterations) => {
+            format!("case {label}: the search over the others ended before it converged\n")
+        }
+        None => String::new(),
+    };
+    if case.failed_simulations > 0 {
+        text += &format!(
+            "case {label}: {} simulations over its interval failed and are left out\n",
+            case.failed_simulations
         );
     }
-}
-
-fn cases(text: &mut String, told: &CrossValidation) {
-    for case in &told.cases {
-        if let Some(failure) = &case.failure {
-            let _ = writeln!(
-                text,
-                "case {} could not be predicted: {failure}",
-                case.label
-            );
-        } else if case.end == Some(End::Iterations) {
-            let _ = writeln!(
-                text,
-                "case {}: the search over the others ended before it converged",
-                case.label
-            );
-        }
-        if case.failed_simulations > 0 {
-            let _ = writeln!(
-                text,
-                "case {}: {} simulations over its interval failed and are left out",
-                case.label, case.failed_simulations
-            );
-        }
-        outside(text, case);
-    }
-}
-
-/// Latent parameters that the case wants outside of their intervals.
-fn outside(text: &mut String, case: &HeldOut) {
+    let squares = case.squares.map_or_else(String::new, |squares| {
+        let [within, needed] = squares.map(|squares| rounded(squares, 3));
+        format!(" (sum of squares {within} within, {needed} there)")
+    });
     for latent in case.latents.iter().filter(|latent| latent.outside) {
+        let (name, value) = (&latent.name, digits(latent.value));
         let [low, high] = latent.interval.map(digits);
-        let _ = write!(
-            text,
-            "case {}: its results need {} = {}, outside of {low} .. {high}",
-            case.label,
-            latent.name,
-            digits(latent.value)
+        text += &format!(
+            "case {label}: its results need {name} = {value}, outside of {low} .. {high}{squares}\n"
         );
-        let _ = match case.squares {
-            Some([within, needed]) => writeln!(
-                text,
-                " (sum of squares {} within, {} there)",
-                Digits::of(within, 3),
-                Digits::of(needed, 3)
-            ),
-            None => writeln!(text),
-        };
     }
+    text
 }
 
 /// The head of the table.

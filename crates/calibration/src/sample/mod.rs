@@ -249,7 +249,7 @@ impl<'a> Walk<'a> {
             exponent: 0.0,
             particles: Vec::new(),
             evidences: vec![0.0; GROUPS],
-            movers: vec![Mover::new(target.unknowns()); PARTS],
+            movers: vec![Mover::new(target.before.len()); PARTS],
             stages: Vec::new(),
         };
         walk.particles = walk.weighed(places)?;
@@ -333,11 +333,9 @@ impl<'a> Walk<'a> {
             let all: f64 = weights.iter().sum();
             let weights: Vec<f64> = weights.iter().map(|weight| weight / all).collect();
             let places: Vec<&[f64]> = particles.iter().map(|own| &own.places[..]).collect();
-            let fitted = (all > 0.0)
-                .then(|| Mixture::fitted(&places, &weights, &mut self.random))
-                .flatten();
-            if let Some(mixture) = fitted {
-                mover.shape(mixture);
+            if all > 0.0 {
+                let fitted = Mixture::fitted(&places, &weights, &mut self.random);
+                mover.mixture = fitted.or(mover.mixture.take());
             }
         }
     }

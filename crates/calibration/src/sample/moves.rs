@@ -19,7 +19,8 @@ const WANTED: f64 = 0.27;
 /// Moves, adapted to what was accepted so far.
 #[derive(Clone)]
 pub(super) struct Mover {
-    mixture: Option<Mixture>,
+    /// The shape of the sample, which the moves follow.
+    pub(super) mixture: Option<Mixture>,
     /// The step of a walk in units of what is best for a normal distribution.
     scale: f64,
     /// The part of the moves that are leaps.
@@ -43,10 +44,6 @@ impl Mover {
             leaps: 0.5,
             unknowns,
         }
-    }
-
-    pub(super) fn shape(&mut self, mixture: Mixture) {
-        self.mixture = Some(mixture);
     }
 
     /// A place to move to for each particle.

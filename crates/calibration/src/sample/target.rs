@@ -14,7 +14,7 @@ use super::super::problem::NoPrediction;
 pub(super) struct Target<'a> {
     objective: &'a Objective<'a>,
     /// The prior of each unknown's place: uniform from 0 to 1, or normal and cut there.
-    before: Vec<Distribution>,
+    pub(super) before: Vec<Distribution>,
     /// Quantities with an unknown discrepancy, whose places stand behind all others.
     discrepancies: Vec<Unknown>,
     /// The logarithm of the likelihood where every prediction is what was measured.
@@ -41,11 +41,6 @@ impl<'a> Target<'a> {
             evaluated: Cell::new(0),
             failed: Cell::new(0),
         }
-    }
-
-    /// How many unknowns there are.
-    pub(super) fn unknowns(&self) -> usize {
-        self.before.len()
     }
 
     /// Places of which the likelihood was asked, and those of which a run failed.

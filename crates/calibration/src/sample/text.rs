@@ -1,8 +1,6 @@
 //! A sample of the posterior as text and as a table.
 
-use std::fmt::Write;
-
-use super::super::digits::{Digits, digits, shown};
+use super::super::digits::{digits, rounded, shown};
 use super::super::discrepancy::Unknown;
 use super::super::problem::Problem;
 use super::outcome::{Marginal, PosteriorOutcome};
@@ -13,90 +11,76 @@ const NAMED: usize = 8;
 
 /// A summary for people.
 pub fn summary(outcome: &PosteriorOutcome) -> String {
-    let mut text = String::new();
     let PosteriorOutcome {
         particles,
         effective,
         evaluated,
         ..
     } = outcome;
-    let judged = if outcome.trusted {
-        format!("{GROUPS} independent groups agree; worth about {effective:.0} independent draws")
-    } else {
-        "NOT to be relied on, see below".to_owned()
+    let judged = match outcome.trusted {
+        true => format!(
+            "{GROUPS} independent groups agree; worth about {effective:.0} independent draws"
+        ),
+        false => "NOT to be relied on, see below".to_owned(),
     };
-    let _ = writeln!(
-        text,
-        "\nposterior sample: {particles} particles ({judged}), from {evaluated} evaluations"
+    let mut text = format!(
+        "\nposterior sample: {particles} particles ({judged}), from {evaluated} evaluations\n"
     );
-    marginals(&mut text, &outcome.free);
-    shares(&mut text, outcome);
+    text += &marginals(&outcome.free);
+    // A single optimum has all.
+    for own in outcome.optima.iter().filter(|_| outcome.optima.len() > 1) {
+        let [share, error, approximation] =
+            [own.share, own.error, own.approximation].map(|part| 100.0 * part);
+        text += &format!(
+            "near optimum {}: {share:.1} +- {error:.1} % of the sample ({approximation:.1} % by its normal approximation)\n",
+            own.optimum
+        );
+    }
     let [low, high] = outcome.holds.map(|part| 100.0 * part);
-    let _ = writeln!(
-        text,
+    text += &format!(
         "{} % of the particles are different. A sample is finite: each 95 % interval above really holds {low:.0} to {high:.0} % \
-         of the posterior (with a probability of 95 %). ln evidence {} +- {}",
-        Digits::of(100.0 * outcome.distinct as f64 / *particles as f64, 3),
+         of the posterior (with a probability of 95 %). ln evidence {} +- {}\n",
+        rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),
         digits(outcome.log_evidence),
-        Digits::of(outcome.log_evidence_error, 2)
+        rounded(outcome.log_evidence_error, 2)
     );
     for note in &outcome.notes {
-        let _ = writeln!(text, "{note}");
+        text += &format!("{note}\n");
     }
     for doubt in &outcome.doubts {
-        let _ = writeln!(text, "do not rely on this sample: {doubt}");
+        text += &format!("do not rely on this sample: {doubt}\n");
     }
     if !outcome.trusted {
-        let _ = writeln!(text, "--posterior {} may do", outcome.more());
+        text += &format!("--posterior {} may do\n", outcome.more());
     }
     text
 }
 
-fn marginals(text: &mut String, free: &[Marginal]) {
+fn marginals(free: &[Marginal]) -> String {
     let width = free.iter().map(|own| own.name.len()).max().unwrap_or(0);
-    let _ = writeln!(
-        text,
-        "{:width$}  {:>11} {:>11} {:>11}  95 % of it",
+    let mut text = format!(
+        "{:width$}  {:>11} {:>11} {:>11}  95 % of it\n",
         "parameter", "mean", "deviation", "median"
     );
     for own in free {
         let parts = own.intervals.iter().take(NAMED);
-        let parts = parts.map(|ends| {
-            let [low, high] = ends.map(digits);
-            format!("{low} .. {high}")
-        });
+        let parts = parts.map(|ends| ends.map(digits).join(" .. "));
         let parts: Vec<String> = parts.collect();
         let more = match own.intervals.len().saturating_sub(NAMED) {
             0 => String::new(),
             more => format!(" or {more} more"),
         };
-        let _ = writeln!(
-            text,
-            "{:width$}  {:>11} {:>11} {:>11}  {} {}{more}",
+        text += &format!(
+            "{:width$}  {:>11} {:>11} {:>11}  {} {}{more}\n",
             own.name,
             digits(own.mean),
-            Digits::of(own.deviation, 3),
+            rounded(own.deviation, 3),
             digits(own.median),
             parts.join(" or "),
             shown(&own.unit)
         );
     }
-}
-
-fn shares(text: &mut String, outcome: &PosteriorOutcome) {
-    if outcome.optima.len() < 2 {
-        return;
-    }
-    for own in &outcome.optima {
-        let _ = writeln!(
-            text,
-            "near optimum {}: {:.1} +- {:.1} % of the sample ({:.1} % by its normal approximation)",
-            own.optimum,
-            100.0 * own.share,
-            100.0 * own.error,
-            100.0 * own.approximation
-        );
-    }
+    text
 }
 
 /// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, discrepancies as `NAME.discrepancy`, and the logarithm of the likelihood.

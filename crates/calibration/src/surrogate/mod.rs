@@ -25,7 +25,7 @@ use super::local::is_over;
 use super::objective::Objective;
 use super::problem::{NoPrediction, Problem, Simulate};
 use super::rounds::{self, searched};
-use super::sample::{FEWEST, SampleError, Settings, sample};
+use super::sample::{FEWEST, Settings, sample};
 use super::search::SearchError;
 pub use fitted::Surrogates;
 use fitted::{Bounds, Run};
@@ -228,11 +228,7 @@ impl Work<'_> {
             discrepancies: &discrepancies,
         };
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
-        let sample = sample(&objective, &searched.optima, &settings, &|_, _| ());
-        let sample = sample.map_err(|error| match error {
-            SampleError::Prediction(error) => SearchError::from(error),
-            error => SearchError::Sample(error.to_string()),
-        })?;
+        let sample = sample(&objective, &searched.optima, &settings, &|_, _| ())?;
         let particles = sample.particles.into_iter();
         let own = particles.map(|mut own| {
             own.places.truncate(problem.unknowns());

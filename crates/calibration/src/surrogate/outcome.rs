@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::super::failures::Range;
-use super::super::optima::Optimum;
 use super::super::problem::Problem;
 use super::fitted::Surrogates;
 
@@ -110,15 +109,5 @@ impl SurrogateOutcome {
     /// The problem with the errors counted beside its accuracies.
     pub fn widened(&self, problem: &Problem) -> Problem {
         problem.widened(|case, quantity| self.errors[case][quantity].counted)
-    }
-
-    /// Takes note of the optima that were run again: their sums of squares by the surrogates, and by the model.
-    pub fn run_again(&mut self, optima: &[Optimum], model: &[Option<f64>]) {
-        let pairs = optima.iter().zip(model);
-        let again = pairs.map(|(own, &model)| RunAgain {
-            surrogate: own.minimum.misfit.cost(),
-            model,
-        });
-        self.optima = again.collect();
     }
 }

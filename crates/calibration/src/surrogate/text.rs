@@ -1,8 +1,6 @@
 //! The surrogates in words.
 
-use std::fmt::Write;
-
-use super::super::digits::Digits;
+use super::super::digits::rounded;
 use super::super::failures::words;
 use super::outcome::SurrogateOutcome;
 
@@ -21,44 +19,37 @@ pub fn summary(told: &SurrogateOutcome) -> String {
         told.rounds,
         words(&told.within)
     );
+    let (checked, more) = (told.checked, 2 * told.runs);
     let all = told.errors.iter().flatten();
     if let Some(worst) = all.max_by(|a, b| a.part().total_cmp(&b.part())) {
         let held_out = worst.held_out.map_or_else(String::new, |own| {
-            format!(
-                ", at {} fresh runs in the posterior {}",
-                told.checked,
-                Digits(own, 2)
-            )
+            let own = rounded(own, 2);
+            format!(", at {checked} fresh runs in the posterior {own}")
         });
-        let _ = writeln!(
-            text,
-            "  its error is largest in {}: leave-one-out {}{held_out}; counted as {} beside the accuracy of {} ({:.0} %)",
+        let [leave_one_out, counted, accuracy] =
+            [worst.leave_one_out, worst.counted, worst.accuracy].map(|own| rounded(own, 2));
+        text += &format!(
+            "  its error is largest in {}: leave-one-out {leave_one_out}{held_out}; counted as {counted} beside the accuracy of \
+             {accuracy} ({:.0} %)\n",
             worst.quantity,
-            Digits(worst.leave_one_out, 2),
-            Digits(worst.counted, 2),
-            Digits(worst.accuracy, 2),
             100.0 * worst.part()
         );
     }
     if told.largest > LARGE {
-        let _ = writeln!(
-            text,
+        text += &format!(
             "  so intervals are wider than the data's own, and optima close to each other may look like one: more runs \
-             (--surrogate {}) tell more",
-            2 * told.runs
+             (--surrogate {more}) tell more\n"
         );
     }
-    if told.checked == 0 {
+    if checked == 0 {
         text += "  no fresh run could be compared, so only the leave-one-out error is known\n";
     }
     if told.check_failed > 0 {
-        let _ = writeln!(
-            text,
+        text += &format!(
             "  at {} of {} fresh places in the posterior the model's run failed: the surrogate does not know where runs fail, so \
-             the intervals of the sample do not hold; sample the model itself, or give more runs (--surrogate {})",
+             the intervals of the sample do not hold; sample the model itself, or give more runs (--surrogate {more})\n",
             told.check_failed,
-            told.check_failed + told.checked,
-            2 * told.runs
+            told.check_failed + checked
         );
     }
     for (place, own) in told.optima.iter().enumerate() {
@@ -66,20 +57,18 @@ pub fn summary(told: &SurrogateOutcome) -> String {
             1 => "the optimum".to_owned(),
             _ => format!("optimum {}", place + 1),
         };
-        let _ = match own.model {
-            Some(model) => writeln!(
-                text,
-                "  {name} run again in the model: sum of squares {}, by the surrogate {}{}",
-                Digits(model, 4),
-                Digits(own.surrogate, 4),
+        text += &match own.model {
+            Some(model) => format!(
+                "  {name} run again in the model: sum of squares {}, by the surrogate {}{}\n",
+                rounded(model, 4),
+                rounded(own.surrogate, 4),
                 match (model - own.surrogate).abs() > DIFFERENT {
                     true => "; the surrogate is too rough to tell its place",
                     false => "",
                 }
             ),
-            None => writeln!(
-                text,
-                "  the model's run fails at {name}: it is no optimum of the model, and its values and sum of squares are the surrogate's"
+            None => format!(
+                "  the model's run fails at {name}: it is no optimum of the model, and its values and sum of squares are the surrogate's\n"
             ),
         };
     }

@@ -350,7 +350,7 @@ fn validate(
 /// How far a search has got, for people.
 fn so_far(progress: &Progress) -> String {
     let best = progress.best().map_or_else(String::new, |best| {
-        format!(", sum of squares {:.4}", best.cost)
+        format!(", sum of squares {:.4}", best.misfit.cost())
     });
     format!(
         "{} starts screened, {} followed down{best}",

@@ -99,8 +99,7 @@ pub(super) fn sampled(
             outcome.end = End::Time;
             Ok(None)
         }
-        Err(SampleError::Prediction(error)) => Err(error.into()),
-        Err(error) => Err(SearchError::Sample(error.to_string())),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -4,13 +4,12 @@ use super::Asked;
 use crate::error::CommandError;
 use crate::identify::bind::Bound;
 use crate::study::{Identification, Study};
-use calibration::local::Minimum;
-use calibration::objective::Objective;
+use calibration::objective::{Misfit, Objective};
 use calibration::optima::Optimum;
 use calibration::problem::Simulate;
 use calibration::rounds;
 use calibration::search::SearchError;
-use calibration::surrogate::outcome::SurrogateOutcome;
+use calibration::surrogate::outcome::{RunAgain, SurrogateOutcome};
 use calibration::surrogate::{Replaced, Task, fewest, replaced as made};
 use sampling::design::cube;
 
@@ -83,15 +82,14 @@ pub(super) fn run_again(
 ) -> Result<SurrogateOutcome, SearchError> {
     let places: Vec<&[f64]> = optima.iter().map(|own| &own.minimum.places[..]).collect();
     let misfits = objective.misfits(&places)?;
-    let costs = misfits
-        .iter()
-        .map(|own| own.as_ref().ok().map(|own| own.cost()));
     let mut told = replaced.told.clone();
-    told.run_again(optima, &costs.collect::<Vec<_>>());
     for (Optimum { minimum, .. }, misfit) in optima.iter_mut().zip(misfits) {
-        let Minimum { misfit: own, .. } = minimum;
+        told.optima.push(RunAgain {
+            surrogate: minimum.misfit.cost(),
+            model: misfit.as_ref().ok().map(Misfit::cost),
+        });
         if let Ok(misfit) = misfit {
-            *own = misfit;
+            minimum.misfit = misfit;
         }
     }
     Ok(told)
