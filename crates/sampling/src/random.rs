@@ -130,7 +130,6 @@ pub(crate) fn uniform(seed: u64, purpose: Purpose, index: u64, dimension: u32) -
 }
 
 /// The middle of one of 2^52 slices of (0, 1): never 0, never 1.
-#[allow(clippy::cast_precision_loss)]
 pub(crate) fn to_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) * 2.0_f64.powi(-52)
 }
@@ -157,12 +156,10 @@ pub fn mix(mut x: u64) -> u64 {
     x ^ x >> 31
 }
 
-#[allow(clippy::cast_possible_truncation)]
 fn low(x: u64) -> u32 {
     x as u32
 }
 
-#[allow(clippy::cast_possible_truncation)]
 fn high(x: u64) -> u32 {
     (x >> 32) as u32
 }

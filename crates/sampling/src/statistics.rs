@@ -7,17 +7,16 @@ mod collect;
 mod crossing;
 pub mod estimate;
 mod extremes;
-mod frequency;
 mod last;
 mod mean;
 pub mod moments;
 mod oscillation;
-mod oscillation_amplitude;
 mod percentile;
 mod periods;
 mod rms;
 pub mod share;
 mod slope;
+mod strongest;
 mod turns;
 
 use serde::{Deserialize, Serialize};
@@ -143,8 +142,8 @@ statistics! {
     Slope = slope::Slope, "The slope of the straight line of least squares, a second.";
     Percentile = percentile::Percentile, "The value that is not exceeded for a share of the time.";
     Crossing = crossing::Crossing, "The time at which the signal first crosses a level, s.";
-    Frequency = frequency::Frequency, "The frequency of the strongest oscillation, Hz.";
-    OscillationAmplitude = oscillation_amplitude::OscillationAmplitude, "The amplitude of the strongest oscillation.";
+    Frequency = strongest::Frequency, "The frequency of the strongest oscillation, Hz.";
+    OscillationAmplitude = strongest::Amplitude, "The amplitude of the strongest oscillation.";
 }
 
 impl Default for Statistic {

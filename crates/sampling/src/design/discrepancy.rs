@@ -92,7 +92,6 @@ impl Discrepancy {
     }
 
     /// The square of the discrepancy after changes of both sums.
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
     fn square_of(&self, [single, double]: [f64; 2]) -> f64 {
         let n = self.points as f64;
         let whole = (13.0_f64 / 12.0).powi(self.columns.len() as i32);
@@ -151,7 +150,6 @@ mod tests {
     use super::*;
 
     /// Hickernell's formula as it is written.
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
     fn written_out(coordinates: &[Vec<f64>]) -> f64 {
         let (n, d) = (coordinates[0].len(), coordinates.len());
         let mut square = (13.0_f64 / 12.0).powi(d as i32);

@@ -31,7 +31,6 @@ impl Registered for Grid {
 
 impl Rule for Grid {
     /// The last input changes fastest.
-    #[allow(clippy::cast_precision_loss)]
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let place = dimension as usize;
         let faster: u64 = self.levels[place + 1..].iter().product();
@@ -40,7 +39,8 @@ impl Rule for Grid {
     }
 
     fn points(&self) -> Option<u64> {
-        self.size()
+        let mut levels = self.levels.iter();
+        levels.try_fold(1_u64, |size, &levels| size.checked_mul(levels))
     }
 }
 
@@ -48,16 +48,10 @@ impl Grid {
     /// A grid with this many levels for each input.
     fn of(levels: Vec<u64>) -> Result<Self, String> {
         let grid = Self { levels };
-        match grid.size() {
+        match grid.points() {
             Some(_) => Ok(grid),
             None => Err("the levels make more points than can be counted".to_owned()),
         }
-    }
-
-    fn size(&self) -> Option<u64> {
-        self.levels
-            .iter()
-            .try_fold(1_u64, |size, &levels| size.checked_mul(levels))
     }
 }
 

@@ -33,7 +33,6 @@ impl Registered for Sequence {
 }
 
 impl Rule for Sequence {
-    #[allow(clippy::cast_precision_loss)]
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let Radix { base, permutations } = &self.inputs[dimension as usize];
         let (mut rest, mut value, mut scale) = (index, 0.0, 1.0);
@@ -66,11 +65,6 @@ impl Sequence {
 }
 
 impl Radix {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss
-    )]
     fn new(seed: u64, base: u64, dimension: u32) -> Self {
         let places = (BITS / (base as f64).log2()).ceil() as u64;
         let permutation = |place: u64| {
@@ -105,11 +99,6 @@ mod tests {
     use super::*;
 
     #[test]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss
-    )]
     fn every_run_of_points_fills_the_slices() {
         // Of any b^k points in a row that begin at a multiple, each slice of width b^-k holds one.
         let sequence = Sequence::of(5, 4).unwrap();

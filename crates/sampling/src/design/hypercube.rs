@@ -26,7 +26,6 @@ impl Registered for Hypercube {
 }
 
 impl Rule for Hypercube {
-    #[allow(clippy::cast_precision_loss)]
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let slice = self.slice(index, dimension);
         let within = random::uniform(self.seed, Purpose::Jitter, index, dimension);
@@ -71,11 +70,6 @@ mod tests {
     use super::*;
 
     #[test]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss
-    )]
     fn every_slice_holds_one_point() {
         for points in [1, 2, 3, 50, 1000, 4097] {
             let hypercube = Hypercube::of(3, points);

@@ -190,7 +190,6 @@ mod tests {
     ];
 
     #[test]
-    #[allow(clippy::cast_precision_loss)]
     fn means_deviations_and_correlations_are_right() {
         const N: u64 = 4096;
         for method in METHODS {
@@ -229,7 +228,6 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::cast_precision_loss)]
     fn correlations_are_those_asked_for() {
         const N: u64 = 4096;
         let [normal, bounded, lognormal] = [

@@ -109,7 +109,6 @@ impl Search {
     }
 
     /// The best pairing that was found.
-    #[allow(clippy::cast_precision_loss)]
     fn best(mut self) -> Vec<Vec<u32>> {
         if self.points <= 1 || self.columns.len() <= 1 {
             return self.columns;

@@ -24,7 +24,6 @@ impl Slices {
 
     /// The place in (0, 1) that belongs to a slice of an input. It belongs to the slice and not to the point, so that the
     /// places of an input stay the same when points exchange slices.
-    #[allow(clippy::cast_precision_loss)]
     pub(super) fn place(seed: u64, points: usize, slice: u32, dimension: u32) -> f64 {
         let within = random::uniform(seed, Purpose::Jitter, slice.into(), dimension);
         coordinate(slice.into(), within, points as f64)

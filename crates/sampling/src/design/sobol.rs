@@ -168,7 +168,6 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn every_elementary_interval_holds_its_share_in_every_replicate() {
         // The first two inputs are a (0, m, 2)-net in base 2: each of the 2^m boxes of
         // 2^a by 2^(m-a) holds one point, before and after scrambling.

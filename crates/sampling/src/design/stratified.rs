@@ -22,7 +22,6 @@ const ROUNDS: usize = 8;
 ///
 /// # Errors
 /// When there are too many points for a table.
-#[allow(clippy::cast_possible_truncation)]
 pub(super) fn correlated(
     rule: &dyn Rule,
     (seed, points): (u64, u64),
