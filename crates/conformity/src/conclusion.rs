@@ -98,11 +98,6 @@ impl Ruling {
         }
     }
 
-    /// The confidence for a guard band that is found from the points.
-    pub fn band_confidence(self) -> f64 {
-        self.looks.band_confidence(self.rule.confidence)
-    }
-
     /// The verdict with its words.
     fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
         let Self { rule, looks, count } = self;

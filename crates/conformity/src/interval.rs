@@ -66,11 +66,6 @@ impl Moments {
         }
     }
 
-    /// The same sample with zeros added until there are `count` numbers.
-    pub fn among(self, count: u64) -> Self {
-        Self { count, ..self }
-    }
-
     /// Student's interval about the mean of independent numbers; that of fewer than two is unknown.
     fn student(&self, confidence: f64) -> [f64; 2] {
         let (n, mean) = (self.count as f64, self.mean());
@@ -309,7 +304,10 @@ mod tests {
         let found = moments(numbers).complement();
         assert!((found.sum - expected.sum).abs() < 1e-15);
         assert!((found.squares - expected.squares).abs() < 1e-15);
-        let found = moments(numbers).among(5);
+        let found = Moments {
+            count: 5,
+            ..moments(numbers)
+        };
         assert_eq!(found, moments([0.1, 0.5, 1.0, 0.0, 0.0]));
     }
 

@@ -181,7 +181,7 @@ impl PointTable {
         self.best(self.len())
     }
 
-    /// The first so many of the [ranking](Self::ranking), in memory for twice as many at most.
+    /// The first so many of the [ranking](Self::ranking).
     pub fn best(&self, most: usize) -> Vec<Ranked> {
         let ranked = |point| {
             Some(Ranked {
@@ -195,17 +195,13 @@ impl PointTable {
             let (a, b) = (key(a), key(b));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
         };
-        let mut ranking: Vec<Ranked> = Vec::new();
         let completed = (0..self.len()).filter(|&i| self.completed(i));
-        for next in completed.filter_map(ranked) {
-            if most > 0 && ranking.len() == most.saturating_mul(2) {
-                ranking.select_nth_unstable_by(most, order);
-                ranking.truncate(most);
-            }
-            ranking.push(next);
+        let mut ranking: Vec<Ranked> = completed.filter_map(ranked).collect();
+        if most < ranking.len() {
+            ranking.select_nth_unstable_by(most, order);
+            ranking.truncate(most);
         }
         ranking.sort_unstable_by(order);
-        ranking.truncate(most);
         ranking
     }
 }

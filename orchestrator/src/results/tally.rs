@@ -252,7 +252,10 @@ impl<'a> Tally<'a> {
         });
         let statement = match ruling {
             _ if self.is_grid => self.risk.statement().without_intervals(),
-            Some(ruling) => self.risk.statement_at(ruling.band_confidence()),
+            Some(Ruling { rule, looks, .. }) => {
+                let confidence = looks.band_confidence(rule.confidence);
+                self.risk.statement_at(confidence)
+            }
             None => self.risk.statement(),
         };
         let mut conclusion = Conclusion::new(ruling, &statement, points);

@@ -92,7 +92,11 @@ impl Acceptance {
             return None;
         }
         let of_all = |of: fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
-            let numbers = pairs().map(|(a, r)| of(a, r).among(a.count + r.count));
+            // Zeros for the points that do not count.
+            let numbers = pairs().map(|(a, r)| Moments {
+                count: a.count + r.count,
+                ..of(a, r)
+            });
             numbers.collect()
         };
         let consumer = of_all(|accepted, _| *accepted);

@@ -63,7 +63,7 @@ pub fn largest_box(sample: &Sample<'_>, level: f64) -> Option<Region> {
 
 /// A box inside another one, in which the mean probability is at least the level.
 pub fn tightened(sample: &Sample<'_>, level: f64, region: &Region) -> Option<Region> {
-    let mut limits = region.limits.clone();
+    let mut limits = region.form.limits.clone();
     peel(sample, level, &mut limits, None)?;
     Some(pasted(sample, &Scale::new(sample.points), level, limits))
 }

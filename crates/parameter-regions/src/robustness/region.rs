@@ -1,7 +1,5 @@
 //! The largest part of the parameter space with a verification probability above a level.
 
-use std::ops::Deref;
-
 use nalgebra::{DMatrix, DVector};
 use sampling::random::{Purpose, Random};
 use sampling::statistics::moments::{mean, quantile, sorted};
@@ -145,14 +143,6 @@ impl<S: Shape> Domain<S> {
     pub fn confirm(&self, points: &[Vec<f64>], verified: &[bool]) -> Confirmed {
         let points = points.iter().zip(verified);
         Confirmed::count(points.filter(|(x, _)| self.contains(x)).map(|(_, v)| *v))
-    }
-}
-
-impl<S> Deref for Domain<S> {
-    type Target = S;
-
-    fn deref(&self) -> &S {
-        &self.form
     }
 }
 

@@ -79,7 +79,7 @@ fn the_stated_probability_holds_on_fresh_samples() {
     assert!(region.confirmed.points > 0 && region.confirmed.verified <= region.confirmed.points);
     // The parameter without influence is not cut.
     assert!(
-        region.limits[2][1] - region.limits[2][0] > 3.4,
+        region.form.limits[2][1] - region.form.limits[2][0] > 3.4,
         "{region:?}"
     );
 }

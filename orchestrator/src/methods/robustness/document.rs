@@ -69,7 +69,7 @@ fn margins(result: &Robustness) -> Table {
         let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(|| "–".into(), of);
         let of_box = |side: usize| {
             let region = result.region.as_ref();
-            region.map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
+            region.map_or_else(|| "–".into(), |r| number(r.form.limits[k][side], 5))
         };
         vec![
             with_unit(name, &result.units[k]),
