@@ -11,6 +11,8 @@ pub use inputs::{Series, Unseen, place};
 pub use schedule::{CommunicationPoints, Schedule};
 pub use slot::Slot;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Handle, Value, Variable};
@@ -86,7 +88,7 @@ pub struct Probe {
     pub window: Option<[f64; 2]>,
     /// The measured curve with which the whole signal is compared; no statistic is taken then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub curve: Option<Box<MeasuredCurve>>,
+    pub curve: Option<Arc<MeasuredCurve>>,
     /// A number that the statistic needs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detail: Option<Detail>,

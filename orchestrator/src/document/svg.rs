@@ -214,18 +214,25 @@ fn with_style(svg: &str, style: &str) -> String {
     }
 }
 
-/// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel.
+/// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel. Points that
+/// follow each other in the same column are taken together.
 #[allow(clippy::cast_possible_truncation)]
-pub(crate) fn envelope(time: &[f64], values: &[f64], frame: &Frame) -> String {
+pub(crate) fn envelope<'a>(
+    points: impl Iterator<Item = (&'a f64, &'a f64)>,
+    frame: &Frame,
+) -> String {
     let mut d = String::new();
     let mut pen: Option<[i64; 2]> = None;
-    let points: Vec<(f64, f64)> = time
-        .iter()
-        .zip(values)
+    let mut points = points
         .filter(|(_, v)| v.is_finite())
         .map(|(t, v)| (frame.x.at(*t), frame.y.clamped(*v)))
-        .collect();
-    for column in points.chunk_by(|a, b| a.0.floor() == b.0.floor()) {
+        .peekable();
+    let mut column = Vec::new();
+    while let Some(first) = points.next() {
+        column.clear();
+        column.push(first);
+        let in_column = |point: &(f64, f64)| point.0.floor() == first.0.floor();
+        column.extend(std::iter::from_fn(|| points.next_if(in_column)));
         let least = column.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
         let most = column.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
         let mut kept: Vec<(f64, f64)> =

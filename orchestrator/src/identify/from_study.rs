@@ -4,6 +4,8 @@
 //! with its own uncertainty: so the sum of squares has every sample, and tells parameters apart that one metric of the whole
 //! curve could not. Tolerances play no part: they say what is accepted, not how well it was measured.
 
+use std::sync::Arc;
+
 use super::bind::{Bound, Input, bare, check_difference, free};
 use crate::judge::Judge;
 use crate::study::plan::{self, Plan};
@@ -175,13 +177,13 @@ fn samples(name: &str, probe: &Probe, curve: &MeasuredCurve) -> Result<Vec<Datum
             uncertainty: Vec::new(),
             resampling: None,
             reads: true,
-            ..curve.clone()
+            ..MeasuredCurve::clone(curve)
         };
         Ok(Datum {
             // Without the rounding of times that were shifted by a delay.
             name: format!("{name} at {} s", (time * 1e9).round() / 1e9),
             probe: Probe {
-                curve: Some(Box::new(single)),
+                curve: Some(Arc::new(single)),
                 ..probe.clone()
             },
             // It comes in the criterion's unit.

@@ -385,7 +385,7 @@ pub fn history(series: &Series) -> Option<String> {
         .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let mut all = series.values.clone();
     all.extend(series.measured.iter().flat_map(Measured::extremes));
-    let y = super::bins::axis_range(&all, low, high)?;
+    let y = super::bins::axis_range(all, low, high)?;
     let (start, end) = (*series.time.first()?, *series.time.last()?);
     let frame = Frame::new(
         560.0,
@@ -409,7 +409,10 @@ pub fn history(series: &Series) -> Option<String> {
     } else {
         "line"
     };
-    out += &path(class, envelope(&series.time, &series.values, &frame));
+    out += &path(
+        class,
+        envelope(series.time.iter().zip(&series.values), &frame),
+    );
     Some(frame.wrap(&format!("{} over time", series.name), &out))
 }
 

@@ -56,10 +56,9 @@ impl Measured {
 
     /// The area between two lines.
     fn between(&self, class: &str, [low, high]: [&[f64]; 2], frame: &Frame) -> String {
-        let back = |of: &[f64]| of.iter().rev().copied().collect::<Vec<_>>();
-        let time = [&self.time[..], &back(&self.time)].concat();
-        let edge = [low, &back(high)].concat();
-        path(class, envelope(&time, &edge, frame) + "z")
+        let back = self.time.iter().zip(high).rev();
+        let around = self.time.iter().zip(low).chain(back);
+        path(class, envelope(around, frame) + "z")
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
@@ -76,7 +75,10 @@ impl Measured {
             let (x, y) = (frame.x.at(*time), frame.y);
             out += &path("judged", format_args!("M{x:.1},{:.1}V{:.1}", y.from, y.to));
         }
-        out += &path("line measured", envelope(&self.time, &self.values, frame));
+        out += &path(
+            "line measured",
+            envelope(self.time.iter().zip(&self.values), frame),
+        );
         out
     }
 
@@ -105,16 +107,13 @@ impl Measured {
             }),
             ..self.clone()
         };
-        let all: Vec<f64> = deviations
-            .iter()
-            .copied()
-            .chain(around.extremes())
-            .collect();
-        let y = axis_range(&all, f64::NAN, f64::NAN)?;
+        let mut all = around.extremes();
+        all.extend(&deviations);
+        let y = axis_range(all, f64::NAN, f64::NAN)?;
         let frame = Frame::new(560.0, 150.0, [start, end], y);
         let mut out = frame.axes("time (s)", Some(unit));
         out.push_str(&around.draw(&frame));
-        out += &path("line", envelope(&self.time, &deviations, &frame));
+        out += &path("line", envelope(self.time.iter().zip(&deviations), &frame));
         Some(frame.wrap(&format!("{name}: model less measurement over time"), &out))
     }
 }

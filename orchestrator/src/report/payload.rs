@@ -122,7 +122,8 @@ pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColu
         accepted,
         drawn_in: None,
         nominal,
-        range: bins::axis_range(values, accepted[0], accepted[1]).unwrap_or([0.0, 1.0]),
+        range: bins::axis_range(values.iter().copied(), accepted[0], accepted[1])
+            .unwrap_or([0.0, 1.0]),
     };
     let free = [f64::NEG_INFINITY, f64::INFINITY];
     let parameters = table.parameters.iter().map(|p| {

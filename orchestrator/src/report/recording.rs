@@ -273,8 +273,8 @@ fn plot(
     traces: &[Trace<'_>],
     marks: impl Fn(&Frame) -> String,
 ) -> Option<String> {
-    let all: Vec<f64> = traces.iter().flat_map(|t| t.values).copied().collect();
-    let range = axis_range(&all, f64::NEG_INFINITY, f64::INFINITY)?;
+    let all = traces.iter().flat_map(|t| t.values).copied();
+    let range = axis_range(all, f64::NEG_INFINITY, f64::INFINITY)?;
     let time = traces.first()?.time;
     let (start, end) = (*time.first()?, *time.last()?);
     if end <= start {
@@ -284,7 +284,10 @@ fn plot(
     let mut out = frame.axes(across, Some(up));
     out.push_str(&marks(&frame));
     for trace in traces {
-        out += &path(trace.class, envelope(trace.time, trace.values, &frame));
+        out += &path(
+            trace.class,
+            envelope(trace.time.iter().zip(trace.values), &frame),
+        );
     }
     Some(frame.wrap(name, &out))
 }

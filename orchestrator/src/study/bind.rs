@@ -1,6 +1,7 @@
 //! Ties a study to an FMU: names become variables, units convert, numbers are checked.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use serde::Serialize;
 use toml::Spanned;
@@ -213,7 +214,7 @@ impl Binder<'_> {
         scale: &Scale<'_>,
         handle: &Handle,
         schedule: &Schedule,
-    ) -> Result<Option<Box<MeasuredCurve>>, StudyError> {
+    ) -> Result<Option<Arc<MeasuredCurve>>, StudyError> {
         let (Some(reference), Some(metric)) = (&text.reference, text.metric) else {
             return Ok(None);
         };
@@ -234,7 +235,7 @@ impl Binder<'_> {
             run,
             window: stated.or((general != run).then_some(general)),
         };
-        binder.bind().map(|curve| Some(Box::new(curve)))
+        binder.bind().map(|curve| Some(Arc::new(curve)))
     }
 
     /// The part of the run that a criterion looks at by itself, s.

@@ -1,6 +1,7 @@
 //! A study that fits an FMU: its points in the FMU's units, their results in those of the study.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::bind::Binder;
 use super::{Study, StudyError, points};
@@ -90,7 +91,7 @@ impl Plan {
             .iter_mut()
             .flat_map(|case| &mut case.task.observed);
         for curve in observed.filter_map(|probe| probe.curve.as_mut()) {
-            curve.resampling = None;
+            Arc::make_mut(curve).resampling = None;
         }
     }
 

@@ -206,6 +206,8 @@ fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use curves::Metric;
     use fmu_import::{Content, Handle};
@@ -233,7 +235,7 @@ mod tests {
             },
             statistic: Statistic::Final,
             window: None,
-            curve: Some(Box::new(curve)),
+            curve: Some(Arc::new(curve)),
             detail: None,
         }
     }
