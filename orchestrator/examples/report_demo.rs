@@ -86,7 +86,7 @@ fn passes(table: &PointTable) -> Passes {
     }
 }
 
-/// What the methods tell of the points; of many points it would take long.
+/// The methods' documents on the points; of many points they would take long.
 fn documents(table: &PointTable) -> Vec<Document> {
     let few = table.len() <= 5000;
     let matters = few.then(|| sensitivity::from_points(table, 1));

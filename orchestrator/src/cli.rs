@@ -35,7 +35,7 @@ pub fn parse() -> Result<Cli, String> {
     })
 }
 
-/// What is wrong with the command line, on one line and in plain words.
+/// The fault of the command line, on one line and in plain words.
 fn told(message: &str) -> String {
     const WORDS: [(&str, &str); 7] = [
         (

@@ -53,7 +53,7 @@ impl Parts {
         }
     }
 
-    /// What becomes of an earlier run in the output folder.
+    /// The treatment of an earlier run in the output folder.
     pub fn earlier(&self) -> Earlier {
         match (self.resume, self.force) {
             (true, _) => Earlier::Resumed,
@@ -131,7 +131,7 @@ impl Means {
     }
 }
 
-/// What every analysis of a study takes.
+/// The options that every analysis of a study takes.
 #[derive(Debug, Args)]
 pub struct Work {
     /// The study

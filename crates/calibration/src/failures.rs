@@ -39,7 +39,7 @@ impl Failures {
     }
 }
 
-/// What is excluded since runs failed there.
+/// The region that a search avoids because runs failed there.
 #[derive(Clone, Debug, Serialize)]
 pub struct Excluded {
     /// Places that were asked for.
@@ -108,7 +108,7 @@ pub fn words(within: &[Range]) -> String {
     within.iter().map(range).collect::<Vec<_>>().join(", ")
 }
 
-/// What failed runs leave open at an optimum.
+/// Failed runs around an optimum: it may lie beyond them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Edge {
     /// Whether the last way down led to runs that failed: the sum of squares may be less beyond.

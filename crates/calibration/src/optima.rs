@@ -44,7 +44,7 @@ pub struct Optimum {
     pub reached: usize,
     /// Its part of the posterior probability of all minima.
     pub weight: f64,
-    /// What failed runs leave open about it.
+    /// Failed runs around it.
     pub edge: Edge,
 }
 

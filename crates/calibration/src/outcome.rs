@@ -52,7 +52,7 @@ pub struct IdentificationOutcome {
     pub worst: Vec<WorstOutcome>,
     /// The local searches.
     pub search: SearchOutcome,
-    /// What is excluded as runs failed there.
+    /// The region that was avoided because runs failed there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excluded: Option<Excluded>,
     /// The model's unknown discrepancies.
@@ -80,7 +80,7 @@ pub struct OptimumOutcome {
     pub end: End,
     /// How many local searches ended at it.
     pub reached: usize,
-    /// What failed runs leave open about it.
+    /// Failed runs around it.
     pub edge: Edge,
     /// The free parameters.
     pub free: Vec<FreeOutcome>,

@@ -14,7 +14,7 @@ pub const ROUNDS: usize = 6;
 /// A discrepancy stays when it changes by less than this part of itself and of its scale.
 const CLOSE: f64 = 0.05;
 
-/// What is searched for, and how.
+/// One search: its problem and its settings.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The problem without discrepancies.

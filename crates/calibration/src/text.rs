@@ -200,7 +200,7 @@ fn excluded(outcome: &IdentificationOutcome) -> String {
     text
 }
 
-/// What the data say of the model's discrepancies.
+/// The lines on the model's discrepancies.
 fn discrepancies(outcome: &IdentificationOutcome) -> String {
     let mut text = String::new();
     for own in &outcome.discrepancies {

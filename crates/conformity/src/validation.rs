@@ -93,7 +93,7 @@ impl Comparison {
     }
 }
 
-/// What is made finer to see the numerical error.
+/// Settings that are made finer to see the numerical error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refined {
     /// The communication step, to a half and a quarter.

@@ -12,7 +12,7 @@ use fmu_import::{Library, Package};
 use crate::system::Shared;
 use crate::wire::{Order, Setup};
 
-/// What a worker has for its children.
+/// All that a worker gives its children.
 #[cfg_attr(
     windows,
     expect(dead_code, reason = "only forks inherit what is loaded")

@@ -17,7 +17,7 @@ use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::{Place, Traces};
 use fmu_import::{Library, Package, Value, complaints};
 
-/// What is said of many points is sent after this time at the latest, when the next point is done.
+/// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
 
 /// A worker's child.
@@ -168,7 +168,7 @@ impl Child<'_> {
     }
 }
 
-/// What is said of a point.
+/// The reply on a point.
 fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply {
     let notices = runner.notices();
     let answer = answer.map(|values| Simulated::new(values, notices));
@@ -187,7 +187,7 @@ fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply
     Reply::new(index, answer)
 }
 
-/// What this process was like before a point.
+/// The state of this process before a point.
 struct Before {
     traces: Traces,
     complaints: u64,
@@ -201,7 +201,7 @@ impl Before {
         }
     }
 
-    /// What is odd after a point that ended so; signals take long to look at.
+    /// The oddity of a point that ended so, if any; signals take long to look at.
     fn odd(&self, runner: &Runner, failure: Option<&Failure>, signals: bool) -> Option<Reason> {
         let notices = runner.notices();
         let complained = match failure {

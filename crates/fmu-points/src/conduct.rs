@@ -64,7 +64,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// What many points left behind, so that no other point could use their process.
+    /// Traces that many points left behind, so that no other point could use their process.
     fn odd(self) -> Option<&'static str> {
         match self {
             Self::Complaints => Some("ended with a warning or failed"),
@@ -225,7 +225,7 @@ impl Conduct {
         }
     }
 
-    /// What the audits say of shared processes, and what they cannot see.
+    /// Findings of the audits on shared processes, and effects that they cannot see.
     #[allow(clippy::cast_precision_loss)]
     fn proof(&self) -> String {
         let count = self.audits_of_shared;

@@ -125,7 +125,7 @@ impl Crew {
         self.size
     }
 
-    /// What the FMU has changed in its folder, if anything.
+    /// The change that the FMU has made in its folder, if any.
     fn changed(&self) -> Option<String> {
         match &self.way {
             Way::Here(_) => None,

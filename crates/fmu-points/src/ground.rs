@@ -48,7 +48,7 @@ impl Ground {
         }
     }
 
-    /// What the FMU has changed first in the folder that points share; `None` while all is as it was unpacked.
+    /// The first change that the FMU has made in the folder that points share; `None` while all is as it was unpacked.
     /// Whatever a point has changed before its answer came is known here.
     pub(crate) fn changed(&self) -> Option<String> {
         // One at a time: who finds no further event must know of those that another has just taken.

@@ -1,6 +1,6 @@
 //! Names in sentences: suggestions for mistyped ones, units behind numbers.
 
-/// What other programs call what has another name here.
+/// Names that other programs use for a thing, and the name here.
 const ELSEWHERE: [(&str, &str); 17] = [
     ("gauss", "normal"),
     ("gaussian", "normal"),

@@ -1,5 +1,5 @@
-//! What a simulation gives beside its results: the FMU's warnings, an early end, errors of its end; to which of the curves that a
-//! measured one may truly have been the model conforms.
+//! Remarks on a simulation: the FMU's warnings, an early end, errors of its end; to which of the curves that a measured one
+//! may truly have been the model conforms.
 
 use serde::{Deserialize, Serialize};
 

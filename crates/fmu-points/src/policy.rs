@@ -46,7 +46,7 @@ pub(crate) enum Probed {
     Nothing,
 }
 
-/// What to do about an instance that was refused.
+/// The reaction to an instance that was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wait {
     /// Nothing: it stays refused.
@@ -189,7 +189,7 @@ pub(crate) struct Policy {
     audits: Audits,
     /// Time spent on points in used processes, and on those that ran alone.
     spent: [Spent; 2],
-    /// What was odd about the latest points.
+    /// The oddities of the latest points.
     latest: VecDeque<Option<Reason>>,
     /// How many points were computed alone.
     alone_so_far: usize,

@@ -42,7 +42,7 @@ pub(crate) struct Setup {
     pub(crate) careful: bool,
 }
 
-/// What a supervisor orders of a worker, and a worker of a child.
+/// An order of a supervisor to a worker, and of a worker to a child.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Order {
     /// Points in a child each, which loads the FMU itself.
@@ -55,20 +55,20 @@ pub(crate) enum Order {
     Recorded(Record),
 }
 
-/// What a child says to its worker, and a worker to its supervisor.
+/// A message of a child to its worker, and of a worker to its supervisor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Said {
     /// The FMU cannot be loaded, and why.
     Unloadable(String),
     /// It is loaded; whether the process may be forked, where that was looked at.
     Loaded(Option<bool>),
-    /// What became of points.
+    /// The outcomes of points.
     Replies(Vec<Reply>),
     /// Rows of a trajectory, one after the other: the time, and a value a column.
     Rows(Vec<Value>),
     /// The trajectory has ended, and why before its time.
     Ended(#[serde(with = "as_json")] Option<Failure>),
-    /// What the FMU has said of the point, now that its simulation has been ended.
+    /// The FMU's messages on the point, now that its simulation has been ended.
     Farewell(#[serde(with = "as_json")] Notices),
 }
 

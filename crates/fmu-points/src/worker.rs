@@ -73,7 +73,7 @@ pub(crate) fn serve() -> io::Result<()> {
     Ok(())
 }
 
-/// What a worker works with.
+/// A worker's means.
 struct Service {
     setup: Setup,
     keeper: Keeper,
@@ -135,7 +135,7 @@ impl Service {
         Ok(reply)
     }
 
-    /// What a child says next.
+    /// The next message of a child.
     fn hear(&mut self, child: &mut Child) -> Result<Said, Loss> {
         let said = child.answer(&mut self.keeper, bounds(&self.setup))?;
         read(&said).ok_or(Loss::Mute)
@@ -156,7 +156,7 @@ impl Service {
         Ok(())
     }
 
-    /// What went wrong after all had been computed, if anything did.
+    /// The fault after all had been computed, if there was one.
     fn why_unfinished(&mut self, parting: &Parting) -> io::Result<Option<String>> {
         let why = match &parting.loss {
             None => return Ok(None),

@@ -6,7 +6,7 @@ use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchr
 use super::uncertainty::from_bound;
 use sampling::statistics::estimate::Estimate;
 
-/// What turns a recording into a case.
+/// Settings by which a recording becomes a case.
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
     /// The case's name.
@@ -15,7 +15,7 @@ pub struct Frame<'a> {
     pub held_out: bool,
     /// The file with the curves, as the study names it.
     pub file: &'a str,
-    /// What drove the rig.
+    /// The signals that drove the rig.
     pub drives: &'a [Drive],
     /// How far the model may be off, by criteria's names, as the settings say it.
     pub tolerances: &'a [(String, String)],

@@ -80,7 +80,7 @@ pub(crate) struct Turns {
 }
 
 impl Turns {
-    /// What a reader must know of those with a hole; `what` is a turn or a sample.
+    /// The concern about those with a hole, for the reader; `what` is a turn or a sample.
     pub fn concern(&self, name: &str, what: &str) -> Option<String> {
         let (lost, all) = (self.lost, self.all);
         match lost {

@@ -90,7 +90,7 @@ fn good(cleaned: &Cleaned, time: &[f64], even: &Even) -> Vec<bool> {
     even.times().into_iter().map(near).collect()
 }
 
-/// What was found in a signal that its reader must know.
+/// Concerns about a signal that its reader must know.
 fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
     let (name, spikes) = (&channel.name, cleaned.spikes);
     let mut concerns = Vec::new();

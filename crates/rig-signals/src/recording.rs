@@ -1,4 +1,4 @@
-//! What is recorded, and what comes out of it.
+//! Recorded signals, and the results from them.
 
 use super::delay::Delay;
 use super::smooth::Smoothing;

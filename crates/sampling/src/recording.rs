@@ -12,7 +12,7 @@ use crate::random::{Purpose, bits, pair};
 pub struct RowErrors {
     seed: u64,
     own: f64,
-    /// What all rows share, by replicate.
+    /// The errors that all rows share, by replicate.
     common: Vec<f64>,
 }
 

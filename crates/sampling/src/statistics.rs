@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(line.result(3.0), 0.0);
     }
 
-    /// What studies' units, checks and warnings rest on.
+    /// The studies' units, checks and warnings rest on this.
     #[test]
     fn statistics_say_what_they_are() {
         use Statistic::*;

@@ -1,4 +1,4 @@
-//! What an index could be if the failed runs had values: its least and its largest value when each of them takes any value
+//! Bounds of an index had the failed runs values: its least and its largest value when each of them takes any value
 //! within the range of the others.
 //!
 //! The index is a mean over base points, mean((base - mixed)^2) / 2, over the variance of base and apart. With the ratio

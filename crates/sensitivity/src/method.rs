@@ -65,14 +65,14 @@ pub struct Settled {
     pub seed: u64,
 }
 
-/// What is fixed of a method that needs runs of its own.
+/// The fixed properties of a method that needs runs of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
     /// Its name in a study and on the command line.
     pub name: &'static str,
     /// The option of the command line that chooses it by its size.
     pub option: &'static str,
-    /// What it gives from what, in words that stand before and after the size: `Sobol indices from`, `base points`.
+    /// Its subject, in words that stand before and after the size: `Sobol indices from`, `base points`.
     pub words: [&'static str; 2],
     /// The size where none is asked for.
     pub usual_size: u64,
@@ -84,7 +84,7 @@ pub struct Facts {
 
 /// A method that needs runs of its own design.
 pub trait FromRuns: Sync {
-    /// What is fixed of it.
+    /// Its fixed properties.
     fn facts(&self) -> Facts;
 
     /// Its design in words: `Sobol indices from 256 base points`.

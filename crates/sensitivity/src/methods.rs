@@ -30,7 +30,7 @@ mod tests {
     use crate::method::{FirstOrder, Space};
     use crate::testing::settled;
 
-    /// What people read and write: names in a study and on the command line, sizes, and what a study says that it did.
+    /// The texts that people read and write: names in a study and on the command line, sizes, and how a study is told.
     #[test]
     fn methods_are_called_by_name_and_say_what_they_do() {
         let space = Space {

@@ -199,7 +199,7 @@ mod tests {
         }
     }
 
-    /// What is told comes back when it is shown: the medians, with what a parameter without influence reaches by chance.
+    /// A result comes back when it is shown: the medians, with what a parameter without influence reaches by chance.
     #[test]
     fn what_is_shown_is_what_was_found() {
         let (x, y) = waves(100);

@@ -13,7 +13,7 @@ const ENOUGH: usize = 256;
 /// Parts of the base points whose estimators are weighted by the others.
 const FOLDS: usize = 4;
 
-/// What every base point adds to a mean: the sum of its terms, and how many they are.
+/// The contribution of every base point to a mean: the sum of its terms, and how many they are.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
     sums: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What the tests of several methods need.
+//! Helpers for the tests of several methods.
 
 use crate::Estimate;
 use crate::method::{FirstOrder, Settled};

@@ -148,7 +148,7 @@ impl Film {
         film.map_or_else(Motion::default, |film| film.motion(bearing, at))
     }
 
-    /// What the time integration needs of it; the side flow where it is asked for.
+    /// The velocities and flows that the time integration needs; the side flow where it is asked for.
     #[inline]
     pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
         self.running.drift(bearing, at, side_flow)

@@ -73,7 +73,7 @@ pub struct Motion {
     pub flows: Flows,
 }
 
-/// What moves the journal and the temperatures at one instant, and the torque.
+/// The rates of the journal and the temperatures at one instant, and the torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drift {
     /// Rate of the eccentricity-ratio vector, 1/s.

@@ -13,7 +13,7 @@ use super::orbit::Orbit;
 use super::{Departure, NoLeap, TwoScales};
 use nalgebra::{SMatrix, SVector, Vector2};
 
-/// What stands between the clearances.
+/// The quantity between the clearances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Across {
     /// Parabolas through differences from the departure's curve, which need few orbits: for temperatures that resolved turns

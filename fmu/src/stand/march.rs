@@ -190,7 +190,7 @@ impl Stand {
         }
     }
 
-    /// What the physical stand's sensors read at present.
+    /// The present readings of the physical stand's sensors.
     fn sense(&self) -> Sensed {
         let mut oil = self.nearby;
         self.course_at(0.0, &unknowns(&self.state), &mut oil).1

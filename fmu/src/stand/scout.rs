@@ -56,7 +56,7 @@ pub(super) enum NoFilmLeap {
     MobilityFilm(#[from] Fault),
 }
 
-/// What a turn of the film averages to.
+/// Means over a turn of the film.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Turn {
     /// Its heat and flows.
@@ -91,7 +91,7 @@ impl Approach {
     }
 }
 
-/// What is known of the film during a leap.
+/// The film's averages during a leap.
 pub(super) struct Scout {
     /// The same stand with the mobility film.
     mobility: Stand,

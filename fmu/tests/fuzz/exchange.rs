@@ -69,7 +69,7 @@ pub fn go_on(host: &mut Host, component: Component) {
     host.plainly(host.interface.exchange.enter_continuous, component);
 }
 
-/// What is for Model Exchange only is refused by the other instances.
+/// Functions for Model Exchange only are refused by the other instances.
 fn check(host: &Host, component: Component, name: &str, status: Status) {
     let refused = status == Status::Error || host.exchange.contains(&component);
     assert!(refused, "{name} of an instance for Co-Simulation");

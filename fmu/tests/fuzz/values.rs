@@ -74,14 +74,14 @@ pub fn get<T: Copy + Debug>(
     }
 }
 
-/// What is expected of real values.
+/// Expectations on real values.
 pub const REALS: (Fits, f64, fn(&f64) -> bool) = (
     |v| matches!(v.kind, Kind::Real { .. }),
     f64::NAN,
     |value| value.is_finite(),
 );
 
-/// What is expected of texts.
+/// Expectations on texts.
 pub const TEXTS: (Fits, Text, fn(&Text) -> bool) = (
     |v| matches!(v.kind, Kind::String { .. }),
     null(),

@@ -15,7 +15,7 @@ use crate::percent;
 /// A criterion: its value at a point, the measured value and the tolerance.
 type Look = (fn(&[f64]) -> f64, f64, f64);
 
-/// What the criteria of a study look at.
+/// The criteria of a study.
 struct Case {
     name: &'static str,
     dimensions: usize,

@@ -171,7 +171,7 @@ fn parameter(text: &mut String, fmu: &Description, variable: &Variable) {
     }
 }
 
-/// What the FMU says of a variable, else its name.
+/// The FMU's description of a variable, else its name.
 fn about(variable: &Variable) -> String {
     // A line end in it would end the comment, and the rest would become part of the study.
     one_line(variable.description.as_deref().unwrap_or(&variable.name)).into_owned()

@@ -18,7 +18,7 @@ pub(super) fn told(summary: &Summary) -> String {
     format!("{}{}{first}", remarks(summary), counts(summary))
 }
 
-/// What meets which criterion.
+/// The counts of points by criterion.
 fn counts(summary: &Summary) -> String {
     let mut text = String::new();
     let failed = match summary.failed {

@@ -1,4 +1,4 @@
-//! What there is to say of a result, said once: the terminal and the page are both drawn from it.
+//! The contents of a result, said once: the terminal and the page are both drawn from them.
 
 pub mod format;
 mod html;
@@ -36,11 +36,11 @@ pub enum Block {
     Table(Table),
     /// How to read what stands above. The terminal, where less is shown, leaves it out.
     Hint(String),
-    /// What the marks of the figures mean.
+    /// The meaning of the figures' marks.
     Legend(Vec<Key>),
     /// Figures, in a grid of this class of the style sheet. The terminal shows their numbers.
     Figures(&'static str, Vec<Figure>),
-    /// What a reader unfolds: its title, whether it is open at first, and its content.
+    /// A part that a reader unfolds: its title, whether it is open at first, and its content.
     Folded(String, bool, Vec<Block>),
 }
 
@@ -89,7 +89,7 @@ pub fn numbers(name: impl Into<String>) -> Column {
 pub struct Key {
     /// A small picture of the mark.
     pub svg: String,
-    /// What it means.
+    /// Its meaning.
     pub words: String,
 }
 
@@ -114,7 +114,7 @@ pub struct Figure {
     pub caption: String,
     /// The picture.
     pub svg: String,
-    /// What is to be said of it; may be empty.
+    /// A remark on it; may be empty.
     pub note: String,
     /// The numbers that it shows.
     pub numbers: Option<Table>,

@@ -21,7 +21,7 @@ pub trait Analysis: Serialize {
     /// Its name: that of its command, and of the folder of its journal.
     const NAME: &'static str;
 
-    /// What its points are run of.
+    /// The study that its points are run of.
     type Source: Source;
 
     /// Reads the study and the FMU, and refuses what it can do nothing with.
@@ -82,7 +82,7 @@ pub struct AnalysisResult {
     pub origin: Option<Origin>,
     /// The same for people.
     pub text: String,
-    /// What it says of the model; 0 unless it is a verdict.
+    /// The verdict's exit code; 0 unless there is a verdict.
     pub code: ExitCode,
     file: &'static str,
     result: serde_json::Value,

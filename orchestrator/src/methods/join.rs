@@ -95,7 +95,7 @@ impl Shards<'_> {
         ))
     }
 
-    /// What becomes of what the output folder holds: a merge that was interrupted goes on, one that is complete is done again.
+    /// The treatment of the output folder: a merge that was interrupted goes on, one that is complete is done again.
     pub fn earlier(&self, complete: bool) -> Earlier {
         match (self.force, complete) {
             (true, _) => Earlier::Replaced,

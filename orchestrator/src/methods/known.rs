@@ -1,4 +1,4 @@
-//! What the folder of a finished study tells an analysis of it, and whether it is of that study.
+//! Reads the folder of a finished study for an analysis of it, and checks whether it is of that study.
 
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
     Ok(digest?)
 }
 
-/// What the result in a file came from.
+/// The origin of the result in a file.
 #[derive(Deserialize)]
 struct Head {
     // Files of older versions do not name their origin.
@@ -67,7 +67,7 @@ struct Head {
 pub struct Finished<'a> {
     /// The folder.
     pub folder: &'a Path,
-    /// What came out.
+    /// The results.
     pub summary: &'a Summary,
     /// The points.
     pub table: &'a PointTable,

@@ -56,7 +56,7 @@ macro_rules! methods {
             }
         }
 
-        /// What the page of a finished study shows of the methods' results in its folder.
+        /// The methods' results in a study's folder, as its page shows them.
         pub(crate) fn shown(study: &Finished<'_>) -> Vec<Document> {
             [$($module::shown(study)),*].into_iter().flatten().collect()
         }

@@ -15,7 +15,7 @@ use fmu_points::crew::Crew;
 use fmu_points::scratch::Scratch;
 use fmu_points::task::Case;
 
-/// What points are run of: a study that is tied to its FMU.
+/// A study that is tied to its FMU, whose points are run.
 pub trait Source {
     /// The FMU.
     fn package(&mut self) -> &mut Package;
@@ -24,10 +24,10 @@ pub trait Source {
     fn parts(&self) -> SourceParts<'_>;
 }
 
-/// What a run needs to know of its source.
+/// The parts of its source that a run needs.
 #[derive(Clone, Copy)]
 pub struct SourceParts<'a> {
-    /// What was asked for.
+    /// The user's request.
     pub request: &'a Request,
     /// The study.
     pub study: &'a Study,
@@ -72,7 +72,7 @@ pub struct Place<'a> {
     pub output: &'a Path,
     /// The analysis that keeps its journal in a folder of its own there.
     pub analysis: Option<&'static str>,
-    /// What becomes of an earlier run.
+    /// The treatment of an earlier run.
     pub earlier: Earlier,
 }
 

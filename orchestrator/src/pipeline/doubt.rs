@@ -20,7 +20,7 @@ const AUDITS: usize = 60;
 const LATEST: usize = 3;
 const LITTLE: Duration = Duration::from_secs(1);
 
-/// What is needed to audit points of an earlier part of the run.
+/// The state from which points of an earlier part of the run are audited.
 pub(super) struct Doubt {
     auditor: Box<dyn Worker>,
     /// The points that shared processes, the latest first; not known at first.

@@ -21,7 +21,7 @@ pub struct RunFolder {
     pub lock: Lock,
 }
 
-/// What becomes of a run that a folder holds already.
+/// The treatment of a run that a folder holds already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Earlier {
     /// It goes on.

@@ -1,4 +1,4 @@
-//! What can be wrong with a recording and its settings.
+//! Faults of a recording and its settings.
 
 use std::path::PathBuf;
 

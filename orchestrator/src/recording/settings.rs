@@ -141,7 +141,7 @@ impl Settings {
         }
     }
 
-    /// What drives the model in a case: the speed, where its variable is named, and the further inputs.
+    /// The signals that drive the model in a case: the speed, where its variable is named, and the further inputs.
     pub fn drives(&self, measured: &Path) -> Result<Vec<Drive>, SettingsError> {
         let table = RecordedTable::read(measured, &self.time.column)?;
         let recorded = |variable: &String, column: &str, unit: Option<&str>| {

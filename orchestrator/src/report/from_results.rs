@@ -65,7 +65,7 @@ impl Report {
     }
 }
 
-/// What is told of the study beside its verdict.
+/// The study's documents beside its verdict.
 fn documents(folder: &Path, summary: &Summary, table: &PointTable) -> Vec<Document> {
     let own = [comparison(summary), improvements(summary)];
     let study = Finished {

@@ -1,4 +1,4 @@
-//! What the page needs to simulate points by itself: the FMU's WebAssembly module, and a point's simulation.
+//! The FMU's WebAssembly module and a point's simulation, with which the page simulates points by itself.
 
 use crate::study::plan::Plan;
 use curves::Metric;

@@ -156,7 +156,7 @@ fn write_file(path: &Path, text: &str) -> Result<(), ReportError> {
     })?)
 }
 
-/// What the page unpacks, as text.
+/// The text that the page unpacks.
 fn packed(bytes: &[u8]) -> std::io::Result<String> {
     let mut packer = GzEncoder::new(Vec::new(), Compression::best());
     packer.write_all(bytes)?;

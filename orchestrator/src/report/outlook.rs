@@ -6,7 +6,7 @@ use crate::results::Summary;
 use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign};
 use conformity::validation::Comparison;
 
-/// What the model's own error may be, where the study tells.
+/// The model's own error, where the study tells it.
 pub fn comparison(summary: &Summary) -> Option<Document> {
     let mut told = Document::new("comparison", "Model's error", "The model's own error");
     let row = |(name, found): (&String, &Comparison)| {
@@ -179,7 +179,7 @@ fn change(change: &Change) -> Vec<String> {
     row(&change.name, gain, &change.prospect)
 }
 
-/// What is changed, its gain, and what would follow.
+/// A change, its gain, and its consequences.
 fn row(name: &str, gain: [String; 3], prospect: &Prospect) -> Vec<String> {
     let risk = prospect.not_conforming_given_accepted.map(percent);
     let verdict = prospect.verdict.map(|verdict| verdict.to_string());

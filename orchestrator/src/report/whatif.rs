@@ -1,4 +1,4 @@
-//! What the page needs to judge its points anew: criteria, rule and distributions, with all their digits.
+//! The data from which the page judges its points anew: criteria, rule and distributions, with all their digits.
 
 use crate::judge::share;
 use crate::results::Summary;

@@ -27,7 +27,7 @@ impl Budget {
         }
     }
 
-    /// What is left of it.
+    /// The rest of it.
     pub fn left(&self) -> Duration {
         self.until.saturating_sub((self.clock)())
     }

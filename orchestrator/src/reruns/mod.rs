@@ -28,7 +28,7 @@ use fmu_points::stop;
 use fmu_points::task::{Case, Task};
 use fmu_points::{Answer, RunError, working_directory};
 
-/// What is to be run once more.
+/// The runs that are to be made once more.
 #[derive(Clone, Copy, Debug)]
 pub struct Wish {
     /// So many points at the most, to see whether their results had settled.

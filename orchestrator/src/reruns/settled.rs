@@ -288,8 +288,8 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
     (end > first && grown.is_finite()).then(|| grown / (end - first))
 }
 
-/// What a motion means for the number that is compared with the measured value. Without extra runs the drift is that at
-/// the rate of the end.
+/// The meaning of a motion for the number that is compared with the measured value. Without extra runs the drift is that
+/// at the rate of the end.
 fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
     let Criterion {
         name,

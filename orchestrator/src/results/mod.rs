@@ -100,7 +100,7 @@ pub enum ResultsError {
     Foreign {
         /// The folder.
         path: PathBuf,
-        /// What is another one.
+        /// The part that is another one.
         what: &'static str,
         /// The file that it was made of.
         then: PathBuf,
@@ -132,7 +132,7 @@ impl From<ScratchError> for ResultsError {
 }
 
 impl ResultsError {
-    /// What is wrong with a file's content.
+    /// The fault of a file's content.
     pub fn content(path: &Path, message: impl ToString) -> Self {
         Self::Content {
             path: path.to_owned(),

@@ -79,7 +79,7 @@ pub struct Summary {
     /// Whether the results had settled when the runs ended.
     #[serde(default, rename = "rest", skip_serializing_if = "Option::is_none")]
     pub settled: Option<Settled>,
-    /// What was left out because it would have taken too long or been too large: a sentence.
+    /// The work that was left out because it would have taken too long or been too large: a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out: Option<String>,
     /// How the model compares with the measurement, by criterion (ASME V&V 20); of two points with a result or more.

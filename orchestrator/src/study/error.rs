@@ -85,7 +85,7 @@ pub const BOTH_SIDES: &str = "a tolerance is the same to both sides: for limits 
                               tolerance = (b - a) / 2, where only one limit counts with the other one beyond what the model \
                               can reach; an uncertainty given as a percentage must be given as a value then";
 
-/// What to do about a message of the TOML reader, from the line that it is about; none where its own words do.
+/// The remedy for a message of the TOML reader, from the line that it is about; none where its own words do.
 fn remedy(message: &str, line: &str) -> Option<String> {
     let says = |part: &str| message.contains(part);
     let (key, value) = line.split_once('=').unwrap_or((line, ""));

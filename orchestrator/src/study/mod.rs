@@ -252,7 +252,7 @@ pub struct RecordingText {
     pub about: Option<String>,
 }
 
-/// What an input is beyond the ends of its recording.
+/// An input's value beyond the ends of its recording.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Extrapolate {

@@ -242,7 +242,7 @@ impl Plan {
         }
     }
 
-    /// What so many points cannot tell of parameters from samples.
+    /// Concerns about parameters from samples of so few points.
     pub fn concerns_of_samples(&self, points: u64) -> Vec<Concern> {
         let few = self
             .joints
@@ -261,7 +261,7 @@ impl Plan {
         few.map(concern).collect()
     }
 
-    /// What is observed of each criterion, in the order of the study.
+    /// The observations of each criterion, in the order of the study.
     pub fn probes(&self) -> impl Iterator<Item = &Probe> {
         self.cases.iter().flat_map(|case| &case.task.observed)
     }

@@ -1,4 +1,4 @@
-//! What a study says of a measured curve.
+//! A measured curve as a study states it.
 
 use std::path::PathBuf;
 

@@ -66,7 +66,7 @@ pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>,
     })
 }
 
-/// What `take` makes of each entry.
+/// The results of `take` on each entry.
 fn parse<T>(
     path: &Path,
     text: &str,

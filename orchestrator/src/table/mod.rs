@@ -66,7 +66,7 @@ impl TableError {
     }
 }
 
-/// What helps where a cell is no number.
+/// The remedy where a cell is no number.
 fn remedy(text: &str) -> &'static str {
     let is_stamp = text.len() >= 8
         && text.starts_with(|first: char| first.is_ascii_digit())

@@ -10,7 +10,7 @@ use crate::durability::{is_of_point, killed};
 use crate::isolation::STUDY;
 use crate::support::{Bench, Said, model};
 
-/// What a point leaves, by the numbers of `damage.c`.
+/// The traces that a point leaves, by the numbers of `damage.c`.
 const WHAT: [&str; 37] = [
     "nothing",
     "static memory",
@@ -62,10 +62,10 @@ const HOW: [&str; 6] = [
 ];
 const PLAINLY: usize = 0;
 
-/// What the library makes when it is loaded, in a fixture of its own.
+/// The trace that the library makes when it is loaded, in a fixture of its own.
 const IN_MADE: usize = 36;
 
-/// What is seen of a point however it ends. A thread is not, where it has ended before anyone looks.
+/// Traces that are seen however the point ends. A thread is not, where it has ended before anyone looks.
 const SEEN: [&str; 4] = [
     "a thread that goes on",
     "a process",
@@ -73,7 +73,7 @@ const SEEN: [&str; 4] = [
     "a timer",
 ];
 
-/// What is seen by looking at signals.
+/// The trace that is seen by looking at signals.
 const SIGNALS: &str = "an ignored signal";
 
 /// The outcome of a study of which one point in `every` spoils what it leaves.

@@ -220,7 +220,7 @@ fn held_values_change_at_their_rows() {
     }
 }
 
-/// What an FMU of fixed steps cannot follow is told, with its size.
+/// Rows that an FMU of fixed steps cannot follow are told, with their size.
 #[test]
 fn rows_that_an_fmu_cannot_follow_are_told() {
     let bench = bench();

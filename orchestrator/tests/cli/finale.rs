@@ -1,4 +1,4 @@
-//! What `verify` does when the points are done: it is in proportion to them, and what fails costs itself alone.
+//! The end of `verify`, when the points are done: it is in proportion to them, and what fails costs itself alone.
 
 use crate::support::{Bench, model};
 
@@ -145,7 +145,7 @@ fn a_page_that_cannot_be_written_costs_no_verdict() {
     assert!(said.out.contains("results in out"), "{}", said.out);
 }
 
-/// What a page cannot show is left out, and said.
+/// Pictures that a page cannot show are left out, and said.
 #[test]
 fn of_many_criteria_some_have_pictures() {
     let bench = Bench::new();

@@ -280,7 +280,7 @@ fn mutations(seeds: Range<u64>) {
     }
 }
 
-/// What is told of a journal's lines whose checksum is wrong. A last line without an end is none.
+/// The note on a journal's lines whose checksum is wrong. A last line without an end is none.
 fn note_of_damage(journal: &[u8]) -> String {
     let is_sound = |line: &[u8]| {
         let text = std::str::from_utf8(line).ok();

@@ -229,8 +229,8 @@ share = "90 %"
     );
 }
 
-/// What follows the posterior of y = x1 x2 = 1 +- 0.1 on the square from 0.5 to 2: a curved valley. Shares are compared with
-/// those of the sample, and with the posterior's by a grid.
+/// Points that follow the posterior of y = x1 x2 = 1 +- 0.1 on the square from 0.5 to 2: a curved valley. Shares are
+/// compared with those of the sample, and with the posterior's by a grid.
 #[test]
 fn a_posterior_goes_into_a_study() {
     let bench = Bench::functions();

@@ -30,7 +30,7 @@ const POINTS: usize = 16;
 /// How far beyond its interval a latent parameter is searched, in half-widths.
 const BEYOND: f64 = 1.0;
 
-/// What cross-validation starts from.
+/// The fit to all cases, with which cross-validation starts.
 #[derive(Clone, Copy)]
 pub struct Whole<'a> {
     /// The problem with all cases.
@@ -193,7 +193,7 @@ fn lattice(dimensions: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// What a case says of its latent parameters with given free ones (as places).
+/// The latent parameters of a case, from the free ones given as places.
 fn own(
     whole: &Whole<'_>,
     case: usize,

@@ -158,7 +158,7 @@ pub(super) fn plain(whole: &Whole<'_>) -> Vec<Plain> {
     (0..problem.quantities.len()).map(of).collect()
 }
 
-/// What is known of a case before it is measured.
+/// The mean and deviation predicted for a case before its measurement is used.
 fn row((known, case): (&Vec<f64>, &Case)) -> Vec<f64> {
     let middle = |interval: &Interval| interval.value(0.5);
     let known = known.iter().copied();

@@ -106,7 +106,7 @@ fn parameters(told: &CrossValidation) -> String {
     )
 }
 
-/// What a reader must know of a case.
+/// Sentences on one case that its reader must know.
 fn case(case: &HeldOut) -> String {
     let label = &case.label;
     let mut text = match &case.failure {

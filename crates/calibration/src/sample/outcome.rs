@@ -1,4 +1,4 @@
-//! What a sample of the posterior tells, and how far it can be trusted: plain data that becomes JSON.
+//! Results of a sample of the posterior, and how far it can be trusted: plain data that becomes JSON.
 
 use sampling::distribution::ln_sum;
 use sampling::statistics::moments::{mean, pearson, sorted, variance};
@@ -37,9 +37,9 @@ const SEEN: f64 = 0.05;
 pub struct PosteriorOutcome {
     /// Whether nothing speaks against the sample.
     pub trusted: bool,
-    /// What speaks against it.
+    /// Reasons to doubt it.
     pub doubts: Vec<String>,
-    /// What else one should know.
+    /// Further remarks.
     pub notes: Vec<String>,
     /// How many particles there are.
     pub particles: usize,
@@ -101,7 +101,7 @@ pub struct Share {
     pub within: f64,
     /// The standard error, from the groups' scatter.
     pub error: f64,
-    /// What its normal approximation says.
+    /// The same from the normal approximation.
     pub approximation: f64,
 }
 
@@ -391,7 +391,7 @@ impl<'a> Near<'a> {
     }
 }
 
-/// What there is to say of one unknown with name, unit and scale, given how a place becomes a value.
+/// The marginal of one unknown with name, unit and scale, given how a place becomes a value.
 fn marginal(
     sample: &Sample,
     unknown: usize,

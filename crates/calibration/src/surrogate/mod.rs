@@ -46,7 +46,7 @@ const SMALL: f64 = 0.01;
 /// How far the box of the next runs goes beyond the sample's, as a part of its width on both sides.
 const BEYOND: f64 = 0.25;
 
-/// What surrogates are made for.
+/// The problem that surrogates are made for.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The search that they serve; its local searches begin at the same places.
@@ -65,7 +65,7 @@ pub struct Replaced {
     pub model: Surrogates,
     /// The problem, with accuracies that include the surrogates' errors.
     pub problem: Problem,
-    /// What is to be said of them.
+    /// Their results, for the reader.
     pub told: SurrogateOutcome,
     /// The places at which runs failed.
     pub failures: Failures,

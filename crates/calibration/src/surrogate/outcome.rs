@@ -1,4 +1,4 @@
-//! What the surrogates were, and how far they err: plain data that becomes JSON.
+//! Kind and error of the surrogates: plain data that becomes JSON.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! What the model descriptions of all versions have in common.
+//! The parts that the model descriptions of all versions share.
 
 use super::logger::categories;
 use super::xml::{Number, Tag, Xml};
@@ -6,7 +6,7 @@ use crate::model::{
     DisplayUnit, Enumeration, Info, Kind, Model, Role, State, Unit, Variable, offered,
 };
 
-/// What a description is for.
+/// The interface that a description is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interface {
     /// The FMU steps itself.

@@ -7,7 +7,7 @@ use super::types::{ComponentEnvironment, IntermediateUpdateCallback, ValueRefere
 pub struct Watch<M> {
     /// The host's function.
     pub callback: IntermediateUpdateCallback,
-    /// What it gets with each call.
+    /// Functions and data of the importer that each call gets.
     pub environment: ComponentEnvironment,
     /// Whether steps may return early.
     pub early: bool,
@@ -25,7 +25,7 @@ pub struct Underway<M> {
     pub before: Box<Run<M>>,
     /// Where it ends, s.
     pub until: f64,
-    /// What is left of it, s.
+    /// The rest of it, s.
     pub left: f64,
     /// The shortest part of it, s.
     pub least: f64,

@@ -53,7 +53,7 @@ pub trait Continuous: Model {
     fn rates(&self, rates: &mut [f64]) -> Result<(), Fault>;
 }
 
-/// What the boundary needs of [`Continuous`], for [`Model::EXCHANGE`].
+/// The functions of [`Continuous`] that the boundary calls, for [`Model::EXCHANGE`].
 pub struct Exchange<M: 'static> {
     /// [`Continuous::states`].
     pub states: fn() -> &'static [State<M>],
@@ -80,7 +80,7 @@ impl<M: Continuous> Exchange<M> {
     }
 }
 
-/// What a model offers for Model Exchange, if it does.
+/// A model's functions for Model Exchange, if it has them.
 pub fn offered<M: Model>() -> Option<&'static Exchange<M>> {
     const { &M::EXCHANGE }.as_ref()
 }

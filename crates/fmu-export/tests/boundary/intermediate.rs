@@ -16,7 +16,7 @@ use crate::host::{Discard, Error, Ok, vr};
 /// The lag's inner step, s: a power of two, so that sums of it are exact.
 const INNER: f64 = 0.0625;
 
-/// What the FMU tells in an update.
+/// The FMU's arguments in an update.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Update {
     time: f64,
@@ -24,7 +24,7 @@ struct Update {
     early: bool,
 }
 
-/// What a host does in an update; it may ask for an early return.
+/// A host's reaction to an update; it may ask for an early return.
 type Script = Box<dyn FnMut(Component, Update) -> Option<f64>>;
 
 /// The host's data behind the environment pointer.

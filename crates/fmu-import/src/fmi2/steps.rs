@@ -9,7 +9,7 @@ use crate::call::{Call, End, Status};
 use crate::simulation::{Batch, Simulation};
 use crate::symbols::Function;
 
-/// What can be asked about a step, as `fmi2StatusKind` numbers it.
+/// The questions about a step, as `fmi2StatusKind` numbers them.
 const DO_STEP_STATUS: c_int = 0;
 const LAST_SUCCESSFUL_TIME: c_int = 2;
 const TERMINATED: c_int = 3;

@@ -1,4 +1,4 @@
-//! What is gathered of one variable while a point runs.
+//! Collects one variable while a point runs.
 
 use super::resampled::Draws;
 use crate::notices::Replicates;
@@ -69,7 +69,7 @@ impl Collector {
         }
     }
 
-    /// What came of the values, over `span` seconds; not a number where a curve was not reached to its end, or a
+    /// The result of the values, over `span` seconds; not a number where a curve was not reached to its end, or a
     /// value not at all.
     pub(super) fn result(&mut self, span: f64) -> f64 {
         match self {
@@ -101,7 +101,7 @@ pub(super) struct Comparison {
     conforming: Option<Replicates>,
 }
 
-/// What is kept of the variable.
+/// The form in which the variable is kept.
 #[derive(Clone, Debug)]
 enum Kept {
     /// Its values at the measurement's times.

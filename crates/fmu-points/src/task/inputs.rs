@@ -119,7 +119,7 @@ impl Series {
         })
     }
 
-    /// What an FMU misses of it that takes steps from one communication point to the next only.
+    /// The part of it that an FMU misses which takes steps from one communication point to the next only.
     pub fn unseen(&self, schedule: &Schedule) -> Option<Unseen> {
         const ROUNDING: f64 = 1e-9;
         let (mut settled, points) = (self.clone(), schedule.points());

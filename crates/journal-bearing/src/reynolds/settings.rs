@@ -228,7 +228,7 @@ pub enum FilmError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The rule that it breaks.
         must: &'static str,
     },
     /// The surfaces touch at the starting eccentricity ratio, which is given.

@@ -99,7 +99,7 @@ impl Answer {
         }
     }
 
-    /// What the reader should know where there is no box.
+    /// The remark that the reader needs where there is no box.
     pub(super) fn warning(&self, level: f64) -> Option<String> {
         match self {
             Self::NotFound {

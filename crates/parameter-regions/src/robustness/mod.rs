@@ -99,7 +99,7 @@ struct Part {
     scale: Option<f64>,
     /// Root-mean-square error near the measurement, in the criterion's unit.
     quality: Quality,
-    /// What the surrogate says of each point that it knows, fitted without it.
+    /// The surrogate's prediction at each point that it knows, fitted without it.
     left_out: Vec<f64>,
 }
 

@@ -63,7 +63,7 @@ pub struct Sample<'a> {
     pub verdicts: &'a [f64],
 }
 
-/// What is known of the verified part of a region.
+/// The statement on the verified part of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statement {
     /// The part of the sampled probability that lies inside.

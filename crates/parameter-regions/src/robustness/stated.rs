@@ -1,4 +1,4 @@
-//! What is stated of a region: the part of it that is verified, with its 95 % interval.
+//! The part of a region that is verified, with its 95 % interval.
 //!
 //! A search prefers places where the surrogates are too optimistic, so their mean probability inside flatters what was
 //! found. The study's own points inside correct it: each is foretold by surrogates that were fitted without it, and the
@@ -32,7 +32,7 @@ impl Evidence<'_> {
         (wrong + 0.5) / (self.points.len() as f64 + 1.0)
     }
 
-    /// What is known of a region; nothing of its probability where it holds too few points.
+    /// The statement on a region; nothing of its probability where it holds too few points.
     pub(super) fn of(&self, contains: impl Fn(&[f64]) -> bool) -> Statement {
         let sampled = self.unseen.points.iter().zip(self.unseen.verdicts);
         let sampled = sampled.filter(|(x, _)| contains(x)).map(|(_, p)| *p);

@@ -166,7 +166,7 @@ impl Surrogate {
         values.map(|(value, c)| value * c).sum()
     }
 
-    /// What a fit without it predicts at each row of the inputs.
+    /// The prediction of a fit without it at each row of the inputs.
     pub fn left_out(&self, inputs: &[Vec<f64>], output: &[f64]) -> Vec<f64> {
         let mut predicted: Vec<f64> = inputs.iter().map(|x| self.at(x)).collect();
         for (&row, error) in self.rows.iter().zip(&self.errors) {

@@ -77,7 +77,7 @@ fn delay(seed: u64) -> f64 {
     0.016 + 1e-3 * (0.618 * seed as f64).fract()
 }
 
-/// What is wrong with the records: the share of samples that are spikes, and the level at which both signals are cut off,
+/// Faults of the records: the share of samples that are spikes, and the level at which both signals are cut off,
 /// as a multiple of their means.
 #[derive(Clone, Copy, Debug)]
 struct Faults {

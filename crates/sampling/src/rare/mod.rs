@@ -55,7 +55,7 @@ impl Judged {
 /// Runs points, given as standard normal scores, and tells what came of them, in their order.
 pub type Ask<'a, E> = &'a mut dyn FnMut(&[Vec<f64>]) -> Result<Vec<Judged>, E>;
 
-/// What is looked for, and at what cost.
+/// The event whose probability is wanted, and the runs that may be spent.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
     /// Parameters that vary.
@@ -128,7 +128,7 @@ pub struct Share {
     pub method: Method,
 }
 
-/// What a search came to.
+/// The result of a search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answer {
     /// The share; none where it could not be told.

@@ -21,7 +21,7 @@ pub(super) fn twice<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     Ok(joined(first, search_once(&other, ask)?))
 }
 
-/// What both searches say together.
+/// The joint result of both searches.
 fn joined(mut first: Answer, mut second: Answer) -> Answer {
     first.runs += second.runs;
     first.plain = sum(first.plain, second.plain);

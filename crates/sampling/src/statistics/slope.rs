@@ -2,7 +2,7 @@
 
 use super::collect::Collect;
 
-/// What the slope needs of a signal: the integral of its distance from its first value, and the first moment of that.
+/// The slope of a signal, from the integral of its distance from its first value, and the first moment of that.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Slope {
     first: Option<f64>,

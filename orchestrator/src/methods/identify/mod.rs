@@ -49,7 +49,7 @@ pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
-    /// What is searched for, and how
+    /// Target and means of the search.
     #[command(flatten)]
     pub asked: Asked,
 }

@@ -1,4 +1,4 @@
-//! What there is to say of trade-offs: the best compromise, and the front, pair by pair of criteria.
+//! The document of trade-offs: the best compromise, and the front, pair by pair of criteria.
 
 use crate::document::format::{count, number};
 use crate::document::svg::{Frame, area, circle, path};

@@ -49,7 +49,7 @@ impl RareEvent {
     }
 }
 
-/// What is asked for.
+/// The options of a search.
 #[derive(Debug)]
 pub struct Options {
     /// The study, how its points are run, and where the results go.
@@ -120,7 +120,7 @@ struct Rare {
 }
 
 impl Rare {
-    /// What a run means for the search.
+    /// The meaning of a run for the search.
     fn judge(&self, judge: &Judge, outcome: &Outcome) -> Judged {
         let values = outcome.as_deref().ok();
         let verified = judge.verdict(values).verified();

@@ -1,4 +1,4 @@
-//! What a search for a rare share says: as numbers for `rare.json`, and for people.
+//! The result of a search for a rare share: as numbers for `rare.json`, and for people.
 
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -63,7 +63,7 @@ pub(super) struct Statement {
     method: &'static str,
     /// A number without an interval, where the share could not be told.
     rough: Option<f64>,
-    /// What the two searches came to, where they do not agree.
+    /// The results of the two searches, where they do not agree.
     disagree: Option<[f64; 2]>,
     runs: u64,
     plain: Counted,
@@ -71,7 +71,7 @@ pub(super) struct Statement {
     wider: [u64; 2],
     levels: Vec<Level>,
     regions: Vec<Region>,
-    /// What the interval rests on.
+    /// The assumptions of the interval.
     assumes: &'static str,
     /// The share of verified points that the study requires.
     required: Option<f64>,

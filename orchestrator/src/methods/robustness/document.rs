@@ -1,4 +1,4 @@
-//! What there is to say of robustness: the margins, the box, the ellipsoid, and maps over pairs.
+//! The document of robustness: the margins, the box, the ellipsoid, and maps over pairs.
 
 use std::fmt::Write;
 
@@ -95,7 +95,7 @@ fn margins(result: &Robustness) -> Table {
     }
 }
 
-/// What is stated of a region, whether it comes to the level, and how the study's points and fresh runs compare with it.
+/// The statement on a region, whether it comes to the level, and how the study's points and fresh runs compare with it.
 fn evidence<S>(name: &str, level: f64, of: &Domain<S>) -> String {
     let [low, high] = of.interval.map(percent);
     let shown = if of.interval[0] >= level { "" } else { "not " };

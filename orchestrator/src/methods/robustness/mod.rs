@@ -54,7 +54,7 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
-/// What the page of a finished study shows of a result in its folder.
+/// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
     study.result(FILE).map(|result| document(&result))
 }

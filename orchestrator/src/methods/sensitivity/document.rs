@@ -1,4 +1,4 @@
-//! What there is to say of sensitivity: an output each, its numbers and bars with intervals, and what decides the verdict.
+//! The document of sensitivity: an output each, its numbers and bars with intervals, and what decides the verdict.
 
 use super::outputs::{Output, Sensitivity};
 use crate::document::format::number;

@@ -90,7 +90,7 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
-/// What the page of a finished study shows of a result in its folder.
+/// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
     let result = study.result(FILE)?;
     Some(document(&result, study.table))

@@ -1,4 +1,4 @@
-//! What there is to say of the widest tolerances.
+//! The document of the widest tolerances.
 
 use crate::document::format::number;
 use crate::document::{Block, Document, Table, numbers, words};
