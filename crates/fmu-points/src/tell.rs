@@ -82,7 +82,7 @@ mod tests {
         for plain in ["", "a\n\tb", "Ölfilm µ 漢字 עברית", "C:\\users"] {
             assert!(matches!(visible(plain), Cow::Borrowed(_)));
         }
-        // JSON means the same as before.
+        // Escaped JSON still holds the same text.
         let name = "\u{202e}\x1b\x7f";
         let json = serde_json::to_string(name).unwrap();
         assert_eq!(

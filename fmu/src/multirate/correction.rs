@@ -14,7 +14,7 @@ pub struct Correction {
     nodes: Vec<(f64, Orbit)>,
 }
 
-/// Nodes nearer to each other than this in ln(viscosity) would tell more of their errors than of the slope between them.
+/// Nodes closer than this in ln(viscosity) would show each other's errors rather than the slope between them.
 pub const CLOSEST: f64 = 0.01;
 
 impl Correction {

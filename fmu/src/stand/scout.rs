@@ -28,7 +28,7 @@ const KNOWN: f64 = 1500.0;
 /// These shares lie within these bounds at any tolerance: the film's own steps do not follow it.
 const LEAST: f64 = 2e-5;
 const MOST: f64 = 1e-2;
-/// The film may be behind its orbit by this part of what the correction may be wrong.
+/// The film may lag its orbit by at most this fraction of the error that the correction may have.
 const BEHIND: f64 = 0.15;
 /// Temperatures at the most at which the film's turns are needed.
 const PLACES: usize = 12;

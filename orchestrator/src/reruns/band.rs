@@ -17,8 +17,8 @@ const EACH: usize = 5;
 /// The least and the largest value of the verified points at the times of a measured curve.
 type Band = [Vec<f64>; 2];
 
-/// Writes the measured curves, where there are any; says what is left out. What fails is left out: the picture lacks a band
-/// then, and the verdict nothing.
+/// Writes the measured curves, where there are any, and returns a sentence on those left out. A curve whose runs fail is
+/// left out: its picture then lacks the band, the verdict does not change.
 pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Option<String> {
     let path = folder.join(history::MEASURED);
     let probes = || reruns.plan().probes().enumerate();

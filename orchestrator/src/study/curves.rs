@@ -39,7 +39,7 @@ pub(super) struct Binder<'a> {
     pub(super) scale: &'a Scale<'a>,
     /// The whole run, s.
     pub(super) run: [f64; 2],
-    /// The part of it that counts, s, where the study states one: rows outside of it do not count then.
+    /// The times that count, s, where the study states them: rows outside are ignored then.
     pub(super) window: Option<[f64; 2]>,
 }
 

@@ -73,7 +73,7 @@ impl Place {
     }
 }
 
-/// Ends this process at once: the FMU's own destructors have no say any more.
+/// Ends this process at once, without running the FMU's destructors.
 fn end(code: i32) -> ! {
     // SAFETY: never returns, runs no code of this process.
     unsafe { libc::_exit(code) }

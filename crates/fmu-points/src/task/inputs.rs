@@ -22,7 +22,7 @@ pub struct Series {
     /// Whether the FMU takes a step to each row, wherever it lies between communication points.
     #[serde(default)]
     pub each_row: bool,
-    /// When, s, growing; at least one.
+    /// The times of the values, s, growing; at least one.
     pub times: Vec<f64>,
     /// The values then, in the FMU's unit.
     pub values: Vec<f64>,
