@@ -10,11 +10,10 @@ use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, UNDETERMINED};
-use super::problem::Problem;
+use super::problem::{Problem, Quantity, Spacing};
 use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
 use super::surrogate::outcome::SurrogateOutcome;
-use crate::problem::Spacing;
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
 const NINETY_FIVE: f64 = 1.959_964;
@@ -208,6 +207,8 @@ impl IdentificationOutcome {
         let outcomes: Vec<_> = optima.iter().map(|own| optimum(problem, own)).collect();
         let OptimumOutcome { free, latents, .. } = &outcomes[0];
         let case = |(index, latents): (usize, &Vec<_>)| case(problem, minimum, latents, index);
+        let cases: Vec<_> = latents.iter().enumerate().map(case).collect();
+        let quantities = problem.quantities.iter().enumerate();
         Self {
             ambiguous: optima.len() > 1,
             end: minimum.end,
@@ -218,10 +219,8 @@ impl IdentificationOutcome {
             free: free.clone(),
             correlations: (0..n).map(correlation).collect(),
             directions: directions.map(|d| direction(problem, d)).collect(),
-            cases: latents.iter().enumerate().map(case).collect(),
-            worst: (0..problem.quantities.len())
-                .map(|q| worst(problem, minimum, q))
-                .collect(),
+            worst: quantities.map(|(k, own)| worst(own, &cases, k)).collect(),
+            cases,
             search: searches(progress),
             excluded: Excluded::new(
                 problem,
@@ -303,23 +302,19 @@ fn case(
     index: usize,
 ) -> CaseOutcome {
     let case = &problem.cases[index];
-    let residual = |quantity: usize| {
-        let (measured, predicted) = (
-            case.measured[quantity],
-            minimum.misfit.predicted[index][quantity],
-        );
-        Residual {
-            quantity: problem.quantities[quantity].name.clone(),
-            measured: measured.value,
-            predicted,
-            difference: predicted - measured.value,
-            accuracy: measured.accuracy,
-        }
-    };
+    let measured = problem.quantities.iter().zip(&case.measured);
+    let residuals = measured.zip(&minimum.misfit.predicted[index]);
+    let residuals = residuals.map(|((quantity, measured), &predicted)| Residual {
+        quantity: quantity.name.clone(),
+        measured: measured.value,
+        predicted,
+        difference: predicted - measured.value,
+        accuracy: measured.accuracy,
+    });
     CaseOutcome {
         label: case.label.clone(),
         latents: latents.to_vec(),
-        residuals: (0..problem.quantities.len()).map(residual).collect(),
+        residuals: residuals.collect(),
     }
 }
 
@@ -337,19 +332,14 @@ fn latents(problem: &Problem, own: &Optimum, index: usize) -> Vec<LatentOutcome>
     latents.collect()
 }
 
-fn worst(problem: &Problem, minimum: &Minimum, quantity: usize) -> WorstOutcome {
-    let (mut difference, mut relative) = (0.0_f64, 0.0_f64);
-    for (case, predicted) in problem.cases.iter().zip(&minimum.misfit.predicted) {
-        let measured = case.measured[quantity].value;
-        let misfit = (predicted[quantity] - measured).abs();
-        difference = difference.max(misfit);
-        relative = relative.max(misfit / measured.abs());
-    }
+fn worst(quantity: &Quantity, cases: &[CaseOutcome], index: usize) -> WorstOutcome {
+    let residuals = cases.iter().map(|case| &case.residuals[index]);
+    let largest = |of: fn(&Residual) -> f64| residuals.clone().map(of).fold(0.0, f64::max);
     WorstOutcome {
-        quantity: problem.quantities[quantity].name.clone(),
-        unit: problem.quantities[quantity].unit.clone(),
-        difference,
-        relative,
+        quantity: quantity.name.clone(),
+        unit: quantity.unit.clone(),
+        difference: largest(|own| own.difference.abs()),
+        relative: largest(|own| (own.difference / own.measured).abs()),
     }
 }
 

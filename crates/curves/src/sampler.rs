@@ -66,13 +66,8 @@ impl Sampler {
             self.last = [end, values[last * stride]];
             return;
         }
-        for (step, (begin, size)) in begins.iter().zip(sizes).enumerate() {
-            let (time, value) = (begin + size, values[step * stride]);
-            if time >= self.next {
-                self.reach(time, value);
-            }
-            self.last = [time, value];
-        }
+        let steps = begins.iter().zip(sizes).enumerate();
+        self.add_all(steps.map(|(step, (begin, size))| (begin + size, values[step * stride])));
     }
 
     /// Samples what lies between the last value and this one.

@@ -1,7 +1,5 @@
 //! A case of a study from a recording: what drove the rig as inputs, what was measured as curves with their uncertainty.
 
-use std::fmt::Write as _;
-
 use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use super::uncertainty::from_bound;
 use sampling::statistics::estimate::Estimate;
@@ -121,15 +119,13 @@ impl<'a> Case<'a> {
         let curves = curves.map(|curve| (curve.channel.name.as_str(), &curve.values));
         let columns: Vec<(&str, &Vec<f64>)> = recorded.chain(curves).collect();
         let names: Vec<String> = columns.iter().map(|(name, _)| cell(name)).collect();
-        let mut text = format!("time,{}\n", names.join(","));
-        for &row in &self.rows {
-            let _ = write!(text, "{:.9}", self.time(row));
-            for (_, values) in &columns {
-                let _ = write!(text, ",{:.8e}", values[row]);
-            }
-            text.push('\n');
-        }
-        text
+        let line = |&row: &usize| {
+            let cells = columns.iter();
+            let cells = cells.map(|(_, values)| format!(",{:.8e}", values[row]));
+            format!("{:.9}{}\n", self.time(row), cells.collect::<String>())
+        };
+        let lines: String = self.rows.iter().map(line).collect();
+        format!("time,{}\n{lines}", names.join(","))
     }
 
     /// The case as TOML. The tolerances are the user's to add, where the settings have none: no recording knows how far the
@@ -142,13 +138,12 @@ impl<'a> Case<'a> {
             self.rows.len()
         );
         if left > 0 {
-            let _ = writeln!(
-                out,
-                "# {left} rows with a missing sample, a spike or a clipped sample were left out."
+            out += &format!(
+                "# {left} rows with a missing sample, a spike or a clipped sample were left out.\n"
             );
         }
         for warning in &self.result.warnings {
-            let _ = writeln!(out, "# Note: {warning}.");
+            out += &format!("# Note: {warning}.\n");
         }
         let late = self.curves.iter().map(|curve| self.late(curve, frame));
         let early = late.map(|late| -late).fold(0.0, f64::max);
@@ -157,28 +152,30 @@ impl<'a> Case<'a> {
             true => ", extrapolate = \"hold\"",
             false => "",
         };
-        let _ = writeln!(out, "[[cases]]\nname = {}", quoted(frame.name));
-        if frame.held_out {
-            out.push_str("held-out = true\n");
-        }
-        let _ = writeln!(out, "simulation = {{ stop = {} }}", up(last + early));
+        out += &format!(
+            "[[cases]]\nname = {}\n{}simulation = {{ stop = {} }}\n",
+            quoted(frame.name),
+            if frame.held_out {
+                "held-out = true\n"
+            } else {
+                ""
+            },
+            up(last + early)
+        );
         for drive in frame.drives {
             let (name, unit) = (quoted(&drive.variable), quoted(&drive.unit));
-            let _ = match &drive.values {
+            out += &match &drive.values {
                 Driven::Constant(value) => {
                     let value = quoted(&format!("{value} {}", drive.unit));
-                    writeln!(out, "fixed.{name} = {value}")
+                    format!("fixed.{name} = {value}\n")
                 }
-                Driven::Recorded(_) => writeln!(
-                    out,
-                    "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{ends} }}",
+                Driven::Recorded(_) => format!(
+                    "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{ends} }}\n",
                     quoted(frame.file)
                 ),
             };
         }
-        for curve in &self.curves {
-            out.push_str(&self.criterion(curve, frame));
-        }
+        out.extend(self.curves.iter().map(|curve| self.criterion(curve, frame)));
         out
     }
 
@@ -191,22 +188,17 @@ impl<'a> Case<'a> {
 
     fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
         let channel = curve.channel;
-        let name = quoted(&channel.name);
-        let mut out = format!("\n[cases.criteria.{name}]\n");
+        let (name, unit) = (quoted(&channel.name), quoted(&channel.unit));
         let is_mean = |c: &&DerivedCriterion| c.name == channel.name && c.statistic == "mean";
-        if let Some(criterion) = self.result.findings.iter().find(is_mean)
-            && let Some(s) = &criterion.stationarity
-        {
-            let _ = writeln!(
-                out,
-                "# {}: change over the window {:.2e} ({:.2e} to {:.2e}) {}",
-                if s.steady() { "steady" } else { "drifting" },
-                s.change.value,
-                s.change.low,
-                s.change.high,
-                channel.unit
-            );
-        }
+        let criterion = self.result.findings.iter().find(is_mean);
+        let tested = criterion.and_then(|criterion| criterion.stationarity.as_ref());
+        let steady = tested.map_or_else(String::new, |s| {
+            let (word, change) = (if s.steady() { "steady" } else { "drifting" }, s.change);
+            format!(
+                "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {}\n",
+                change.value, change.low, change.high, channel.unit
+            )
+        });
         let expanded = 2.0 * from_bound(1.0);
         let stated = |text: String| format!(", uncertainty = {}", quoted(&text));
         let uncertainty = match channel.accuracy {
@@ -217,50 +209,44 @@ impl<'a> Case<'a> {
             }
             Accuracy::Relative(part) => stated(format!("{:.4} %", 100.0 * part * expanded)),
         };
-        let _ = writeln!(
-            out,
-            "variable = {}\nreference = {{ file = {}, time = \"time\", column = {name}, unit = {}{uncertainty} }}\n\
-             metric = \"rmse\"",
-            quoted(&channel.variable),
-            quoted(frame.file),
-            quoted(&channel.unit)
-        );
-        let [first, last] = self.span();
         let late = self.late(curve, frame);
-        if let Some(found) = curve.delay {
-            let _ = write!(
-                out,
-                "# late by {:.3} ms after the load ({:.3} to {:.3} ms, 95 %)",
-                1e3 * found.value,
-                1e3 * found.low,
-                1e3 * found.high
-            );
-            let _ = match frame.lag {
-                0.0 => writeln!(out, ", all of which is taken for the sensor's"),
-                lag => writeln!(out, ", of which {:.3} ms are the rig's own", 1e3 * lag),
+        let delay = curve.delay.map_or_else(String::new, |found| {
+            let [value, low, high] = [found.value, found.low, found.high].map(|delay| 1e3 * delay);
+            let whose = match frame.lag {
+                0.0 => "all of which is taken for the sensor's".to_owned(),
+                lag => format!("of which {:.3} ms are the rig's own", 1e3 * lag),
             };
-            let _ = writeln!(out, "delay = \"{:.4} ms\"", 1e3 * late);
-        }
+            format!(
+                "# late by {value:.3} ms after the load ({low:.3} to {high:.3} ms, 95 %), {whose}\n\
+                 delay = \"{:.4} ms\"\n",
+                1e3 * late
+            )
+        });
+        let [first, last] = self.span();
         let [from, to] = self.recording.window();
         let from = (from - self.begin).max(first + late.max(0.0));
         let to = (to - self.begin).min(last);
-        if from > first || to < last {
-            let _ = writeln!(out, "window = {{ from = {}, to = {} }}", up(from), up(to));
-        }
+        let window = match from > first || to < last {
+            true => format!("window = {{ from = {}, to = {} }}\n", up(from), up(to)),
+            false => String::new(),
+        };
         let mut tolerances = frame.tolerances.iter();
-        let _ = match tolerances.find(|(name, _)| *name == channel.name) {
-            Some((_, tolerance)) => writeln!(out, "tolerance = {}", quoted(tolerance)),
-            None => writeln!(
-                out,
+        let tolerance = match tolerances.find(|(name, _)| *name == channel.name) {
+            Some((_, tolerance)) => format!("tolerance = {}", quoted(tolerance)),
+            None => format!(
                 "# tolerance = \"... {}\"   # how far the model may be from the true curve",
                 channel.unit
             ),
         };
-        let _ = writeln!(out, "unit = {}", quoted(&channel.unit));
-        if let Some(group) = &channel.group {
-            let _ = writeln!(out, "group = {}", quoted(group));
-        }
-        out
+        let group = channel.group.as_ref();
+        let group = group.map_or_else(String::new, |group| format!("group = {}\n", quoted(group)));
+        format!(
+            "\n[cases.criteria.{name}]\n{steady}variable = {}\n\
+             reference = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{uncertainty} }}\n\
+             metric = \"rmse\"\n{delay}{window}{tolerance}\nunit = {unit}\n{group}",
+            quoted(&channel.variable),
+            quoted(frame.file)
+        )
     }
 }
 

@@ -1,81 +1,61 @@
 //! The criteria as text for a study.
 
 use super::recording::{DerivedCriterion, Synchronised};
-use std::fmt::Write as _;
 
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
 /// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
 pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
     let shift = match &result.delay.delay {
-        Some(d) => format!(
-            "torque shifted by {:.3} ms ({:.3} to {:.3} ms, 95 %)",
-            1e3 * d.value,
-            1e3 * d.low,
-            1e3 * d.high
-        ),
+        Some(d) => {
+            let [value, low, high] = [d.value, d.low, d.high].map(|delay| 1e3 * delay);
+            format!("torque shifted by {value:.3} ms ({low:.3} to {high:.3} ms, 95 %)")
+        }
         None => "torque not shifted".to_owned(),
     };
     let [before, after] = result.friction_scatter.map(|part| 100.0 * part);
     let friction = result.mean_friction;
+    let [value, uncertainty] =
+        [friction.value, friction.expanded()].map(|number| rounded(number, friction.expanded()));
     let mut out = format!(
         "# From measured signals: {shift}, which leaves {after:.2} % scatter of\n\
-         # the friction coefficient (before: {before:.2} %). Friction coefficient {} +- {} (k = 2).\n\
+         # the friction coefficient (before: {before:.2} %). Friction coefficient {value} +- {uncertainty} (k = 2).\n\
          # Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
-         # values.\n",
-        rounded(friction.value, friction.expanded()),
-        rounded(friction.expanded(), friction.expanded()),
+         # values.\n"
     );
     for warning in &result.warnings {
-        let _ = writeln!(out, "# Note: {warning}.");
+        out += &format!("# Note: {warning}.\n");
     }
-    for finding in result
-        .findings
-        .iter()
-        .filter(|f| amplitudes || f.statistic != "amplitude")
-    {
-        out.push_str(&criterion(finding));
-    }
+    let findings = result.findings.iter();
+    let wanted = findings.filter(|f| amplitudes || f.statistic != "amplitude");
+    out.extend(wanted.map(criterion));
     out
 }
 
 fn criterion(finding: &DerivedCriterion) -> String {
+    let DerivedCriterion {
+        name,
+        variable,
+        statistic,
+        unit,
+        ..
+    } = finding;
     let m = &finding.measured;
-    let uncertainty = m.expanded();
-    let mut out = format!("\n[criteria.{}]\n", finding.name);
-    let _ = writeln!(
-        out,
-        "# standard uncertainties: scatter {:.2e}, sensor {:.2e} {}",
-        m.scatter, m.sensor, finding.unit
-    );
-    if let Some(s) = &finding.stationarity {
-        let _ = writeln!(
-            out,
-            "# {}: change over the window {:.2e} ({:.2e} to {:.2e}) {}, from {} blocks",
-            if s.steady() { "steady" } else { "NOT steady" },
-            s.change.value,
-            s.change.low,
-            s.change.high,
-            finding.unit,
-            s.blocks
-        );
-    }
-    let _ = writeln!(
-        out,
-        "variable = \"{}\"\nstatistic = \"{}\"",
-        finding.variable, finding.statistic
-    );
-    let _ = writeln!(
-        out,
-        "nominal = {}\n# tolerance = \nuncertainty = \"{} {}\"\nunit = \"{}\"",
-        rounded(m.value, uncertainty),
-        rounded(uncertainty, uncertainty),
-        finding.unit,
-        finding.unit
-    );
-    if let Some(group) = &finding.group {
-        let _ = writeln!(out, "group = \"{group}\"");
-    }
-    out
+    let [value, uncertainty] = [m.value, m.expanded()].map(|number| rounded(number, m.expanded()));
+    let steady = finding.stationarity.as_ref().map_or_else(String::new, |s| {
+        let (word, change) = (if s.steady() { "steady" } else { "NOT steady" }, s.change);
+        format!(
+            "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {unit}, from {} blocks\n",
+            change.value, change.low, change.high, s.blocks
+        )
+    });
+    let group = finding.group.as_ref();
+    let group = group.map_or_else(String::new, |group| format!("group = \"{group}\"\n"));
+    format!(
+        "\n[criteria.{name}]\n# standard uncertainties: scatter {:.2e}, sensor {:.2e} {unit}\n{steady}\
+         variable = \"{variable}\"\nstatistic = \"{statistic}\"\nnominal = {value}\n# tolerance = \n\
+         uncertainty = \"{uncertainty} {unit}\"\nunit = \"{unit}\"\n{group}",
+        m.scatter, m.sensor
+    )
 }
 
 /// A value to two digits of its uncertainty, as a TOML float.

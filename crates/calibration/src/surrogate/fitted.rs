@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
+use parameter_regions::robustness::region::within;
 use parameter_regions::robustness::surrogate::Surrogate;
 
 /// The highest total degree of a polynomial.
@@ -36,16 +37,10 @@ pub(super) struct Layer {
 impl Layer {
     /// Fits the runs within a box; `None` where they are too few.
     fn fit(problem: &Problem, runs: &[Run], region: Bounds) -> Option<Self> {
-        let within = |run: &&Run| {
-            let pairs = run.places.iter().zip(&region);
-            let inside = |(place, [low, high]): (&f64, &[f64; 2])| (*low..=*high).contains(place);
-            run.predicted.is_ok() && pairs.into_iter().all(inside)
-        };
+        let within = |run: &&Run| run.predicted.is_ok() && within(&run.places, &region);
         let runs: Vec<&Run> = runs.iter().filter(within).collect();
         let value = |case: usize, quantity: usize| -> Option<Surrogate> {
-            let inputs = runs
-                .iter()
-                .map(|run| own_places(problem, case, &run.places));
+            let inputs = runs.iter().map(|run| own(problem, case, &run.places));
             let ended = runs.iter().filter_map(|run| run.predicted.as_ref().ok());
             let outputs = ended.map(|predicted| predicted[case][quantity]);
             let (inputs, outputs): (Vec<_>, Vec<_>) = (inputs.collect(), outputs.collect());
@@ -78,11 +73,10 @@ impl Layer {
     }
 }
 
-/// The places of what a case depends on: the free parameters and its own latent ones.
-fn own_places(problem: &Problem, case: usize, places: &[f64]) -> Vec<f64> {
-    let latents = &places[problem.latents_of(case)];
-    let free = &places[..problem.free.len()];
-    free.iter().chain(latents).copied().collect()
+/// Of something for each unknown that for those which a case depends on: the free parameters and its own latent ones.
+fn own<T: Copy>(problem: &Problem, case: usize, all: &[T]) -> Vec<T> {
+    let free = &all[..problem.free.len()];
+    [free, &all[problem.latents_of(case)]].concat()
 }
 
 /// The largest eigenvalue of the correlations of the errors.
@@ -160,7 +154,7 @@ impl Surrogates {
             return None;
         }
         let square = |other: &[f64]| -> f64 {
-            let other = own_places(&self.problem, case, other);
+            let other = own(&self.problem, case, other);
             let pairs = places.iter().zip(&other);
             pairs.map(|(a, b)| (a - b).powi(2)).sum()
         };
@@ -175,25 +169,14 @@ impl Surrogates {
             return Err(reason);
         }
         let inside = |layer: &&Layer| {
-            let region = own_places_of(&self.problem, query.case, &layer.region);
-            let mut pairs = places.iter().zip(region);
-            pairs.all(|(place, [low, high])| (*low..=*high).contains(place))
+            let region = own(&self.problem, query.case, &layer.region);
+            within(&places, &region)
         };
         let layer = self.layers.iter().rev().find(inside);
         let layer = layer.unwrap_or(&self.layers[0]);
         let fits = layer.fits[query.case].iter();
         Ok(fits.map(|fit| fit.at(&places)).collect())
     }
-}
-
-/// The sides of a box that a case depends on.
-fn own_places_of<'a>(
-    problem: &Problem,
-    case: usize,
-    region: &'a Bounds,
-) -> impl Iterator<Item = &'a [f64; 2]> {
-    let free = region[..problem.free.len()].iter();
-    free.chain(&region[problem.latents_of(case)])
 }
 
 impl Simulate for Surrogates {

@@ -118,9 +118,9 @@ pub(super) fn combinations(
     let slices = Slices::new(cloud.points, d);
     let all: Vec<usize> = (0..cloud.points.len()).collect();
     let mut found: Vec<Combination> = (0..d)
-        .flat_map(|k| [(k, true), (k, false)])
-        .filter_map(|(k, below)| range(cloud, &slices, k, below))
-        .map(|bound| finish(vec![bound], stand, cloud, &all))
+        .flat_map(|k| [[(k, true)], [(k, false)]])
+        .filter_map(|side| corner(cloud, &slices, &all, &side))
+        .map(|bounds| finish(bounds, stand, cloud, &all))
         .collect();
     let open: Vec<usize> = all
         .iter()
@@ -130,8 +130,8 @@ pub(super) fn combinations(
     for (x, y) in (0..d).flat_map(|x| (x + 1..d).map(move |y| (x, y))) {
         for (x_below, y_below) in [(true, true), (true, false), (false, true), (false, false)] {
             let sides = [(x, x_below), (y, y_below)];
-            if let Some(bounds) = corner(cloud, &slices, &open, sides) {
-                found.push(finish(bounds.to_vec(), stand, cloud, &open));
+            if let Some(bounds) = corner(cloud, &slices, &open, &sides) {
+                found.push(finish(bounds, stand, cloud, &open));
             }
         }
     }
@@ -146,39 +146,24 @@ pub(super) fn combinations(
     found
 }
 
-/// The longest unsafe range of a parameter from one of its ends.
-fn range(cloud: &Sample<'_>, slices: &Slices, parameter: usize, below: bool) -> Option<Bound> {
-    let (mut n, mut sum) = ([0usize; SLICES], [0.0; SLICES]);
-    for (j, verdict) in cloud.verdicts.iter().enumerate() {
-        let slice = slices.place(parameter, below, j);
-        n[slice] += 1;
-        sum[slice] += verdict;
-    }
-    let (mut points, mut total, mut longest) = (0, 0.0, None);
-    for count in 1..SLICES {
-        points += n[count - 1];
-        total += sum[count - 1];
-        if points > 0 && total < CEILING * points as f64 {
-            longest = Some(slices.bound(parameter, below, count));
-        }
-    }
-    longest
-}
-
-/// The unsafe corner of two parameters that holds most of the points.
+/// The unsafe corner of two parameters that holds most of the points; of one parameter the range from one of its ends.
 fn corner(
     cloud: &Sample<'_>,
     slices: &Slices,
     open: &[usize],
-    sides: [(usize, bool); 2],
-) -> Option<[Bound; 2]> {
+    sides: &[(usize, bool)],
+) -> Option<Vec<Bound>> {
     const FEWEST: usize = 30;
-    let [(x, x_below), (y, y_below)] = sides;
+    // A parameter that is not there has all points in its first slice.
+    let place = |k: usize, j: usize| {
+        let side = sides.get(k);
+        side.map_or(0, |&(parameter, below)| slices.place(parameter, below, j))
+    };
     // Numbers and sums of all corners up to a cell: summed along the rows, then along the columns.
     let mut n = vec![[0usize; SLICES]; SLICES];
     let mut sum = vec![[0.0; SLICES]; SLICES];
     for &j in open {
-        let (a, b) = (slices.place(x, x_below, j), slices.place(y, y_below, j));
+        let (a, b) = (place(0, j), place(1, j));
         n[a][b] += 1;
         sum[a][b] += cloud.verdicts[j];
     }
@@ -201,7 +186,9 @@ fn corner(
         }
     }
     let (_, a, b) = best?;
-    Some([slices.bound(x, x_below, a), slices.bound(y, y_below, b)])
+    let bounds = sides.iter().zip([a, b]);
+    let bounds = bounds.map(|(&(parameter, below), count)| slices.bound(parameter, below, count));
+    Some(bounds.collect())
 }
 
 fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Sample<'_>, open: &[usize]) -> Combination {

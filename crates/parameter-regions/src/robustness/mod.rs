@@ -106,30 +106,21 @@ struct Part {
 impl Part {
     /// Fits the value and its transform, and keeps what errs less near the measurement.
     fn fit(criterion: &CriterionColumn, inputs: &[Vec<f64>]) -> Option<Self> {
-        let plain = Surrogate::fit(inputs, &criterion.values)?;
+        let mut output = criterion.values.clone();
+        let mut surrogate = Surrogate::fit(inputs, &output)?;
+        let mut scale = None;
         let room = (criterion.upper - criterion.nominal).min(criterion.nominal - criterion.lower);
-        let exact = plain.quality.predicted >= 1.0;
+        let exact = surrogate.quality.predicted >= 1.0;
         if room.is_finite() && room > 0.0 && !exact {
             let values = criterion.values.iter();
             let bent = values.map(|v| ((v - criterion.nominal) / room).asinh());
             let bent: Vec<f64> = bent.collect();
-            let better = |fit: &Surrogate| fit.quality.error * room < plain.quality.error;
+            let better = |fit: &Surrogate| fit.quality.error * room < surrogate.quality.error;
             if let Some(fit) = Surrogate::fit(inputs, &bent).filter(better) {
-                return Some(Self::new(criterion, fit, Some(room), inputs, &bent));
+                (surrogate, scale, output) = (fit, Some(room), bent);
             }
         }
-        let output = &criterion.values;
-        Some(Self::new(criterion, plain, None, inputs, output))
-    }
-
-    fn new(
-        criterion: &CriterionColumn,
-        surrogate: Surrogate,
-        scale: Option<f64>,
-        inputs: &[Vec<f64>],
-        output: &[f64],
-    ) -> Self {
-        Self {
+        Some(Self {
             criterion: CriterionColumn {
                 values: vec![],
                 ok: vec![],
@@ -140,9 +131,9 @@ impl Part {
                 error: surrogate.quality.error * scale.unwrap_or(1.0),
                 ..surrogate.quality
             },
-            left_out: surrogate.left_out(inputs, output),
+            left_out: surrogate.left_out(inputs, &output),
             surrogate,
-        }
+        })
     }
 
     fn value(&self, x: &[f64]) -> f64 {

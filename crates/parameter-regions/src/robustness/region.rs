@@ -160,7 +160,7 @@ impl Shape for Sides {
 }
 
 /// Whether a point lies between limits of each parameter.
-pub(super) fn within(x: &[f64], limits: &[[f64; 2]]) -> bool {
+pub fn within(x: &[f64], limits: &[[f64; 2]]) -> bool {
     let mut sides = x.iter().zip(limits);
     sides.all(|(v, [low, high])| v >= low && v <= high)
 }

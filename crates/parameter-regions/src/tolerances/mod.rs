@@ -278,14 +278,14 @@ impl Problem {
 
     /// Tolerances of a length in given proportions, but none wider than what was drawn.
     fn at(&self, sample: &Sample, proportions: &[f64], length: f64) -> Vec<f64> {
-        let pairs = proportions.iter().zip(sample.reach());
+        let pairs = proportions.iter().zip(&sample.reach);
         let scale = |(p, reach): (&f64, &f64)| (length * p).clamp(NARROWEST, reach.min(self.limit));
         pairs.map(scale).collect()
     }
 
     /// The length at which the last of the tolerances is as wide as what was drawn.
     fn longest(&self, sample: &Sample, proportions: &[f64]) -> f64 {
-        let pairs = proportions.iter().zip(sample.reach());
+        let pairs = proportions.iter().zip(&sample.reach);
         let lengths = pairs.map(|(p, reach)| reach.min(self.limit) / p);
         lengths.fold(0.0, f64::max)
     }
@@ -300,7 +300,7 @@ impl Problem {
     /// unless these are the widest that are looked at.
     fn settled(&self, sample: &Sample, scales: &[f64]) -> bool {
         let enough = FEWEST.max(0.25 * self.points as f64);
-        let mut pairs = scales.iter().zip(sample.reach());
+        let mut pairs = scales.iter().zip(&sample.reach);
         let inside =
             pairs.all(|(&scale, &reach)| scale < 0.999 * reach || reach >= 0.999 * self.limit);
         inside && sample.estimate(scales).effective >= enough
@@ -355,7 +355,7 @@ impl Problem {
         let fall = |k: usize| {
             let down = at(k, (-STEP).exp());
             // At the limit of what was drawn only the narrower side is known.
-            if scales[k] * STEP.exp() <= sample.reach()[k] {
+            if scales[k] * STEP.exp() <= sample.reach[k] {
                 (down - at(k, STEP.exp())) / (2.0 * STEP)
             } else {
                 (down - at(k, 1.0)) / STEP

@@ -15,7 +15,7 @@ pub struct Sample {
     /// The logarithm of the density at which a point was drawn, over all rounds.
     ln_mixture: Vec<f64>,
     /// The widest tolerance of each parameter at which points were drawn.
-    reach: Vec<f64>,
+    pub(super) reach: Vec<f64>,
 }
 
 /// A share at some tolerances.
@@ -81,11 +81,6 @@ impl Sample {
     /// In how many rounds points were added to the first ones.
     pub fn rounds(&self) -> u64 {
         self.drawn.len() as u64 - 1
-    }
-
-    /// The widest tolerance of each parameter at which points were drawn.
-    pub fn reach(&self) -> &[f64] {
-        &self.reach
     }
 
     /// The share at these tolerances.
