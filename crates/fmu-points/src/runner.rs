@@ -5,10 +5,10 @@
 //! to reset something is found out, and gets a fresh instance for every point from then on.
 
 mod collector;
+mod gauge;
 mod resampled;
 mod steps;
 mod watched;
-mod windows;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -17,9 +17,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
-use crate::task::{Task, place};
+use crate::task::{Probe, Task, place};
 use fmu_import::{Call, Content, End, Instance, Library, State, Warnings};
-use sampling::statistics::Accumulator;
+use gauge::Gauge;
 use watched::Watched;
 
 /// Runs points, reusing the instance where the FMU can be reset.
@@ -54,28 +54,70 @@ struct Scene {
     stops: Vec<f64>,
     /// The real variables that are read at every communication point.
     watched: Watched,
-    /// The numbers of the other probes that are read there.
-    slow: Vec<(usize, Accumulator)>,
+    /// The other probes that are read there: all of them where one has a window, or looks at another variable, too.
+    gauges: Vec<Gauge>,
+    has_windows: bool,
     results: Vec<f64>,
 }
 
 impl Scene {
     fn new(number: usize, mut task: Task) -> Self {
         let stops = place(&mut task.inputs, &task.schedule);
-        let over_time = (0..task.observed.len()).filter(|&index| !task.observed[index].is_final());
-        let (probes, slow): (Vec<_>, Vec<_>) =
-            over_time.partition(|&index| task.observed[index].handle.content == Content::Real);
+        let special = |probe: &Probe| probe.window.is_some() || probe.companion().is_some();
+        let has_windows = task.observed.iter().any(special);
+        let over_time = task.observed.iter().enumerate();
+        let over_time = over_time.filter(|(_, probe)| has_windows || !probe.is_final());
+        let (probes, others): (Vec<_>, Vec<_>) =
+            over_time.partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
+        let usual = [task.schedule.window_start, task.schedule.stop];
+        let gauges = others.into_iter();
         Self {
             number,
-            watched: Watched::new(&task, probes),
-            slow: slow
-                .into_iter()
-                .map(|index| (index, task.observed[index].accumulator()))
+            gauges: gauges
+                .map(|(number, probe)| Gauge::new(number, probe, usual))
                 .collect(),
+            has_windows,
+            watched: Watched::new(&task, probes.iter().map(|(number, _)| *number).collect()),
             results: vec![0.0; task.observed.len()],
             stops,
             task,
         }
+    }
+
+    fn forget(&mut self) {
+        let watched = &mut self.watched;
+        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
+            collector.restart(&self.task.observed[*index]);
+        }
+        for gauge in &mut self.gauges {
+            gauge.restart(&self.task.observed[gauge.probe]);
+        }
+    }
+
+    /// The results, with the statistics of most variables taken over `span` seconds.
+    fn finish(
+        &mut self,
+        instance: &mut Instance,
+        span: f64,
+        notices: &mut Notices,
+    ) -> Result<(), Call> {
+        let watched = &mut self.watched;
+        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
+            self.results[*index] = collector.result(span);
+            notices.conforming.extend(collector.conforming());
+        }
+        for gauge in &mut self.gauges {
+            let (result, conforming) = gauge.result();
+            self.results[gauge.probe] = result;
+            notices.conforming.extend(conforming);
+        }
+        if !self.has_windows {
+            let finals = self.task.observed.iter().zip(&mut self.results);
+            for (probe, result) in finals.filter(|(probe, _)| probe.is_final()) {
+                *result = probe.read(instance)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -420,65 +462,38 @@ impl Runner {
     }
 
     fn simulate_on(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
-        if self.has_windows() {
-            return self.simulate_windows(instance, values);
+        let (scene, notices) = (&mut self.scene, &mut self.notices);
+        start(&scene.task, instance, values)?;
+        let points = scene.task.schedule.points();
+        if scene.watched.probes.is_empty() && scene.gauges.is_empty() {
+            if let Err(call) = scene.advance::<false>(instance, &points, 0..points.steps) {
+                notices.ended = Some(call.ended.ok_or(call)?.at);
+            }
+            return scene.finish(instance, 0.0, notices);
         }
-        start(&self.scene.task, instance, values)?;
-        let points = self.scene.task.schedule.points();
-        if self.scene.watched.probes.is_empty() && self.scene.slow.is_empty() {
-            let steps = self.advance::<false>(instance, &points, 0..points.steps);
-            self.until_its_end(steps)?;
-            return self.finish(instance, 0.0);
-        }
-        self.forget();
-        let from = points.from(self.scene.task.schedule.window_start);
-        let before = self.advance::<false>(instance, &points, 0..from);
+        scene.forget();
+        let from = match scene.has_windows {
+            true => 0,
+            false => points.from(scene.task.schedule.window_start),
+        };
+        let before = scene.advance::<false>(instance, &points, 0..from);
         before.map_err(before_the_window)?;
-        self.watch(instance, points.at(from), 0.0)?;
-        let steps = self.advance::<true>(instance, &points, from..points.steps);
+        scene.watch(instance, [points.at(from); 2])?;
         let mut stop = points.at(points.steps);
-        if let Some(end) = self.until_its_end(steps)? {
-            // The part of a step that was computed counts, too.
-            self.watch(instance, end.from, end.at - end.from)?;
+        if let Err(call) = scene.advance::<true>(instance, &points, from..points.steps) {
+            // An end that the FMU chose is no failure, unless it comes before a window. The part of a step that was
+            // computed counts, too.
+            let Some(end) = call.ended else {
+                return Err(call);
+            };
+            scene.watch(instance, [end.from, end.at])?;
+            if !scene.gauges.iter().all(Gauge::has_seen) {
+                return Err(before_the_window(call));
+            }
+            notices.ended = Some(end.at);
             stop = end.at;
         }
-        self.finish(instance, stop - points.at(from))
-    }
-
-    /// Where the FMU has ended the simulation by itself; no failure then.
-    fn until_its_end(&mut self, steps: Result<(), Call>) -> Result<Option<End>, Call> {
-        let Err(call) = steps else { return Ok(None) };
-        let end = call.ended.ok_or(call)?;
-        self.notices.ended = Some(end.at);
-        Ok(Some(end))
-    }
-
-    fn forget(&mut self) {
-        let watched = &mut self.scene.watched;
-        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            collector.restart(&self.scene.task.observed[*index]);
-        }
-        for (index, accumulator) in &mut self.scene.slow {
-            *accumulator = self.scene.task.observed[*index].accumulator();
-        }
-    }
-
-    /// The results, with the statistics taken over `span` seconds.
-    fn finish(&mut self, instance: &mut Instance, span: f64) -> Result<(), Call> {
-        let watched = &mut self.scene.watched;
-        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            self.scene.results[*index] = collector.result(span);
-            self.notices.conforming.extend(collector.conforming());
-        }
-        for (index, accumulator) in &self.scene.slow {
-            self.scene.results[*index] = accumulator.result(span);
-        }
-        for (probe, result) in self.scene.task.observed.iter().zip(&mut self.scene.results) {
-            if probe.is_final() {
-                *result = probe.read(instance)?;
-            }
-        }
-        Ok(())
+        scene.finish(instance, stop - points.at(from), notices)
     }
 }
 
@@ -551,7 +566,7 @@ fn ramp(task: &Task, instance: &mut Instance, time: f64, next: f64) -> Result<()
     Ok(())
 }
 
-impl crate::task::Probe {
+impl Probe {
     /// The variable's present value as a number.
     pub(crate) fn read(&self, instance: &mut Instance) -> Result<f64, Call> {
         instance.value(self.handle).map(|value| value.number())

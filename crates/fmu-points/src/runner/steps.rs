@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::{Runner, step};
+use super::{Scene, step};
 use crate::task::CommunicationPoints;
 use fmu_import::{Call, Instance};
 
-impl Runner {
+impl Scene {
     /// Takes some of the steps.
     pub(super) fn advance<const WATCH: bool>(
         &mut self,
@@ -14,7 +14,7 @@ impl Runner {
         points: &CommunicationPoints,
         steps: Range<u64>,
     ) -> Result<(), Call> {
-        if !self.scene.task.inputs.is_empty() || WATCH && !self.scene.slow.is_empty() {
+        if !self.task.inputs.is_empty() || WATCH && !self.gauges.is_empty() {
             return self.advance_each::<WATCH>(instance, points, steps);
         }
         let [before, even, after] = points.parts(steps);
@@ -33,9 +33,9 @@ impl Runner {
     ) -> Result<(), Call> {
         for index in steps {
             let (time, next) = (points.at(index), points.at(index + 1));
-            step(&self.scene.task, &self.scene.stops, instance, [time, next])?;
+            step(&self.task, &self.stops, instance, [time, next])?;
             if WATCH {
-                self.watch(instance, time, next - time)?;
+                self.watch(instance, [time, next])?;
             }
         }
         Ok(())
@@ -50,7 +50,7 @@ impl Runner {
         points: &CommunicationPoints,
         steps: Range<u64>,
     ) -> Result<(), Call> {
-        let watched = &mut self.scene.watched;
+        let watched = &mut self.watched;
         let most = if WATCH { watched.most } else { Together::MOST };
         let mut first = steps.start;
         while first < steps.end {
@@ -71,22 +71,15 @@ impl Runner {
         Ok(())
     }
 
-    /// Reads what is gathered over time, `elapsed` after the last time.
+    /// Reads what is gathered over time, which was read `last` before.
     pub(super) fn watch(
         &mut self,
         instance: &mut Instance,
-        last: f64,
-        elapsed: f64,
+        [last, time]: [f64; 2],
     ) -> Result<(), Call> {
-        self.scene.watched.read(instance, last, elapsed)?;
-        self.watch_others(instance, elapsed)
-    }
-
-    fn watch_others(&mut self, instance: &mut Instance, elapsed: f64) -> Result<(), Call> {
-        for (index, accumulator) in &mut self.scene.slow {
-            accumulator.add(elapsed, self.scene.task.observed[*index].read(instance)?);
-        }
-        Ok(())
+        self.watched.read(instance, last, time - last)?;
+        let mut gauges = self.gauges.iter_mut();
+        gauges.try_for_each(|gauge| gauge.look(&self.task.observed[gauge.probe], time, instance))
     }
 }
 

@@ -84,7 +84,7 @@ fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], val
                 let column = values[number..].iter().step_by(count).copied();
                 accumulator.add_all(sizes.iter().copied().zip(column));
             }
-            // They need another variable beside them, which `simulate_windows` reads.
+            // They need another variable, which a gauge reads, too.
             Collector::Turns(_) | Collector::Periods(_) => {}
             Collector::Curve(comparison) => {
                 comparison.add_steps(begins, sizes, &values[number..], count);
