@@ -5,7 +5,6 @@ use std::process::ExitCode;
 use orchestrator::{cli, commands};
 
 fn main() -> ExitCode {
-    fmu_points::serve_if_worker();
     fmu_check::serve_if_probe();
     let said = cli::parse().map(commands::run);
     let error = match said {

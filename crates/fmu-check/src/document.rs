@@ -5,9 +5,10 @@ use std::fmt::Display;
 
 use roxmltree::Node;
 
+use crate::combinations;
 use crate::hit::Hit;
 use fmu_import::description::About;
-use fmu_import::{Description, Remark};
+use fmu_import::{Description, Remark, Version};
 
 /// The name of the file.
 pub(crate) const NAME: &str = "modelDescription.xml";
@@ -17,7 +18,7 @@ pub(crate) struct Document<'a> {
     pub(crate) root: Node<'a, 'a>,
     /// The variables in their order, which `ModelStructure` counts; none where one cannot be read.
     pub(crate) scalars: Vec<Option<Scalar<'a>>>,
-    /// The element of each type definition, `Real` for instance, by its name.
+    /// The element of each type definition, in FMI 2.0 `Real` for instance, by its name.
     pub(crate) types: HashMap<&'a str, Node<'a, 'a>>,
     pub(crate) read: &'a Description,
     /// For the variables in their order, those before them that have the same value reference and base type.
@@ -40,14 +41,22 @@ pub(crate) struct Aliases {
 
 impl<'a> Document<'a> {
     pub(crate) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
-        let scalars: Vec<Option<Scalar<'a>>> = named(root, "ModelVariables")
-            .flat_map(|list| named(list, "ScalarVariable"))
+        let version = read.standard;
+        let variables = named(root, "ModelVariables").flat_map(elements);
+        let scalars: Vec<Option<Scalar<'a>>> = variables
+            .filter(|node| version == Version::Three || node.has_tag_name("ScalarVariable"))
             .enumerate()
-            .map(|(position, node)| Scalar::new(node, position))
+            .map(|(position, node)| Scalar::new(version, node, position))
             .collect();
-        let types = named(root, "TypeDefinitions")
-            .flat_map(|list| named(list, "SimpleType"))
-            .filter_map(|node| Some((node.attribute("name")?, elements(node).next()?)))
+        let types = named(root, "TypeDefinitions").flat_map(elements);
+        let typed = |node: Node<'a, 'a>| match version {
+            Version::Two => elements(node)
+                .next()
+                .filter(|_| node.has_tag_name("SimpleType")),
+            Version::Three => Some(node),
+        };
+        let types = types
+            .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
             .collect();
         let mut document = Self {
             root,
@@ -123,6 +132,12 @@ impl<'a> Document<'a> {
         self.scalars.iter().flatten()
     }
 
+    /// A finding at each variable where `wrong` says something.
+    pub(crate) fn of_each(&self, wrong: impl Fn(&Scalar<'a>) -> Option<String>) -> Vec<Hit> {
+        let hit = |scalar: &Scalar<'a>| Some(scalar.finding(wrong(scalar)?));
+        self.known().filter_map(hit).collect()
+    }
+
     /// All elements of one kind within the lists of another.
     pub(crate) fn all(
         &self,
@@ -184,7 +199,7 @@ pub(crate) fn named<'a>(
 #[derive(Clone, Copy)]
 pub(crate) struct Scalar<'a> {
     pub(crate) node: Node<'a, 'a>,
-    /// The element of its type, `Real` for instance.
+    /// The element of its type: in FMI 2.0 `Real` for instance, in FMI 3.0 that of the variable.
     pub(crate) typed: Node<'a, 'a>,
     /// Its place among the variables, from 0.
     pub(crate) position: usize,
@@ -196,20 +211,35 @@ pub(crate) struct Scalar<'a> {
 }
 
 impl<'a> Scalar<'a> {
-    fn new(node: Node<'a, 'a>, position: usize) -> Option<Self> {
+    fn new(version: Version, node: Node<'a, 'a>, position: usize) -> Option<Self> {
         let types = ["Real", "Integer", "Boolean", "String", "Enumeration"];
-        let typed = elements(node).find(|child| types.contains(&child.tag_name().name()))?;
+        let typed = match version {
+            Version::Two => {
+                elements(node).find(|child| types.contains(&child.tag_name().name()))?
+            }
+            Version::Three => node,
+        };
         let causality = node.attribute("causality").unwrap_or("local");
-        // The standard's default is continuous, which only a Real can be; tools mean discrete.
-        let otherwise = match typed.tag_name().name() {
-            "Real" => "continuous",
+        let usual = match (causality, typed.tag_name().name()) {
+            ("parameter" | "calculatedParameter" | "structuralParameter", _)
+                if version == Version::Three =>
+            {
+                "fixed"
+            }
+            (_, "Real" | "Float32" | "Float64") => "continuous",
+            // The default of FMI 2.0 is continuous, which only a Real can be; tools mean discrete.
             _ => "discrete",
         };
-        let variability = node.attribute("variability").unwrap_or(otherwise);
-        let default = match (causality, variability) {
-            ("input" | "independent", _) => "",
-            ("parameter", _) | (_, "constant") => "exact",
-            _ => "calculated",
+        let variability = node.attribute("variability").unwrap_or(usual);
+        let initials = combinations::initials(version, causality, variability);
+        let default = match initials {
+            [usual, ..]
+                if version == Version::Two
+                    || combinations::are_known(version, causality, variability) =>
+            {
+                usual
+            }
+            _ => "",
         };
         Some(Self {
             node,
@@ -224,7 +254,7 @@ impl<'a> Scalar<'a> {
         })
     }
 
-    /// `Real`, `Integer`, `Boolean`, `String` or `Enumeration`.
+    /// The name of its type, such as `Real` or `Float64`.
     pub(crate) fn kind(&self) -> &'a str {
         self.typed.tag_name().name()
     }
@@ -235,6 +265,10 @@ impl<'a> Scalar<'a> {
             "Enumeration" => "Integer",
             kind => kind,
         }
+    }
+
+    pub(crate) fn is_float(&self) -> bool {
+        matches!(self.kind(), "Real" | "Float32" | "Float64")
     }
 
     pub(crate) fn start(&self) -> Option<&'a str> {

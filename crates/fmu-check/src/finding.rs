@@ -1,7 +1,6 @@
 //! Findings of a check, and its rules.
 
 use fmu_import::description::About;
-use roxmltree::Node;
 use serde::Serialize;
 
 use crate::document::{Document, Scalar};
@@ -52,7 +51,7 @@ pub(crate) enum Find {
     /// Looks at one of FMI 3.0.
     Three(fn(&Document<'_>) -> Vec<Hit>),
     /// Looks at one variable of FMI 3.0.
-    Each(fn(Node<'_, '_>, &Document<'_>) -> Option<String>),
+    Each(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
     /// Looks at a whole one of either version.
     Either(fn(&Document<'_>) -> Vec<Hit>),
     /// The reader of the model description remarks on it.

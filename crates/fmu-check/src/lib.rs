@@ -31,7 +31,7 @@ use std::time::Duration;
 
 use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Version, needed};
 use fmu_points::scratch::ScratchError;
-use fmu_points::{stop, worker};
+use fmu_points::stop;
 use thiserror::Error;
 
 use document::Document;
@@ -103,16 +103,9 @@ pub fn check(fmu: &Path, patience: Duration) -> Result<Findings, CheckError> {
 }
 
 /// Runs a simulation where [`check`] has started this process for that, and does not return then. A program that checks
-/// FMUs calls this first in `main`.
+/// FMUs calls this first in `main`; where it runs points, too, it need not call [`fmu_points::serve_if_worker`].
 pub fn serve_if_probe() {
-    let mut arguments = std::env::args_os().skip(1);
-    if arguments
-        .next()
-        .is_some_and(|first| first == probe::COMMAND)
-        && let Some(setup) = arguments.next()
-    {
-        worker::end(probe::serve(Path::new(&setup)));
-    }
+    fmu_points::serve_if_worker_with(probe::serve);
 }
 
 impl Findings {
@@ -198,7 +191,7 @@ impl Findings {
                     Find::Document(find) if !is_three => find(&document),
                     Find::Three(find) if is_three => find(&document),
                     Find::Each(find) if is_three => {
-                        three::of_each(&document, |node| find(node, &document))
+                        document.of_each(|scalar| find(scalar, &document))
                     }
                     Find::Either(find) => find(&document),
                     Find::Remark(about) => document.remarks(about),
@@ -206,7 +199,7 @@ impl Findings {
                 };
                 findings.extend(hits.into_iter().map(|hit| Finding { rule, hit }));
             }
-            for scalar in document.known() {
+            for scalar in document.known().filter(|_| !is_three) {
                 findings.extend(RULES.iter().find_map(|rule| match rule.find {
                     Find::Variable(find) => {
                         let hit = scalar.finding(&find(scalar, &document)?);

@@ -1,22 +1,16 @@
 //! One probe of an FMU's life, in a process of its own: the child's side.
 //!
-//! It notes what it is about to call and writes what it saw into files, so that whatever the FMU does to the process
-//! and its descriptors, the other side knows how far it came.
+//! It tells what it is about to call and what it saw, so that whatever the FMU does to the process, the other side knows how
+//! far it came.
 
-use std::fs::OpenOptions;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
-use fmu_points::system;
 use fmu_points::task::Schedule;
-
-/// The hidden command that runs a probe.
-pub(crate) const COMMAND: &str = "probe";
 
 /// Kinds of probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,10 +37,15 @@ pub(crate) struct Setup {
     pub(crate) schedule: Schedule,
     pub(crate) columns: Vec<Handle>,
     pub(crate) changed: Vec<(u32, Value)>,
-    pub(crate) supervisor: u32,
-    /// The files for what is about to be called, and for what was seen.
-    pub(crate) stage: PathBuf,
-    pub(crate) result: PathBuf,
+}
+
+/// What a probe tells.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) enum Told {
+    /// What comes next.
+    Stage(String),
+    /// What has been seen so far.
+    Report(Report),
 }
 
 /// Observations of a process.
@@ -77,31 +76,23 @@ pub(crate) struct Run {
     pub(crate) unfinished: Option<String>,
 }
 
-/// Runs the probe that a file describes.
-///
-/// # Errors
-/// When the files cannot be read or written.
-pub(crate) fn serve(setup: &Path) -> io::Result<()> {
-    let setup: Setup = serde_json::from_slice(&std::fs::read(setup)?)?;
-    system::end_with(setup.supervisor)?;
+/// Runs the probe that a text describes.
+pub(crate) fn serve(package: &mut Package, setup: &str, tell: &mut dyn FnMut(String)) {
+    let setup: Setup = serde_json::from_str(setup).expect("this program has written it");
     let mut probe = Probe {
         report: Report::default(),
         setup: &setup,
         schedule: setup.schedule,
-        version: Version::Two,
+        version: package.description().standard,
+        tell,
     };
     probe.at("loading");
-    let library = Package::open(&setup.fmu).and_then(|mut package| {
-        probe.version = package.description().standard;
-        package.load()
-    });
-    match library {
+    match package.load() {
         Err(error) => probe.report.unloadable = Some(error.to_string()),
-        Ok(library) => probe.live(&library)?,
+        Ok(library) => probe.live(&library),
     }
-    probe.save()?;
+    probe.save();
     probe.at("the end of its process");
-    Ok(())
 }
 
 struct Probe<'a> {
@@ -110,6 +101,7 @@ struct Probe<'a> {
     schedule: Schedule,
     /// By which the functions are called that its notes name.
     version: Version,
+    tell: &'a mut dyn FnMut(String),
 }
 
 /// A simulation under way.
@@ -120,25 +112,22 @@ struct Live {
 }
 
 impl Probe<'_> {
-    /// Notes what comes next, in a line of its own: file systems write a file to the disk at once that is emptied and
-    /// written again, and a probe makes twenty notes. No descriptor is kept for it, since an FMU may close or replace
-    /// those that it did not open. Where the FMU leaves no room for another one, the note is missing, and nothing else.
-    fn at(&self, stage: &str) {
+    fn tell(&mut self, told: &Told) {
+        (self.tell)(serde_json::to_string(told).expect("it is plain data"));
+    }
+
+    /// Tells what comes next.
+    fn at(&mut self, stage: &str) {
         let stage = stage.replace(Version::Two.prefix(), self.version.prefix());
-        let notes = OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(&self.setup.stage);
-        let _ = notes.and_then(|mut notes| notes.write_all(format!("{stage}\n").as_bytes()));
+        self.tell(&Told::Stage(stage));
     }
 
-    /// Writes what has been seen so far.
-    fn save(&self) -> io::Result<()> {
-        let text = serde_json::to_vec(&self.report)?;
-        std::fs::write(&self.setup.result, text)
+    /// Tells what has been seen so far.
+    fn save(&mut self) {
+        self.tell(&Told::Report(self.report.clone()));
     }
 
-    fn live(&mut self, library: &Arc<Library>) -> io::Result<()> {
+    fn live(&mut self, library: &Arc<Library>) {
         self.report.version = library.version();
         self.report.types_platform = library.types_platform();
         match self.setup.life {
@@ -150,15 +139,15 @@ impl Probe<'_> {
             Life::Reset => self.twice_on_one(library, &[]),
             Life::Changed => self.twice_on_one(library, &self.setup.changed),
             Life::InTurn => {
-                self.whole(library, "the first ")?;
-                self.whole(library, "the second ")
+                self.whole(library, "the first ");
+                self.whole(library, "the second ");
             }
             Life::Together => self.two_at_once(library),
         }
     }
 
     /// One simulation on an instance of its own.
-    fn whole(&mut self, library: &Arc<Library>, which: &str) -> io::Result<()> {
+    fn whole(&mut self, library: &Arc<Library>, which: &str) {
         let mut live = self.begin(library, &[], which);
         if let Some(live) = &mut live {
             self.steps(&mut [live]);
@@ -167,9 +156,9 @@ impl Probe<'_> {
         self.free(live, which)
     }
 
-    fn twice_on_one(&mut self, library: &Arc<Library>, changed: &[(u32, Value)]) -> io::Result<()> {
+    fn twice_on_one(&mut self, library: &Arc<Library>, changed: &[(u32, Value)]) {
         let Some(mut live) = self.begin(library, changed, "") else {
-            return Ok(());
+            return;
         };
         self.steps(&mut [&mut live]);
         self.terminate(&mut live, "");
@@ -186,19 +175,18 @@ impl Probe<'_> {
         self.free(Some(live), "")
     }
 
-    fn two_at_once(&mut self, library: &Arc<Library>) -> io::Result<()> {
+    fn two_at_once(&mut self, library: &Arc<Library>) {
         let Some(mut first) = self.begin(library, &[], "the first ") else {
-            return Ok(());
+            return;
         };
         let Some(mut second) = self.begin(library, &[], "the second ") else {
-            return Ok(());
+            return;
         };
         self.steps(&mut [&mut first, &mut second]);
         for mut live in [first, second] {
             self.ended(&mut live, "");
-            self.free(Some(live), "")?;
+            self.free(Some(live), "");
         }
-        Ok(())
     }
 
     /// Terminates, and keeps what was seen.
@@ -237,7 +225,7 @@ impl Probe<'_> {
     }
 
     /// Initialises.
-    fn start(&self, live: &mut Live, changed: &[(u32, Value)], when: &str) {
+    fn start(&mut self, live: &mut Live, changed: &[(u32, Value)], when: &str) {
         self.at(&format!("the initialisation{when}"));
         let mut begin = || -> Result<(), Call> {
             let (instance, schedule) = (&mut live.instance, &self.schedule);
@@ -254,7 +242,7 @@ impl Probe<'_> {
     }
 
     /// Takes all steps, of several instances in turn.
-    fn steps(&self, lives: &mut [&mut Live]) {
+    fn steps(&mut self, lives: &mut [&mut Live]) {
         let points = self.schedule.points();
         for index in 0..points.steps {
             let (time, next) = (points.at(index), points.at(index + 1));
@@ -280,7 +268,7 @@ impl Probe<'_> {
     }
 
     /// Ends a simulation that was initialised.
-    fn terminate(&self, live: &mut Live, which: &str) {
+    fn terminate(&mut self, live: &mut Live, which: &str) {
         let warnings = live.instance.warnings();
         live.run.warnings = warnings.count;
         live.run.first_warning = warnings.first;
@@ -294,11 +282,10 @@ impl Probe<'_> {
     }
 
     /// Frees an instance, after what it showed has been written down.
-    fn free(&self, live: Option<Live>, which: &str) -> io::Result<()> {
-        self.save()?;
+    fn free(&mut self, live: Option<Live>, which: &str) {
+        self.save();
         self.at(&format!("{which}fmi2FreeInstance"));
         drop(live);
-        Ok(())
     }
 }
 

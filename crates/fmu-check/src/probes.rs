@@ -47,9 +47,6 @@ impl<'a> Probes<'a> {
             schedule: experiment::schedule(fmu),
             columns: columns.iter().map(|variable| variable.handle()).collect(),
             changed: experiment::changed(fmu),
-            supervisor: std::process::id(),
-            stage: scratch.join("probe.stage"),
-            result: scratch.join("probe.json"),
         };
         Ok(Self {
             fmu,

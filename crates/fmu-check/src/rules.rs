@@ -173,7 +173,7 @@ pub static RULES: &[Rule] = &[
     rule("three-type-unique", Error, "FMI 3.0.2, 2.4.5", "types have names of their own", Three(|d| alike(d, "TypeDefinitions/*", &["name"]))),
     rule("three-item-unique", Error, "FMI 3.0.2, 2.4.5", "items have names and values of their own", Three(|d| alike(d, "TypeDefinitions/EnumerationType/Item", &["name", "value"]))),
     rule("three-variability", Error, "FMI 3.0.2, 2.4.7", "causality, variability and type go together", Each(three::variabilities)),
-    rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Each(three::initial_values)),
+    rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Each(variables::initial)),
     rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Each(three::not_finite)),
     rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::derivatives)),
     rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::clocks)),

@@ -3,38 +3,15 @@
 mod variables;
 
 use std::collections::{HashMap, HashSet};
-pub(crate) use variables::{
-    clocks, derivatives, initial_values, not_finite, structure as lists, variabilities,
-};
+pub(crate) use variables::{clocks, derivatives, not_finite, structure as lists, variabilities};
 
 use roxmltree::Node;
 
-use crate::document::{Document, at, elements, named};
+use crate::document::{Document, Scalar, at, elements, named};
 use crate::hit::Hit;
-use fmu_import::Kind;
-
-/// The variables in their order.
-fn variables<'a>(document: &Document<'a>) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
-    named(document.root, "ModelVariables").flat_map(elements)
-}
-
-fn name<'a>(node: Node<'a, 'a>) -> &'a str {
-    node.attribute("name")
-        .unwrap_or("a variable without a name")
-}
 
 fn reference(node: Node<'_, '_>) -> Option<u32> {
     node.attribute("valueReference")?.trim().parse().ok()
-}
-
-/// A finding at each variable where `wrong` says something.
-pub(crate) fn of_each(
-    document: &Document<'_>,
-    wrong: impl Fn(Node<'_, '_>) -> Option<String>,
-) -> Vec<Hit> {
-    variables(document)
-        .filter_map(|node| Some(at(node, format!("{}: {}", name(node), wrong(node)?))))
-        .collect()
 }
 
 pub(crate) fn token(document: &Document<'_>) -> Vec<Hit> {
@@ -60,68 +37,63 @@ pub(crate) fn empty_names(document: &Document<'_>) -> Vec<Hit> {
 const TYPES: &str = "Float32 Float64 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String Enumeration Binary \
     Clock";
 
-pub(crate) fn types(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
-    let kind = node.tag_name().name();
+pub(crate) fn types(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let kind = scalar.kind();
     TYPES
         .split(' ')
         .all(|known| known != kind)
         .then(|| format!("FMI 3.0 has no type `{kind}`: use one of its own"))
 }
 
-pub(crate) fn unusable(node: Node<'_, '_>, document: &Document<'_>) -> Option<String> {
+pub(crate) fn unusable(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     // Unknown types and sizes are errors of other rules.
-    let is_other = matches!(node.tag_name().name(), "Binary" | "Clock");
-    let why = document.read.unusable.get(name(node));
+    let is_other = matches!(scalar.kind(), "Binary" | "Clock");
+    let why = document.read.unusable.get(scalar.name);
     let why = why.filter(|why| is_other || why.contains("more than"))?;
     Some(format!("it cannot be set or judged here: {why}"))
 }
 
 pub(crate) fn references(document: &Document<'_>) -> Vec<Hit> {
     let mut known: HashMap<u32, &str> = HashMap::new();
-    let mut hits = Vec::new();
-    for node in variables(document) {
-        let Some(reference) = reference(node) else {
-            continue;
-        };
-        if let Some(other) = known.insert(reference, name(node)) {
-            let text = format!(
-                "{}: valueReference {reference} is {other}'s, too: give each its own, or use Alias",
-                name(node)
-            );
-            hits.push(at(node, text));
-        }
-    }
-    hits
+    let clashes = document.known().filter_map(|scalar| {
+        let reference = reference(scalar.node)?;
+        let other = known.insert(reference, scalar.name)?;
+        Some(scalar.finding(format!(
+            "valueReference {reference} is {other}'s, too: give each its own, or use Alias"
+        )))
+    });
+    clashes.collect()
 }
 
 pub(crate) fn independent(document: &Document<'_>) -> Vec<Hit> {
-    let is = |node: &Node<'_, '_>| node.attribute("causality") == Some("independent");
-    let all: Vec<Node<'_, '_>> = variables(document).filter(is).collect();
-    let [one] = all[..] else {
+    let times = document.known();
+    let times: Vec<_> = times.filter(|s| s.causality == "independent").collect();
+    let [one] = times[..] else {
         let text = format!(
             "{} independent variables: FMI 3.0 wants one, usually `time`",
-            all.len()
+            times.len()
         );
         return vec![at(document.root, text)];
     };
-    let is_float = matches!(one.tag_name().name(), "Float32" | "Float64");
-    if is_float && !one.has_attribute("start") {
-        return Vec::new();
-    }
-    let text = format!("{}: the time is a float without a start value", name(one));
-    vec![at(one, text)]
+    let is_right = one.is_float() && one.start().is_none();
+    let text = "the time is a float without a start value";
+    Vec::from_iter((!is_right).then(|| one.finding(text)))
 }
 
-pub(crate) fn starts(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
-    let causality = node.attribute("causality").unwrap_or("local");
+pub(crate) fn starts(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let Scalar {
+        node,
+        causality,
+        initial,
+        ..
+    } = *scalar;
     // The time has a rule of its own.
-    if node.tag_name().name() == "Clock" || causality == "independent" {
+    if scalar.kind() == "Clock" || causality == "independent" {
         return None;
     }
-    let initial = variables::initial(node);
-    let given = node.has_attribute("start") || named(node, "Start").next().is_some();
+    let given = scalar.start().is_some() || named(node, "Start").next().is_some();
     let needed = matches!(causality, "parameter" | "structuralParameter" | "input")
-        || node.attribute("variability") == Some("constant")
+        || scalar.variability == "constant"
         || matches!(initial, "exact" | "approx");
     let forbidden = initial == "calculated";
     if needed && !given {
@@ -163,42 +135,29 @@ pub(crate) fn ranges(document: &Document<'_>) -> Vec<Hit> {
 }
 
 pub(crate) fn declared(document: &Document<'_>) -> Vec<Hit> {
-    let types: HashSet<&str> = named(document.root, "TypeDefinitions")
-        .flat_map(elements)
-        .filter_map(|node| node.attribute("name"))
-        .collect();
-    of_each(document, |node| {
-        let declared = node.attribute("declaredType");
-        if let Some(declared) = declared.filter(|name| !types.contains(name)) {
+    document.of_each(|scalar| {
+        let declared = scalar.typed.attribute("declaredType");
+        if let Some(declared) = declared.filter(|name| !document.types.contains_key(name)) {
             return Some(format!(
                 "declaredType \"{declared}\" is not defined: define it"
             ));
         }
-        if declared.is_none() && node.tag_name().name() == "Enumeration" {
+        if declared.is_none() && scalar.kind() == "Enumeration" {
             return Some("an Enumeration needs a declaredType".to_owned());
         }
-        let read = document.read.variables.get(name(node))?;
-        let Kind::Real {
-            unit: Some(unit), ..
-        } = &read.kind
-        else {
-            return None;
-        };
-        document.undefined_unit(unit)
+        document.undefined_unit(document.read.variables.get(scalar.name)?.unit()?)
     })
 }
 
 pub(crate) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
-    let sizes: HashSet<u32> = variables(document)
-        .filter(|node| {
-            node.tag_name().name() == "UInt64"
-                && (node.attribute("causality") == Some("structuralParameter")
-                    || node.attribute("variability") == Some("constant"))
-        })
-        .filter_map(reference)
-        .collect();
-    of_each(document, |node| {
-        named(node, "Dimension").find_map(|dimension| {
+    let is_size = |scalar: &&Scalar<'_>| {
+        scalar.kind() == "UInt64"
+            && (scalar.causality == "structuralParameter" || scalar.variability == "constant")
+    };
+    let sizes = document.known().filter(is_size);
+    let sizes: HashSet<u32> = sizes.filter_map(|size| reference(size.node)).collect();
+    document.of_each(|scalar| {
+        named(scalar.node, "Dimension").find_map(|dimension| {
             let start = dimension.attribute("start");
             match (start, dimension.attribute("valueReference")) {
                 (Some(start), None) => start
@@ -227,31 +186,33 @@ fn listed<'a>(
     named(document.root, "ModelStructure").flat_map(move |list| named(list, kind))
 }
 
+/// The value references of all variables.
+fn known(document: &Document<'_>) -> HashSet<u32> {
+    let all = document.known();
+    all.filter_map(|scalar| reference(scalar.node)).collect()
+}
+
 pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
     let list: HashSet<u32> = listed(document, "Output").filter_map(reference).collect();
-    let is_output = |node: &Node<'_, '_>| node.attribute("causality") == Some("output");
-    let outputs: HashSet<u32> = variables(document)
-        .filter(is_output)
-        .filter_map(reference)
-        .collect();
-    let missing = of_each(document, |node| {
-        let listed = !is_output(&node) || reference(node).is_some_and(|of| list.contains(&of));
-        (!listed).then(|| "ModelStructure has no Output for it: add it".to_owned())
+    let is_output = |scalar: &Scalar<'_>| scalar.causality == "output";
+    let outputs = document.known().filter(|scalar| is_output(scalar));
+    let outputs: HashSet<u32> = outputs.filter_map(|one| reference(one.node)).collect();
+    let missing = document.of_each(|scalar| {
+        let listed = reference(scalar.node).is_some_and(|of| list.contains(&of));
+        let missing = is_output(scalar) && !listed;
+        missing.then(|| "ModelStructure has no Output for it: add it".to_owned())
     });
-    let known: HashSet<u32> = variables(document).filter_map(reference).collect();
+    let known = known(document);
     let surplus = listed(document, "Output").filter_map(|node| {
         let of = reference(node).filter(|of| known.contains(of) && !outputs.contains(of))?;
-        Some(at(
-            node,
-            format!("Output {of} is the reference of no output: remove it"),
-        ))
+        let text = format!("Output {of} is the reference of no output: remove it");
+        Some(at(node, text))
     });
-    let surplus: Vec<Hit> = surplus.collect();
     missing.into_iter().chain(surplus).collect()
 }
 
 pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
-    let known: HashSet<u32> = variables(document).filter_map(reference).collect();
+    let known = known(document);
     let all = named(document.root, "ModelStructure").flat_map(elements);
     all.filter_map(|node| {
         let kind = node.tag_name().name();

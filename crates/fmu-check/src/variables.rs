@@ -8,8 +8,8 @@ use crate::hit::Hit;
 use fmu_points::names::{did_you_mean, nearest};
 
 /// Whether the words are known. The reader remarks on others, and nothing follows from them.
-fn is_clear(scalar: &Scalar<'_>) -> bool {
-    combinations::are_known(Version::Two, scalar.causality, scalar.variability)
+pub(crate) fn is_clear(scalar: &Scalar<'_>, version: Version) -> bool {
+    combinations::are_known(version, scalar.causality, scalar.variability)
 }
 
 /// There can be one independent variable.
@@ -27,7 +27,7 @@ pub(crate) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
         _ => "a",
     };
     let allowed = combinations::variabilities(causality);
-    (is_clear(scalar) && !allowed.contains(&variability)).then(|| {
+    (is_clear(scalar, Version::Two) && !allowed.contains(&variability)).then(|| {
         format!(
             "{article} {causality} cannot be {variability}: set variability to {}",
             allowed.join(" or ")
@@ -60,8 +60,8 @@ pub(crate) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Opti
     })
 }
 
-/// Allowed values of `initial` (section 2.2.7, the table of allowed combinations).
-pub(crate) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+/// Allowed values of `initial` (section 2.2.7, the table of allowed combinations; FMI 3.0.2, section 2.4.7).
+pub(crate) fn initial(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let Scalar {
         node,
         causality,
@@ -69,9 +69,13 @@ pub(crate) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
         initial,
         ..
     } = *scalar;
-    let initials = combinations::initials(Version::Two, causality, variability);
+    let version = document.read.standard;
+    let initials = combinations::initials(version, causality, variability);
+    // Unknown words are findings of the schema; in FMI 3.0 nothing follows from them.
+    let is_word = ["exact", "approx", "calculated"].contains(&initial);
     let is_right = initials.contains(&initial) || initials.len() == 3;
-    if !node.has_attribute("initial") || !is_clear(scalar) || is_right {
+    let is_right = is_right || version == Version::Three && !is_word;
+    if !node.has_attribute("initial") || !is_clear(scalar, version) || is_right {
         return None;
     }
     Some(format!(
@@ -83,13 +87,14 @@ pub(crate) fn initial(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 /// Start values that must be there.
 pub(crate) fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let reason = needs_start(scalar)?;
-    (scalar.start().is_none() && is_clear(scalar))
+    (scalar.start().is_none() && is_clear(scalar, Version::Two))
         .then(|| format!("no start value, which {reason} needs: add start"))
 }
 
 /// Start values that must not be there.
 pub(crate) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
-    if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar) {
+    if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar, Version::Two)
+    {
         return None;
     }
     Some(

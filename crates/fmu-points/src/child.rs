@@ -11,6 +11,7 @@ use crate::join;
 use crate::notices::Notices;
 use crate::points::{Job, Simulated};
 use crate::runner::Runner;
+use crate::single::ERRAND;
 use crate::system::{self, Shared};
 use crate::task::Record;
 use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
@@ -37,10 +38,13 @@ impl Child<'_> {
         let begun = Instant::now();
         let alone = match order {
             Order::New(jobs) | Order::Forked(jobs) => jobs.first(),
-            Order::Used(..) | Order::Recorded(_) => None,
+            Order::Used(..) | Order::Recorded(_) | Order::Errand(_) => None,
         };
         if let (Some(_), Some(byte)) = (alone, self.setup.fill) {
             paint_stack(byte);
+        }
+        if let Order::Errand(task) = order {
+            return self.run_errand(task);
         }
         let Some(library) = self.loaded() else {
             return;
@@ -56,6 +60,15 @@ impl Child<'_> {
             (_, Some(job)) => self.alone(runner, job, begun),
             (_, None) => {}
         }
+    }
+
+    /// Lets the program do what it wants of the FMU. It loads that itself, so that it can tell how far it came.
+    fn run_errand(&mut self, task: &str) {
+        self.say(&Said::Loaded(None));
+        if let (Some(errand), Some(package)) = (ERRAND.get(), self.package.take()) {
+            errand(package, task, &mut |told| self.say(&Said::Told(told)));
+        }
+        self.say(&Said::Ended(None));
     }
 
     fn say(&mut self, said: &Said) {

@@ -69,7 +69,7 @@ pub mod notices;
 pub mod points;
 mod policy;
 pub mod pool;
-pub mod process;
+mod process;
 pub mod repeats;
 mod runner;
 pub mod scratch;
@@ -79,7 +79,7 @@ pub mod system;
 pub mod task;
 pub mod tell;
 mod wire;
-pub mod worker;
+mod worker;
 pub mod working_directory;
 
 use std::ffi::OsString;
@@ -94,6 +94,12 @@ pub use pool::run;
 /// Makes this process a worker, or a worker's child, where a supervisor has started it as such, and does not return then.
 /// A program that runs points in processes calls this first in `main`: its workers are the same program once more.
 pub fn serve_if_worker() {
+    serve_if_worker_with(|_, _, _| {});
+}
+
+/// The same for a program that runs [errands](single::Recorder::send) in processes.
+pub fn serve_if_worker_with(errand: single::Errand) {
+    single::ERRAND.get_or_init(|| errand);
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let mut arguments = arguments.iter().filter_map(|argument| argument.to_str());
     match arguments.next() {

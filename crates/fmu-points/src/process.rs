@@ -187,8 +187,9 @@ impl Running {
             command.envs(working_directory::lists_for_elsewhere());
         }
         // Ctrl-C is for the supervisor.
-        let mut child = system::detach(marked(&mut command))
+        let mut child = system::detach(&mut command)
             .arg(WORKER)
+            .env(MARK, mark())
             // An FMU that runs Python would leave compiled modules in its own folder.
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .stdin(Stdio::piped())
@@ -329,11 +330,6 @@ impl Drop for Running {
             system::end_marked(&mark, |pid| family.contains_key(&pid));
         }
     }
-}
-
-/// Marks a process that this one is about to start: it ends with this one, and so does what it starts.
-pub fn marked(command: &mut Command) -> &mut Command {
-    command.env(MARK, mark())
 }
 
 /// The environment variable by which the processes of a run are known.

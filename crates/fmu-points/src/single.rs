@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
@@ -9,10 +10,17 @@ use crate::points::{Answer, Job, Limits, RunError};
 use crate::process::{Gone, Process};
 use crate::task::{Case, Record, Task};
 use crate::wire::{Order, Origin, Said};
-use fmu_import::{Handle, Value};
+use fmu_import::{Handle, Package, Value};
 
 /// Takes a row of a trajectory: the time, s, and the values then.
 type Row<'a, E> = &'a mut dyn FnMut(f64, &[Value]) -> Result<(), E>;
+
+/// What a program wants of an FMU in a process of its own, which may be lost: it gets the FMU and its task, and tells what
+/// it sees as it goes.
+pub type Errand = fn(&mut Package, &str, &mut dyn FnMut(String));
+
+/// The errand of this program, where it has one.
+pub(crate) static ERRAND: OnceLock<Errand> = OnceLock::new();
 
 /// Where and within which limits single points are run.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +76,41 @@ impl Recorder<'_> {
             (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
             (None, Ok(())) => Err(RunError::Lost("it gave no answer".to_owned())),
             (_, Err(gone)) => Err(gone.into()),
+        }
+    }
+
+    /// Sends this program on its errand in a new process, and hands over what that tells. The limit of the time is that of
+    /// the whole; `fill` is what fills fresh and freed memory. How the process failed, if it did.
+    ///
+    /// # Errors
+    /// When no process can be started.
+    pub fn send(
+        &self,
+        task: String,
+        fill: Option<u8>,
+        mut take: impl FnMut(&str),
+    ) -> Result<Option<Failure>, RunError> {
+        let until = Instant::now().checked_add(self.limits.time);
+        let is_late = || until.is_some_and(|until| Instant::now() >= until);
+        let mut process = self.process(&[]);
+        process.setup.fill = fill;
+        let mut outcome = None;
+        let ended = process.order(&Order::Errand(task), &is_late, &mut |said| {
+            match said {
+                Said::Told(told) => {
+                    take(&told);
+                    return true;
+                }
+                Said::Ended(failure) => outcome = failure,
+                _ => outcome = Some(Failure::Crashed("its answer is damaged".to_owned())),
+            }
+            false
+        });
+        match ended {
+            Ok(()) => Ok(outcome),
+            Err(Gone::Stopped) => Ok(Some(Failure::Timeout)),
+            Err(Gone::Lost(failure)) => Ok(Some(failure)),
+            Err(gone) => Err(gone.into()),
         }
     }
 

@@ -53,6 +53,8 @@ pub(crate) enum Order {
     Used(Reuse, Vec<Job>),
     /// A point with its trajectory, in a child of its own.
     Recorded(Record),
+    /// An [errand](crate::single::Errand) of the program, in a child of its own, which loads the FMU itself.
+    Errand(String),
 }
 
 /// A message of a child to its worker, and of a worker to its supervisor.
@@ -66,7 +68,9 @@ pub(crate) enum Said {
     Replies(Vec<Reply>),
     /// Rows of a trajectory, one after the other: the time, and a value a column.
     Rows(Vec<Value>),
-    /// The trajectory has ended, and why before its time.
+    /// What an errand tells.
+    Told(String),
+    /// The trajectory or the errand has ended, and why before its time.
     Ended(#[serde(with = "as_json")] Option<Failure>),
     /// The FMU's messages on the point, now that its simulation has been ended.
     Farewell(#[serde(with = "as_json")] Notices),

@@ -32,9 +32,9 @@ const GRACE: Duration = Duration::from_secs(60);
 
 /// The exit code of a process of this program in which an FMU runs, when it cannot tell what it has found: unlike those
 /// with which an FMU may end it.
-pub const UNABLE: i32 = 121;
+const UNABLE: i32 = 121;
 /// Why it cannot.
-pub const MUTE: &str = "the FMU closed descriptors that it did not open, or became another program";
+const MUTE: &str = "the FMU closed descriptors that it did not open, or became another program";
 
 /// Serves a supervisor over standard input and output.
 ///
@@ -336,21 +336,24 @@ impl Service {
         unsafe { birth::child(&mut self.keeper, &mut estate, order) }
     }
 
-    /// Runs a point with its trajectory.
+    /// Runs a point with its trajectory, or an errand.
     fn record(&mut self, order: &Order) -> io::Result<()> {
         let mut child = match self.begin(order)? {
             Ok((child, _)) => child,
             Err(trouble) => return self.output.say(&Said::Ended(Some(trouble.failure))),
         };
+        let is_errand = matches!(order, Order::Errand(_));
         loop {
-            // Rows are handed on as they came.
+            // What comes is handed on as it came.
             let said = child.answer(&mut self.keeper, bounds(&self.setup));
             let said = said.and_then(|said| match read(&said) {
-                Some(Said::Rows(_)) => Ok((said, false)),
+                Some(Said::Rows(_) | Said::Told(_)) => Ok((said, false)),
                 Some(Said::Ended(_)) => Ok((said, true)),
                 _ => Err(Loss::Mute),
             });
             match said {
+                // Its end belongs to an errand.
+                Ok((_, true)) if is_errand => break,
                 Ok((said, ended)) => {
                     self.output.write(&said)?;
                     if ended {
@@ -365,6 +368,10 @@ impl Service {
             }
         }
         let parting = child.part(&mut self.keeper, grace(&self.setup));
+        if is_errand {
+            let failure = parting.loss.map(|loss| self.failure(&loss));
+            return self.output.say(&Said::Ended(failure.transpose()?));
+        }
         if let Some(why) = self.why_unfinished(&parting)? {
             crate::tell::line!("note: the simulation is whole, but its end failed: {why}");
             self.keeper.hear();
@@ -496,7 +503,7 @@ impl Output {
 }
 
 /// Ends this process and all that it has started, at once: the FMU's own destructors have no say any more.
-pub fn end(result: io::Result<()>) -> ! {
+pub(crate) fn end(result: io::Result<()>) -> ! {
     system::end_all();
     system::leave(if result.is_err() { UNABLE } else { 0 })
 }

@@ -6,46 +6,25 @@ use roxmltree::Node;
 
 use fmu_import::Version;
 
-use super::{listed, name, of_each, reference, variables};
+use super::{listed, reference};
 use crate::combinations;
-use crate::document::{Document, at, elements, named};
+use crate::document::{Document, Scalar, at, elements, named};
 use crate::hit::Hit;
-
-fn is_float(node: Node<'_, '_>) -> bool {
-    matches!(node.tag_name().name(), "Float32" | "Float64")
-}
-
-fn causality<'a>(node: Node<'a, 'a>) -> &'a str {
-    node.attribute("causality").unwrap_or("local")
-}
-
-fn variability<'a>(node: Node<'a, 'a>) -> &'a str {
-    let usual = match causality(node) {
-        "parameter" | "calculatedParameter" | "structuralParameter" => "fixed",
-        _ if is_float(node) => "continuous",
-        _ => "discrete",
-    };
-    node.attribute("variability").unwrap_or(usual)
-}
-
-/// Whether the words are known. Others are findings of the schema, and nothing follows from them.
-fn is_clear(node: Node<'_, '_>) -> bool {
-    combinations::are_known(Version::Three, causality(node), variability(node))
-}
+use crate::variables::is_clear;
 
 /// The table of combinations of causality and variability.
-pub(crate) fn variabilities(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
-    let (causality, variability) = (causality(node), variability(node));
+pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let (causality, variability) = (scalar.causality, scalar.variability);
     let allowed = combinations::variabilities(causality);
-    if is_clear(node) && !allowed.contains(&variability) {
+    if is_clear(scalar, Version::Three) && !allowed.contains(&variability) {
         let instead = allowed.join(" or ");
         return Some(format!(
             "causality {causality} and variability {variability} do not go together: set variability to {instead}"
         ));
     }
-    let kind = node.tag_name().name();
+    let kind = scalar.kind();
     // The type of the time is another rule's.
-    let wrong = variability == "continuous" && !is_float(node) && causality != "independent";
+    let wrong = variability == "continuous" && !scalar.is_float() && causality != "independent";
     wrong.then(|| {
         format!(
             "only a Float32 or Float64 is continuous: set variability to discrete for this {kind}"
@@ -53,40 +32,9 @@ pub(crate) fn variabilities(node: Node<'_, '_>, _: &Document<'_>) -> Option<Stri
     })
 }
 
-/// The values of `initial` that are allowed, the usual one first; none for kinds that are unknown.
-fn initials(node: Node<'_, '_>) -> &'static [&'static str] {
-    match is_clear(node) {
-        true => combinations::initials(Version::Three, causality(node), variability(node)),
-        false => &[],
-    }
-}
-
-/// How a variable is initialised: as it says, or as is usual for its kind.
-pub(crate) fn initial<'a>(node: Node<'a, 'a>) -> &'a str {
-    let usual = || initials(node).first().copied().unwrap_or_default();
-    node.attribute("initial").unwrap_or_else(usual)
-}
-
-pub(crate) fn initial_values(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
-    let initial = node.attribute("initial")?;
-    let allowed = initials(node);
-    if !is_clear(node)
-        || allowed.contains(&initial)
-        || !["exact", "approx", "calculated"].contains(&initial)
-    {
-        return None;
-    }
-    Some(format!(
-        "initial=\"{initial}\" is not allowed for causality {} and variability {}: {}",
-        causality(node),
-        variability(node),
-        combinations::remedy(allowed)
-    ))
-}
-
 /// Numbers that the schema takes and no model can start from.
-pub(crate) fn not_finite(node: Node<'_, '_>, _: &Document<'_>) -> Option<String> {
-    let start = node.attribute("start").filter(|_| is_float(node))?;
+pub(crate) fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+    let start = scalar.start().filter(|_| scalar.is_float())?;
     let wrong = start.split_whitespace().find(|text| {
         let value = text.parse::<f64>();
         value.is_ok_and(|value| !value.is_finite())
@@ -95,39 +43,41 @@ pub(crate) fn not_finite(node: Node<'_, '_>, _: &Document<'_>) -> Option<String>
 }
 
 /// The variables by their value references.
-fn by_reference<'a>(document: &Document<'a>) -> HashMap<u32, Node<'a, 'a>> {
-    let known = variables(document).filter_map(|node| Some((reference(node)?, node)));
-    known.collect()
+fn by_reference<'d, 'a>(document: &'d Document<'a>) -> HashMap<u32, &'d Scalar<'a>> {
+    let known = document.known();
+    known
+        .filter_map(|scalar| Some((reference(scalar.node)?, scalar)))
+        .collect()
 }
 
 pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
-    let of_variables = of_each(document, |node| {
-        let text = node.attribute("derivative")?;
+    let of_variables = document.of_each(|scalar| {
+        let text = scalar.node.attribute("derivative")?;
         let of = text.trim().parse().ok().and_then(|of: u32| known.get(&of));
-        let right = of.is_some_and(|of| is_float(*of) && variability(*of) == "continuous");
+        let right = of.is_some_and(|of| of.is_float() && of.variability == "continuous");
         (!right).then(|| {
             format!("derivative=\"{text}\" is the reference of no continuous float: correct it")
         })
     });
     let listed = listed(document, "ContinuousStateDerivative").filter_map(|element| {
-        let node = *known.get(&reference(element)?)?;
+        let scalar = known.get(&reference(element)?)?;
         let text = format!(
             "ContinuousStateDerivative: {} has no attribute `derivative`: add it, with the state's reference",
-            name(node)
+            scalar.name
         );
-        (!node.has_attribute("derivative")).then(|| at(element, text))
+        (!scalar.node.has_attribute("derivative")).then(|| at(element, text))
     });
     of_variables.into_iter().chain(listed).collect()
 }
 
 pub(crate) fn clocks(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
-    of_each(document, |node| {
-        let mut clocks = node.attribute("clocks")?.split_whitespace();
+    document.of_each(|scalar| {
+        let mut clocks = scalar.node.attribute("clocks")?.split_whitespace();
         let wrong = clocks.find(|text| {
             let clock = text.parse().ok().and_then(|of: u32| known.get(&of));
-            clock.is_none_or(|clock| clock.tag_name().name() != "Clock")
+            clock.is_none_or(|clock| clock.kind() != "Clock")
         })?;
         Some(format!(
             "clocks: {wrong} is the reference of no Clock: correct it"

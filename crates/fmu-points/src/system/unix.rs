@@ -5,7 +5,7 @@ use std::io;
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdout, Command, ExitStatus};
+use std::process::{ChildStdout, Command, ExitStatus};
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -21,13 +21,13 @@ pub(crate) use fmu_import::isolation::offspring::adopt_orphans;
 pub(crate) const GROUPS_ARE_NEEDED: bool = false;
 
 /// Lets a command, which is this program, run in a process group of its own, out of reach of Ctrl-C.
-pub fn detach(command: &mut Command) -> &mut Command {
+pub(crate) fn detach(command: &mut Command) -> &mut Command {
     let name = std::env::args_os().next().unwrap_or_default();
     command.arg0(name).process_group(0)
 }
 
 /// This program, even when its file has been replaced since.
-pub fn program() -> io::Result<PathBuf> {
+pub(crate) fn program() -> io::Result<PathBuf> {
     let own = Path::new("/proc/self/exe");
     if own.exists() {
         Ok(own.to_owned())
@@ -56,7 +56,7 @@ pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
 }
 
 /// How a process ended.
-pub fn loss(status: ExitStatus) -> Loss {
+pub(crate) fn loss(status: ExitStatus) -> Loss {
     let code = || Loss::Exit(status.code().unwrap_or(-1));
     status.signal().map_or_else(code, Loss::Signal)
 }
@@ -82,47 +82,12 @@ pub(crate) fn end_marked(mark: &str, spared: impl Fn(u32) -> bool) -> bool {
     offspring::end_marked(mark, |pid| spared(pid as u32))
 }
 
-/// The memory that a process occupies, bytes; 0 where that is not known.
-pub fn resident(pid: u32) -> u64 {
-    offspring::resident(pid as libc::pid_t)
-}
-
 /// The memory of this machine, bytes; `None` where that is not known.
 pub fn memory_of_machine() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
     let kibibytes = line.trim().strip_suffix("kB")?.trim().parse::<u64>();
     kibibytes.ok().map(|kibibytes| kibibytes * 1024)
-}
-
-/// A process with all that it starts.
-#[derive(Debug)]
-pub struct Tree(u32);
-
-impl Tree {
-    /// That of a process that was just started apart.
-    pub fn of(child: &Child) -> Self {
-        Self(child.id())
-    }
-
-    /// Ends it at once.
-    pub fn end(self) {
-        kill_group(self.0);
-    }
-}
-
-/// Lets the kernel end this process with the one that waits for it.
-pub fn end_with(supervisor: u32) -> io::Result<()> {
-    #[cfg(target_os = "linux")]
-    // SAFETY: sets a property of this process; the arguments are plain numbers.
-    if unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL) } != 0 {
-        return Err(io::Error::last_os_error());
-    }
-    if std::os::unix::process::parent_id() == supervisor {
-        Ok(())
-    } else {
-        Err(io::Error::other("the supervisor has gone"))
-    }
 }
 
 /// Ends and reaps all that this process has started.

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io;
 use std::os::windows::io::{AsHandle, OwnedHandle};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdout, ExitStatus};
+use std::process::{ChildStdout, ExitStatus};
 use std::ptr::{self, NonNull};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -12,13 +12,14 @@ use std::time::Duration;
 use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::pipe::Arrivals;
 use fmu_import::isolation::process;
-use fmu_import::isolation::{ControlGroup, Keeper, Loss};
+use fmu_import::isolation::{Keeper, Loss};
 use windows_sys::Win32::Foundation::INVALID_HANDLE_VALUE;
 use windows_sys::Win32::System::Memory::{
     CreateFileMappingW, FILE_MAP_ALL_ACCESS, MapViewOfFile, PAGE_READWRITE,
 };
 
-pub use fmu_import::isolation::process::{detach, memory_of_machine, resident};
+pub(crate) use fmu_import::isolation::process::detach;
+pub use fmu_import::isolation::process::memory_of_machine;
 
 /// Whether a worker needs a control group to be ended with all that it has started.
 pub(crate) const GROUPS_ARE_NEEDED: bool = true;
@@ -27,7 +28,7 @@ pub(crate) const GROUPS_ARE_NEEDED: bool = true;
 pub(crate) fn adopt_orphans() {}
 
 /// This program. Its file cannot be replaced while it runs.
-pub fn program() -> io::Result<PathBuf> {
+pub(crate) fn program() -> io::Result<PathBuf> {
     std::env::current_exe()
 }
 
@@ -45,7 +46,7 @@ pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
 }
 
 /// How a process ended.
-pub fn loss(status: ExitStatus) -> Loss {
+pub(crate) fn loss(status: ExitStatus) -> Loss {
     match process::loss(status) {
         Loss::Mute => Loss::Exit(status.code().unwrap_or(-1)),
         loss => loss,
@@ -66,28 +67,6 @@ pub(crate) fn kill_worker(_: u32) {}
 /// Jobs end processes here, so none outlives its worker. Whether there were any.
 pub(crate) fn end_marked(_: &str, _: impl Fn(u32) -> bool) -> bool {
     false
-}
-
-/// A process with all that it starts.
-#[derive(Debug)]
-pub struct Tree(Option<ControlGroup>);
-
-impl Tree {
-    /// That of a process that was just started apart.
-    pub fn of(child: &Child) -> Self {
-        Self(ControlGroup::new().filter(|group| group.take(child.id())))
-    }
-
-    /// Ends it at once.
-    pub fn end(self) {
-        self.0.iter().for_each(ControlGroup::end);
-    }
-}
-
-/// The supervisor's job ends this process with it.
-pub fn end_with(_: u32) -> io::Result<()> {
-    process::end_without_words();
-    Ok(())
 }
 
 /// The keeper's children end with their jobs.
