@@ -4,7 +4,7 @@ use std::io;
 use std::time::Duration;
 
 use fmu_points::failure::Failure;
-use fmu_points::single::Recorder;
+use fmu_points::single::{Recorder, bytes, read};
 use fmu_points::{Limits, stop};
 
 use crate::probe::{Report, Setup, Told};
@@ -38,13 +38,11 @@ pub(crate) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Re
         echo: false,
     };
     let mut outcome = Outcome::default();
-    let failure = recorder.send(serde_json::to_string(setup)?, fill, |told| {
+    let failure = recorder.send(bytes(setup), fill, |told| match read(told) {
+        Some(Told::Stage(stage)) => outcome.stage = stage,
+        Some(Told::Report(report)) => outcome.report = Some(report),
         // Frames have a checksum, so what arrives is what was told.
-        match serde_json::from_str(told) {
-            Ok(Told::Stage(stage)) => outcome.stage = stage,
-            Ok(Told::Report(report)) => outcome.report = Some(report),
-            Err(_) => {}
-        }
+        None => {}
     });
     stop::give_way();
     outcome.fate = failure.map_err(io::Error::other)?.map(fate);

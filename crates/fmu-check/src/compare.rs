@@ -1,24 +1,23 @@
 //! Where two simulations of an FMU differ.
 
 use crate::probe::Run;
-use fmu_import::{Content, Variable};
-
-/// A value as a number; a text is none.
-pub(crate) fn number(bits: u64, variable: &Variable) -> Option<f64> {
-    Some(match variable.kind.content() {
-        Content::Real => f64::from_bits(bits),
-        #[allow(clippy::cast_possible_truncation)]
-        Content::Integer => bits.cast_signed() as f64,
-        Content::Boolean => f64::from(u8::from(bits != 0)),
-        Content::Text => return None,
-    })
-}
+use fmu_import::{Content, Value, Variable};
 
 /// A number as text that reads back as the same number.
-fn written(value: f64) -> String {
-    match value.abs() {
-        0.0 | 1e-4..1e15 => value.to_string(),
-        _ => format!("{value:e}"),
+fn shown(value: &Value) -> String {
+    let number = value.number();
+    match number.abs() {
+        _ if value.content() == Content::Text => "another text".to_owned(),
+        0.0 | 1e-4..1e15 => number.to_string(),
+        _ => format!("{number:e}"),
+    }
+}
+
+/// Whether two values are the same. Zero is zero with either sign.
+fn are_same(one: &Value, other: &Value) -> bool {
+    match (one, other) {
+        (Value::Real(one), Value::Real(other)) => one == other || one.to_bits() == other.to_bits(),
+        _ => one == other,
     }
 }
 
@@ -26,12 +25,9 @@ fn written(value: f64) -> String {
 pub(crate) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Option<String> {
     for (row, (first, second)) in one.rows.iter().zip(&other.rows).enumerate() {
         for (place, variable) in columns.iter().enumerate() {
-            let (first, second) = (first[place], second[place]);
-            let numbers = [first, second].map(|bits| number(bits, variable));
-            let same = first == second || matches!(numbers, [Some(one), Some(two)] if one == two);
-            if !same {
-                let shown = |value: Option<f64>| value.map_or("another text".to_owned(), written);
-                let [first, second] = numbers.map(shown);
+            let (first, second) = (&first[place], &second[place]);
+            if !are_same(first, second) {
+                let [first, second] = [first, second].map(shown);
                 let (name, time) = (&variable.name, one.times[row]);
                 return Some(format!("{name} is {second} instead of {first} at {time} s"));
             }
@@ -51,10 +47,9 @@ pub(crate) fn largest_change<'a>(
     let ends = one.times.last() == other.times.last();
     let (first, second) = one.rows.last().zip(other.rows.last()).filter(|_| ends)?;
     let share = |(place, variable): (usize, &&'a Variable)| {
-        let values = one.rows.iter();
-        let values = values.filter_map(|row| number(row[place], variable));
+        let values = one.rows.iter().map(|row| row[place].number());
         let scale = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let change = (number(first[place], variable)? - number(second[place], variable)?).abs();
+        let change = (first[place].number() - second[place].number()).abs();
         let real = variable.kind.content() == Content::Real && scale > 0.0;
         real.then_some((change / scale, variable.name.as_str()))
     };

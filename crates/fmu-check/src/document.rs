@@ -8,6 +8,7 @@ use roxmltree::Node;
 use crate::combinations;
 use crate::hit::Hit;
 use fmu_import::description::About;
+pub(crate) use fmu_import::xml::{children as named, elements};
 use fmu_import::{Description, Remark, Version};
 
 /// The name of the file.
@@ -179,20 +180,6 @@ pub(crate) fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
         position: Some(node.range().start),
         ..Hit::of(NAME, text)
     }
-}
-
-/// The child elements; those of foreign namespaces don't count.
-pub(crate) fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
-    node.children()
-        .filter(|child| child.is_element() && child.tag_name().namespace().is_none())
-}
-
-/// The child elements of this name.
-pub(crate) fn named<'a>(
-    node: Node<'a, 'a>,
-    name: &'static str,
-) -> impl Iterator<Item = Node<'a, 'a>> {
-    elements(node).filter(move |child| child.tag_name().name() == name)
 }
 
 /// A variable as it is written.

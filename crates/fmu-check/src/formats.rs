@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use fmu_import::percent_encoded;
 use serde_json::{Value, json};
 
 use crate::Findings;
@@ -103,10 +104,10 @@ fn described(rule: &Rule) -> Value {
 fn result(fmu: &Path, Finding { rule, hit }: &Finding) -> Value {
     let index = RULES.iter().position(|other| other.id == rule.id);
     // A file is named as in the archive.
-    let mut uri = encoded(&fmu.to_string_lossy().replace('\\', "/"));
+    let mut uri = percent_encoded(&fmu.to_string_lossy().replace('\\', "/"), "");
     if let Some(file) = &hit.file {
         uri += "/";
-        uri += &encoded(file);
+        uri += &percent_encoded(file, "");
     }
     let mut place = json!({"artifactLocation": {"uri": uri}});
     if let Some(line) = hit.line {
@@ -119,20 +120,6 @@ fn result(fmu: &Path, Finding { rule, hit }: &Finding) -> Value {
         "message": {"text": hit.text},
         "locations": [{"physicalLocation": place}],
     })
-}
-
-/// A path as part of a URI.
-fn encoded(path: &str) -> String {
-    let mut uri = String::new();
-    for byte in path.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'.' | b'_' | b'~' => {
-                uri.push(char::from(byte));
-            }
-            _ => uri += &format!("%{byte:02X}"),
-        }
-    }
-    uri
 }
 
 fn pretty(value: &Value) -> String {

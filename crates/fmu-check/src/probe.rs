@@ -3,13 +3,13 @@
 //! It tells what it is about to call and what it saw, so that whatever the FMU does to the process, the other side knows how
 //! far it came.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
+use fmu_points::single::{bytes, read};
 use fmu_points::task::Schedule;
 
 /// Kinds of probes.
@@ -64,8 +64,8 @@ pub(crate) struct Report {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Run {
     pub(crate) times: Vec<f64>,
-    /// A row per time: the bits of each column's value; of a text its hash.
-    pub(crate) rows: Vec<Vec<u64>>,
+    /// A row per time: the value of each column.
+    pub(crate) rows: Vec<Vec<Value>>,
     pub(crate) ended: Option<f64>,
     pub(crate) warnings: u64,
     pub(crate) first_warning: Option<String>,
@@ -77,8 +77,8 @@ pub(crate) struct Run {
 }
 
 /// Runs the probe that a text describes.
-pub(crate) fn serve(package: &mut Package, setup: &str, tell: &mut dyn FnMut(String)) {
-    let setup: Setup = serde_json::from_str(setup).expect("this program has written it");
+pub(crate) fn serve(package: &mut Package, setup: &[u8], tell: &mut dyn FnMut(Vec<u8>)) {
+    let setup: Setup = read(setup).expect("this program has written it");
     let mut probe = Probe {
         report: Report::default(),
         setup: &setup,
@@ -101,7 +101,7 @@ struct Probe<'a> {
     schedule: Schedule,
     /// By which the functions are called that its notes name.
     version: Version,
-    tell: &'a mut dyn FnMut(String),
+    tell: &'a mut dyn FnMut(Vec<u8>),
 }
 
 /// A simulation under way.
@@ -112,19 +112,15 @@ struct Live {
 }
 
 impl Probe<'_> {
-    fn tell(&mut self, told: &Told) {
-        (self.tell)(serde_json::to_string(told).expect("it is plain data"));
-    }
-
     /// Tells what comes next.
     fn at(&mut self, stage: &str) {
         let stage = stage.replace(Version::Two.prefix(), self.version.prefix());
-        self.tell(&Told::Stage(stage));
+        (self.tell)(bytes(&Told::Stage(stage)));
     }
 
     /// Tells what has been seen so far.
     fn save(&mut self) {
-        self.tell(&Told::Report(self.report.clone()));
+        (self.tell)(bytes(&Told::Report(self.report.clone())));
     }
 
     fn live(&mut self, library: &Arc<Library>) {
@@ -294,18 +290,12 @@ fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Res
     let folder = setup.fmu.to_string_lossy();
     let row = setup.columns.iter().map(|column| {
         Ok(match instance.value(*column)? {
-            Value::Real(value) => value.to_bits(),
-            Value::Integer(value) => value.cast_unsigned(),
-            Value::Boolean(value) => u64::from(value),
-            Value::String(text) => {
-                // Where the FMU was unpacked is no difference between two simulations.
-                let mut hasher = DefaultHasher::new();
-                text.replace(&*folder, "").hash(&mut hasher);
-                hasher.finish()
-            }
+            // Where the FMU was unpacked is no difference between two simulations.
+            Value::String(text) => Value::String(text.replace(&*folder, "")),
+            number => number,
         })
     });
-    let row = row.collect::<Result<Vec<u64>, Call>>()?;
+    let row = row.collect::<Result<_, Call>>()?;
     run.times.push(time);
     run.rows.push(row);
     Ok(())

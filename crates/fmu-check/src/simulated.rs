@@ -1,6 +1,5 @@
 //! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
-use crate::compare::number;
 use crate::hit::{Breach, Hit};
 use crate::probe::{Report, Run};
 use crate::structure::short;
@@ -78,11 +77,10 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
 pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
     let (mut breaches, mut infinite) = (Vec::new(), Vec::new());
     for (place, variable) in columns.iter().enumerate() {
-        let rows = run.rows.iter();
-        let values = rows.filter_map(|row| number(row[place], variable));
-        if variable.causality == Causality::Parameter {
+        if variable.causality == Causality::Parameter || variable.number_handle().is_none() {
             continue;
         }
+        let values = run.rows.iter().map(|row| row[place].number());
         // Before the first step, some are not known yet.
         if let Some(value) = values.clone().skip(1).find(|value| !value.is_finite()) {
             infinite.push(format!("{} is {value}", variable.name));
@@ -109,8 +107,8 @@ fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
     let parameters = columns.iter().zip(first);
     let others: Vec<String> = parameters
         .filter(|(variable, _)| variable.causality == Causality::Parameter)
-        .filter_map(|(variable, bits)| {
-            let (start, value) = (variable.kind.start()?, number(*bits, variable)?);
+        .filter_map(|(variable, value)| {
+            let (start, value) = (variable.kind.start()?, value.number());
             let differs = (value - start).abs() > ROUNDING * start.abs().max(value.abs());
             let Variable { name, line, .. } = variable;
             differs.then(|| {

@@ -23,6 +23,7 @@ use crate::floating_point::{Mode, within};
 use crate::fmi2;
 use crate::fmi3::{self, Element};
 use crate::needed;
+use crate::package::percent_encoded;
 use crate::simulation::{Birth, Simulation};
 pub use crate::symbols::LibraryError;
 use crate::symbols::{Function, Symbols, Text};
@@ -48,7 +49,6 @@ pub struct Library {
     pub(crate) mode: Mode,
     /// The inputs, and whether each may change between events.
     inputs: Arc<HashMap<Handle, bool>>,
-    name: String,
     once: bool,
     /// The folder with its resources, which it may read at any time; none where that is not removed.
     _unpacked: Option<Arc<TempDir>>,
@@ -114,7 +114,6 @@ impl Library {
             },
             mode,
             inputs: Arc::new(inputs(description)),
-            name: description.model_name.clone(),
             _unpacked: unpacked,
         })
     }
@@ -147,11 +146,6 @@ impl Library {
                 Box::new(Exchange::new(model, functions, declared, inputs))
             }
         })
-    }
-
-    /// The model's name.
-    pub fn name(&self) -> &str {
-        &self.name
     }
 
     /// The version of FMI that the binary was compiled with; usually that of the description.
@@ -194,20 +188,11 @@ impl Library {
 /// The resources as FMI 2.0 passes them: `file:///...`, percent-encoded.
 fn uri(folder: &Path) -> Result<String, LibraryError> {
     let text = absolute(folder)?.replace('\\', "/");
-    let mut uri = String::from(if text.starts_with('/') {
-        "file://"
-    } else {
-        "file:///"
-    });
-    for byte in text.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b':' | b'-' | b'.' | b'_' | b'~' => {
-                uri.push(char::from(byte));
-            }
-            _ => uri.push_str(&format!("%{byte:02X}")),
-        }
-    }
-    Ok(uri)
+    let scheme = match text.starts_with('/') {
+        true => "file://",
+        false => "file:///",
+    };
+    Ok(format!("{scheme}{}", percent_encoded(&text, ":")))
 }
 
 fn absolute(folder: &Path) -> Result<String, LibraryError> {

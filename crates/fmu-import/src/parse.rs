@@ -21,7 +21,7 @@ use crate::description::{
 };
 use crate::units::{BaseUnit, Conversion, DisplayUnit, Unit, Units};
 use crate::version::Version;
-use crate::xml::{self, XmlError};
+use crate::xml::{self, XmlError, child, children, within};
 
 /// Why a model description cannot be used.
 #[derive(Debug, Error)]
@@ -127,29 +127,6 @@ fn interface<'a>(root: Node<'a, 'a>) -> Result<(Interface, Node<'a, 'a>), Descri
     })
 }
 
-pub(crate) fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
-    children(node, name).next()
-}
-
-/// The child elements of this name; foreign namespaces don't count.
-pub(crate) fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
-    node.children().filter(move |child| {
-        child.is_element()
-            && child.tag_name().name() == name
-            && child.tag_name().namespace().is_none()
-    })
-}
-
-/// The elements of this name in the first list of that name.
-pub(crate) fn within<'a>(
-    root: Node<'a, 'a>,
-    list: &str,
-    name: &str,
-) -> impl Iterator<Item = Node<'a, 'a>> {
-    let list = child(root, list).into_iter();
-    list.flat_map(move |list| children(list, name))
-}
-
 /// A text of one line (`xs:normalizedString`), in which line ends and tabs are blanks.
 pub(crate) fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
     let text = node.attribute(attribute)?;
@@ -178,10 +155,8 @@ fn rates(root: Node<'_, '_>) -> usize {
 }
 
 fn log_categories(root: Node<'_, '_>) -> Vec<String> {
-    let categories = root
-        .children()
-        .find(|node| node.tag_name().name() == "LogCategories");
-    let names = categories.into_iter().flat_map(|node| node.children());
+    let categories = child(root, "LogCategories").into_iter();
+    let names = categories.flat_map(|list| list.children());
     names
         .filter_map(|category| category.attribute("name"))
         .map(str::to_owned)

@@ -1,6 +1,6 @@
 //! XML of strangers. What would take minutes or gigabytes to read is refused before it is read.
 
-use roxmltree::{Document, ParsingOptions};
+use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
 /// The most elements, comments and pieces of text in a document.
@@ -52,6 +52,32 @@ pub fn parse(text: &str) -> Result<Document<'_>, XmlError> {
         roxmltree::Error::NodesLimitReached => nodes().at(text, text.len()),
         other => XmlError::Syntax(other),
     })
+}
+
+/// The child elements; those of foreign namespaces don't count.
+pub fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children()
+        .filter(|child| child.is_element() && child.tag_name().namespace().is_none())
+}
+
+/// The child elements of this name.
+pub fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
+    elements(node).filter(move |child| child.tag_name().name() == name)
+}
+
+/// The first child element of this name.
+pub fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    children(node, name).next()
+}
+
+/// The elements of this name in the first list of that name.
+pub fn within<'a>(
+    root: Node<'a, 'a>,
+    list: &str,
+    name: &str,
+) -> impl Iterator<Item = Node<'a, 'a>> {
+    let list = child(root, list).into_iter();
+    list.flat_map(move |list| children(list, name))
 }
 
 /// A limit that is exceeded, and the name of what is counted.

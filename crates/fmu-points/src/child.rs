@@ -63,7 +63,7 @@ impl Child<'_> {
     }
 
     /// Lets the program do what it wants of the FMU. It loads that itself, so that it can tell how far it came.
-    fn run_errand(&mut self, task: &str) {
+    fn run_errand(&mut self, task: &[u8]) {
         self.say(&Said::Loaded(None));
         if let (Some(errand), Some(package)) = (ERRAND.get(), self.package.take()) {
             errand(package, task, &mut |told| self.say(&Said::Told(told)));
@@ -80,14 +80,14 @@ impl Child<'_> {
         let before = Before::now();
         let instance = runner.alone(&job.values, |runner, answer| {
             let mut reply = reply(job.index, runner, answer);
-            if let Some(ready) = runner.ready() {
+            if let Some(ready) = runner.ready {
                 reply.start = (ready - begun).as_secs_f32();
                 reply.simulated = ready.elapsed().as_secs_f32();
             }
             reply.odd = before.odd(runner, answer.err(), true);
             self.say(&Said::Replies(vec![reply]));
         });
-        let notices = runner.notices();
+        let notices = &runner.notices;
         if notices.unfinished.is_some() || notices.version.is_some() {
             self.say(&Said::Farewell(notices.clone()));
         }
@@ -150,11 +150,11 @@ impl Child<'_> {
         });
         self.say(&Said::Rows(rows));
         if ended.is_ok() {
-            tell(runner.notices());
+            tell(&runner.notices);
         }
         self.say(&Said::Ended(ended.err()));
         runner.end();
-        if let Some(error) = &runner.notices().unfinished {
+        if let Some(error) = &runner.notices.unfinished {
             crate::tell::line!("note: the simulation is whole, but its end failed: {error}");
         }
     }
@@ -183,10 +183,10 @@ impl Child<'_> {
 
 /// The reply on a point.
 fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply {
-    let notices = runner.notices();
-    let answer = answer.map(|values| Simulated::new(values, notices));
+    let notices = &runner.notices;
+    let answer = answer.map(|values| Simulated::new(values.to_vec(), notices));
     let answer = answer.map_err(|failure| Trouble {
-        from: match runner.was_refused() {
+        from: match runner.refused {
             true => Origin::Refusal { licence: false },
             false => Origin::Fmu,
         },
@@ -216,7 +216,7 @@ impl Before {
 
     /// The oddity of a point that ended so, if any; signals take long to look at.
     fn odd(&self, runner: &Runner, failure: Option<&Failure>, signals: bool) -> Option<Reason> {
-        let notices = runner.notices();
+        let notices = &runner.notices;
         let complained = match failure {
             // The FMU was not even asked.
             Some(Failure::OutOfRange(_)) => false,

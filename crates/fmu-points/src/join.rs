@@ -14,7 +14,7 @@ use crate::task::Case;
 use crate::wire::{Origin, Reply, Trouble};
 
 /// The outcome of one simulation.
-type Found = Result<Simulated, Trouble>;
+type Outcome = Result<Simulated, Trouble>;
 
 /// A point's simulations.
 pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {
@@ -98,38 +98,37 @@ impl Join {
     }
 }
 
-/// The outcome of a point: the results of all cases, or the failure of the first one of the gravest kind.
-pub(crate) fn joined(cases: &[Part], found: Vec<Found>) -> Found {
-    let name = |case: usize| {
-        cases
-            .get(case)
-            .map_or_else(String::new, |part| part.name.clone())
-    };
+/// The outcome of a point: that of its only case; or else the results of all cases, or the failure of the first one of the
+/// gravest kind.
+pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
+    if outcomes.len() == 1 {
+        return outcomes.remove(0);
+    }
     let mut notices = Notices::default();
-    for (case, found) in found.iter().enumerate() {
-        let own = match found {
-            Ok(found) => found.notices.as_deref(),
+    for (case, outcome) in cases.iter().zip(&outcomes) {
+        let said = match outcome {
+            Ok(simulated) => simulated.notices.as_deref(),
             Err(trouble) => Some(&*trouble.notices),
         };
-        if let Some(own) = own {
-            notices.add(own, &name(case));
-        }
+        said.into_iter()
+            .for_each(|said| notices.add(said, &case.name));
     }
-    let from = |&case: &usize| found[case].as_ref().err().map(|trouble| trouble.from);
-    let failed = (0..found.len()).filter(|&case| found[case].is_err());
+    let from = |&case: &usize| outcomes[case].as_ref().err().map(|trouble| trouble.from);
+    let failed = (0..outcomes.len()).filter(|&case| outcomes[case].is_err());
     let Some(worst) = failed.min_by_key(from) else {
-        let values = found.into_iter().flatten().flat_map(|found| found.values);
+        let values = outcomes.into_iter().flatten();
+        let values = values.flat_map(|simulated| simulated.values);
         return Ok(Simulated {
             values: values.collect(),
             notices: (!notices.is_empty()).then(|| Box::new(notices)),
         });
     };
-    let values = cases.iter().zip(&found);
-    let values = values.flat_map(|(case, found)| known(found, case.results));
+    let values = cases.iter().zip(&outcomes);
+    let values = values.flat_map(|(case, outcome)| known(outcome, case.results));
     let values: Vec<Option<f64>> = values.collect();
-    let trouble = found.into_iter().nth(worst).and_then(Result::err);
+    let trouble = outcomes.into_iter().nth(worst).and_then(Result::err);
     let trouble = trouble.expect("the worst one failed");
-    let case = name(worst);
+    let case = cases[worst].name.clone();
     let failure = match (trouble.from, trouble.failure) {
         (Origin::Loading, failure) => failure,
         (_, mut failure) => {
@@ -152,9 +151,9 @@ pub(crate) fn joined(cases: &[Part], found: Vec<Found>) -> Found {
 }
 
 /// The results of a case, as far as there are any.
-fn known(found: &Found, count: usize) -> Vec<Option<f64>> {
-    match found {
-        Ok(found) => found.values.iter().copied().map(Some).collect(),
+fn known(outcome: &Outcome, count: usize) -> Vec<Option<f64>> {
+    match outcome {
+        Ok(simulated) => simulated.values.iter().copied().map(Some).collect(),
         Err(trouble) => (0..count).map(|k| trouble.failure.value(k)).collect(),
     }
 }
@@ -201,14 +200,14 @@ mod tests {
         vec![case("slow"), case("fast")]
     }
 
-    fn reply(index: u64, answer: Found) -> Reply {
+    fn reply(index: u64, answer: Outcome) -> Reply {
         Reply {
             forkable: Some(true),
             ..Reply::new(index, answer)
         }
     }
 
-    fn failed(failure: Failure) -> Found {
+    fn failed(failure: Failure) -> Outcome {
         Err(Trouble::new(Origin::Fmu, failure))
     }
 

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use crate::conduct::Separation;
-use crate::failure::Failure;
 use crate::join::{Part, joined, parts};
 use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
 use crate::runner::Runner;
@@ -30,27 +29,6 @@ impl Local {
             cases: parts(cases),
         }
     }
-
-    /// A point in one case.
-    fn run_case(runner: &mut Runner, values: &[f64]) -> Result<Simulated, Failure> {
-        let answer = runner.run(values).map(<[f64]>::to_vec);
-        answer.map(|values| Simulated::new(&values, runner.notices()))
-    }
-
-    /// A point in all its cases.
-    fn run_cases(
-        runner: &mut Runner,
-        cases: &[Part],
-        values: &[f64],
-    ) -> Result<Simulated, Failure> {
-        let runs = (0..cases.len()).map(|case| {
-            runner.turn_to(case);
-            let failed = |failure| Trouble::new(Origin::Fmu, failure);
-            Self::run_case(runner, values).map_err(failed)
-        });
-        let runs: Vec<_> = runs.collect();
-        joined(cases, runs).map_err(|trouble| trouble.failure)
-    }
 }
 
 impl Worker for Local {
@@ -59,10 +37,14 @@ impl Worker for Local {
             return Ok(());
         };
         for job in jobs {
-            let answer = match &self.cases[..] {
-                [_] => Self::run_case(runner, &job.values),
-                cases => Self::run_cases(runner, cases, &job.values),
-            };
+            let runs = (0..self.cases.len()).map(|case| {
+                runner.turn_to(case);
+                let answer = runner.run(&job.values).map(<[f64]>::to_vec);
+                let answer = answer.map(|values| Simulated::new(values, &runner.notices));
+                answer.map_err(|failure| Trouble::new(Origin::Fmu, failure))
+            });
+            let answer = joined(&self.cases, runs.collect());
+            let answer = answer.map_err(|trouble| trouble.failure);
             post.send(Event::Answer(job.index, answer, Separation::Used));
             if post.is_over() {
                 break;

@@ -88,9 +88,9 @@ impl From<Vec<f64>> for Simulated {
 
 impl Simulated {
     /// Results with what was said beside them.
-    pub(crate) fn new(values: &[f64], notices: &Notices) -> Self {
+    pub(crate) fn new(values: Vec<f64>, notices: &Notices) -> Self {
         Self {
-            values: values.to_vec(),
+            values,
             notices: (!notices.is_empty()).then(|| Box::new(notices.clone())),
         }
     }

@@ -34,12 +34,12 @@ pub struct Runner {
     reuse: Reuse,
     /// Whether a reused instance has been compared with a fresh one.
     trusted: bool,
-    /// Whether the last point failed because the FMU refused an instance.
-    refused: bool,
+    /// Whether the last point failed because the FMU refused an instance, such as for want of a licence.
+    pub(crate) refused: bool,
     /// When the last instance was made.
-    ready: Option<Instant>,
-    /// The FMU's remarks in the last simulation.
-    notices: Notices,
+    pub(crate) ready: Option<Instant>,
+    /// The FMU's remarks in the last simulation, beside its results.
+    pub(crate) notices: Notices,
     /// The version of FMI that the binary says where that is an unusual one, once it was asked.
     version: Option<Option<String>>,
 }
@@ -200,16 +200,6 @@ impl Runner {
         }
     }
 
-    /// Whether the last point failed because the FMU refused an instance, such as for want of a licence.
-    pub fn was_refused(&self) -> bool {
-        self.refused
-    }
-
-    /// When the last instance was made.
-    pub fn ready(&self) -> Option<Instant> {
-        self.ready
-    }
-
     /// Simulates one point on an instance of its own, which is ended only after `tell` has got the answer:
     /// what the FMU does at its end costs no result. The instance is freed when what is returned is dropped.
     pub fn alone(
@@ -292,11 +282,6 @@ impl Runner {
     /// The results of the last simulation, if it succeeded.
     pub fn results(&self) -> &[f64] {
         &self.scene.results
-    }
-
-    /// The FMU's remarks in the last simulation, beside its results.
-    pub fn notices(&self) -> &Notices {
-        &self.notices
     }
 
     /// Simulates one point. The values are in the FMU's units, one for each of

@@ -10,14 +10,15 @@ use crate::points::{Answer, Job, Limits, RunError};
 use crate::process::{Gone, Process};
 use crate::task::{Case, Record, Task};
 use crate::wire::{Order, Origin, Said};
+pub use crate::wire::{bytes, read};
 use fmu_import::{Handle, Package, Value};
 
 /// Takes a row of a trajectory: the time, s, and the values then.
 type Row<'a, E> = &'a mut dyn FnMut(f64, &[Value]) -> Result<(), E>;
 
 /// What a program wants of an FMU in a process of its own, which may be lost: it gets the FMU and its task, and tells what
-/// it sees as it goes.
-pub type Errand = fn(&mut Package, &str, &mut dyn FnMut(String));
+/// it sees as it goes. [`bytes`] and [`read`] make messages of plain data.
+pub type Errand = fn(&mut Package, &[u8], &mut dyn FnMut(Vec<u8>));
 
 /// The errand of this program, where it has one.
 pub(crate) static ERRAND: OnceLock<Errand> = OnceLock::new();
@@ -86,9 +87,9 @@ impl Recorder<'_> {
     /// When no process can be started.
     pub fn send(
         &self,
-        task: String,
+        task: Vec<u8>,
         fill: Option<u8>,
-        mut take: impl FnMut(&str),
+        mut take: impl FnMut(&[u8]),
     ) -> Result<Option<Failure>, RunError> {
         let until = Instant::now().checked_add(self.limits.time);
         let is_late = || until.is_some_and(|until| Instant::now() >= until);

@@ -54,7 +54,7 @@ pub(crate) enum Order {
     /// A point with its trajectory, in a child of its own.
     Recorded(Record),
     /// An [errand](crate::single::Errand) of the program, in a child of its own, which loads the FMU itself.
-    Errand(String),
+    Errand(Vec<u8>),
 }
 
 /// A message of a child to its worker, and of a worker to its supervisor.
@@ -69,7 +69,7 @@ pub(crate) enum Said {
     /// Rows of a trajectory, one after the other: the time, and a value a column.
     Rows(Vec<Value>),
     /// What an errand tells.
-    Told(String),
+    Told(Vec<u8>),
     /// The trajectory or the errand has ended, and why before its time.
     Ended(#[serde(with = "as_json")] Option<Failure>),
     /// The FMU's messages on the point, now that its simulation has been ended.
@@ -159,12 +159,12 @@ impl Trouble {
 }
 
 /// A message's bytes.
-pub(crate) fn bytes(message: &impl Serialize) -> Vec<u8> {
+pub fn bytes(message: &impl Serialize) -> Vec<u8> {
     postcard::to_stdvec(message).expect("messages are plain data")
 }
 
 /// A message from its bytes; `None` where they are damaged.
-pub(crate) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }
 

@@ -8,7 +8,7 @@ use super::child::Child;
 use super::frame::{self, Inbox};
 use super::keeper::{Keeper, Process};
 use super::loss::{DONE, MUTE};
-use super::system::{own_pid, pipe, usual_signals};
+use super::system::{pipe, usual_signals};
 
 impl Keeper {
     /// Forks a child that does `work`, and ends without running any destructor when that returns.
@@ -26,7 +26,7 @@ impl Keeper {
         let (answers, answers_end) = pipe()?;
         let (orders_end, orders) = pipe()?;
         self.words.clear();
-        let parent = own_pid();
+        let parent = std::process::id();
         // SAFETY: the caller vouches for a single thread.
         match unsafe { libc::fork() } {
             -1 => Err(io::Error::last_os_error()),
@@ -35,7 +35,7 @@ impl Keeper {
                 // Parent and child both do so, whoever comes first.
                 // SAFETY: changes the child's group only.
                 unsafe { libc::setpgid(pid, pid) };
-                let process = Process(pid);
+                let process = Process(pid as u32);
                 Ok(Child::new(process, answers.into(), orders.into(), ticket))
             }
         }
@@ -45,7 +45,7 @@ impl Keeper {
 /// A child's own end of the pipes to its keeper.
 #[derive(Debug)]
 pub struct Place {
-    process: libc::pid_t,
+    process: u32,
     ticket: u64,
     orders: Inbox<File>,
     answers: File,
@@ -55,7 +55,7 @@ impl Place {
     /// Sends an answer. A process that the FMU has forked and let return ends here instead: only the child
     /// itself answers. So does a child that cannot send.
     pub fn send(&mut self, payload: &[u8]) {
-        if own_pid() != self.process {
+        if std::process::id() != self.process {
             end(0);
         }
         if frame::write(&self.answers, self.ticket, payload).is_err() {
@@ -66,7 +66,7 @@ impl Place {
     /// Waits for the keeper's next message; `None` when none will come.
     pub fn receive(&mut self) -> Option<Vec<u8>> {
         let message = self.orders.wait().ok().flatten();
-        if own_pid() != self.process {
+        if std::process::id() != self.process {
             end(0);
         }
         message
@@ -81,7 +81,7 @@ fn end(code: i32) -> ! {
 
 /// The child's side: a group of its own, no descriptor but its own, the work, the end.
 fn be_child(
-    parent: libc::pid_t,
+    parent: u32,
     orders: OwnedFd,
     answers: OwnedFd,
     ticket: u64,
@@ -93,14 +93,14 @@ fn be_child(
         #[cfg(target_os = "linux")]
         libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
         // The parent may have ended before.
-        if libc::getppid() != parent {
+        if libc::getppid() as u32 != parent {
             end(0);
         }
     }
     usual_signals();
     let (orders, answers) = hidden(orders, answers);
     let place = Place {
-        process: own_pid(),
+        process: std::process::id(),
         ticket,
         orders: Inbox::new(orders, ticket),
         answers,

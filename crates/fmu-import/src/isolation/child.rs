@@ -51,7 +51,7 @@ impl Child {
     /// Waits for its next answer.
     ///
     /// # Errors
-    /// When none comes; then only [`end`](Self::end) is left.
+    /// When none comes; then the child is only good to be dropped.
     pub fn answer(&mut self, keeper: &mut Keeper, bounds: Bounds) -> Result<Vec<u8>, Loss> {
         let begun = Instant::now();
         loop {
@@ -152,12 +152,7 @@ impl Child {
         }
     }
 
-    /// Ends the child, with all that it has started, at once.
-    pub fn end(mut self) {
-        self.finish();
-    }
-
-    /// The same; the loss that its status tells, where it did not end as a child does whose work is done.
+    /// Ends the child, with all that it has started, at once; the loss that its status tells, where it did not end as a child does whose work is done.
     fn finish(&mut self) -> Option<Loss> {
         if std::mem::replace(&mut self.gone, true) {
             return None;
@@ -173,7 +168,7 @@ impl Drop for Child {
 }
 
 impl Keeper {
-    /// The last line that children have printed since the last start of one, or since [`forget`](Self::forget).
+    /// The last line that children have printed since the last start of one, if any.
     pub fn last_line(&mut self) -> String {
         self.words.last_line()
     }
@@ -181,10 +176,5 @@ impl Keeper {
     /// All that is kept of what they have printed since then.
     pub fn text(&mut self) -> String {
         self.words.text()
-    }
-
-    /// Forgets what has been printed so far.
-    pub fn forget(&mut self) {
-        self.words.clear();
     }
 }

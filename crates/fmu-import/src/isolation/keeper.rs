@@ -8,7 +8,6 @@ use std::time::Duration;
 use super::frame::Inbox;
 use super::loss::{DONE, Loss, MUTE, State};
 use super::offspring::{self, kill_group};
-use super::system::own_pid;
 use super::words::Words;
 
 /// A process that keeps children.
@@ -64,7 +63,7 @@ impl Keeper {
             // SAFETY: changes what this process does when its own descriptor becomes ready.
             unsafe {
                 let flags = libc::fcntl(fd, libc::F_GETFL);
-                libc::fcntl(fd, libc::F_SETOWN, own_pid());
+                libc::fcntl(fd, libc::F_SETOWN, std::process::id());
                 libc::fcntl(fd, F_SETSIG, libc::SIGKILL);
                 let flags = if wanted {
                     flags | libc::O_ASYNC
@@ -127,7 +126,7 @@ pub(super) const PAUSE: Duration = Duration::from_micros(50);
 
 /// The process of a child, by its number.
 #[derive(Debug)]
-pub(super) struct Process(pub(super) libc::pid_t);
+pub(super) struct Process(pub(super) u32);
 
 impl Process {
     pub(super) fn resident(&self) -> u64 {
@@ -169,10 +168,10 @@ impl Process {
         kill_group(self.0);
         let mut status = 0;
         // SAFETY: `status` is valid for writing; SIGKILL ends the child, so the wait is short.
-        let reaped = unsafe { libc::waitpid(self.0, &raw mut status, 0) };
+        let reaped = unsafe { libc::waitpid(self.0 as libc::pid_t, &raw mut status, 0) };
         // Whatever it has started and left to us.
         offspring::end_all();
-        unusual(status).filter(|_| reaped == self.0)
+        unusual(status).filter(|_| reaped as u32 == self.0)
     }
 }
 

@@ -6,7 +6,7 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-use super::system::{ignore_signals, own_pid};
+use super::system::ignore_signals;
 
 /// Makes this process the parent of all that its children leave behind, where the system can. Whoever started it may ignore
 /// SIGCHLD, and so may the initialisers of an FMU: then nobody could ask how a child ended.
@@ -21,7 +21,8 @@ pub fn adopt_orphans() {
 }
 
 /// Ends a process and its group at once: SIGKILL cannot be blocked, and reaches stopped processes too.
-pub fn kill_group(leader: libc::pid_t) {
+pub fn kill_group(leader: u32) {
+    let leader = leader as libc::pid_t;
     // A group of 0 or 1 would be this process's own or everyone's.
     if leader > 1 {
         // SAFETY: sends a signal; nothing of this process changes.
@@ -48,7 +49,9 @@ pub fn end_all() {
                 if Instant::now() > deadline {
                     return;
                 }
-                children_of(own_pid()).into_iter().for_each(kill_group);
+                children_of(std::process::id())
+                    .into_iter()
+                    .for_each(kill_group);
                 std::thread::sleep(Duration::from_micros(200));
             }
             _ => {}
@@ -72,7 +75,7 @@ pub fn become_keeper() {
 }
 
 /// The memory that a process occupies, bytes; 0 where that is not known.
-pub fn resident(pid: libc::pid_t) -> u64 {
+pub fn resident(pid: u32) -> u64 {
     // The second number is the resident set in pages (proc(5)).
     let text = fs::read_to_string(format!("/proc/{pid}/statm"));
     let pages = text
@@ -84,15 +87,15 @@ pub fn resident(pid: libc::pid_t) -> u64 {
 }
 
 /// Whether a process has been stopped (SIGSTOP), so that nothing will come from it.
-pub fn is_stopped(pid: libc::pid_t) -> bool {
+pub fn is_stopped(pid: u32) -> bool {
     state_and_parent(pid).is_some_and(|(state, _)| state == "T" || state == "t")
 }
 
 /// Ends and reaps the children of this process whose environment holds `mark`, except `spared`: processes that
 /// outlived the keeper that they belonged to. Whether there were any.
-pub fn end_marked(mark: &str, spared: impl Fn(libc::pid_t) -> bool) -> bool {
+pub fn end_marked(mark: &str, spared: impl Fn(u32) -> bool) -> bool {
     let mut any = false;
-    for pid in children_of(own_pid()) {
+    for pid in children_of(std::process::id()) {
         if spared(pid) {
             continue;
         }
@@ -104,24 +107,24 @@ pub fn end_marked(mark: &str, spared: impl Fn(libc::pid_t) -> bool) -> bool {
         }
         // One that has ended already has no environment any more; nobody else will wait for it.
         // SAFETY: `status` is valid for writing.
-        unsafe { libc::waitpid(pid, &raw mut status, how) };
+        unsafe { libc::waitpid(pid as libc::pid_t, &raw mut status, how) };
     }
     any
 }
 
 /// Whether a process was started with `mark` in its environment.
-fn is_marked(pid: libc::pid_t, mark: &str) -> bool {
+fn is_marked(pid: u32, mark: &str) -> bool {
     let environment = fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
     let mut entries = environment.split(|&byte| byte == 0);
     entries.any(|entry| entry == mark.as_bytes())
 }
 
 /// The children of a process, whichever of its threads started them; none where the system does not tell.
-pub fn children_of(parent: libc::pid_t) -> Vec<libc::pid_t> {
+fn children_of(parent: u32) -> Vec<u32> {
     let Ok(processes) = fs::read_dir("/proc") else {
         return Vec::new();
     };
-    let number = |name: &std::ffi::OsStr| name.to_str()?.parse::<libc::pid_t>().ok();
+    let number = |name: &std::ffi::OsStr| name.to_str()?.parse::<u32>().ok();
     processes
         .flatten()
         .filter_map(|entry| number(&entry.file_name()))
@@ -130,12 +133,12 @@ pub fn children_of(parent: libc::pid_t) -> Vec<libc::pid_t> {
 }
 
 /// The parent of a process.
-fn parent_of(pid: libc::pid_t) -> Option<libc::pid_t> {
+fn parent_of(pid: u32) -> Option<u32> {
     state_and_parent(pid)?.1.parse().ok()
 }
 
 /// State and parent of a process: the fields after its name, which may hold anything (proc(5), `stat`).
-fn state_and_parent(pid: libc::pid_t) -> Option<(String, String)> {
+fn state_and_parent(pid: u32) -> Option<(String, String)> {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     let (_, fields) = stat.rsplit_once(')')?;
     let mut fields = fields.split_ascii_whitespace().map(str::to_owned);

@@ -3,12 +3,6 @@
 use std::io;
 use std::os::fd::OwnedFd;
 
-/// This process's number.
-pub fn own_pid() -> libc::pid_t {
-    // SAFETY: always succeeds, changes nothing.
-    unsafe { libc::getpid() }
-}
-
 /// Signals that a keeper ignores, and those whose handlers are Rust's.
 const CHANGED: [i32; 11] = [
     libc::SIGTERM,

@@ -8,7 +8,8 @@ use std::collections::HashMap;
 use roxmltree::Node;
 
 use crate::description::{About, Description, Kind, Place, Storage, Variability, Variable};
-use crate::parse::{Reader, Types, child, children, item, text, truth};
+use crate::parse::{Reader, Types, item, text, truth};
+use crate::xml::{child, children, elements};
 
 /// More elements than an array can have that is useful by its elements.
 const MOST_ELEMENTS: usize = 100_000;
@@ -227,11 +228,9 @@ impl Reader {
 
 /// Attributes of the types, by their names.
 fn types<'a>(root: Node<'a, 'a>) -> Types<'a> {
-    let definitions = child(root, "TypeDefinitions");
-    let types = definitions
+    let types = child(root, "TypeDefinitions")
         .into_iter()
-        .flat_map(|list| list.children())
-        .filter(Node::is_element);
+        .flat_map(elements);
     types
         .filter_map(|node| Some((node.attribute("name")?, node)))
         .collect()

@@ -15,7 +15,9 @@ use fmu_import::isolation::offspring;
 use fmu_import::isolation::words::Words;
 use fmu_import::isolation::{Keeper, Loss};
 
-pub(crate) use fmu_import::isolation::offspring::adopt_orphans;
+pub(crate) use fmu_import::isolation::offspring::{
+    adopt_orphans, end_all, end_marked, is_stopped, kill_group as kill_worker,
+};
 
 /// Whether a worker needs a control group to be ended with all that it has started; else a group only makes that surer.
 pub(crate) const GROUPS_ARE_NEEDED: bool = false;
@@ -61,25 +63,10 @@ pub(crate) fn loss(status: ExitStatus) -> Loss {
     status.signal().map_or_else(code, Loss::Signal)
 }
 
-/// Whether a process has been stopped, so that nothing will come from it.
-pub(crate) fn is_stopped(pid: u32) -> bool {
-    offspring::is_stopped(pid as libc::pid_t)
-}
-
 /// Ends the group of a process at once. The process itself may have ended, and its number may be another's.
 pub(crate) fn kill_group(leader: u32) {
     // SAFETY: sends a signal to a group that this process has made; nothing of this process changes.
     unsafe { libc::kill(-(leader as libc::pid_t), libc::SIGKILL) };
-}
-
-/// Ends a worker and its group at once.
-pub(crate) fn kill_worker(worker: u32) {
-    offspring::kill_group(worker as libc::pid_t);
-}
-
-/// Ends the children of this process whose environment holds `mark`, except `spared`. Whether there were any.
-pub(crate) fn end_marked(mark: &str, spared: impl Fn(u32) -> bool) -> bool {
-    offspring::end_marked(mark, |pid| spared(pid as u32))
 }
 
 /// The memory of this machine, bytes; `None` where that is not known.
@@ -88,11 +75,6 @@ pub fn memory_of_machine() -> Option<u64> {
     let line = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
     let kibibytes = line.trim().strip_suffix("kB")?.trim().parse::<u64>();
     kibibytes.ok().map(|kibibytes| kibibytes * 1024)
-}
-
-/// Ends and reaps all that this process has started.
-pub(crate) fn end_all() {
-    offspring::end_all();
 }
 
 /// Ends this process at once: the destructors of an FMU in it have no say any more.
