@@ -53,6 +53,8 @@ pub enum Code {
     RefusedDistribution,
     /// The FMU cannot follow a recording.
     MissedRows,
+    /// A recording has a hole, which a straight line bridges.
+    Hole,
     /// Recordings make many more steps than the study asks for.
     ManySteps,
     /// Nothing is known of swing and drift.

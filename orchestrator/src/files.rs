@@ -60,9 +60,15 @@ pub fn reason(path: &Path, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => missing(path),
         io::ErrorKind::IsADirectory => "a folder; give a file".to_owned(),
-        io::ErrorKind::NotADirectory => {
-            let file = path.ancestors().find(|part| part.is_file()).unwrap_or(path);
-            format!("{} is a file, where a folder is needed", file.display())
+        io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
+            let is_there = |part: &&Path| part.symlink_metadata().is_ok() && !part.is_dir();
+            let there = path.ancestors().find(is_there).unwrap_or(path);
+            let kind = match (there.is_file(), there.exists()) {
+                (true, _) => "a file",
+                (_, true) => "a device or a pipe",
+                _ => "a link that leads nowhere",
+            };
+            format!("{} is {kind}, where a folder is needed", there.display())
         }
         io::ErrorKind::PermissionDenied => "no permission; look at its owner and mode".to_owned(),
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
@@ -148,6 +154,11 @@ mod tests {
         if cfg!(unix) {
             let device = told("/dev/zero".as_ref());
             assert!(device.starts_with("a device or a pipe"), "{device}");
+            let device = told("/dev/null/a".as_ref());
+            assert_eq!(
+                device,
+                "/dev/null is a device or a pipe, where a folder is needed"
+            );
         }
     }
 

@@ -21,7 +21,7 @@ mod turns;
 
 use serde::{Deserialize, Serialize};
 
-use collect::Collect;
+use collect::{Collect, Scaled};
 
 pub use collect::Trend;
 pub use crossing::Direction;
@@ -134,12 +134,12 @@ macro_rules! statistics {
 
 statistics! {
     Final = last::Last, "The value at the stop time.";
-    Mean = mean::Mean, "The mean over time.";
+    Mean = Scaled<mean::Mean>, "The mean over time.";
     Min = extremes::Min, "The smallest value.";
     Max = extremes::Max, "The largest value.";
-    Rms = rms::Rms, "The root of the mean square over time.";
+    Rms = Scaled<rms::Rms>, "The root of the mean square over time.";
     Amplitude = extremes::Amplitude, "Half the distance from the smallest to the largest value.";
-    Slope = slope::Slope, "The slope of the straight line of least squares, a second.";
+    Slope = Scaled<slope::Slope>, "The slope of the straight line of least squares, a second.";
     Percentile = percentile::Percentile, "The value that is not exceeded for a share of the time.";
     Crossing = crossing::Crossing, "The time at which the signal first crosses a level, s.";
     Frequency = strongest::Frequency, "The frequency of the strongest oscillation, Hz.";
@@ -258,6 +258,34 @@ mod tests {
         assert_eq!(of_line(Statistic::Min), 2.0);
         assert_eq!(of_line(Statistic::Max), 7.0);
         assert_eq!(of_line(Statistic::Final), 7.0);
+    }
+
+    /// Sums, squares and differences of such values are beyond all numbers.
+    #[test]
+    fn large_values_have_the_statistics_of_small_ones() {
+        let signal = [(0.0, 1.0), (1.0, -1.0), (3.0, 1.0), (2.0, 0.5), (4.0, 1.0)];
+        for statistic in [
+            Statistic::Mean,
+            Statistic::Rms,
+            Statistic::Amplitude,
+            Statistic::Slope,
+            Statistic::Percentile,
+        ] {
+            let of = |unit: f64| {
+                let mut collector = Accumulator::new(statistic);
+                collector.add_all(
+                    signal
+                        .iter()
+                        .map(|&(elapsed, value)| (elapsed, unit * value)),
+                );
+                collector.result(10.0) / unit
+            };
+            for unit in [1e160, -1e308, f64::MAX] {
+                let (expected, found) = (of(unit.signum()), of(unit));
+                assert!((found - expected).abs() < 1e-12, "{statistic:?}: {found}");
+            }
+            assert!(of(f64::NAN).is_nan());
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::Estimate;
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use conformity::interval::clopper_pearson;
 use sampling::random::{Purpose, Random};
-use sampling::statistics::moments::{mean, variance};
+use sampling::statistics::moments::{deviation, mean};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -188,7 +188,7 @@ fn summary(Seen { effects, lost }: &Seen, jump: Option<f64>) -> Effect {
         mu: mean(effects),
         mu_star: interval(&sizes),
         mu_star_bounds: (!lost.is_empty()).then(ends),
-        sigma: variance(effects, 1).sqrt(),
+        sigma: deviation(effects, 1),
         ..unknown
     }
 }
@@ -210,7 +210,7 @@ fn of_jumps(numbers: &[f64], jump: f64) -> Estimate {
 fn with_interval(numbers: &[f64]) -> Estimate {
     let n = numbers.len() as f64;
     let student = StudentsT::new(0.0, 1.0, n - 1.0).expect("there are two numbers");
-    let (centre, spread) = (mean(numbers), variance(numbers, 0).sqrt());
+    let (centre, spread) = (mean(numbers), deviation(numbers, 0));
     let cubes = numbers.iter().map(|x| ((x - centre) / spread).powi(3));
     let skewness = cubes.sum::<f64>() / n;
     // How far the mean may lie above the true one, in standard deviations of a number.
@@ -225,7 +225,7 @@ fn with_interval(numbers: &[f64]) -> Estimate {
         }
     };
     let quantile = student.inverse_cdf(0.975);
-    let deviation = variance(numbers, 1).sqrt();
+    let deviation = deviation(numbers, 1);
     Estimate {
         value: centre,
         low: (centre - deviation * above(quantile)).max(0.0),

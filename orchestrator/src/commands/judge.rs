@@ -109,6 +109,7 @@ fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, Comm
         false => Earlier::Complete,
     };
     request.check(folder, None, None, earlier)?;
+    request.check_files(folder, earlier)?;
     let lock = Lock::take(folder)?;
     if options.force || !lines::path_in(folder).exists() {
         request.write(folder, study)?;

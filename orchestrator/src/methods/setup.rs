@@ -6,8 +6,8 @@ use crate::error::CommandError;
 use crate::options::{Means, Parts};
 use crate::pipeline::folder::{Earlier, RunFolder};
 use crate::pipeline::{Model, Part, Pipeline};
-use crate::results::Header;
 use crate::results::lock::Lock;
+use crate::results::{Header, ResultsError, lines};
 use crate::session::{Request, Session, Verification};
 use crate::study::Study;
 use fmu_import::Package;
@@ -96,6 +96,9 @@ impl Place<'_> {
     ) -> Result<RunFolder, CommandError> {
         let SourceParts { request, study, .. } = source;
         request.check(self.output, self.analysis, Some(study), self.earlier)?;
+        if self.analysis.is_none() {
+            request.check_files(self.output, self.earlier)?;
+        }
         let state = self.state();
         let lock = Lock::take(&state)?;
         prepare()?;
@@ -131,8 +134,23 @@ pub struct Kept {
 /// comes with the answer is there.
 ///
 /// # Errors
-/// Those of the processes, of the system, and of `ask`.
+/// Those of the processes, of the system, and of `ask`; whichever it is, one that says so where the folder was removed.
 pub fn run<S: Source, T>(
+    source: &mut S,
+    header: &Header,
+    folder: RunFolder,
+    work: Work<'_>,
+    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, CommandError>,
+) -> Result<(T, Kept), CommandError> {
+    let place = folder.journal.folder().to_owned();
+    let told = run_in(source, header, folder, work, ask);
+    match lines::path_in(&place).exists() {
+        true => told,
+        false => Err(ResultsError::Gone(place).into()),
+    }
+}
+
+fn run_in<S: Source, T>(
     source: &mut S,
     header: &Header,
     folder: RunFolder,

@@ -17,7 +17,7 @@ use fmu_points::tell::is_hidden;
 use indexmap::IndexMap;
 use minijinja::{Environment, Value, context, value::Serde};
 use parameter_regions::table::PointTable;
-use sampling::statistics::moments::{mean, variance};
+use sampling::statistics::moments::{deviation, mean};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -288,7 +288,7 @@ fn distributions(
         let finite: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
         let deviation = match finite.len() {
             0 | 1 => f64::NAN,
-            _ => variance(&finite, 1).sqrt(),
+            _ => deviation(&finite, 1),
         };
         vec![
             name.to_owned(),

@@ -33,6 +33,7 @@ use super::note::{Note, SAME_SET, SET, word};
 use super::{Outcome, ResultsError, draft, keep, make_folder};
 use fmu_points::Separation;
 use fmu_points::notices::Notices;
+use fmu_points::tell::one_line;
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -248,9 +249,10 @@ impl Journal {
     }
 
     fn finish_line(&mut self) {
-        let sum = crc32fast::hash(self.line.as_bytes());
+        let line = one_line(&self.line);
+        let sum = crc32fast::hash(line.as_bytes());
         // Writing to a Vec cannot fail.
-        let _ = writeln!(self.buffer, "{sum:08x} {}", self.line);
+        let _ = writeln!(self.buffer, "{sum:08x} {line}");
         self.line.clear();
     }
 

@@ -40,6 +40,7 @@ use thiserror::Error;
 use crate::files::reason;
 use fmu_points::failure::Failure;
 use fmu_points::scratch::ScratchError;
+use fmu_points::tell::visible;
 
 pub use header::Header;
 pub use journal::Journal;
@@ -105,6 +106,17 @@ pub enum ResultsError {
         /// The file that it was made of.
         then: PathBuf,
     },
+    /// The folder holds a file of somebody else that results would replace.
+    #[error(
+        "{0} was there before any run wrote into this folder, and would be replaced; choose another --output, or replace it \
+         with --force"
+    )]
+    Precious(PathBuf),
+    /// The folder of a run is there no more.
+    #[error(
+        "{0}: this folder, or the journal in it, was removed or moved while points ran; run the command again"
+    )]
+    Gone(PathBuf),
     /// Points are missing.
     #[error("{path}: {missing} of {points} points are not computed yet; continue with --resume")]
     Incomplete {
@@ -195,14 +207,14 @@ pub fn write_atomically(
     keep(attempt().map_err(ResultsError::io(path))?, path)
 }
 
-/// Writes a value as JSON, all at once.
+/// Writes a value as JSON, all at once, with hidden characters as `\u202e`.
 ///
 /// # Errors
 /// When the system says no.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ResultsError> {
     write_atomically(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, value)?;
-        writeln!(out)
+        let text = serde_json::to_string_pretty(value)?;
+        writeln!(out, "{}", visible(&text))
     })
 }
 

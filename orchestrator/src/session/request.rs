@@ -94,6 +94,24 @@ impl Request {
         Ok(())
     }
 
+    /// Refuses to replace files in a folder into which no run has written yet, but for the study itself.
+    ///
+    /// # Errors
+    /// Names the first such file.
+    pub fn check_files(&self, folder: &Path, earlier: Earlier) -> Result<(), ResultsError> {
+        if earlier == Earlier::Replaced || Self::is_in(folder) {
+            return Ok(());
+        }
+        let files =
+            [STUDY, "points.csv", "summary.json", "report.html"].map(|file| folder.join(file));
+        let is_file = |file: &PathBuf| file.symlink_metadata().is_ok_and(|found| !found.is_dir());
+        let is_precious = |file: &PathBuf| is_file(file) && !is_same(file, self.own_study());
+        match files.into_iter().find(is_precious) {
+            Some(file) => Err(ResultsError::Precious(file)),
+            None => Ok(()),
+        }
+    }
+
     /// Whether the FMU of a request that was kept is another one than its study's.
     fn has_another_fmu(&self) -> bool {
         let (Ok(study), Some(fmu), Some(folder)) =

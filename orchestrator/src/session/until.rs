@@ -53,7 +53,8 @@ enum Condition {
     Verdict(Rule, Looks),
 }
 
-/// With a width, only every so many points are looked at, so that chance does not decide alone.
+/// With a width, only every so many points are looked at, so that chance does not decide alone; nor does it where so many have
+/// failed, and no other.
 const ROUND: u64 = 100;
 
 impl Ending {
@@ -108,14 +109,17 @@ impl Ending {
     }
 
     /// Whether a point counts for the share that is waited for.
-    pub fn counts(&self, judge: &Judge, outcome: &Outcome) -> bool {
-        let values = outcome.as_deref().ok();
-        match (self.condition, self.guard) {
+    pub fn counts(&self, judge: &Judge, outcome: &Outcome) -> Seen {
+        let Ok(values) = outcome.as_deref() else {
+            return Seen::Failed;
+        };
+        let counts = match (self.condition, self.guard) {
             (Condition::Verdict(..), Guard::Given(band)) => {
-                values.is_some_and(|values| judge.measurement.margin(values) >= band)
+                judge.measurement.margin(values) >= band
             }
-            _ => judge.verdict(values).verified(),
-        }
+            _ => judge.verdict(Some(values)).verified(),
+        };
+        if counts { Seen::Counts } else { Seen::Misses }
     }
 
     fn holds(&self, counts: &[u64], points: u64) -> bool {
@@ -155,13 +159,26 @@ fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
     }
 }
 
+/// A point, for the share that is waited for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// It has no result.
+    Failed,
+    /// It has one, and does not count.
+    Misses,
+    /// It counts.
+    Counts,
+}
+
 /// Follows the points in their order, although they finish in another one.
 #[derive(Debug)]
 pub struct Front<'a> {
     ending: &'a Ending,
-    /// Whether each point counts; `None` while it is not finished.
-    seen: Vec<Option<bool>>,
+    /// The points; `None` while one is not finished.
+    seen: Vec<Option<Seen>>,
     counts: Vec<u64>,
+    /// Whether any has a result: a study without one has no verdict, and a few failures say little about the FMU.
+    compared: bool,
     /// The points before this one are finished and counted.
     front: usize,
 }
@@ -173,23 +190,26 @@ impl<'a> Front<'a> {
             ending,
             seen: Vec::new(),
             counts: vec![0; ending.samples],
+            compared: false,
             front: 0,
         }
     }
 
     /// Notes a finished point; says whether the points up to some index are enough.
-    pub fn add(&mut self, index: u64, counts: bool) -> bool {
+    pub fn add(&mut self, index: u64, seen: Seen) -> bool {
         let Ok(index) = usize::try_from(index) else {
             return false;
         };
         if index >= self.seen.len() {
             self.seen.resize(index + 1, None);
         }
-        self.seen[index] = Some(counts);
-        while let Some(Some(counts)) = self.seen.get(self.front) {
-            self.counts[self.front % self.ending.samples] += u64::from(*counts);
+        self.seen[index] = Some(seen);
+        while let Some(Some(seen)) = self.seen.get(self.front) {
+            self.counts[self.front % self.ending.samples] += u64::from(*seen == Seen::Counts);
+            self.compared |= *seen != Seen::Failed;
             self.front += 1;
-            if self.ending.holds(&self.counts, self.front as u64) {
+            let points = self.front as u64;
+            if (self.compared || points >= ROUND) && self.ending.holds(&self.counts, points) {
                 return true;
             }
         }

@@ -39,8 +39,10 @@ impl Verification {
             }
             None => {
                 let design = plan.design(&study.design);
-                let design =
-                    design.map_err(|message| study.error(format!("[design] {message}")))?;
+                let design = design.map_err(|message| match session.request.points {
+                    Some(points) => study.error(format!("--points {points}: {message}")),
+                    None => study.error(format!("[design] {message}")),
+                })?;
                 (Source::Design(design), None)
             }
         };

@@ -344,7 +344,7 @@ impl Binder<'_> {
         };
         schedule.window_start = match (simulation.warm_up, simulation.window) {
             (Some(_), Some(_)) => {
-                return Err("[simulation] has both warm-up and window; keep one".to_owned());
+                return Err("there are both warm-up and window; keep one".to_owned());
             }
             (Some(warm_up), None) => start + warm_up,
             (None, Some(window)) => stop - window,

@@ -4,6 +4,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+use toml::Table;
+use toml::de::DeTable;
 
 use crate::files::reason;
 use fmu_points::names::{did_you_mean, nearest};
@@ -64,18 +66,55 @@ impl Place<'_> {
         let message = suggest(error.message());
         match error.span() {
             Some(span) => {
+                let is_broken = DeTable::parse(self.text).is_err();
                 let line = self.text.get(..span.start).unwrap_or_default();
                 let begin = line.rfind('\n').map_or(0, |end| end + 1);
                 let line = self.text[begin..].lines().next().unwrap_or_default();
-                self.error(span.start, remedy(error.message(), line).unwrap_or(message))
+                let lines = self.text[..begin + line.len()].lines().rev();
+                let section = lines.map(str::trim).find(|line| line.starts_with('['));
+                let is_unknown = message.starts_with("unknown") && section == Some(line.trim());
+                let remedy = match section {
+                    Some(section) if !is_broken && is_single(section) && !is_unknown => {
+                        Some(format!(
+                            "there is only one of this section: write {} instead of {section}",
+                            section.replace("[[", "[").replace("]]", "]")
+                        ))
+                    }
+                    _ => remedy(error.message(), line, is_broken),
+                };
+                self.error(span.start, remedy.unwrap_or(message))
             }
+            None => self.named(message),
+        }
+    }
+
+    /// An error at the section that its message names in brackets, and there at the key that it names first.
+    pub(super) fn named(&self, message: String) -> StudyError {
+        match self.place_of(&message) {
+            Some(offset) => self.error(offset, message),
             None => StudyError::Whole {
                 path: self.path.to_owned(),
                 message,
             },
         }
     }
+
+    fn place_of(&self, message: &str) -> Option<usize> {
+        let study = DeTable::parse(self.text).ok()?;
+        let mut sections = message.split('[').filter_map(|part| part.split_once(']'));
+        let (section, (name, content)) = sections
+            .find_map(|(name, words)| Some((words, study.get_ref().get_key_value(name)?)))?;
+        let mut words = section.split(|c: char| !(c.is_alphanumeric() || c == '-'));
+        let key = content
+            .get_ref()
+            .as_table()
+            .and_then(|keys| words.find_map(|word| keys.get_key_value(word).map(|(key, _)| key)));
+        Some(key.unwrap_or(name).span().start)
+    }
 }
+
+/// A whole number of so many digits may be beyond those that can be read.
+const TOO_LONG: usize = 20;
 
 /// Keys with which one would give a criterion one limit only.
 const LIMITS: [&str; 6] = ["min", "max", "lower", "upper", "below", "above"];
@@ -85,8 +124,9 @@ pub const BOTH_SIDES: &str = "a tolerance is the same to both sides: for limits 
                               tolerance = (b - a) / 2, where only one limit counts with the other one beyond what the model \
                               can reach; an uncertainty given as a percentage must be given as a value then";
 
-/// The remedy for a message of the TOML reader, from the line that it is about; none where its own words do.
-fn remedy(message: &str, line: &str) -> Option<String> {
+/// The remedy for a message of the TOML reader, from the line that it is about, which may break the rules of TOML; none where its
+/// own words do.
+fn remedy(message: &str, line: &str, is_broken: bool) -> Option<String> {
     let says = |part: &str| message.contains(part);
     let (key, value) = line.split_once('=').unwrap_or((line, ""));
     let (key, value) = (
@@ -94,6 +134,28 @@ fn remedy(message: &str, line: &str) -> Option<String> {
         value.split('#').next().unwrap_or_default().trim(),
     );
     let header = line.trim().strip_prefix('[');
+    let alone = value.trim_end_matches([',', ';']);
+    let whole = value.trim_start_matches(['+', '-']).replace('_', "");
+    if header.is_some() && is_broken && !says("duplicate key") {
+        return Some(section_name(line));
+    }
+    if is_broken && value.is_empty() && line.contains('=') {
+        return Some(format!(
+            "{key} has no value: write one behind the =, or remove the line"
+        ));
+    }
+    if is_broken && alone != value && toml::from_str::<Table>(&format!("x = {alone}")).is_ok() {
+        return Some(format!(
+            "nothing stands behind a value: write {key} = {alone}"
+        ));
+    }
+    if whole.bytes().all(|digit| digit.is_ascii_digit()) && whole.len() >= TOO_LONG {
+        return Some(format!(
+            "{key} is beyond the whole numbers that can be read, which end at {}; write a smaller one, or {value}.0 where it need not be \
+             whole",
+            u64::MAX
+        ));
+    }
     if says("expected newline") && is_decimal_comma(value) {
         let point = value.replace(',', ".");
         return Some(format!(
@@ -118,19 +180,13 @@ fn remedy(message: &str, line: &str) -> Option<String> {
             "this is neither `key = value` nor `[section]`, as every line of a study is".to_owned(),
         );
     }
-    if says("unclosed table") {
-        return Some(format!(
-            "the section's name has no end: write {}]",
-            line.trim()
-        ));
-    }
     if says("invalid basic string") || says("invalid literal string") {
         return Some(format!(
             "the text has no end: {key} needs the same quote behind its value"
         ));
     }
     if says("duplicate key") {
-        let name = header.map_or(key, |name| name.trim_matches(|c| c == '[' || c == ']'));
+        let name = header.map_or(key, |name| name.trim_matches(['[', ']']));
         return Some(format!("`{name}` stands here a second time; keep one"));
     }
     if says("expected a sequence") {
@@ -153,6 +209,35 @@ fn remedy(message: &str, line: &str) -> Option<String> {
         ));
     }
     None
+}
+
+/// Whether this is the name of a section in the brackets of a list, and there is no list of such sections.
+fn is_single(section: &str) -> bool {
+    const LISTS: [&str; 4] = [
+        "cases",
+        "correlations",
+        "uncertainty-correlations",
+        "except",
+    ];
+    let name = section.strip_prefix("[[");
+    name.is_some_and(|name| !name.split([']', '.']).any(|part| LISTS.contains(&part)))
+}
+
+/// How the name of a section is to be written whose line breaks the rules.
+fn section_name(line: &str) -> String {
+    let line = line.split('#').next().unwrap_or_default().trim();
+    let name = line.trim_start_matches('[');
+    let count = line.len() - name.len();
+    let name = name.trim_end_matches(']');
+    if line != format!("{}{name}{}", "[".repeat(count), "]".repeat(count)) {
+        let (open, close) = ("[".repeat(count), "]".repeat(count));
+        return format!(
+            "the section's name has other brackets before it than behind it: write {open}{name}{close}"
+        );
+    }
+    "points stand between the parts of a section's name, and a part needs quotes where it has more than letters, digits, - and _: \
+     [criteria.\"Y 1\"]"
+        .to_owned()
 }
 
 /// Whether a value is a number such as `0,02`.
@@ -190,7 +275,7 @@ fn suggest(message: &str) -> String {
 
 /// Says what is expected in words of the study, not in those of the program.
 fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 9] = [
+    const WORDS: [(&str, &str); 10] = [
         (
             "missing field `fmu`",
             "`fmu` is missing, the model: fmu = \"my.fmu\"",
@@ -203,6 +288,7 @@ fn plain(message: &str) -> String {
         ("expected path string", "expected a path in quotes"),
         ("expected a boolean", "expected true or false"),
         ("floating point `", "number `"),
+        (" as i128", " with more digits than can be read"),
     ];
     let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
     let message = WORDS.iter().fold(message.to_owned(), replaced);
@@ -266,7 +352,7 @@ mod tests {
             (
                 "[design]",
                 "[design",
-                "2:8: the section's name has no end: write [design]",
+                "2:8: the section's name has other brackets before it than behind it: write [design]",
             ),
             (
                 "\"normal\"",
@@ -299,6 +385,48 @@ mod tests {
                 "`fmu` is missing, the model: fmu = \"my.fmu\"",
             ),
             ("\"normal\"", "\"gauss\"", "did you mean `normal`?"),
+            (
+                "[design]",
+                "[[design] # drawn",
+                "2:10: the section's name has other brackets before it than behind it: write [[design]]",
+            ),
+            ("[design]", "[the design]", "[criteria.\"Y 1\"]"),
+            ("[design]", "[[desing]]", "did you mean `design`?"),
+            (
+                "[design]",
+                "[[design]]",
+                "there is only one of this section: write [design] instead of [[design]]",
+            ),
+            (
+                "[parameters.\"lag.rate\"]",
+                "[[parameters.\"lag.rate\"]]",
+                "4:1: there is only one of this section: write [parameters.\"lag.rate\"]",
+            ),
+            (
+                "mean = 1",
+                "mean = 1;",
+                "6:8: nothing stands behind a value: write mean = 1",
+            ),
+            (
+                "mean = 1",
+                "mean = 1.0,",
+                "nothing stands behind a value: write mean = 1.0",
+            ),
+            (
+                "mean = 1",
+                "mean = # ?",
+                "6:8: mean has no value: write one behind the =",
+            ),
+            (
+                "points = 8",
+                "seed = 99_999_999_999_999_999_999",
+                "3:8: seed is beyond the whole numbers that can be read, which end at 18446744073709551615",
+            ),
+            (
+                "mean = 1",
+                "mean = 9999999999999999999999999999999999999999999",
+                "write a smaller one, or 9999999999999999999999999999999999999999999.0 where",
+            ),
             ("\"normal\"", "\"rectangular\"", "did you mean `uniform`?"),
             ("deviation", "sigma", "did you mean `deviation`?"),
             (

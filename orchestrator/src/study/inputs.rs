@@ -9,6 +9,7 @@ use fmu_import::description::Interface;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Content, Description, Variability, Variable};
 use fmu_points::task::{Schedule, Series, Slot, place};
+use sampling::statistics::moments::{quantile, sorted};
 
 /// The recordings of a study for an FMU.
 pub(super) fn series(
@@ -50,8 +51,7 @@ pub(super) fn series(
             covers(&series, schedule, ["start = ", "stop = ", &remedy])
                 .map_err(|message| named(format!("{}: {message}", path.display())))?;
         }
-        let missed = missed(&series, schedule, &scale);
-        concerns.extend(missed.map(|text| Concern::new(Code::MissedRows, text)));
+        concerns.extend(doubts(&series, schedule, &scale));
         Ok(series)
     };
     let inputs = study.inputs.iter().map(&mut bind);
@@ -103,8 +103,50 @@ pub(crate) fn takes_any_step(fmu: &Description) -> bool {
     fmu.capabilities.can_handle_variable_communication_step_size
 }
 
+/// What an FMU gets otherwise than it was on the rig.
+pub(crate) fn doubts(
+    series: &Series,
+    schedule: &Schedule,
+    scale: &Scale<'_>,
+) -> impl Iterator<Item = Concern> + use<> {
+    let missed = missed(series, schedule, scale);
+    let missed = missed.map(|text| Concern::new(Code::MissedRows, text));
+    let hole = hole(series, schedule);
+    missed
+        .into_iter()
+        .chain(hole.map(|text| Concern::new(Code::Hole, text)))
+}
+
+/// Warns of a hole in a recording, over which the input is a straight line that nobody measured. Few rows are the corners of a
+/// line that somebody drew.
+fn hole(series: &Series, schedule: &Schedule) -> Option<String> {
+    const FEWEST: usize = 20;
+    const USUAL: f64 = 10.0;
+    const SHARE: f64 = 0.1;
+    let Schedule { start, stop, .. } = *schedule;
+    let gaps = || series.times.windows(2).map(|ends| [ends[0], ends[1]]);
+    let lengths = gaps().map(|[from, to]| to - from);
+    let usual = quantile(
+        &sorted(lengths.filter(|&length| length > 0.0).collect()),
+        0.5,
+    );
+    let share = |[from, to]: [f64; 2]| (to.min(stop) - from.max(start)) / (stop - start);
+    let is_hole = |&[from, to]: &[f64; 2]| to - from > USUAL * usual && share([from, to]) >= SHARE;
+    let longest = gaps()
+        .filter(is_hole)
+        .max_by(|a, b| share(*a).total_cmp(&share(*b)));
+    let [from, to] = longest.filter(|_| series.times.len() >= FEWEST && !series.hold)?;
+    Some(format!(
+        "{}: the recording has no rows between {from} s and {to} s, {:.0} % of the run, where its rows are {} s apart \
+         otherwise; the FMU gets a straight line there: record it without the hole, or cut the run",
+        series.slot.name,
+        100.0 * share([from, to]),
+        short(usual)
+    ))
+}
+
 /// Warns of rows of a recording that an FMU of fixed steps cannot follow.
-pub(crate) fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<String> {
+fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<String> {
     let unseen = Some(series)
         .filter(|series| !series.each_row)
         .and_then(|series| series.unseen(schedule))?;

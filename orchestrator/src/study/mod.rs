@@ -537,11 +537,8 @@ impl Study {
         self.error_at(name, format!("{}: {message}", name.as_ref()))
     }
 
-    /// An error of the study as a whole.
+    /// An error of a section, or of the study as a whole: at the key that the message names, where the file has it.
     pub fn error(&self, message: impl Into<String>) -> StudyError {
-        StudyError::Whole {
-            path: self.path.clone(),
-            message: message.into(),
-        }
+        self.place().named(message.into())
     }
 }

@@ -227,6 +227,51 @@ fn changed_contents_of_the_same_files_replace_a_finished_run_and_say_so() {
 }
 
 #[test]
+fn files_that_no_run_has_written_need_force() {
+    let bench = bench();
+    bench.write("table.csv", "point,Y\n1,0.86\n");
+    for file in ["report.html", "points.csv", "summary.json", "study.toml"] {
+        let place = format!("{file}.out");
+        fs::create_dir(bench.path(&place)).unwrap();
+        let path = format!("{place}/{file}");
+        bench.write(&path, "precious");
+        for command in [
+            &["verify", "study.toml"][..],
+            &["judge", "study.toml", "table.csv"],
+        ] {
+            let command = [command, &["--output", &place]].concat();
+            bench
+                .run(&command)
+                .is_mistake(&[&path, "before any run wrote", "--force"]);
+        }
+        assert_eq!(bench.read(&path), "precious");
+        let said = bench.run(&["verify", "study.toml", "--output", &place, "--force"]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert_ne!(bench.read(&path), "precious");
+    }
+    // The study itself is none.
+    let said = bench.run(&["verify", "study.toml", "--output", "."]);
+    assert_eq!(said.code, 0, "{}", said.err);
+}
+
+#[test]
+fn a_folder_that_is_gone_is_told_before_all_that_follows_from_it() {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["NAP=3000"], &model("", ""));
+    bench.write("study.toml", STUDY);
+    let command = ["verify", "study.toml", "--output", "out"];
+    let mut command = bench.command(&command);
+    let child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn();
+    let child = child.unwrap();
+    while !bench.path("out/study.toml").exists() {
+        sleep(Duration::from_millis(1));
+    }
+    fs::rename(bench.path("out"), bench.path("elsewhere")).unwrap();
+    let said: Said = child.wait_with_output().unwrap().into();
+    said.is_mistake(&["out: this folder, or the journal in it, was removed or moved"]);
+}
+
+#[test]
 fn a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
     let bench = bench();
     assert_eq!(verify(&bench, "study.toml", &[]).code, 0);

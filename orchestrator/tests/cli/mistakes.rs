@@ -88,6 +88,9 @@ fn one_file_in_the_place_of_another() {
         bench
             .run(&["verify", "study.toml", "--output", "/proc/x"])
             .is_mistake(&["/proc/x: no folder can be made here; choose another --output"]);
+        bench
+            .run(&["verify", "study.toml", "--output", "/dev/null"])
+            .is_mistake(&["/dev/null is a device or a pipe, where a folder is needed"]);
     }
     std::fs::write(bench.path("latin.toml"), b"# K\xfchlung").unwrap();
     bench
@@ -199,8 +202,20 @@ fn values_that_make_no_sense() {
     set("lag.y").is_mistake(&["NAME=VALUE"]);
     verify("mean = 1", "mean = -1").is_mistake(&["study.toml:10", "less than the smallest"]);
     verify("deviation = 0.1", "deviation = 0").is_mistake(&["study.toml:10", "deviation"]);
-    verify("stop = 2", "stop = -2").is_mistake(&["stop time"]);
-    verify("points = 8", "points = 0").is_mistake(&["points"]);
+    verify("stop = 2", "stop = -2").is_mistake(&["study.toml:5:1", "stop time"]);
+    for (line, place) in [
+        ("step = 5", "6:1"),
+        ("warm-up = 3", "6:1"),
+        ("window = 3", "6:1"),
+        ("window = 1\nwarm-up = 1", "7:1"),
+        ("tolerance = -1", "6:1"),
+    ] {
+        verify("stop = 2", &format!("stop = 2\n{line}"))
+            .is_mistake(&[&format!("study.toml:{place}: [simulation] ")]);
+    }
+    verify("points = 8", "points = 0").is_mistake(&["study.toml:8:1: [design] points"]);
+    verify("points = 8", "seed = 1\nmethod = \"full-factorial\"")
+        .is_mistake(&["study.toml:7:2: [design] a full factorial needs"]);
     verify("nominal = 0.86", "nominal = nan").is_mistake(&["study.toml:15", "not a finite number"]);
     verify("stop = 2", "stop = \"2 s\"").is_mistake(&["study.toml:5:8", "expected a number"]);
     for (option, value, remedy) in [
@@ -212,6 +227,9 @@ fn values_that_make_no_sense() {
         said.is_mistake(&[&format!("invalid value '{value}'"), remedy]);
     }
     bench.write("study.toml", STUDY);
+    bench
+        .run(&["verify", "study.toml", "--points", "0"])
+        .is_mistake(&["study.toml: --points 0: points must be at least 1"]);
     let never = bench.run(&["verify", "study.toml", "--point-timeout", "-1"]);
     never.is_mistake(&["--point-timeout: -1.0 s is not a positive time"]);
     let start = bench.run(&["simulate", "lag.fmu", "--start", "-1", "--stop", "0"]);

@@ -76,10 +76,21 @@ fn no_output_steers_the_terminal() {
     let json = bench.run(&["inspect", "lag.fmu", "--json"]).out;
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["variables"][3]["name"], format!("lag.y{STEER}"));
-    for file in ["points.csv", "report.html"] {
+    for file in ["points.csv", "report.html", "journal.txt", "summary.json"] {
         let text = bench.read(&format!("results/study/{file}"));
-        hides_nothing(file, &text);
         assert!(text.contains(r"the \u001b]0;owned\u0007 broke"), "{file}");
+    }
+    no_file_hides_anything(&bench);
+}
+
+/// Of those in the folder of results.
+fn no_file_hides_anything(bench: &Bench) {
+    let entries = std::fs::read_dir(bench.path("results/study")).unwrap();
+    for entry in entries.map(|entry| entry.unwrap().path()) {
+        if entry.is_file() {
+            let text = std::fs::read_to_string(&entry).unwrap();
+            hides_nothing(&entry.display().to_string(), &text);
+        }
     }
 }
 
@@ -97,7 +108,11 @@ fn texts_of_a_csv_file_come_back() {
     assert_eq!(lines.next(), Some(&*row));
     // The columns are found by the names that the FMU gives them.
     bench.write("study.toml", &STUDY.replace("Fail", "None"));
-    assert!(bench.run(&["verify", "study.toml"]).code < 2);
+    for command in ["verify", "robustness", "pareto", "sensitivity"] {
+        let said = bench.run(&[command, "study.toml", "--output", "results/study"]);
+        assert!(said.code < 2, "{command}: {}", said.err);
+    }
+    no_file_hides_anything(&bench);
     let again = ["verify", "study.toml", "--output", "again", "--points-from"];
     let again = bench.run(&[&again[..], &["results/study/points.csv"]].concat());
     assert!(again.code < 2, "{}", again.err);
@@ -143,5 +158,58 @@ fn devices_and_pipes_are_no_files() {
             bench.write("other.toml", &keys);
             refused(&["verify", "other.toml"]);
         }
+    }
+}
+
+/// A straight line over a hole is an input that nobody recorded; the corners of a line that somebody drew are no recording.
+#[test]
+fn a_hole_in_a_recording_is_told() {
+    let bench = Bench::new();
+    let even = |is_there: fn(f64) -> bool| -> Vec<f64> {
+        let times = (0..=100).map(|k| 0.1 * f64::from(k));
+        times.filter(|time| is_there(*time)).collect()
+    };
+    for (times, hole) in [
+        (
+            even(|time| !(1.05..8.95).contains(&time)),
+            "between 1 s and 9 s, 80 % of the run",
+        ),
+        (even(|time| !(1.05..1.85).contains(&time)), ""),
+        (even(|_| true), ""),
+        (vec![0.0, 10.0], ""),
+        (vec![0.0, 0.1, 0.1, 9.0, 10.0], ""),
+    ] {
+        let rows = times.iter().map(|time| format!("{time:.1},1\n"));
+        bench.write(
+            "drive.csv",
+            &format!("time,drive.u\n{}", rows.collect::<String>()),
+        );
+        let said = bench.run(&[
+            "simulate",
+            "lag.fmu",
+            "--stop",
+            "10",
+            "--input",
+            "drive.csv",
+        ]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        assert_eq!(
+            said.err.lines().count(),
+            usize::from(!hole.is_empty()),
+            "{}",
+            said.err
+        );
+        assert!(said.err.contains(hole), "{}", said.err);
+        let study = STUDY.replace(r"\u009b2J\u202e", "").replace("Fail", "None");
+        let study = format!(
+            "{study}[inputs]\n\"drive.u\" = {{ file = \"drive.csv\" }}\n[simulation]\nstop = 10\n"
+        );
+        bench.write("study.toml", &study);
+        assert!(bench.run(&["verify", "study.toml"]).code < 2);
+        let concerns = bench.summary("results/study")["concerns"].to_string();
+        assert_eq!(
+            concerns.contains(r#""code":"hole","severity":"warning""#),
+            !hole.is_empty()
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! Results of a sample of the posterior, and how far it can be trusted: plain data that becomes JSON.
 
 use sampling::distribution::ln_sum;
-use sampling::statistics::moments::{mean, pearson, sorted, variance};
+use sampling::statistics::moments::{deviation, mean, pearson, sorted};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -406,7 +406,7 @@ fn marginal(
         name: name.to_owned(),
         unit: unit.clone(),
         mean: mean(&values),
-        deviation: variance(&values, 1).sqrt(),
+        deviation: deviation(&values, 1),
         median: value(quantile(&places, 0.5)),
         intervals: intervals.map(|ends| ends.map(value)).collect(),
         scale,

@@ -66,8 +66,10 @@ impl Schedule {
             ));
         }
         if !(self.window_start >= start && self.window_start <= stop) {
-            let seen = "statistics would begin outside the simulation";
-            return Err(format!("{seen}: at {} s", self.window_start));
+            let at = self.window_start;
+            return Err(format!(
+                "statistics would begin at {at} s, outside the simulation; correct warm-up or window"
+            ));
         }
         if self
             .tolerance

@@ -38,3 +38,36 @@ pub(super) trait Collect: Default {
     /// The statistic of the values so far, of which there must be one, over `span` seconds.
     fn result(&self, span: f64) -> f64;
 }
+
+/// Collects a statistic that grows as its values do, from the values as they are and in [`LARGE`] units: sums, squares and
+/// differences of large values are beyond all numbers, where the statistic is not.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Scaled<C>([C; 2]);
+
+/// A power of two, so that no digit changes.
+pub(super) const LARGE: f64 = f64::from_bits((1023 + 600) << 52);
+
+impl<C: Collect> Collect for Scaled<C> {
+    const LABEL: &'static str = C::LABEL;
+    const DIFFERENCE: bool = C::DIFFERENCE;
+    const TREND: Trend = C::TREND;
+
+    #[inline]
+    fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
+        let Self([plain, scaled]) = self;
+        for (elapsed, value) in values {
+            plain.add_all(std::iter::once((elapsed, value)));
+            scaled.add_all(std::iter::once((elapsed, value / LARGE)));
+        }
+    }
+
+    fn result(&self, span: f64) -> f64 {
+        let Self([plain, scaled]) = self;
+        let result = plain.result(span);
+        if result.is_finite() {
+            result
+        } else {
+            LARGE * scaled.result(span)
+        }
+    }
+}

@@ -64,6 +64,6 @@ impl Collect for Amplitude {
     }
 
     fn result(&self, span: f64) -> f64 {
-        0.5 * (self.max.result(span) - self.min.result(span))
+        0.5 * self.max.result(span) - 0.5 * self.min.result(span)
     }
 }

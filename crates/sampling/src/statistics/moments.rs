@@ -1,8 +1,26 @@
 //! Statistics of plain samples: moments, ranks, correlation, quantiles, the Kolmogorov-Smirnov distance.
 
+use super::collect::LARGE;
+
 /// The mean; not a number of nothing.
 pub fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
+    let (sum, count) = (values.iter().sum::<f64>(), values.len() as f64);
+    match sum.is_infinite() {
+        true => values.iter().map(|value| value / count).sum(),
+        false => sum / count,
+    }
+}
+
+/// The standard deviation, of which the variance may be beyond all numbers.
+pub fn deviation(values: &[f64], freedom: usize) -> f64 {
+    let deviation = variance(values, freedom).sqrt();
+    match deviation.is_infinite() {
+        true => {
+            let values: Vec<f64> = values.iter().map(|value| value / LARGE).collect();
+            LARGE * variance(&values, freedom).sqrt()
+        }
+        false => deviation,
+    }
 }
 
 /// The variance about the mean, divided by the number of values less `freedom`.
@@ -108,6 +126,11 @@ mod tests {
         assert_eq!(mean(&values), 3.0);
         assert_eq!(variance(&values, 1), 7.0);
         assert_eq!(variance(&values, 0), 14.0 / 3.0);
+        for large in [1e160, 2e307] {
+            let values = values.map(|value| large * value);
+            assert!((mean(&values) / large - 3.0).abs() < 1e-12);
+            assert!((deviation(&values, 1) / large - 7.0_f64.sqrt()).abs() < 1e-12);
+        }
     }
 
     /// The value of `scipy.stats.pearsonr`.

@@ -67,6 +67,14 @@ impl Collect for Percentile {
         let (Some(&least), Some(&greatest)) = (levels.first(), levels.last()) else {
             return f64::NAN;
         };
+        if (greatest - least).is_infinite() && least.is_finite() && greatest.is_finite() {
+            let quarter = self
+                .values
+                .iter()
+                .map(|(elapsed, value)| (*elapsed, 0.25 * value));
+            let values = quarter.collect();
+            return 4.0 * Self { values, ..*self }.result(0.0);
+        }
         let wanted = self.share * self.time_below(greatest, true);
         let place = levels.partition_point(|&level| self.time_below(level, true) < wanted);
         let Some(before) = place.checked_sub(1) else {

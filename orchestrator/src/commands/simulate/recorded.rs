@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Columns, CommandError};
 use crate::study::inputs::{
-    covers, follow, is_discrete, is_integrated, many_steps, missed, slot_while_running,
+    covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running,
     takes_any_step,
 };
 use crate::study::plan::find;
@@ -95,8 +95,8 @@ pub(super) fn inputs(
             let words = ["--start ", "--stop ", "--extrapolate hold"];
             covers(&series, schedule, words).map_err(wrong)?;
         }
-        if let Some(concern) = missed(&series, schedule, &scale) {
-            fmu_points::tell::line!("note: {concern}");
+        for concern in doubts(&series, schedule, &scale) {
+            fmu_points::tell::line!("note: {}", concern.text);
         }
         Ok(series)
     };

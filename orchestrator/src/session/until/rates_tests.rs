@@ -2,7 +2,7 @@
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::tests::{STUDY, judge};
+use super::tests::{STUDY, judge, seen};
 use super::*;
 use conformity::decision::randomised;
 use sampling::design::{Design, Sampling};
@@ -41,7 +41,7 @@ impl Way {
         let mut front = Front::new(&ending);
         for index in 0..self.points {
             let u = design.point(index);
-            if front.add(index, u[0] + u[1] < 0.4_f64.sqrt()) && self.waits {
+            if front.add(index, seen(u[0] + u[1] < 0.4_f64.sqrt())) && self.waits {
                 break;
             }
         }

@@ -33,11 +33,15 @@ fn ending(until: &str, design: Option<(Method, u64)>) -> Result<Ending, String> 
     )
 }
 
+pub(super) fn seen(counts: bool) -> Seen {
+    if counts { Seen::Counts } else { Seen::Misses }
+}
+
 /// The number of points at which the study ends.
 fn end(ending: &Ending, order: impl Iterator<Item = u64>, counts: impl Fn(u64) -> bool) -> usize {
     let mut front = Front::new(ending);
     for index in order {
-        if front.add(index, counts(index)) {
+        if front.add(index, seen(counts(index))) {
             break;
         }
     }
@@ -89,11 +93,31 @@ fn guarded_points_count_for_the_verdict_and_others_for_the_width() {
         ending(until, design)
             .unwrap()
             .counts(&judge, &Ok(vec![value]))
+            == Seen::Counts
     };
     assert!(counts("verdict", 0.39) && !counts("verdict", 0.41));
     assert!(counts("ci 0.1", 0.5) && !counts("ci 0.1", 0.51));
     let failed = Err(fmu_points::failure::Failure::Timeout);
-    assert!(!ending("verdict", design).unwrap().counts(&judge, &failed));
+    let failed = ending("verdict", design).unwrap().counts(&judge, &failed);
+    assert_eq!(failed, Seen::Failed);
+}
+
+/// Without any result there is no verdict: so the first failures do not end the study, and a hundred do.
+#[test]
+fn failures_alone_end_a_study_late() {
+    let ending = ending("verdict", Some((Method::MonteCarlo, 1))).unwrap();
+    for (failed, end) in [(20, 24), (40, 41), (1000, 100)] {
+        let mut front = Front::new(&ending);
+        let seen = |index| {
+            if index < failed {
+                Seen::Failed
+            } else {
+                Seen::Misses
+            }
+        };
+        assert!((0..1000).any(|index| front.add(index, seen(index))));
+        assert_eq!(front.front, end);
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::io;
 
+use fmu_points::tell::is_hidden;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 
@@ -124,9 +125,15 @@ impl Element {
         xml.write_event(Event::Decl(declaration))
             .and_then(|()| self.write(&mut xml))
             .expect("memory takes whatever is written");
-        let mut text = String::from_utf8(xml.into_inner()).expect("all that is written is text");
-        text.push('\n');
-        text
+        let text = String::from_utf8(xml.into_inner()).expect("all that is written is text");
+        let mut shown = String::new();
+        for c in text.chars() {
+            match is_hidden(c) && !c.is_ascii_whitespace() {
+                true => shown += &format!("&#x{:x};", u32::from(c)),
+                false => shown.push(c),
+            }
+        }
+        shown + "\n"
     }
 
     fn write(&self, xml: &mut Writer<Vec<u8>>) -> io::Result<()> {
