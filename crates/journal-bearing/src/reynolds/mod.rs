@@ -23,7 +23,9 @@
 //! `zeta` in 0..1 (the mean over the width). `P`, `v` and `W` have the unit 1/s.
 
 mod grid;
+mod lanes;
 mod quasi_static;
+mod ring;
 mod roughness;
 mod settings;
 mod stress;

@@ -4,9 +4,9 @@ use nalgebra::Vector2;
 
 use super::balance::Balance;
 use super::cells::Cells;
-use super::lanes::largest;
 use super::stage::Stage;
 use super::state::Field;
+use crate::reynolds::lanes::largest;
 
 /// Moves cells into and out of the set of full cells, and counts how often each has moved.
 #[derive(Clone, Debug)]

@@ -17,12 +17,12 @@
 
 use super::cells::Cells;
 use super::gap::Gap;
-use super::lanes::{dot, sum_of};
 use super::liquid::Liquid;
 use super::stage::Stage;
 use super::state::Field;
 use super::sweeps::{add_difference, change, fill};
 use super::upwind;
+use crate::reynolds::lanes::{dot, sum_of};
 use crate::reynolds::roughness::shear_flow_factor;
 
 /// Conductances, fluxes and residuals at one gap and field.

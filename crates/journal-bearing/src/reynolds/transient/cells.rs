@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use super::lanes::LANES;
 use crate::reynolds::grid::Grid;
+use crate::reynolds::lanes::LANES;
 use crate::reynolds::settings::Cavitation;
 
 /// The cells' geometry.

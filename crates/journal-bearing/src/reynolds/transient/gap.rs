@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Vector2;
 
 use super::cells::Cells;
-use super::lanes::smallest;
+use crate::reynolds::lanes::smallest;
 use crate::reynolds::roughness::mean_gap;
 
 /// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.

@@ -1,8 +1,8 @@
 //! The transient film, from the ground up; each layer uses only those above it in this list.
 //!
-//! * `lanes`, `sweeps`: arithmetic over arrays, in an order that is the same on every machine.
+//! * `sweeps`: arithmetic over arrays, with that of `lanes` in an order that is the same on every machine.
 //! * `cells`, `gap`, `state`, `stage`, `liquid`, `upwind`, `balance`, `active_set`: the film cell by cell.
-//! * `linear`: the balances linearised, and the factorisation of their matrix.
+//! * `linear`: the balances linearised, and their matrix, which `ring` factorises.
 //! * `geometry`, `workspace`: the film at a place of the journal, with all buffers; a step allocates nothing.
 //! * `asperities`, `forces`, `way`: the journal in it.
 //! * `newton`, `landing`: the solution of one implicit stage.
@@ -22,7 +22,6 @@ mod forces;
 mod gap;
 mod geometry;
 mod landing;
-mod lanes;
 mod linear;
 mod liquid;
 mod newton;

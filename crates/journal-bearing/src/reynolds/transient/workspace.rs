@@ -5,11 +5,11 @@ use nalgebra::Vector2;
 use super::active_set::ActiveSet;
 use super::balance::Balance;
 use super::geometry::Geometry;
-use super::lanes::dot;
 use super::linear::{Base, Linear};
 use super::liquid::Liquid;
 use super::stage::Stage;
 use super::state::{Field, State};
+use crate::reynolds::lanes::dot;
 use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
 
 /// A film through which flows less than this share of its content in a step counts as still: its mass balance is judged

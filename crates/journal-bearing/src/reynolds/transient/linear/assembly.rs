@@ -2,8 +2,8 @@
 
 use super::super::sweeps::{change, fill};
 use super::Base;
-use super::ring::Ring;
 use super::unknowns::Unknowns;
+use crate::reynolds::ring::Ring;
 
 /// Fills the matrix. `held` is scratch space of one value per cell.
 pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &Base<'_>) {

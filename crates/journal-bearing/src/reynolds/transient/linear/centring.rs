@@ -2,8 +2,8 @@
 
 use super::super::upwind::{Edge, edges};
 use super::Base;
-use super::ring::Ring;
 use super::unknowns::Unknowns;
+use crate::reynolds::ring::Ring;
 
 /// Adds the derivatives of the flux corrections to the matrix.
 pub fn centre(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {

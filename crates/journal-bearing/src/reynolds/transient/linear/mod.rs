@@ -1,12 +1,8 @@
 //! The film's balances, linearised: how the cells answer to their residuals and to the journal.
 
 mod assembly;
-mod block;
 mod centring;
 mod closing;
-mod ring;
-#[cfg(test)]
-mod ring_tests;
 mod thickening;
 mod unknowns;
 
@@ -15,12 +11,12 @@ use nalgebra::{Matrix2, Vector2};
 use super::balance::Balance;
 use super::cells::Cells;
 use super::gap::Gap;
-use super::lanes::sum_of;
 use super::liquid::Liquid;
 use super::stage::Stage;
 use super::state::Field;
+use crate::reynolds::lanes::sum_of;
+use crate::reynolds::ring::Ring;
 use closing::Closing;
-use ring::Ring;
 use unknowns::Unknowns;
 
 /// The film about which the balances are linearised: gap, oil, field and balances at one place of the journal, in one stage.

@@ -6,8 +6,8 @@
 use super::super::liquid::Liquid;
 use super::super::state::Field;
 use super::Base;
-use super::ring::Ring;
 use super::unknowns::Unknowns;
+use crate::reynolds::ring::Ring;
 
 /// Derivatives of the flow over an edge, from its first cell to its second, over the pressures in `ease` of both.
 fn gains(

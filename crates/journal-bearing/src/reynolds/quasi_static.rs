@@ -3,20 +3,19 @@
 //! Where the film would be in tension it carries nothing, and its oil content is not tracked. Position and extent of the
 //! pressure field follow from the complementarity `P >= 0`, `A P - b >= 0`, `P (A P - b) = 0`: at both ends of the field,
 //! pressure and pressure gradient are zero (the Swift-Stieber or Reynolds condition, at both ends). The primal-dual
-//! active-set method solves it, a semismooth Newton method (Hintermueller, Ito & Kunisch 2003, SIAM J. Optim. 13), with a
-//! direct factorisation over the cells under pressure only.
+//! active-set method solves it, a semismooth Newton method (Hintermueller, Ito & Kunisch 2003, SIAM J. Optim. 13).
 
 use std::f64::consts::PI;
 
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 use thiserror::Error;
 
-mod skyline;
 #[cfg(test)]
 mod tests;
 
 use super::grid::Grid;
-use skyline::Skyline;
+use super::lanes::LANES;
+use super::ring::Ring;
 
 /// Where the pressure field may begin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,17 +87,16 @@ pub struct QuasiStatic {
     across: Vec<f64>,
     /// Reciprocal distances between rows; the last is to the open end.
     inverse_distance: Vec<f64>,
+    /// Cells of a column with padding: the ring's rows.
+    stride: usize,
     /// `P`, 1/s, column by column.
     pressure: Vec<f64>,
     /// Which cells are under pressure.
     full: Vec<bool>,
-    /// A full cell's number in the linear system; `usize::MAX` for the others.
-    number: Vec<usize>,
-    matrix: Skyline,
+    /// The matrix of the full cells; the others count as identity.
+    ring: Ring,
     /// Pressures of the full cells at unit velocities along x and y.
-    unit: Vec<[f64; 2]>,
-    /// The columns in the order in which they are eliminated.
-    order: Vec<usize>,
+    unit: [Vec<f64>; 2],
 }
 
 /// Most passes of an iteration; ordinary ones need a few.
@@ -119,7 +117,8 @@ impl QuasiStatic {
             .map(|j| 1.0 / grid.zeta_distance(j))
             .chain([1.0 / grid.end_distance()])
             .collect();
-        let cells = columns * rows;
+        let stride = rows.next_multiple_of(LANES);
+        let zeros = || vec![0.0; columns * stride];
         let mut film = Self {
             boundary,
             slenderness: width_to_diameter.powi(-2),
@@ -127,12 +126,11 @@ impl QuasiStatic {
             along: vec![0.0; columns],
             across: vec![0.0; columns],
             inverse_distance,
-            pressure: vec![0.0; cells],
-            full: vec![false; cells],
-            number: vec![0; cells],
-            matrix: Skyline::default(),
-            unit: Vec::with_capacity(cells),
-            order: Vec::with_capacity(columns),
+            stride,
+            pressure: zeros(),
+            full: vec![false; columns * stride],
+            ring: Ring::new(columns, stride),
+            unit: [zeros(), zeros()],
             grid,
         };
         film.place(Vector2::zeros());
@@ -141,11 +139,7 @@ impl QuasiStatic {
 
     /// Puts the journal of a round, aligned bearing at the eccentricity ratio `eps`, `|eps| < 1`.
     pub fn place(&mut self, eps: Vector2<f64>) {
-        self.shape(|theta| 1.0 - eps.x * theta.cos() - eps.y * theta.sin());
-    }
-
-    /// Gives the film the gap `H(theta) > 0`.
-    pub fn shape(&mut self, gap: impl Fn(f64) -> f64) {
+        let gap = |theta: f64| 1.0 - eps.x * theta.cos() - eps.y * theta.sin();
         let columns = self.grid.columns();
         let mut before = gap(self.grid.theta_edge(0)).powi(3);
         for i in 0..columns {
@@ -167,7 +161,7 @@ impl QuasiStatic {
 
     /// The pressure `P` of column `i`, row `j`, 1/s.
     pub fn pressure(&self, i: usize, j: usize) -> f64 {
-        self.pressure[i * self.grid.rows() + j]
+        self.pressure[i * self.stride + j]
     }
 
     /// Solves for the load that the film carries at a squeeze velocity `v = d eps/dt - omega z x eps`, 1/s.
@@ -204,7 +198,7 @@ impl QuasiStatic {
     fn settle(
         &mut self,
         towards: Vector2<f64>,
-        velocity: impl Fn(nalgebra::Matrix2<f64>) -> Vector2<f64>,
+        velocity: impl Fn(Matrix2<f64>) -> Vector2<f64>,
     ) -> Result<Carried, NotConverged> {
         let rows = self.grid.rows();
         if towards == Vector2::zeros() {
@@ -219,7 +213,7 @@ impl QuasiStatic {
         if !self.full.iter().any(|&full| full) {
             for (i, normal) in self.normal.iter().enumerate() {
                 let full = normal.dot(&towards) > 0.0;
-                self.full[i * rows..(i + 1) * rows].fill(full);
+                self.full[i * self.stride..][..rows].fill(full);
             }
         }
         for _ in 0..LIMIT {
@@ -241,72 +235,63 @@ impl QuasiStatic {
 
     /// Solves for the pressures of unit velocities along x and y over the full cells.
     fn solve_unit_velocities(&mut self) {
-        let (columns, rows) = (self.grid.columns(), self.grid.rows());
-        self.arrange();
-        self.matrix.clear();
-        self.unit.clear();
-        let mut count = 0;
-        for &i in &self.order {
-            for j in 0..rows {
-                let cell = i * rows + j;
-                if self.full[cell] {
-                    self.number[cell] = count;
-                    count += 1;
-                } else {
-                    self.number[cell] = usize::MAX;
-                }
-            }
-        }
-        for at in 0..columns {
-            let i = self.order[at];
-            let (left, right) = ((i + columns - 1) % columns, (i + 1) % columns);
-            for j in 0..rows {
-                let cell = i * rows + j;
-                let own = self.number[cell];
-                if own == usize::MAX {
-                    continue;
-                }
-                let width = self.grid.zeta_width(j);
-                let couplings = [
-                    (Some(left * rows + j), self.along[i] * width),
-                    (Some(right * rows + j), self.along[right] * width),
-                    ((j > 0).then(|| cell - 1), self.across_into(i, j)),
-                    (
-                        (j + 1 < rows).then_some(cell + 1),
-                        self.across_into(i, j + 1),
-                    ),
-                ];
-                let lower = |neighbour: Option<usize>| {
-                    neighbour.map(|n| self.number[n]).filter(|&n| n < own)
-                };
-                let first = couplings
+        for i in 0..self.grid.columns() {
+            for j in 0..self.grid.rows() {
+                let cell = i * self.stride + j;
+                let full = self.full[cell];
+                let edges = self.edges(i, j);
+                let leak = edges
                     .iter()
-                    .filter_map(|&(neighbour, _)| lower(neighbour))
-                    .min()
-                    .unwrap_or(own);
-                self.matrix.push_row(first);
-                let mut diagonal = 0.0;
-                for (k, &(neighbour, conductance)) in couplings.iter().enumerate() {
-                    // At a closed seam the pressure falls to zero over half a cell.
-                    let sealed = self.boundary == Boundary::Seam
-                        && ((k == 0 && i == 0) || (k == 1 && right == 0));
-                    if sealed {
-                        diagonal += 2.0 * conductance;
-                        continue;
-                    }
-                    diagonal += conductance;
-                    if let Some(n) = lower(neighbour) {
-                        self.matrix.add(own, n, -conductance);
-                    }
+                    .fold(0.0, |sum, (conductance, _)| sum + conductance);
+                let [before, after, below, above] = edges.map(|(conductance, neighbour)| {
+                    let couples = full && neighbour.is_some_and(|other| self.full[other]);
+                    if couples { -conductance } else { 0.0 }
+                });
+                let ring = &mut self.ring;
+                ring.own[cell] = if full { leak } else { 1.0 };
+                (ring.before[cell], ring.after[cell]) = (before, after);
+                (ring.below[cell], ring.above[cell]) = (below, above);
+                let faced = self.normal[i] * self.grid.zeta_width(j);
+                for (k, unit) in self.unit.iter_mut().enumerate() {
+                    unit[cell] = if full { faced[k] } else { 0.0 };
                 }
-                self.matrix.add(own, own, diagonal);
-                let normal = self.normal[i];
-                self.unit.push([normal.x * width, normal.y * width]);
             }
         }
-        let definite = self.matrix.factorise();
-        debug_assert!(definite, "a positive gap makes a definite matrix");
-        self.matrix.solve2(&mut self.unit);
+        let columns = self.full.chunks_exact(self.stride);
+        let counts = columns.map(|column| column.iter().filter(|&&full| full).count());
+        for (active, count) in self.ring.active.iter_mut().zip(counts.clone()) {
+            *active = count > 0;
+        }
+        let emptiest = counts.enumerate().min_by_key(|&(_, count)| count);
+        self.ring
+            .factorise(emptiest.map_or(0, |(column, _)| column));
+        let [x, y] = &mut self.unit;
+        self.ring.solve([x, y]);
+    }
+
+    /// The conductances from a cell to the columns before and after it and to the rows below and above it, with the cells
+    /// there. There are none beyond the open end and a closed seam, where the pressure is zero.
+    fn edges(&self, i: usize, j: usize) -> [(f64, Option<usize>); 4] {
+        let (columns, cell) = (self.grid.columns(), i * self.stride + j);
+        let (before, after) = ((i + columns - 1) % columns, (i + 1) % columns);
+        let around = |edge: usize, column: usize| {
+            let conductance = self.along[edge] * self.grid.zeta_width(j);
+            if self.boundary == Boundary::Seam && edge == 0 {
+                // The pressure falls to zero over half a cell.
+                (2.0 * conductance, None)
+            } else {
+                (conductance, Some(column * self.stride + j))
+            }
+        };
+        [
+            around(i, before),
+            around(after, after),
+            (self.across_into(i, j), (j > 0).then(|| cell - 1)),
+            (
+                self.across_into(i, j + 1),
+                (j + 1 < self.grid.rows()).then_some(cell + 1),
+            ),
+        ]
     }
 
     /// Conductance between rows `j - 1` and `j` of column `i`; nothing flows through the mid-plane.
@@ -318,37 +303,14 @@ impl QuasiStatic {
         }
     }
 
-    /// Orders the columns so that the factor stays narrow: starting after an empty column if there is one, else folded so
-    /// that neighbours are at most two places apart.
-    fn arrange(&mut self) {
-        let (columns, rows) = (self.grid.columns(), self.grid.rows());
-        self.order.clear();
-        let empty = (0..columns).find(|i| !self.full[i * rows..(i + 1) * rows].contains(&true));
-        match empty {
-            Some(cut) => self
-                .order
-                .extend((1..=columns).map(|k| (cut + k) % columns)),
-            None => {
-                let pairs = (1..columns.div_ceil(2)).flat_map(|k| [k, columns - k]);
-                self.order.extend([0].into_iter().chain(pairs));
-                if columns.is_multiple_of(2) {
-                    self.order.push(columns / 2);
-                }
-            }
-        }
-    }
-
     /// `dW/dv` over the present set of full cells.
-    fn response(&self) -> nalgebra::Matrix2<f64> {
-        let rows = self.grid.rows();
-        let mut response = nalgebra::Matrix2::zeros();
+    fn response(&self) -> Matrix2<f64> {
+        let mut response = Matrix2::zeros();
         for (i, normal) in self.normal.iter().enumerate() {
             let mut sum = Vector2::zeros();
-            for j in 0..rows {
-                let number = self.number[i * rows + j];
-                if number != usize::MAX {
-                    sum += Vector2::from(self.unit[number]) * self.grid.zeta_width(j);
-                }
+            for j in 0..self.grid.rows() {
+                let unit = |k: usize| self.unit[k][i * self.stride + j];
+                sum += Vector2::new(unit(0), unit(1)) * self.grid.zeta_width(j);
             }
             response += normal * sum.transpose();
         }
@@ -357,51 +319,36 @@ impl QuasiStatic {
 
     /// Superposes the unit solutions to the pressures at velocity `v`.
     fn combine(&mut self, v: Vector2<f64>) {
-        for (p, &number) in self.pressure.iter_mut().zip(&self.number) {
-            *p = match number {
-                usize::MAX => 0.0,
-                n => self.unit[n][0] * v.x + self.unit[n][1] * v.y,
-            };
+        for (p, (x, y)) in self
+            .pressure
+            .iter_mut()
+            .zip(self.unit[0].iter().zip(&self.unit[1]))
+        {
+            *p = x * v.x + y * v.y;
         }
     }
 
     /// Removes cells under tension from the set and adds cells that fill. False when none changed.
     fn update_set(&mut self, v: Vector2<f64>) -> bool {
-        let (columns, rows) = (self.grid.columns(), self.grid.rows());
-        let mut changed = false;
-        for i in 0..columns {
-            let (left, right) = ((i + columns - 1) % columns, (i + 1) % columns);
-            let open_left = !(self.boundary == Boundary::Seam && i == 0);
-            let open_right = !(self.boundary == Boundary::Seam && right == 0);
-            let source = self.normal[i].dot(&v);
-            for j in 0..rows {
-                let cell = i * rows + j;
-                let fills = if self.full[cell] {
-                    self.pressure[cell] > 0.0
-                } else {
-                    let width = self.grid.zeta_width(j);
-                    let mut inflow = source * width;
-                    if open_left {
-                        inflow += self.along[i] * width * self.pressure[left * rows + j];
-                    }
-                    if open_right {
-                        inflow += self.along[right] * width * self.pressure[right * rows + j];
-                    }
-                    if j > 0 {
-                        inflow += self.across_into(i, j) * self.pressure[cell - 1];
-                    }
-                    if j + 1 < rows {
-                        inflow += self.across_into(i, j + 1) * self.pressure[cell + 1];
-                    }
-                    inflow > 0.0
-                };
-                changed |= fills != self.full[cell];
-                self.number[cell] = usize::from(fills);
+        let fills = |i: usize, j: usize| {
+            let cell = i * self.stride + j;
+            if j >= self.grid.rows() || self.full[cell] {
+                return self.pressure[cell] > 0.0;
             }
-        }
-        for (full, &number) in self.full.iter_mut().zip(&self.number) {
-            *full = number == 1;
-        }
+            let inflow = self.normal[i].dot(&v) * self.grid.zeta_width(j);
+            let from = |neighbour: Option<usize>| neighbour.map_or(0.0, |cell| self.pressure[cell]);
+            let edges = self.edges(i, j).into_iter();
+            edges.fold(inflow, |sum, (conductance, neighbour)| {
+                sum + conductance * from(neighbour)
+            }) > 0.0
+        };
+        let columns = 0..self.grid.columns();
+        let full: Vec<bool> = columns
+            .flat_map(|i| (0..self.stride).map(move |j| (i, j)))
+            .map(|(i, j)| fills(i, j))
+            .collect();
+        let changed = full != self.full;
+        self.full = full;
         changed
     }
 
@@ -409,7 +356,7 @@ impl QuasiStatic {
     fn end_flow(&self) -> f64 {
         let rows = self.grid.rows();
         let sum: f64 = (0..self.grid.columns())
-            .map(|i| self.across_into(i, rows) * self.pressure[(i + 1) * rows - 1])
+            .map(|i| self.across_into(i, rows) * self.pressure(i, rows - 1))
             .sum();
         sum / self.slenderness
     }

@@ -1,6 +1,6 @@
 //! Arithmetic of dense square blocks, which are stored by columns.
 
-use super::super::lanes::LANES;
+use crate::reynolds::lanes::LANES;
 
 /// Two blocks out of an array of blocks: one to write and one to read.
 #[inline]

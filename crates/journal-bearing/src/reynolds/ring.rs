@@ -8,8 +8,12 @@
 //! All sums run down whole columns of a multiple of [`LANES`] rows, which the compiler keeps in vector registers. The order
 //! of summation is the same on every machine.
 
-use super::super::lanes::LANES;
-use super::block::{apply, invert, two_blocks};
+mod block;
+#[cfg(test)]
+mod tests;
+
+use super::lanes::LANES;
+use block::{apply, invert, two_blocks};
 
 /// A spike is followed until it has fallen to this share of its largest entry. The factorisation is inexact by this much,
 /// which an iteration with exact residuals tolerates.

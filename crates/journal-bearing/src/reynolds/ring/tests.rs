@@ -1,6 +1,6 @@
 //! Tests of the ring's factorisation against dense matrices.
 
-use super::ring::Ring;
+use super::Ring;
 use nalgebra::{DMatrix, DVector};
 
 /// A ring with all couplings, diagonally dominant by columns, and the same matrix dense.
