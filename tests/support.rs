@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
-use fmu_export::model::{Access, Experiment, Kind, Model, Variable};
+use fmu_export::model::{Access, Experiment, Kind, Model, Quantity, Variable};
 use fmu_import::{Description, Package, Value};
 use fmu_points::task::Task;
 use orchestrator::identify::bind::Bound;
@@ -138,7 +138,7 @@ fn variable(name: &str) -> &'static Variable<Stand> {
 /// Reads a variable of a stand, in SI units.
 pub fn get(stand: &Stand, name: &str) -> f64 {
     match &variable(name).kind {
-        Kind::Real { access, .. } => (access.get)(stand),
+        Kind::Real(Quantity { access, .. }) => (access.get)(stand),
         _ => panic!("{name} is not a real number"),
     }
 }
@@ -146,10 +146,10 @@ pub fn get(stand: &Stand, name: &str) -> f64 {
 fn set(stand: &mut Stand, name: &str, value: &Value) {
     match (&variable(name).kind, value) {
         (
-            Kind::Real {
+            Kind::Real(Quantity {
                 access: Access { set: Some(set), .. },
                 ..
-            },
+            }),
             Value::Real(value),
         ) => {
             set(stand, value);

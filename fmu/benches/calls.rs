@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::ptr::{null, null_mut};
 
 use divan::Bencher;
-use fmu_export::fmi2::description;
+use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi2::types::*;
 use fmu_export::model::{Model, Role};
 use plain_bearing_stand::c_functions::*;
@@ -36,7 +36,10 @@ struct Host {
 
 impl Host {
     fn new(film: &Film) -> Self {
-        let guid = description::guid(description::fingerprint::<Stand>()) + "\0";
+        let guid = description::token(description::fingerprint::<Stand>(
+            Version::Two,
+            Interface::CoSimulation,
+        )) + "\0";
         let callbacks = CallbackFunctions {
             logger: None,
             allocate_memory: None,

@@ -2,7 +2,7 @@
 
 use crate::stand::Stand;
 use crate::variables::{listing, table};
-use fmu_export::model::{Access, Kind, Role, Unit, Variable};
+use fmu_export::model::{Kind, Quantity, Role, Variable};
 use std::fmt::Write;
 
 /// The whole page.
@@ -47,12 +47,7 @@ fn tables() -> String {
 fn start(stand: &Stand, variable: &Variable<Stand>) -> (String, &'static str) {
     let settable = variable.role != Role::Output;
     let (value, unit) = match &variable.kind {
-        Kind::Real {
-            access,
-            unit,
-            display,
-            ..
-        } => shown(stand, access, unit, *display),
+        Kind::Real(real) => shown(stand, real),
         Kind::Integer { access, .. } => ((access.get)(stand).to_string(), ""),
         Kind::Boolean { access } => ((access.get)(stand).to_string(), ""),
         Kind::Enumeration { access, of } => {
@@ -69,18 +64,11 @@ fn start(stand: &Stand, variable: &Variable<Stand>) -> (String, &'static str) {
 }
 
 /// A value in its display unit, to twelve digits, which hides the rounding of the conversion.
-fn shown(
-    stand: &Stand,
-    access: &Access<Stand, f64, f64>,
-    unit: &'static Unit,
-    display: Option<&str>,
-) -> (String, &'static str) {
-    let value = (access.get)(stand);
-    let display = unit
-        .display
-        .iter()
-        .find(|known| Some(known.name) == display);
-    let (value, name) = display.map_or((value, unit.name), |known| {
+fn shown(stand: &Stand, real: &Quantity<Stand>) -> (String, &'static str) {
+    let value = (real.access.get)(stand);
+    let mut units = real.unit.display.iter();
+    let display = units.find(|known| Some(known.name) == real.display);
+    let (value, name) = display.map_or((value, real.unit.name), |known| {
         (value * known.factor + known.offset, known.name)
     });
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);

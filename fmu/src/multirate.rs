@@ -26,6 +26,7 @@ pub use correction::{CLOSEST, Correction};
 pub use curves::Across;
 use curves::Curves;
 pub use equilibrium::{Equilibrium, NoEquilibrium, equilibrium, slowest_time_constant};
+use fmu_export::model::Fault;
 use nalgebra::{SMatrix, SVector, Vector2};
 use orbit::Orbit;
 use std::cell::RefCell;
@@ -43,6 +44,12 @@ pub enum NoLeap {
     /// An integration failed.
     #[error(transparent)]
     Integration(#[from] Failure),
+    /// A turn of a film that takes steps of its own could not be resolved.
+    #[error(transparent)]
+    Turn(#[from] Fault),
+    /// Such a film's turns do not tell its heat.
+    #[error("{0}")]
+    Untold(String),
 }
 
 /// A model on two time scales, as a leap needs it: the journal within a turn, and the heat balance over many turns.

@@ -22,7 +22,7 @@ mod steady;
 mod stiff;
 mod stuck;
 
-use crate::bearing::{Bearing, Drift, Film, Flows, Motion, Setup, Situation};
+use crate::bearing::{Bearing, Drift, Film, Flows, Setup, Situation};
 use crate::drive::{Command, Drive};
 use crate::load::Load;
 use crate::multirate::Departure;
@@ -33,7 +33,6 @@ use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Var
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
-use stuck::Stuck;
 
 /// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -124,16 +123,6 @@ const EVENTS: &str = "logEvents";
 /// The first internal step to try, s.
 const FIRST_STEP: f64 = 1e-4;
 
-/// The signals between drive, load mechanism and bearing at one instant.
-struct Instant {
-    speed: f64,
-    angle: f64,
-    load: f64,
-    viscosity: f64,
-    clearance: f64,
-    motion: Motion,
-}
-
 impl Stand {
     /// The outputs at the present communication point.
     pub fn readings(&self) -> &Readings {
@@ -153,13 +142,13 @@ impl Stand {
 
     /// The time derivatives of the outputs at the present communication point, per second: differences over a short
     /// step of a copy.
-    fn differences(&self) -> Result<Readings, Stuck> {
+    fn differences(&self) -> Result<Readings, Fault> {
         const AHEAD: f64 = 1e-6;
         let mut ahead = self.clone();
         let mut later = || {
             ahead.check_inputs_after(AHEAD)?;
             ahead.resolve(AHEAD)?;
-            Ok::<_, Stuck>(ahead.read(0.0, &unknowns(&ahead.state)))
+            Ok::<_, Fault>(ahead.read(0.0, &unknowns(&ahead.state)))
         };
         // A transient film's flows depend on the length of its last step, so two steps of the same length are compared.
         let begin = if self.film.is_transient() {
@@ -172,34 +161,24 @@ impl Stand {
 
     /// The friction heat that goes into film, bush and shaft at the present communication point, W.
     pub fn heat(&self) -> f64 {
-        let flows = self.instant(0.0, &unknowns(&self.state)).motion.flows;
-        flows.viscous + flows.boundary
+        let at = self.situation(0.0, &unknowns(&self.state));
+        self.film.motion(&self.bearing, &at).flows.heat()
     }
 
-    /// The upper half of Fig. 3: drive, load mechanism and bearing, `tau` seconds into the step.
-    fn instant(&self, tau: f64, y: &Unknowns) -> Instant {
-        let (speed, angle, load) = self.driven(tau);
-        let viscosity = self.fluid.viscosity(temperatures(y).film);
-        let clearance = self.clearance(&temperatures(y), worn(y));
-        let at = Situation {
+    /// The upper half of Fig. 3 up to the film, `tau` seconds into the step: what drive, load mechanism and oil give it.
+    fn situation(&self, tau: f64, y: &Unknowns) -> Situation {
+        let (speed, _, load) = self.driven(tau);
+        let temperatures = temperatures(y);
+        Situation {
             load,
             eccentricity: [y[0], y[1]],
-            clearance,
-            viscosity,
+            clearance: self.clearance(&temperatures, worn(y)),
+            viscosity: self.fluid.viscosity(temperatures.film),
             speed,
-        };
-        let motion = self.film.motion(&self.bearing, &at);
-        Instant {
-            speed,
-            angle,
-            load,
-            viscosity,
-            clearance,
-            motion,
         }
     }
 
-    /// The part of [`instant`](Self::instant) that the time integration needs, with the situation that it is one of.
+    /// The part of the motion that the time integration needs, with the situation that it is one of.
     fn drift(
         &self,
         tau: f64,
@@ -303,8 +282,8 @@ impl Stand {
     /// The sensors' readings, `tau` seconds into the step.
     fn read(&self, tau: f64, y: &Unknowns) -> Readings {
         let temperatures = temperatures(y);
-        let at = self.instant(tau, y);
-        let motion = &at.motion;
+        let at = self.situation(tau, y);
+        let motion = self.film.motion(&self.bearing, &at);
         let torque = motion.torque + self.support_torque(at.load, at.speed);
         Readings {
             load_force: at.load,
@@ -324,7 +303,7 @@ impl Stand {
             contact_share: sensors::over_load(motion.contact.force, at.load.abs()),
             contact_torque: motion.boundary_torque,
             shaft_speed: at.speed,
-            shaft_angle: at.angle,
+            shaft_angle: self.driven(tau).1,
             hot_radial_clearance: at.clearance,
             journal_velocity: at.clearance * motion.velocity[0],
             wear_depth: worn(y),
@@ -471,9 +450,7 @@ impl Model for Stand {
                 "the step from {time:?} s over {step:?} s failed: {failure}"
             )));
         }
-        for input in self.inputs.all() {
-            input.slope = 0.0;
-        }
+        self.inputs.each(|input| input.slope = 0.0);
         self.readings = self.read(0.0, &unknowns(&self.state));
         Ok(())
     }

@@ -8,8 +8,8 @@ use std::ptr::{null, null_mut};
 
 use divan::Bencher;
 use fmu_export::declare::input;
+use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi2::calls;
-use fmu_export::fmi2::description;
 use fmu_export::fmi2::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, Real, Status, TRUE, ValueReference,
 };
@@ -60,7 +60,10 @@ struct Host<M: Model> {
 
 impl<M: Model> Host<M> {
     fn new() -> Self {
-        let guid = description::guid(description::fingerprint::<M>()) + "\0";
+        let guid = description::token(description::fingerprint::<M>(
+            Version::Two,
+            Interface::CoSimulation,
+        )) + "\0";
         let callbacks = CallbackFunctions {
             logger: None,
             allocate_memory: None,
@@ -148,7 +151,10 @@ fn set_real<M: Model>(bencher: Bencher<'_, '_>) {
 /// A step of 1 ms in FMI 3.0, of a host that does not look into it.
 #[divan::bench(types = [Empty, Lag], sample_size = 10_000)]
 fn do_step_of_fmi_3<M: Model>(bencher: Bencher<'_, '_>) {
-    let token = fmi3::description::token(fmi3::description::fingerprint::<M>()) + "\0";
+    let token = description::token(description::fingerprint::<M>(
+        Version::Three,
+        Interface::CoSimulation,
+    )) + "\0";
     let (name, token) = (c"bench".as_ptr(), token.as_ptr().cast());
     // SAFETY: all arguments are what the standard asks for.
     let component = unsafe {

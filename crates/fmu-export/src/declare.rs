@@ -26,7 +26,7 @@
 //! assert_eq!(VARIABLES[1].role, Role::Parameter);
 //! ```
 
-use crate::model::{Access, Kind, Role, Unit, Variable};
+use crate::model::{Access, Kind, Quantity, Role, Unit, Variable};
 
 /// A variable of any type.
 pub const fn variable<M>(
@@ -52,17 +52,28 @@ pub const fn real<M>(
     access: Access<M, f64, f64>,
     description: &'static str,
 ) -> Variable<M> {
-    let kind = Kind::Real {
-        access,
-        unit,
-        display: None,
-        min: None,
-        max: None,
-        nominal: None,
-        slope: None,
-        derivative: None,
-    };
-    variable(name, role, kind, description)
+    variable(
+        name,
+        role,
+        Kind::Real(Quantity::of(access, unit)),
+        description,
+    )
+}
+
+impl<M> Quantity<M> {
+    /// A real number without range, display unit and nominal value.
+    pub const fn of(access: Access<M, f64, f64>, unit: &'static Unit) -> Self {
+        Self {
+            access,
+            unit,
+            display: None,
+            min: None,
+            max: None,
+            nominal: None,
+            slope: None,
+            derivative: None,
+        }
+    }
 }
 
 /// A real input: set at any communication point.
@@ -115,8 +126,8 @@ impl<M> Variable<M> {
     /// The same, shown to people in this display unit, which is one of its unit's.
     #[must_use]
     pub const fn shown_in(mut self, display_unit: &'static str) -> Self {
-        if let Kind::Real { display, .. } = &mut self.kind {
-            *display = Some(display_unit);
+        if let Kind::Real(real) = &mut self.kind {
+            real.display = Some(display_unit);
         }
         self
     }
@@ -124,9 +135,9 @@ impl<M> Variable<M> {
     /// The same with the smallest and the largest value that make sense.
     #[must_use]
     pub const fn within(mut self, least: f64, most: f64) -> Self {
-        if let Kind::Real { min, max, .. } = &mut self.kind {
-            *min = Some(least);
-            *max = Some(most);
+        if let Kind::Real(real) = &mut self.kind {
+            real.min = Some(least);
+            real.max = Some(most);
         }
         self
     }
@@ -134,8 +145,8 @@ impl<M> Variable<M> {
     /// The same with a typical magnitude.
     #[must_use]
     pub const fn about(mut self, typical: f64) -> Self {
-        if let Kind::Real { nominal, .. } = &mut self.kind {
-            *nominal = Some(typical);
+        if let Kind::Real(real) = &mut self.kind {
+            real.nominal = Some(typical);
         }
         self
     }
@@ -143,8 +154,8 @@ impl<M> Variable<M> {
     /// The same for an input that may vary linearly within a step: `set` sets its rate, per second.
     #[must_use]
     pub const fn slope(mut self, set: fn(&mut M, f64)) -> Self {
-        if let Kind::Real { slope, .. } = &mut self.kind {
-            *slope = Some(set);
+        if let Kind::Real(real) = &mut self.kind {
+            real.slope = Some(set);
         }
         self
     }
@@ -152,8 +163,8 @@ impl<M> Variable<M> {
     /// The same for an output whose time derivative the model knows, per second.
     #[must_use]
     pub const fn derivative(mut self, get: fn(&M) -> f64) -> Self {
-        if let Kind::Real { derivative, .. } = &mut self.kind {
-            *derivative = Some(get);
+        if let Kind::Real(real) = &mut self.kind {
+            real.derivative = Some(get);
         }
         self
     }
@@ -211,11 +222,12 @@ macro_rules! enumerations {
     };
 }
 
-/// A parameter that is one of several named values: a Rust enum, and an enumeration with the same items. Hosts cannot set
-/// a value that is no item, so that it does not matter that such a value would become the first item.
+/// The type of a variable that is one of several named values: a Rust enum, and an enumeration with the same items. Hosts
+/// cannot set a value that is no item, so that it does not matter that such a value would become the first item.
 ///
 /// ```
-/// use fmu_export::model::Variable;
+/// use fmu_export::declare::variable;
+/// use fmu_export::model::{Role, Variable};
 ///
 /// enum Friction { Coulomb, Viscous }
 /// struct Brake { friction: Friction }
@@ -224,33 +236,31 @@ macro_rules! enumerations {
 ///     /// The laws of friction.
 ///     FRICTION = "Friction", "Law of friction", [Coulomb = 1 "Independent of speed", Viscous = 2 "Proportional to speed"];
 /// }
-/// static VARIABLE: Variable<Brake> = fmu_export::choice!(
-///     Brake: "friction", FRICTION, Friction { Coulomb = 1, Viscous = 2 }, friction, "Law of friction"
+/// static VARIABLE: Variable<Brake> = variable(
+///     "friction",
+///     Role::Parameter,
+///     fmu_export::choice!(Brake: FRICTION, Friction { Coulomb = 1, Viscous = 2 }, friction),
+///     "Law of friction",
 /// );
 /// assert_eq!(VARIABLE.type_name(), "Enumeration");
 /// ```
 #[macro_export]
 macro_rules! choice {
-    ($model:ty: $name:literal, $of:ident, $type:ident { $first:ident = $first_value:literal $(, $item:ident = $value:literal)* }, $($path:ident).+, $description:literal) => {
-        $crate::declare::variable(
-            $name,
-            $crate::model::Role::Parameter,
-            $crate::model::Kind::Enumeration {
-                access: $crate::model::Access {
-                    get: |model: &$model| match model.$($path).+ {
-                        $type::$first => $first_value,
-                        $($type::$item => $value,)*
-                    },
-                    set: Some(|model: &mut $model, value| {
-                        model.$($path).+ = match *value {
-                            $($value => $type::$item,)*
-                            _ => $type::$first,
-                        };
-                    }),
+    ($model:ty: $of:ident, $type:ident { $first:ident = $first_value:literal $(, $item:ident = $value:literal)* }, $($path:ident).+) => {
+        $crate::model::Kind::Enumeration {
+            access: $crate::model::Access {
+                get: |model: &$model| match model.$($path).+ {
+                    $type::$first => $first_value,
+                    $($type::$item => $value,)*
                 },
-                of: &$of,
+                set: Some(|model: &mut $model, value| {
+                    model.$($path).+ = match *value {
+                        $($value => $type::$item,)*
+                        _ => $type::$first,
+                    };
+                }),
             },
-            $description,
-        )
+            of: &$of,
+        }
     };
 }

@@ -6,6 +6,7 @@
 //!
 //! ```
 //! use fmu_export::declare::{input, output};
+//! use fmu_export::description::{self, Interface, Version};
 //! use fmu_export::model::{Experiment, Fault, Info, Log, Model, Variable, faults};
 //! use fmu_export::{field, units};
 //!
@@ -46,7 +47,7 @@
 //!     car.advance(f64::from(step), 1.0, &mut ())?;
 //! }
 //! assert_eq!(car.distance, 600.0);
-//! let xml = fmu_export::fmi2::description::xml::<Odometer>();
+//! let xml = description::xml::<Odometer>(Version::Two, Interface::CoSimulation);
 //! assert!(xml.contains(r#"<ScalarVariable name="speed" valueReference="0""#));
 //! # Ok::<(), Fault>(())
 //! ```
@@ -59,3 +60,5 @@ pub mod model;
 #[cfg(feature = "package")]
 pub mod package;
 pub mod units;
+
+pub use boundary::description;

@@ -17,7 +17,8 @@ use thiserror::Error;
 pub use continuous::{Continuous, Exchange, State, offered};
 pub use faults::faults;
 pub use variable::{
-    Access, Base, DisplayUnit, Enumeration, Item, Kind, Role, Unit, Variable, check_ranges,
+    Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable,
+    check_ranges,
 };
 
 /// A simulation model that a boundary (an FMU, a test, a benchmark) can drive.
@@ -67,7 +68,7 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
         Ok(())
     }
 
-    /// Computes what the outputs' [derivatives](Kind::Real) read, where that is work that they share. It is called
+    /// Computes what the outputs' [derivatives](Quantity::derivative) read, where that is work that they share. It is called
     /// once before any of them is read, and again only after something has changed. It must not change an output.
     ///
     /// # Errors
@@ -76,7 +77,7 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
         Ok(())
     }
 
-    /// Lets `step` seconds pass from `time`. Inputs are held or, where a [slope](Kind::Real) was set, vary linearly.
+    /// Lets `step` seconds pass from `time`. Inputs are held or, where a [slope](Quantity::slope) was set, vary linearly.
     /// Outputs are valid at `time + step` afterwards.
     ///
     /// # Errors

@@ -13,8 +13,8 @@ use thiserror::Error;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
+use crate::description::{self, Interface, Version};
 use crate::model::{Model, faults, offered};
-use crate::{fmi2, fmi3};
 use arguments::{Arguments, HELP};
 
 /// Defines the `main` of a program that packs the model of its package into an FMU.
@@ -63,30 +63,20 @@ pub enum PackageError {
 /// What an FMU offers: version and kind. Every library serves all of them; the model description says which it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Form {
-    /// FMI 3.0, else FMI 2.0.
-    pub three: bool,
-    /// Model Exchange, else Co-Simulation.
-    pub exchange: bool,
+    /// The version of the standard.
+    pub version: Version,
+    /// Whether it steps itself.
+    pub interface: Interface,
 }
 
 impl Form {
-    /// The model description.
-    pub fn description<M: Model>(self) -> String {
-        match (self.three, self.exchange) {
-            (false, false) => fmi2::description::xml::<M>(),
-            (true, false) => fmi3::description::xml::<M>(),
-            (false, true) => fmi2::description::exchange_xml::<M>(),
-            (true, true) => fmi3::description::exchange_xml::<M>(),
-        }
-    }
-
     /// The end of the FMU's name, after the model's identifier.
     pub fn suffix(self) -> &'static str {
-        match (self.three, self.exchange) {
-            (false, false) => "",
-            (true, false) => "-fmi3",
-            (false, true) => "-me",
-            (true, true) => "-me-fmi3",
+        match (self.version, self.interface) {
+            (Version::Two, Interface::CoSimulation) => "",
+            (Version::Three, Interface::CoSimulation) => "-fmi3",
+            (Version::Two, Interface::ModelExchange) => "-me",
+            (Version::Three, Interface::ModelExchange) => "-me-fmi3",
         }
     }
 }
@@ -129,7 +119,7 @@ fn make<M: Model>(
         return Err(PackageError::Unsound(faults));
     }
     let form = arguments.form;
-    if form.exchange && offered::<M>().is_none() {
+    if form.interface == Interface::ModelExchange && offered::<M>().is_none() {
         return Err(PackageError::Usage(
             "--exchange: the model is not `Continuous`, or does not say so in `Model::EXCHANGE`"
                 .to_owned(),
@@ -188,10 +178,8 @@ pub fn contents<M: Model>(
             )));
         }
     }
-    files.insert(
-        "modelDescription.xml".to_owned(),
-        form.description::<M>().into_bytes(),
-    );
+    let description = description::xml::<M>(form.version, form.interface);
+    files.insert("modelDescription.xml".to_owned(), description.into_bytes());
     Ok(files)
 }
 
@@ -242,14 +230,9 @@ fn collect(
 }
 
 fn list(folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
-    let entries = std::fs::read_dir(folder).map_err(|error| at(folder, error))?;
-    entries
-        .map(|entry| {
-            entry
-                .map(|entry| entry.path())
-                .map_err(|error| at(folder, error))
-        })
-        .collect()
+    let entries = std::fs::read_dir(folder);
+    let paths = entries.and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
+    paths.map_err(|error| at(folder, error))
 }
 
 fn name_of(path: &Path) -> String {
@@ -346,7 +329,11 @@ mod tests {
         let mut xml = String::new();
         let mut entry = archive.by_name("modelDescription.xml").unwrap();
         io::Read::read_to_string(&mut entry, &mut xml).unwrap();
-        assert_eq!(xml, fmi2::description::xml::<Nothing>());
+        let form = Form::default();
+        assert_eq!(
+            xml,
+            description::xml::<Nothing>(form.version, form.interface)
+        );
     }
 
     #[test]

@@ -35,9 +35,13 @@ macro_rules! units {
             relative: false,
         };)*
         /// All of them.
-        #[cfg(test)]
         const ALL: &[Unit] = &[$($id),*];
     };
+}
+
+/// The unit with this name.
+pub fn named(name: &str) -> Option<&'static Unit> {
+    ALL.iter().find(|unit| unit.name == name)
 }
 
 /// Temperature difference.

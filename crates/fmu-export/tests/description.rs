@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fmu_export::declare::{input, output, parameter, tunable};
-use fmu_export::fmi2::description::{fingerprint, guid, xml};
+use fmu_export::description::{Interface, Version, fingerprint, token, xml};
 use fmu_export::model::{Base, Experiment, Fault, Info, Log, Model, Unit, Variable, faults};
 use fmu_export::{field, units};
 use lag::Lag;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 #[test]
 fn texts_are_escaped_and_types_complete() {
-    let xml = xml::<Lag>();
+    let xml = xml::<Lag>(Version::Two, Interface::CoSimulation);
     let document = roxmltree::Document::parse(&xml).unwrap();
     let node = |name: &str| {
         document
@@ -42,7 +42,7 @@ fn texts_are_escaped_and_types_complete() {
 
 #[test]
 fn a_guid_has_the_usual_form() {
-    assert_eq!(guid(1), "{00000000-0000-0000-0000-000000000001}");
+    assert_eq!(token(1), "{00000000-0000-0000-0000-000000000001}");
 }
 
 const HENRY: Unit = Unit {
@@ -105,7 +105,8 @@ impl Model for Coil {
 
 #[test]
 fn the_models_own_words_are_in_its_description() {
-    let xml = xml::<Coil>();
+    let guid = token(fingerprint::<Coil>(Version::Two, Interface::CoSimulation));
+    let xml = xml::<Coil>(Version::Two, Interface::CoSimulation);
     let document = roxmltree::Document::parse(&xml).unwrap();
     let root = document.root_element();
     for (attribute, value) in [
@@ -120,7 +121,7 @@ fn the_models_own_words_are_in_its_description() {
         ),
         // The flux's name is no path of identifiers.
         ("variableNamingConvention", Some("flat")),
-        ("guid", Some(guid(fingerprint::<Coil>()).as_str())),
+        ("guid", Some(guid.as_str())),
     ] {
         assert_eq!(root.attribute(attribute), value, "{attribute}");
     }
@@ -154,7 +155,7 @@ fn the_models_own_words_are_in_its_description() {
 #[test]
 fn the_listing_changes_the_order_but_no_reference() {
     assert_eq!(faults::<Coil>(), Vec::<String>::new());
-    let xml = xml::<Coil>();
+    let xml = xml::<Coil>(Version::Two, Interface::CoSimulation);
     let document = roxmltree::Document::parse(&xml).unwrap();
     let variables = document
         .descendants()

@@ -1,13 +1,13 @@
 //! The tank against Torricelli's solution, and its copy in the README of `fmu-export`.
 #![allow(clippy::unwrap_used)]
 
-use fmu_export::model::{Access, Experiment, Fault, Kind, Model, faults};
+use fmu_export::model::{Access, Experiment, Fault, Kind, Model, Quantity, faults};
 use own_model::Tank;
 
 fn access(name: &str) -> &'static Access<Tank, f64, f64> {
     let variable = Tank::variables().iter().find(|v| v.name == name).unwrap();
     match &variable.kind {
-        Kind::Real { access, .. } => access,
+        Kind::Real(Quantity { access, .. }) => access,
         _ => panic!("{name} is no Real"),
     }
 }

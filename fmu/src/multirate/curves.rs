@@ -129,9 +129,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
             }
         };
         let (others, rest) = self.differences.split_at_mut(index);
-        let Some(((_, differences), more)) = rest.split_first_mut() else {
-            return Err(NoLeap::NoOrbit(viscosity));
-        };
+        let ((_, differences), more) = rest.split_first_mut().expect("it is in the list");
         let x = viscosity.ln();
         // The differences go nearly as the distance from the departure's clearance.
         let guess = || {
@@ -170,9 +168,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
                     .curves
                     .iter_mut()
                     .min_by_key(|(known, _)| known.abs_diff(number));
-                let Some((_, neighbour)) = nearest else {
-                    return Err(NoLeap::NoOrbit(viscosity));
-                };
+                let (_, neighbour) = nearest.expect("the departure's curve is there");
                 let guess = neighbour.at(viscosity)?.place();
                 let curve = neighbour.beside(clearance, viscosity, guess)?;
                 self.curves.push((number, curve));

@@ -3,26 +3,6 @@
 use super::Stand;
 use crate::thermal::Temperatures;
 use fmu_export::model::Fault;
-use thiserror::Error;
-
-/// A clearance that closes, at the temperatures of bush and shaft.
-#[derive(Clone, Copy, Debug, Error)]
-#[error(
-    "the bearing seizes: with the bush at {bush:.1} K and the shaft at {shaft:.1} K, thermal expansion leaves {:.2} um of the \
-     {:.2} um of bearing.radialClearance at {reference:.1} K; raise bearing.radialClearance, or check bearing.shaftExpansion \
-     against bearing.bushExpansion and bearing.housingExpansion, or set bearing.thermalClearance = Off",
-    1e6 * hot,
-    1e6 * cold
-)]
-pub struct Seizure {
-    bush: f64,
-    shaft: f64,
-    /// The clearance that is left, and the one that was measured, m.
-    hot: f64,
-    cold: f64,
-    /// The temperature at which it was measured, K.
-    reference: f64,
-}
 
 impl Stand {
     /// The clearance that the film sees, m, at these temperatures and a mean wear depth, m. Where it closes, the least positive
@@ -34,21 +14,26 @@ impl Stand {
         hot.max(self.bearing.closed_clearance())
     }
 
-    /// Whether the clearance closes there, and how.
-    pub(super) fn seizure(&self, temperatures: &Temperatures, worn: f64) -> Option<Seizure> {
+    /// The seizure at these temperatures and this wear depth, if the clearance closes there.
+    pub(super) fn seizure(&self, temperatures: &Temperatures, worn: f64) -> Option<Fault> {
         let Temperatures { bush, shaft, .. } = *temperatures;
         let hot = self.bearing.hot_clearance([bush, shaft], worn);
-        (hot.is_nan() || hot <= self.bearing.closed_clearance()).then_some(Seizure {
-            bush,
-            shaft,
-            hot,
-            cold: self.bearing.radial_clearance,
-            reference: self.bearing.expansion.reference,
+        let closes = hot.is_nan() || hot <= self.bearing.closed_clearance();
+        closes.then(|| {
+            Fault::Failed(format!(
+                "the bearing seizes: with the bush at {bush:.1} K and the shaft at {shaft:.1} K, thermal expansion leaves {:.2} \
+                 um of the {:.2} um of bearing.radialClearance at {:.1} K; raise bearing.radialClearance, or check \
+                 bearing.shaftExpansion against bearing.bushExpansion and bearing.housingExpansion, or set \
+                 bearing.thermalClearance = Off",
+                1e6 * hot,
+                1e6 * self.bearing.radial_clearance,
+                self.bearing.expansion.reference,
+            ))
         })
     }
 
     /// Refuses a state whose clearance is closed.
-    pub(super) fn check_clearance(&self) -> Result<(), Seizure> {
+    pub(super) fn check_clearance(&self) -> Result<(), Fault> {
         let seizure = self.seizure(&self.state.temperatures, self.state.worn);
         seizure.map_or(Ok(()), Err)
     }

@@ -1,10 +1,9 @@
 //! Leaps of a film that takes steps of its own: turns of its approach to its orbit, the leap, and the turns of its landing.
 
-use super::scout::{NoFilmLeap, SETTLED, Scout, Turn, share};
-use super::stuck::Stuck;
+use super::scout::{SETTLED, Scout, Turn, share};
 use super::{EVENTS, Stand};
 use crate::multirate::NoLeap;
-use fmu_export::model::Log;
+use fmu_export::model::{Fault, Log};
 
 /// Turns that are resolved before a leap at the most: as a number, and as a share of all.
 const APPROACH_TURNS: usize = 48;
@@ -23,7 +22,7 @@ const LONGEST_LANDING: f64 = 0.25;
 impl Stand {
     /// Lets `span` seconds pass with a leap over most of its turns. If there is none, the log says why, and all turns are
     /// resolved.
-    pub(super) fn leap_with_film(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Stuck> {
+    pub(super) fn leap_with_film(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Fault> {
         let (before, film) = (self.state, self.film.clone());
         match self.leap_over_most(span) {
             Ok(scout) => log.log(
@@ -34,7 +33,7 @@ impl Stand {
                     scout.known.len()
                 ),
             ),
-            Err(NoFilmLeap::Averaged(NoLeap::Closed(at))) => {
+            Err(NoLeap::Closed(at)) => {
                 self.state.temperatures = at;
                 self.check_clearance()?;
             }
@@ -56,7 +55,7 @@ impl Stand {
     }
 
     /// Leaps over all but the last turns of `span` seconds.
-    fn leap_over_most(&mut self, span: f64) -> Result<Scout, NoFilmLeap> {
+    fn leap_over_most(&mut self, span: f64) -> Result<Scout, NoLeap> {
         let period = self.period();
         let whole = (span / period) as usize;
         let most = APPROACH_TURNS.min((APPROACH_SHARE * whole as f64) as usize);
@@ -67,11 +66,17 @@ impl Stand {
         let mut scout = self.scout(&resolved)?;
         let first = scout.approach;
         if let Some(share) = first.map(|first| first.share).filter(|&share| share > FAR) {
-            return Err(NoFilmLeap::Far(100.0 * share));
+            return Err(NoLeap::Untold(format!(
+                "after the first turns the film's heat is still {:.0} % off that of its orbit",
+                100.0 * share
+            )));
         }
         while let Some(more) = scout.turns_until_left(ROUGH) {
-            if (resolved.len() + more) as f64 > LONGEST_APPROACH * whole as f64 {
-                return Err(NoFilmLeap::LongApproach(resolved.len() + more));
+            let needed = resolved.len() + more;
+            if needed as f64 > LONGEST_APPROACH * whole as f64 {
+                return Err(NoLeap::Untold(format!(
+                    "the film needs {needed} turns to come near its orbit"
+                )));
             }
             for _ in 0..more {
                 resolved.push(self.resolve_turn()?);
@@ -83,7 +88,9 @@ impl Stand {
         let mut end = scout.lead(turns, &from)?;
         let landing = scout.landing(first, turns, &end)?;
         if landing as f64 > LONGEST_LANDING * whole as f64 {
-            return Err(NoFilmLeap::LongLanding(landing));
+            return Err(NoLeap::Untold(format!(
+                "the film stays behind its orbit for {landing} turns"
+            )));
         }
         if landing > 0 {
             turns -= landing;
@@ -102,7 +109,7 @@ impl Stand {
     }
 
     /// A scout at the present place, after these turns of the approach.
-    fn scout(&self, resolved: &[Turn]) -> Result<Scout, NoFilmLeap> {
+    fn scout(&self, resolved: &[Turn]) -> Result<Scout, NoLeap> {
         let mut scout = Scout::new(self)?;
         scout.look(self.state.temperatures)?;
         scout.see_the_approach(resolved)?;

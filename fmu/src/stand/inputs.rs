@@ -35,12 +35,21 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    pub(super) fn all(&mut self) -> [&mut Input; 3] {
-        [
-            &mut self.speed,
-            &mut self.external_force,
-            &mut self.ambient_temperature,
-        ]
+    /// All of them.
+    pub(super) fn all(&self) -> [Input; 3] {
+        [self.speed, self.external_force, self.ambient_temperature]
+    }
+
+    /// Changes each of them.
+    pub(super) fn each(&mut self, change: impl Fn(&mut Input)) {
+        let Self {
+            speed,
+            external_force,
+            ambient_temperature,
+        } = self;
+        [speed, external_force, ambient_temperature]
+            .into_iter()
+            .for_each(change);
     }
 }
 
@@ -73,25 +82,17 @@ impl Stand {
         // A ramp that is meant to end at the bound may pass it by a rounding error.
         const ROUNDING: f64 = 1e-9;
         let now = self.inputs;
-        if self.inputs.all().iter().all(|input| input.slope == 0.0) {
+        if now.all().iter().all(|input| input.slope == 0.0) {
             return Ok(());
         }
-        for input in self.inputs.all() {
-            input.value = input.at(span);
-        }
+        self.inputs.each(|input| input.value = input.at(span));
         let mut inputs = Self::variables().iter().filter(|v| v.role == Role::Input);
         let left = inputs.find_map(|variable| {
-            let Kind::Real {
-                access,
-                unit,
-                min: Some(min),
-                max: Some(max),
-                ..
-            } = &variable.kind
-            else {
+            let Kind::Real(real) = &variable.kind else {
                 return None;
             };
-            let (value, unit) = ((access.get)(self), unit.name);
+            let (min, max) = (real.min?, real.max?);
+            let (value, unit) = ((real.access.get)(self), real.unit.name);
             let slack = ROUNDING * (max - min);
             let within = (min - slack..=max + slack).contains(&value);
             (!within).then(|| {

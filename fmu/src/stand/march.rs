@@ -1,14 +1,13 @@
 //! Communication steps: turn by turn, or with a leap over whole turns.
 
 use super::scout::Turn;
-use super::stuck::Stuck;
-use super::{EVENTS, Inputs, SCALES, Stand, Unknowns, temperatures, unknowns, worn};
+use super::{EVENTS, SCALES, Stand, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{Flows, Interval};
 use crate::multirate::{self, Departure, NoLeap, TwoScales};
 use crate::sensors::{SENSORS, Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
-use fmu_export::model::Log;
+use fmu_export::model::{Fault, Log};
 
 /// Shorter communication steps, in turns, are resolved turn by turn.
 const FEWEST_TURNS: f64 = 12.0;
@@ -52,12 +51,12 @@ const WARMING_STEPS: usize = 5_000;
 
 impl Stand {
     /// Lets `span` seconds pass with every turn resolved.
-    pub(super) fn resolve(&mut self, span: f64) -> Result<(), Stuck> {
+    pub(super) fn resolve(&mut self, span: f64) -> Result<(), Fault> {
         self.resolve_within(1.0, span)
     }
 
     /// Lets `span` seconds pass at `slack` times the solver's tolerance.
-    fn resolve_within(&mut self, slack: f64, span: f64) -> Result<(), Stuck> {
+    fn resolve_within(&mut self, slack: f64, span: f64) -> Result<(), Fault> {
         let slack = slack.min(LOOSEST / self.solver.tolerance).max(1.0);
         if self.film.is_transient() {
             return self.resolve_transient(span, 1.0).map(|_| ());
@@ -95,7 +94,7 @@ impl Stand {
         self.state.next_step = next_step * slack.powf(-0.2);
         self.state.worn = worn(&y);
         self.arrive(span, [y[0], y[1]], temperatures(&y));
-        Ok(self.check_clearance()?)
+        self.check_clearance()
     }
 
     /// Takes the parts of the way from the present state over into the means.
@@ -113,20 +112,22 @@ impl Stand {
     }
 
     /// Lets a turn pass with a transient film, in longer steps than those of other turns: its mean heat hardly depends on them.
-    pub(super) fn resolve_turn(&mut self) -> Result<Turn, Stuck> {
+    pub(super) fn resolve_turn(&mut self) -> Result<Turn, Fault> {
         self.resolve_transient(self.period(), ROUGH_STEPS)
     }
 
     /// Lets `span` seconds pass with a transient film, in steps that are `longer` by a factor: in each of them first the film
     /// advances, then the temperatures. Returns means over the span.
-    fn resolve_transient(&mut self, span: f64, longer: f64) -> Result<Turn, Stuck> {
+    fn resolve_transient(&mut self, span: f64, longer: f64) -> Result<Turn, Fault> {
         if span < SHORTEST_FILM_STEP {
             self.arrive(span, self.state.eccentricity, self.state.temperatures);
             return Ok(Turn::default());
         }
         let steps = self.film_steps(span, longer);
         if steps > MOST_FILM_STEPS {
-            return Err(Stuck::TooLong(steps));
+            return Err(Fault::Failed(format!(
+                "some {steps:.0e} steps of the Reynolds film would be needed: take shorter communication steps"
+            )));
         }
         let step = span / steps;
         let mut spare = FILM_STEPS_AT_ONCE;
@@ -149,10 +150,12 @@ impl Stand {
             let eccentricity = film.eccentricity();
             spare = (spare + FILM_STEPS_PER_STEP)
                 .checked_sub(taken)
-                .ok_or_else(|| Stuck::Crawling {
-                    passed: done as f64 * step,
-                    span,
-                    cause: self.advice(),
+                .ok_or_else(|| {
+                    let passed = done as f64 * step;
+                    Fault::Failed(format!(
+                        "the Reynolds film's internal step collapsed after {passed:.1e} of {span:?} s; {}",
+                        self.advice()
+                    ))
                 })?;
             mean.add(&flows, self.state.temperatures.film, 1.0 / steps);
             let temperatures = self.warm(step, &flows)?;
@@ -197,7 +200,7 @@ impl Stand {
     }
 
     /// The temperatures after `span` seconds under constant flows.
-    fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Stuck> {
+    fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Fault> {
         let integrator = DormandPrince {
             allowed: [100.0 * self.solver.tolerance; 4],
             budget: Budget::of(WARMING_STEPS),
@@ -222,15 +225,13 @@ impl Stand {
         self.state.time += span;
         self.state.eccentricity = eccentricity;
         self.state.temperatures = temperatures;
-        for input in self.inputs.all() {
-            input.value = input.at(span);
-        }
+        self.inputs.each(|input| input.value = input.at(span));
     }
 
     /// Lets `span` seconds pass with a leap over most of its turns: turns until the journal is near its orbit are
     /// resolved, then it leaps, and the last turns are resolved. If there is no leap, the log says why, and all turns
     /// are resolved.
-    pub(super) fn leap(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Stuck> {
+    pub(super) fn leap(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Fault> {
         if self.film.is_transient() {
             return self.leap_with_film(span, log);
         }
@@ -278,14 +279,7 @@ impl Stand {
 
     /// Whether a step can leap: speed and load must repeat every turn, and the step must have enough turns.
     pub(super) fn can_leap(&self, span: f64) -> bool {
-        let Inputs {
-            speed,
-            external_force,
-            ambient_temperature,
-        } = &self.inputs;
-        let steady = [speed, external_force, ambient_temperature]
-            .iter()
-            .all(|input| input.slope == 0.0);
+        let steady = (self.inputs.all().iter()).all(|input| input.slope == 0.0);
         let fewest = if self.film.is_transient() {
             FEWEST_TURNS_OF_A_FILM
         } else {

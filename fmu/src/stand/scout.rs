@@ -10,12 +10,10 @@
 //! show how it shrinks. The heat that the rest of it adds comes into the leap.
 
 use super::Stand;
-use super::stuck::Stuck;
 use crate::bearing::{Film, Flows};
 use crate::multirate::{self, CLOSEST, Correction, Departure, NoLeap};
 use crate::thermal::Temperatures;
 use fmu_export::model::Fault;
-use thiserror::Error;
 
 /// Turns at the most until the film is on its orbit.
 const ORBIT_TURNS: usize = 40;
@@ -34,27 +32,6 @@ const BEHIND: f64 = 0.15;
 const PLACES: usize = 12;
 /// In two turns the approach to the orbit shrinks to this share of itself at the most.
 const SLOWEST: f64 = 0.97;
-
-/// Why there was no leap.
-#[derive(Debug, Error)]
-pub(super) enum NoFilmLeap {
-    #[error(transparent)]
-    Averaged(#[from] NoLeap),
-    #[error("the film's heat does not repeat itself after {0} turns")]
-    Unsettled(usize),
-    #[error("after {0} temperatures the film's heat is still not known between them")]
-    Unknown(usize),
-    #[error("after the first turns the film's heat is still {0:.0} % off that of its orbit")]
-    Far(f64),
-    #[error("the film needs {0} turns to come near its orbit")]
-    LongApproach(usize),
-    #[error("the film stays behind its orbit for {0} turns")]
-    LongLanding(usize),
-    #[error("{0}")]
-    Turn(#[from] Stuck),
-    #[error("{0}")]
-    MobilityFilm(#[from] Fault),
-}
 
 /// Means over a turn of the film.
 #[derive(Clone, Copy, Debug, Default)]
@@ -125,7 +102,7 @@ impl Scout {
 
     /// Resolves turns at these temperatures until the film's heat repeats itself. The correction then holds there. Returns by
     /// how much of the heat it had been wrong.
-    pub(super) fn look(&mut self, at: Temperatures) -> Result<f64, NoFilmLeap> {
+    pub(super) fn look(&mut self, at: Temperatures) -> Result<f64, NoLeap> {
         self.ahead.state.temperatures = at;
         if let Some(film) = self.nearest(&at) {
             self.ahead.film = film;
@@ -142,7 +119,7 @@ impl Scout {
     }
 
     /// The film's flows on its periodic orbit.
-    fn orbit(&mut self, close: f64) -> Result<Flows, NoFilmLeap> {
+    fn orbit(&mut self, close: f64) -> Result<Flows, NoLeap> {
         let ahead = &mut self.ahead;
         let temperatures = ahead.state.temperatures;
         if let Some(film) = ahead.film.transient() {
@@ -165,7 +142,9 @@ impl Scout {
             }
             before = Some(turn.flows);
         }
-        Err(NoFilmLeap::Unsettled(ORBIT_TURNS))
+        Err(NoLeap::Untold(format!(
+            "the film's heat does not repeat itself after {ORBIT_TURNS} turns"
+        )))
     }
 
     /// Of the films that have settled on their orbits, the one at the viscosity nearest to that at these temperatures.
@@ -247,11 +226,7 @@ impl Scout {
     }
 
     /// The temperatures `turns` whole turns later, from where the scout began to look.
-    pub(super) fn lead(
-        &mut self,
-        turns: usize,
-        from: &Departure,
-    ) -> Result<Temperatures, NoFilmLeap> {
+    pub(super) fn lead(&mut self, turns: usize, from: &Departure) -> Result<Temperatures, NoLeap> {
         let close = share(KNOWN, &self.ahead);
         while self.known.len() < PLACES {
             let way = self.way(turns, from)?;
@@ -264,7 +239,9 @@ impl Scout {
                 return Ok(*way.last().expect("a way has an end"));
             }
         }
-        Err(NoFilmLeap::Unknown(PLACES))
+        Err(NoLeap::Untold(format!(
+            "after {PLACES} temperatures the film's heat is still not known between them"
+        )))
     }
 
     /// The temperatures on the way over so many turns. The heat of the approach comes in two portions, so that its sum, its

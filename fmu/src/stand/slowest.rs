@@ -6,7 +6,6 @@
 //! the mobility film.
 
 use super::Stand;
-use super::inputs::Inputs;
 use crate::bearing::{Film, Flows};
 use crate::multirate::{self, Departure, Vector4};
 use fmu_export::model::Fault;
@@ -48,17 +47,11 @@ impl Stand {
         if self.thermal.isothermal {
             return 0.0;
         }
-        let Inputs {
-            speed,
-            external_force,
-            ambient_temperature,
-        } = &self.inputs;
         let grains: [f64; 4] = multirate::vector(&self.state.temperatures)
             .map(|t| (t / GRAIN).round())
             .into();
         let wear = (self.state.worn / WEAR_GRAIN).round();
-        let inputs =
-            [speed, external_force, ambient_temperature].map(|input| input.value.to_bits());
+        let inputs = self.inputs.all().map(|input| input.value.to_bits());
         let key = (grains.map(|grain| grain as i64), wear as i64, inputs);
         let temperatures = multirate::temperatures(&(Vector4::from(grains) * GRAIN));
         let from = Departure::at([0.0; 2], temperatures, wear * WEAR_GRAIN);
@@ -88,9 +81,7 @@ impl Stand {
             still.drive.fluctuation_amplitude = 0.0;
             // The last digits of an orbit depend on where it begins.
             (still.state.time, still.state.angle) = (0.0, 0.0);
-            for input in still.inputs.all() {
-                input.slope = 0.0;
-            }
+            still.inputs.each(|input| input.slope = 0.0);
             let fast = still.with_a_fast_film().ok()?;
             multirate::drift(&fast, TOLERANCE, from).ok()?
         };

@@ -1,64 +1,12 @@
 //! Reasons why a step failed: which unknown changes too fast, and which parameter makes it so.
 
-use super::clearance::Seizure;
 use super::{SCALES, Stand, Unknowns, temperatures, worn};
 use crate::oil::Nearby;
 use crate::solver::Failure;
-use fmu_export::model::{Fault, Kind, Model};
-use std::fmt;
+use fmu_export::model::{Fault, Kind, Model, Quantity};
 use std::ops::Range;
-use thiserror::Error;
-
-/// Why a step failed.
-#[derive(Clone, Debug, Error)]
-pub enum Stuck {
-    /// The time integration failed.
-    #[error(transparent)]
-    Integration(#[from] Failure),
-    /// The time integration failed, and this is probably why.
-    #[error("{0}: {1}")]
-    Explained(Failure, Reason),
-    /// The clearance closes.
-    #[error(transparent)]
-    Seized(#[from] Seizure),
-    /// The film could not be solved.
-    #[error(transparent)]
-    Film(#[from] Fault),
-    /// The Reynolds film needed too many internal steps.
-    #[error(
-        "the Reynolds film's internal step collapsed after {passed:.1e} of {span:?} s; {cause}"
-    )]
-    Crawling {
-        /// The time that had passed, s.
-        passed: f64,
-        /// The time that was to pass, s.
-        span: f64,
-        /// Which parameter may be the reason.
-        cause: Advice,
-    },
-    /// The step is so long that it would take hours.
-    #[error(
-        "some {0:.0e} steps of the Reynolds film would be needed: take shorter communication steps"
-    )]
-    TooLong(f64),
-}
-
-/// An unknown that changes too fast, with its probable cause.
-#[derive(Clone, Debug)]
-pub struct Reason {
-    /// The fastest unknown and its time constant, s; none if the rates are not finite.
-    fastest: Option<(&'static str, f64)>,
-    /// Temperature, K, and viscosity, Pa.s, of the film.
-    film: (f64, f64),
-    cause: Advice,
-}
-
-/// Which parameter to look at.
-#[derive(Clone, Debug)]
-pub struct Advice(Option<Cause>);
 
 /// A parameter or input that explains the failure by itself.
-#[derive(Clone, Debug)]
 struct Cause {
     name: &'static str,
     value: f64,
@@ -66,45 +14,22 @@ struct Cause {
     unit: &'static str,
 }
 
-impl fmt::Display for Reason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (temperature, viscosity) = self.film;
-        match self.fastest {
-            Some((name, time)) => write!(
-                f,
-                "{name} settles within {time:.1e} s, faster than in any bearing"
-            )?,
-            None => write!(f, "the state's rates are not finite")?,
-        }
-        write!(
-            f,
-            " (film at {temperature:.1} K with {viscosity:.2e} Pa.s); "
-        )?;
-        self.cause.fmt(f)
-    }
-}
-
-impl fmt::Display for Advice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.0 {
-            Some(Cause {
-                name,
-                value,
-                default,
-                unit,
-            }) => {
-                let unit = match *unit {
-                    "1" => String::new(),
-                    unit => format!(" {unit}"),
-                };
-                write!(
-                    f,
-                    "check {name}: it is {value:?}{unit}, by default {default:?}{unit}"
-                )
-            }
-            None => f.write_str("check the parameters that are far from their defaults"),
-        }
-    }
+/// Which parameter to look at.
+fn advise(cause: Option<Cause>) -> String {
+    let Some(cause) = cause else {
+        return "check the parameters that are far from their defaults".to_owned();
+    };
+    let Cause {
+        name,
+        value,
+        default,
+        unit,
+    } = cause;
+    let unit = match unit {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    format!("check {name}: it is {value:?}{unit}, by default {default:?}{unit}")
 }
 
 /// The point at which the step failed: the time into it, s, the unknowns, and the range of unknowns that were integrated.
@@ -155,13 +80,13 @@ impl Stand {
         Ok(())
     }
 
-    /// Finds the reason of a failure at unknowns `y`, of which those in the range `among` were integrated.
-    pub(super) fn explain(&self, failure: Failure, y: &Unknowns, among: Range<usize>) -> Stuck {
+    /// A failure at unknowns `y`, of which those in the range `among` were integrated, with its probable reason.
+    pub(super) fn explain(&self, failure: Failure, y: &Unknowns, among: Range<usize>) -> Fault {
         if let Some(seizure) = self.seizure(&temperatures(y), worn(y)) {
-            return Stuck::Seized(seizure);
+            return seizure;
         }
         if let Failure::SpanTooLong { .. } = failure {
-            return Stuck::Integration(failure);
+            return Fault::Failed(failure.to_string());
         }
         let at = Place {
             tau: failure.passed(),
@@ -170,12 +95,18 @@ impl Stand {
         };
         let fastest = self.fastest(&at);
         let pace = fastest.map_or(f64::INFINITY, |(_, pace)| pace);
-        let reason = Reason {
-            fastest: fastest.map(|(name, pace)| (name, 1.0 / pace)),
-            film: (y[2], self.fluid.viscosity(y[2])),
-            cause: Advice(self.cause(&at, pace).or_else(|| self.oddest())),
+        let reason = match fastest {
+            Some((name, _)) => format!(
+                "{name} settles within {:.1e} s, faster than in any bearing",
+                1.0 / pace
+            ),
+            None => "the state's rates are not finite".to_owned(),
         };
-        Stuck::Explained(failure, reason)
+        let (film, viscosity) = (y[2], self.fluid.viscosity(y[2]));
+        let advice = advise(self.cause(&at, pace).or_else(|| self.oddest()));
+        Fault::Failed(format!(
+            "{failure}: {reason} (film at {film:.1} K with {viscosity:.2e} Pa.s); {advice}"
+        ))
     }
 
     /// The unknown that settles fastest after a small disturbance, and its rate, 1/s; none if that is not finite.
@@ -228,8 +159,8 @@ impl Stand {
     }
 
     /// Which parameter or input to look at, where nothing more is known.
-    pub(super) fn advice(&self) -> Advice {
-        Advice(self.oddest())
+    pub(super) fn advice(&self) -> String {
+        advise(self.oddest())
     }
 
     /// The parameter or input that differs from its default by the largest factor.
@@ -245,7 +176,7 @@ impl Stand {
     fn changed(&self) -> impl Iterator<Item = (Cause, fn(&mut Self, &f64))> {
         let usual = Self::default();
         Self::variables().iter().filter_map(move |variable| {
-            let Kind::Real { access, unit, .. } = &variable.kind else {
+            let Kind::Real(Quantity { access, unit, .. }) = &variable.kind else {
                 return None;
             };
             let cause = Cause {

@@ -1,9 +1,36 @@
-//! Short forms for the stand's lines of the variable table.
+//! Short forms for the access to the stand's variables.
 
 use crate::stand::Stand;
-use fmu_export::model::Variable;
+use fmu_export::model::{Access, Kind, Quantity, Variable};
+use fmu_export::units::ONE;
 
 pub(super) type V = Variable<Stand>;
+
+/// A real number; the table has its unit and range.
+pub(super) fn real(access: Access<Stand, f64, f64>) -> Kind<Stand> {
+    Kind::Real(Quantity::of(access, &ONE))
+}
+
+/// A real number that the stand computes.
+pub(super) fn computed(get: fn(&Stand) -> f64) -> Quantity<Stand> {
+    Quantity::of(Access { get, set: None }, &ONE)
+}
+
+/// A whole number; the table has its range.
+pub(super) fn whole(access: Access<Stand, i32, i32>) -> Kind<Stand> {
+    let (min, max) = (None, None);
+    Kind::Integer { access, min, max }
+}
+
+/// True or false.
+pub(super) fn flag(access: Access<Stand, bool, bool>) -> Kind<Stand> {
+    Kind::Boolean { access }
+}
+
+/// A text.
+pub(super) fn label(access: Access<Stand, str, String>) -> Kind<Stand> {
+    Kind::String { access }
+}
 
 /// Reads and writes a field of the stand.
 macro_rules! field {
@@ -15,33 +42,34 @@ macro_rules! text {
     ($($path:tt)+) => { fmu_export::text!(Stand: $($path)+) };
 }
 
-/// A parameter of the stand that is one of several named values.
+/// One of several named values.
 macro_rules! choice {
-    ($($line:tt)+) => { fmu_export::choice!(Stand: $($line)+) };
+    ($($choice:tt)+) => { fmu_export::choice!(Stand: $($choice)+) };
 }
 
 /// An output with its time derivative.
 macro_rules! output {
-    ($name:literal, $unit:expr, $field:ident, [$($input:literal),*], $description:literal) => {
-        output($name, $unit, |s: &Stand| s.readings().$field, $description)
-            .derivative(|s| s.rates().$field)
-            .depends_on(&[$($input),*])
+    ($field:ident) => {
+        Kind::Real(Quantity {
+            derivative: Some(|s| s.rates().$field),
+            ..computed(|s| s.readings().$field)
+        })
     };
 }
 
 /// An input that may vary linearly within a step.
 macro_rules! input {
-    ($name:literal, $unit:expr, $field:ident, $description:literal) => {
-        fmu_export::declare::input($name, $unit, field!(inputs.$field.value), $description)
-            .slope(|s: &mut Stand, rate| s.inputs.$field.slope = rate)
+    ($field:ident) => {
+        Kind::Real(Quantity {
+            slope: Some(|s, rate| s.inputs.$field.slope = rate),
+            ..Quantity::of(field!(inputs.$field.value), &units::ONE)
+        })
     };
 }
 
 /// The mean of a sensor over the last whole turn of the load.
 macro_rules! mean {
-    ($name:literal, $unit:expr, $number:literal, [$($input:literal),*], $of:literal) => {
-        output($name, $unit, |s: &Stand| s.means()[$number],
-            concat!($of, ", mean over the last whole turn of the load; until one is complete, since the start"))
-            .depends_on(&[$($input),*])
+    ($number:literal) => {
+        Kind::Real(computed(|s| s.means()[$number]))
     };
 }

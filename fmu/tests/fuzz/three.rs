@@ -3,7 +3,7 @@
 use std::ffi::CString;
 use std::ptr::null;
 
-use fmu_export::fmi3::description;
+use fmu_export::description::{self, Version};
 use fmu_export::fmi3::types::*;
 use fmu_export::model::Kind;
 use plain_bearing_stand::fmi3_functions::*;
@@ -169,9 +169,9 @@ fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
     let way = host.calls as usize % 5;
     let spoil = |at: usize| wrong && at == way;
     let fingerprint = if exchange == spoil(4) {
-        description::fingerprint::<Stand>()
+        description::fingerprint::<Stand>(Version::Three, description::Interface::CoSimulation)
     } else {
-        description::exchange_fingerprint::<Stand>()
+        description::fingerprint::<Stand>(Version::Three, description::Interface::ModelExchange)
     };
     // Model Exchange has no event mode that could be refused.
     let spoilt = spoil(0) || exchange && spoil(2);

@@ -3,7 +3,7 @@
 use std::ffi::{c_char, c_int};
 use std::ptr::null;
 
-use fmu_export::fmi2::description;
+use fmu_export::description::{self, Version};
 use fmu_export::fmi2::types::*;
 use fmu_export::model::Kind;
 use plain_bearing_stand::c_functions::*;
@@ -115,16 +115,16 @@ fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
     let spoil = |at: usize| wrong && at == way;
     // The fifth fault is the GUID of the other kind.
     let fingerprint = if exchange == spoil(5) {
-        description::fingerprint::<Stand>()
+        description::fingerprint::<Stand>(Version::Two, description::Interface::CoSimulation)
     } else {
-        description::exchange_fingerprint::<Stand>()
+        description::fingerprint::<Stand>(Version::Two, description::Interface::ModelExchange)
     };
     let kind = match exchange {
         _ if spoil(2) => -7,
         true => MODEL_EXCHANGE,
         false => CO_SIMULATION,
     };
-    let guid = host.token(description::guid(fingerprint), spoil(0));
+    let guid = host.token(description::token(fingerprint), spoil(0));
     let name = match host.calls % 7 {
         _ if spoil(1) => c" ",
         0 => c"\xff %n",

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::ptr::{null, null_mut};
 
 use fmu_export::fmi3::types::{Component, Status, Text, ValueReference};
-use fmu_export::model::{Kind, Model, Role, Variable};
+use fmu_export::model::{Kind, Model, Quantity, Role, Variable};
 use plain_bearing_stand::stand::Stand;
 
 use crate::host::Host;
@@ -76,7 +76,7 @@ pub fn get<T: Copy + Debug>(
 
 /// Expectations on real values.
 pub const REALS: (Fits, f64, fn(&f64) -> bool) = (
-    |v| matches!(v.kind, Kind::Real { .. }),
+    |v| matches!(v.kind, Kind::Real(_)),
     f64::NAN,
     |value| value.is_finite(),
 );
@@ -140,7 +140,7 @@ pub fn set_reals(
     name: &'static str,
     function: impl Fn(Component, *const ValueReference, usize, *const f64) -> Status,
 ) {
-    let references = references(host, |v| settable(v) && matches!(v.kind, Kind::Real { .. }));
+    let references = references(host, |v| settable(v) && matches!(v.kind, Kind::Real(_)));
     let value = |host: &mut Host, reference: &_| real_for(host, *reference);
     let values: Vec<_> = references.iter().map(|r| value(host, r)).collect();
     set(host, component, name, (&references, &values), function);
@@ -151,12 +151,12 @@ fn real_for(host: &mut Host, reference: ValueReference) -> f64 {
     let random = &mut host.random;
     let Some(Variable {
         kind:
-            Kind::Real {
+            Kind::Real(Quantity {
                 access,
                 min: Some(min),
                 max: Some(max),
                 ..
-            },
+            }),
         ..
     }) = Stand::variables().get(reference as usize)
     else {
@@ -263,7 +263,7 @@ pub fn derivative(
 
 /// Whether a variable is a real output.
 pub fn real_output(variable: &Variable<Stand>) -> bool {
-    variable.role == Role::Output && matches!(variable.kind, Kind::Real { .. })
+    variable.role == Role::Output && matches!(variable.kind, Kind::Real(_))
 }
 
 /// Whether a variable is an input.

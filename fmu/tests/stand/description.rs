@@ -1,7 +1,7 @@
 //! The stand's variable table and the model description that follows from it.
 
-use fmu_export::model::{Kind, Model, faults};
-use fmu_export::{fmi2, fmi3};
+use fmu_export::description::{self, Interface, Version};
+use fmu_export::model::{Kind, Model, Quantity, faults};
 use plain_bearing_stand::stand::Stand;
 
 #[test]
@@ -12,19 +12,19 @@ fn the_committed_descriptions_are_fresh() {
                 env!("CARGO_MANIFEST_DIR"),
                 "/../modelDescription/modelDescription.xml"
             ),
-            fmi2::description::xml::<Stand>(),
+            description::xml::<Stand>(Version::Two, Interface::CoSimulation),
         ),
         (
             concat!(env!("CARGO_MANIFEST_DIR"), "/descriptions/fmi3.xml"),
-            fmi3::description::xml::<Stand>(),
+            description::xml::<Stand>(Version::Three, Interface::CoSimulation),
         ),
         (
             concat!(env!("CARGO_MANIFEST_DIR"), "/descriptions/me.xml"),
-            fmi2::description::exchange_xml::<Stand>(),
+            description::xml::<Stand>(Version::Two, Interface::ModelExchange),
         ),
         (
             concat!(env!("CARGO_MANIFEST_DIR"), "/descriptions/me-fmi3.xml"),
-            fmi3::description::exchange_xml::<Stand>(),
+            description::xml::<Stand>(Version::Three, Interface::ModelExchange),
         ),
     ] {
         let committed = std::fs::read_to_string(path).unwrap_or_default();
@@ -45,9 +45,9 @@ fn the_declaration_is_sound() {
 fn every_real_variable_has_a_range_and_a_nominal_value() {
     for variable in Stand::variables() {
         assert!(!variable.description.is_empty(), "{}", variable.name);
-        if let Kind::Real {
+        if let Kind::Real(Quantity {
             min, max, nominal, ..
-        } = &variable.kind
+        }) = &variable.kind
         {
             let complete = min.is_some() && max.is_some() && nominal.is_some();
             assert!(complete, "{}", variable.name);

@@ -1,6 +1,6 @@
 //! Model Exchange: another solver integrates the stand's rates, and comes to what the stand's own steps give.
 
-use fmu_export::model::{Continuous, Experiment, Fault, Kind, Model};
+use fmu_export::model::{Continuous, Experiment, Fault, Kind, Model, Quantity};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::stand::Stand;
 
@@ -15,7 +15,7 @@ fn started(tolerance: f64) -> Stand {
 fn read(stand: &Stand, name: &str) -> f64 {
     let variable = Stand::variables().iter().find(|v| v.name == name).unwrap();
     match &variable.kind {
-        Kind::Real { access, .. } => (access.get)(stand),
+        Kind::Real(Quantity { access, .. }) => (access.get)(stand),
         _ => panic!("{name} is no Real"),
     }
 }
@@ -65,7 +65,7 @@ fn another_solver_comes_to_the_same() {
     }
     integrate(&mut other, 0.5, 1e-5);
     for variable in Stand::variables() {
-        let real = matches!(variable.kind, Kind::Real { .. });
+        let real = matches!(variable.kind, Kind::Real(_));
         if !real || Stand::without().contains(&variable.name) {
             continue;
         }

@@ -1,7 +1,7 @@
 //! Parameters from anywhere in their ranges: a step is made, or refused soon with a message that names what is
 //! unusual. How much work "soon" is, the solver's budget says, and its own tests.
 
-use fmu_export::model::{Experiment, Fault, Kind, Model, Variable};
+use fmu_export::model::{Experiment, Fault, Kind, Model, Quantity, Variable};
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -15,7 +15,7 @@ const EXPERIMENT: Experiment<'static> = Experiment {
 
 fn set(stand: &mut Stand, name: &str, value: f64) {
     let variable = Stand::variables().iter().find(|v| v.name == name).unwrap();
-    if let Kind::Real { access, .. } = &variable.kind {
+    if let Kind::Real(Quantity { access, .. }) = &variable.kind {
         access.set.unwrap()(stand, &value);
     }
 }
@@ -38,12 +38,12 @@ fn run(settings: &[(&str, f64)], steps: &[f64]) -> Result<Stand, Fault> {
 /// A variable that can be set, and its range.
 fn settable(variable: &Variable<Stand>) -> Option<(&'static str, f64, f64)> {
     match &variable.kind {
-        Kind::Real {
+        Kind::Real(Quantity {
             access,
             min: Some(min),
             max: Some(max),
             ..
-        } if access.set.is_some() => Some((variable.name, *min, *max)),
+        }) if access.set.is_some() => Some((variable.name, *min, *max)),
         _ => None,
     }
 }
@@ -78,9 +78,9 @@ fn is_made_or_refused(settings: &[(&'static str, f64)]) -> Result<(), TestCaseEr
     match run(settings, &[1e-3, 0.1]) {
         Ok(stand) => {
             for variable in Stand::variables() {
-                if let Kind::Real {
+                if let Kind::Real(Quantity {
                     access, min, max, ..
-                } = &variable.kind
+                }) = &variable.kind
                 {
                     let value = (access.get)(&stand);
                     let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));

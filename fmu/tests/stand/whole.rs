@@ -1,6 +1,6 @@
 //! The stand as a whole, without FMI.
 
-use fmu_export::model::{Access, Experiment, Fault, Kind, Log, Model, Role};
+use fmu_export::model::{Access, Experiment, Fault, Kind, Log, Model, Quantity, Role};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
@@ -273,21 +273,21 @@ fn outputs_follow_at_once_only_the_inputs_that_they_name() {
         let readings = |stand: &Stand| {
             let outputs = Stand::variables().iter().filter(|v| v.role == Role::Output);
             Vec::from_iter(outputs.map(|variable| match &variable.kind {
-                Kind::Real { access, .. } => (variable, (access.get)(stand)),
+                Kind::Real(Quantity { access, .. }) => (variable, (access.get)(stand)),
                 _ => unreachable!("{} is no Real", variable.name),
             }))
         };
         let mut stand = configured(&|_| ());
         run(&mut stand, time, 0.01);
         for input in Stand::variables().iter().filter(|v| v.role == Role::Input) {
-            let Kind::Real {
+            let Kind::Real(Quantity {
                 access:
                     Access {
                         get,
                         set: Some(set),
                     },
                 ..
-            } = input.kind
+            }) = input.kind
             else {
                 unreachable!("{} is no Real", input.name);
             };

@@ -52,7 +52,7 @@ macro_rules! c_functions {
             $(#[$doc])*
             #[allow(unused_variables, unused_unsafe)]
             pub unsafe fn $call<M: Model>(component: Component, $($argument: $of),*) -> Status {
-                const FUNCTION: Function = Function::new(stringify!($name), Version::$version, $phases);
+                const FUNCTION: Function = Function { name: stringify!($name), version: Version::$version, phases: $phases };
                 // SAFETY: as the host vouches.
                 let body = |$instance: &mut Instance<M>| -> Outcome { unsafe { $body } };
                 // SAFETY: as the host vouches.

@@ -6,7 +6,7 @@ use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, ValueReference};
 use super::values::{check_settable, inside, variable};
-use crate::model::{Access, Kind, Model, Role, Variable};
+use crate::model::{Kind, Model, Role, Variable};
 
 /// Step of the central difference, relative to a variable's magnitude: at the cube root of the rounding unit, truncation
 /// and rounding errors are of the same size (Press et al., Numerical Recipes, 2007, section 5.7).
@@ -59,9 +59,8 @@ impl<M: Model> Instance<M> {
             return;
         }
         for variable in M::variables() {
-            if let Kind::Real {
-                slope: Some(set), ..
-            } = variable.kind
+            if let Kind::Real(real) = &variable.kind
+                && let Some(set) = real.slope
             {
                 set(&mut self.run.model, 0.0);
             }
@@ -188,17 +187,11 @@ impl<M: Model> Instance<M> {
             _ => Phase::StepComplete,
         };
         check_settable(variable, phase)?;
-        let Kind::Real {
-            access: Access {
-                get,
-                set: Some(set),
-            },
-            min,
-            max,
-            nominal,
-            ..
-        } = &variable.kind
-        else {
+        let settable = match &variable.kind {
+            Kind::Real(real) => real.access.set.map(|set| (real, set)),
+            _ => None,
+        };
+        let Some((real, set)) = settable else {
             return Err(unfit(
                 variable,
                 format!(
@@ -213,19 +206,19 @@ impl<M: Model> Instance<M> {
                 format!("its component of the direction, {direction}, must be finite"),
             ));
         }
-        let value = get(self.run.seed.as_ref().unwrap_or(&self.run.model));
-        let magnitude = match (value.abs(), nominal) {
+        let value = (real.access.get)(self.run.seed.as_ref().unwrap_or(&self.run.model));
+        let magnitude = match (value.abs(), real.nominal) {
             (value, Some(nominal)) => value.max(nominal.abs()),
             (0.0, None) => 1.0,
             (value, None) => value,
         };
         Ok(Known {
-            set: *set,
+            set,
             value,
             direction,
             magnitude,
-            min: *min,
-            max: *max,
+            min: real.min,
+            max: real.max,
         })
     }
 }
@@ -264,7 +257,7 @@ type Slope<M> = fn(&mut M, f64);
 
 fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
     match (&variable.kind, variable.role) {
-        (Kind::Real { access, .. }, Role::Output | Role::Local) => Ok(access.get),
+        (Kind::Real(real), Role::Output | Role::Local) => Ok(real.access.get),
         _ => Err(unfit(
             variable,
             "only a Real that the model computes can be an unknown".to_owned(),
@@ -275,12 +268,7 @@ fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
 fn output<M>(variable: &'static Variable<M>, order: i32) -> Outcome<(Read<M>, Option<Read<M>>)> {
     check_order(variable, order)?;
     match (&variable.kind, variable.role) {
-        (
-            Kind::Real {
-                access, derivative, ..
-            },
-            Role::Output,
-        ) => Ok((access.get, *derivative)),
+        (Kind::Real(real), Role::Output) => Ok((real.access.get, real.derivative)),
         _ => Err(unfit(
             variable,
             "only Real outputs have time derivatives".to_owned(),
@@ -290,15 +278,12 @@ fn output<M>(variable: &'static Variable<M>, order: i32) -> Outcome<(Read<M>, Op
 
 fn input_slope<M>(variable: &'static Variable<M>, order: i32) -> Outcome<Slope<M>> {
     check_order(variable, order)?;
-    match &variable.kind {
-        Kind::Real {
-            slope: Some(slope), ..
-        } => Ok(*slope),
-        _ => Err(unfit(
-            variable,
-            "only inputs that may vary within a step take time derivatives".to_owned(),
-        )),
-    }
+    let slope = match &variable.kind {
+        Kind::Real(real) => real.slope,
+        _ => None,
+    };
+    let why = "only inputs that may vary within a step take time derivatives";
+    slope.ok_or_else(|| unfit(variable, why.to_owned()))
 }
 
 fn check_order<M>(variable: &Variable<M>, order: i32) -> Outcome<()> {

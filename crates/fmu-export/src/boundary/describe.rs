@@ -3,25 +3,29 @@
 use super::logger::categories;
 use super::xml::{Number, Tag, Xml};
 use crate::model::{
-    DisplayUnit, Enumeration, Info, Kind, Model, Role, State, Unit, Variable, offered,
+    DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, State, Unit, Variable, offered,
 };
 
 /// The interface that a description is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interface {
     /// The FMU steps itself.
+    #[default]
     CoSimulation,
     /// The host integrates the FMU's states.
     ModelExchange,
 }
 
 /// FNV-1a of 128 bits (Fowler, Noll and Vo, 1991).
-pub fn hash(text: &str) -> u128 {
-    const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+pub const fn hash(text: &str) -> u128 {
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    text.bytes().fold(BASIS, |hash, byte| {
-        (hash ^ u128::from(byte)).wrapping_mul(PRIME)
-    })
+    let (bytes, mut at) = (text.as_bytes(), 0);
+    let mut hash: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    while at < bytes.len() {
+        hash = (hash ^ bytes[at] as u128).wrapping_mul(PRIME);
+        at += 1;
+    }
+    hash
 }
 
 /// The token of a description with this hash, which its instantiation function compares: so a binary never runs with another
@@ -97,7 +101,7 @@ pub fn units<M: Model>(xml: &mut Xml, interface: Interface) {
     let mut units: Vec<(&Unit, Vec<&DisplayUnit>)> = Vec::new();
     let variables = listed::<M>(interface).into_iter();
     let of_variables = variables.filter_map(|(_, variable)| match variable.kind {
-        Kind::Real { unit, .. } => Some(unit),
+        Kind::Real(Quantity { unit, .. }) => Some(unit),
         _ => None,
     });
     let of_states = (states::<M>(interface).iter()).flat_map(|state| [state.unit, state.rate_unit]);

@@ -4,16 +4,18 @@
 use std::ops::Range;
 
 use super::describe::{
-    Interface, convention, enumerations, experiment, hash, initially_known, listed, log_categories,
-    origin, states, token, units,
+    convention, enumerations, experiment, hash, initially_known, listed, log_categories, origin,
+    states, units,
 };
 use super::exchange::{RATE, STATE};
 use super::intermediate::is_intermediate;
 use super::types::ValueReference;
 use super::values::TIME;
-use super::version::Version;
 use super::xml::{Number, Tag, Xml};
 use crate::model::{Kind, Model, Role, Variable};
+
+pub use super::describe::{Interface, token};
+pub use super::version::Version;
 
 /// The text of `modelDescription.xml`.
 pub fn xml<M: Model>(version: Version, interface: Interface) -> String {
@@ -54,9 +56,8 @@ fn with_token<M: Model>(version: Version, interface: Interface, token: &str) -> 
 }
 
 fn co_simulation_2<M: Model>() -> Tag {
-    let sloped = M::variables()
-        .iter()
-        .any(|v| matches!(v.kind, Kind::Real { slope: Some(_), .. }));
+    let sloped = (M::variables().iter())
+        .any(|v| matches!(&v.kind, Kind::Real(real) if real.slope.is_some()));
     Tag::new("CoSimulation")
         .with("modelIdentifier", M::INFO.identifier)
         .with("canHandleVariableCommunicationStepSize", true)
@@ -189,7 +190,7 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     }
     for (reference, variable) in &listed {
         let changing = match variable.kind {
-            Kind::Real { .. } => "continuous",
+            Kind::Real(_) => "continuous",
             _ => "discrete",
         };
         let (causality, variability, first) = match variable.role {
@@ -264,22 +265,14 @@ fn describe<M: Model>(
     let typed = |tag: Tag| {
         let tag = tag.with_some("intermediateUpdate", intermediate.then_some(true));
         match &variable.kind {
-            Kind::Real {
-                access,
-                unit,
-                display,
-                min,
-                max,
-                nominal,
-                ..
-            } => tag
-                .with("unit", unit.name)
-                .with_some("displayUnit", *display)
-                .with_some("relativeQuantity", unit.relative.then_some(true))
-                .with_some("min", min.map(Number))
-                .with_some("max", max.map(Number))
-                .with_some("nominal", nominal.map(Number))
-                .with_some("start", set.then(|| Number((access.get)(initial)))),
+            Kind::Real(real) => tag
+                .with("unit", real.unit.name)
+                .with_some("displayUnit", real.display)
+                .with_some("relativeQuantity", real.unit.relative.then_some(true))
+                .with_some("min", real.min.map(Number))
+                .with_some("max", real.max.map(Number))
+                .with_some("nominal", real.nominal.map(Number))
+                .with_some("start", set.then(|| Number((real.access.get)(initial)))),
             Kind::Integer { access, min, max } => tag
                 .with_some("min", *min)
                 .with_some("max", *max)

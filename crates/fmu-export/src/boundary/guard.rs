@@ -3,12 +3,14 @@
 
 use std::any::Any;
 use std::cell::UnsafeCell;
+use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use super::describe::hash;
 use super::instance::{Instance, Request};
 use super::logger::Logger;
-use super::phase::{Function, Phase};
+use super::phase::{Function, Phase, of};
 use super::raw::lossy;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Component, Status, Text};
@@ -24,17 +26,7 @@ pub fn magic<M: Model>(kind: u64, version: Version) -> u64 {
     static ANCHOR: u8 = 0;
     // The address differs between libraries. Every call comes through here: the rest is known at compile time.
     let library = (&raw const ANCHOR).addr() as u64;
-    library ^ const { hash(M::INFO.identifier) } ^ kind ^ ((version as u64) << 32)
-}
-
-/// FNV-1a of 64 bits (Fowler, Noll and Vo, 1991).
-const fn hash(text: &str) -> u64 {
-    let (bytes, mut hash, mut at) = (text.as_bytes(), 0xcbf2_9ce4_8422_2325_u64, 0);
-    while at < bytes.len() {
-        hash = (hash ^ bytes[at] as u64).wrapping_mul(0x0000_0100_0000_01b3);
-        at += 1;
-    }
-    hash
+    library ^ const { hash(M::INFO.identifier) as u64 } ^ kind ^ ((version as u64) << 32)
 }
 
 /// The target of the pointer that the host has of an instance.
@@ -86,15 +78,29 @@ impl<M: Model> Handle<M> {
     /// # Safety
     /// The component is NULL, or points to at least eight readable bytes; one of ours is alive.
     unsafe fn find<'a>(component: Component, version: Version) -> Option<&'a Self> {
-        let first = component.cast::<AtomicU64>();
-        if first.is_null() || !first.is_aligned() {
-            return None;
-        }
-        // SAFETY: not NULL, aligned, readable.
-        let found = unsafe { &*first }.load(Ordering::Relaxed);
-        // SAFETY: the number is written by `give` only, in front of a handle of this type.
-        (found == magic::<M>(Self::KIND, version)).then(|| unsafe { &*component.cast::<Self>() })
+        // SAFETY: as the caller promises; the number is written by `give` only, in front of a handle of this type.
+        unsafe { ours(component, magic::<M>(Self::KIND, version), "component") }.ok()
     }
+}
+
+/// What a pointer that the host has points to, if that begins with the number of its kind of objects.
+///
+/// # Safety
+/// The pointer is NULL, or points to at least eight readable bytes; this number stands only in front of a living `T`.
+pub unsafe fn ours<'a, T>(pointer: *mut c_void, magic: u64, name: &'static str) -> Outcome<&'a T> {
+    let first = pointer.cast::<AtomicU64>();
+    if first.is_null() {
+        return Err(Refusal::Null(name));
+    }
+    if !first.is_aligned() {
+        return Err(Refusal::Misaligned(name));
+    }
+    // SAFETY: not NULL, aligned, readable.
+    if unsafe { &*first }.load(Ordering::Relaxed) != magic {
+        return Err(Refusal::Foreign(name));
+    }
+    // SAFETY: the caller promises that such an object has this number.
+    Ok(unsafe { &*pointer.cast::<T>() })
 }
 
 /// Makes an instance for a host that names it, its token and its resources: with the `logger` for its name, if `check` knows the
@@ -180,7 +186,7 @@ fn checked<M: Model>(
     if phase == Phase::Fatal {
         return Status::Fatal;
     }
-    let outcome = if function.allowed_in(phase) {
+    let outcome = if function.phases & of(&[phase]) != 0 {
         body(instance)
     } else {
         Err(Refusal::Phase(phase))

@@ -55,7 +55,7 @@ impl Update {
 /// Whether hosts may access a variable within steps: continuous inputs and outputs.
 pub fn is_intermediate<M: Model>(variable: &Variable<M>) -> bool {
     M::INNER_STEP.is_some()
-        && matches!(variable.kind, Kind::Real { .. })
+        && matches!(variable.kind, Kind::Real(_))
         && matches!(variable.role, Role::Input | Role::Output)
 }
 

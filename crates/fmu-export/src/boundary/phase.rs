@@ -50,97 +50,43 @@ impl fmt::Display for Phase {
     }
 }
 
-/// A function of the standard and the phases in which it may be called.
+/// A set of phases, a bit for each.
+pub type Phases = u16;
+
+/// The set of these phases.
+pub const fn of(phases: &[Phase]) -> Phases {
+    let (mut bits, mut at) = (0, 0);
+    while at < phases.len() {
+        bits |= 1 << phases[at] as u8;
+        at += 1;
+    }
+    bits
+}
+
+/// A function of the standard.
 pub struct Function {
     /// The C name.
     pub name: &'static str,
     /// The version of the standard that the function belongs to.
     pub version: Version,
-    /// A bit for each phase.
-    phases: u16,
-}
-
-impl Function {
-    /// A function that may be called in these phases.
-    pub const fn new(name: &'static str, version: Version, phases: &[Phase]) -> Self {
-        let (mut bits, mut at) = (0, 0);
-        while at < phases.len() {
-            bits |= 1 << phases[at] as u8;
-            at += 1;
-        }
-        Self {
-            name,
-            version,
-            phases: bits,
-        }
-    }
-
-    /// Whether the function may be called in this phase.
-    pub fn allowed_in(&self, phase: Phase) -> bool {
-        self.phases & (1 << phase as u8) != 0
-    }
+    /// The phases in which it may be called.
+    pub phases: Phases,
 }
 
 /// All phases but [`Phase::Fatal`], and [`Phase::Intermediate`], in which a call is still at work.
-pub const ALIVE: &[Phase] = &[
-    Phase::Instantiated,
-    Phase::Initialization,
-    Phase::StepComplete,
-    Phase::StepFailed,
-    Phase::Terminated,
-    Phase::Error,
-    Phase::Event,
-    Phase::Continuous,
-];
+pub const ALIVE: Phases = !of(&[Phase::Fatal, Phase::Intermediate]);
 
 /// The phases in which FMI 3.0 lets values be read: they are start values at first.
-pub const VISIBLE: &[Phase] = &[
-    Phase::Instantiated,
-    Phase::Initialization,
-    Phase::StepComplete,
-    Phase::StepFailed,
-    Phase::Terminated,
-    Phase::Error,
-    Phase::Event,
-    Phase::Continuous,
-    Phase::Intermediate,
-];
+pub const VISIBLE: Phases = ALIVE | of(&[Phase::Intermediate]);
 
 /// The phases in which computed values can be read.
-pub const READABLE: &[Phase] = &[
-    Phase::Initialization,
-    Phase::StepComplete,
-    Phase::StepFailed,
-    Phase::Terminated,
-    Phase::Error,
-    Phase::Event,
-    Phase::Continuous,
-];
+pub const READABLE: Phases = ALIVE & !of(&[Phase::Instantiated]);
 
 /// The phases in which partial derivatives can be asked for: not in Model Exchange.
-pub const DERIVABLE: &[Phase] = &[
-    Phase::Initialization,
-    Phase::StepComplete,
-    Phase::StepFailed,
-    Phase::Terminated,
-    Phase::Error,
-];
+pub const DERIVABLE: Phases = READABLE & !of(&[Phase::Event, Phase::Continuous]);
 
 /// The phases in which states can be read.
-pub const INTEGRABLE: &[Phase] = &[
-    Phase::Initialization,
-    Phase::Event,
-    Phase::Continuous,
-    Phase::Terminated,
-    Phase::Error,
-];
+pub const INTEGRABLE: Phases = READABLE & !of(&[Phase::StepComplete, Phase::StepFailed]);
 
 /// The phases in which values can be set.
-pub const SETTABLE: &[Phase] = &[
-    Phase::Instantiated,
-    Phase::Initialization,
-    Phase::StepComplete,
-    Phase::Event,
-    Phase::Continuous,
-    Phase::Intermediate,
-];
+pub const SETTABLE: Phases = VISIBLE & !of(&[Phase::StepFailed, Phase::Terminated, Phase::Error]);

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::guard::magic;
+use super::guard::{magic, ours};
 use super::instance::Instance;
 use super::phase::Phase;
 use super::raw;
@@ -40,19 +40,8 @@ impl<M: Model> Saved<M> {
     /// The state is NULL, or points to at least eight readable bytes; one of ours is alive and
     /// not written to during `'a`. Several instances may read it at once.
     unsafe fn find<'a>(state: FmuState, version: Version) -> Outcome<&'a Self> {
-        let first = state.cast::<AtomicU64>();
-        if first.is_null() {
-            return Err(Refusal::Null(version.state()));
-        }
-        if !first.is_aligned() {
-            return Err(Refusal::Misaligned(version.state()));
-        }
-        // SAFETY: not NULL, aligned, readable.
-        if unsafe { &*first }.load(Ordering::Relaxed) != magic::<M>(Self::KIND, version) {
-            return Err(Refusal::Foreign(version.state()));
-        }
-        // SAFETY: the number is written by `give` only, in front of a state of this type.
-        Ok(unsafe { &*state.cast::<Self>() })
+        // SAFETY: as the caller promises; the number is written by `give` only, in front of a state of this type.
+        unsafe { ours(state, magic::<M>(Self::KIND, version), version.state()) }
     }
 }
 

@@ -73,7 +73,7 @@ pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
     let (role, settable) = match variable.role {
         // While a host integrates, it may change what is continuous, and nothing else.
         Role::Input => {
-            let real = matches!(variable.kind, Kind::Real { .. });
+            let real = matches!(variable.kind, Kind::Real(_));
             ("an input", real || phase != Phase::Continuous)
         }
         Role::TunableParameter => ("a tunable parameter", phase != Phase::Continuous),
@@ -119,7 +119,7 @@ impl<M: Model> Instance<M> {
         for (reference, value) in references.iter().zip(values) {
             *value = match variable::<M>(*reference) {
                 Ok(variable) => match &variable.kind {
-                    Kind::Real { access, .. } => (access.get)(&self.run.model),
+                    Kind::Real(real) => (real.access.get)(&self.run.model),
                     _ => return Err(wrong_type(version, variable, version.real())),
                 },
                 Err(unknown) => self.unlisted(*reference)?.ok_or(unknown)?,
@@ -224,16 +224,13 @@ impl<M: Model> Instance<M> {
     pub fn set_real(&mut self, references: &[ValueReference], values: &[Real]) -> Outcome {
         let version = self.version;
         self.set(references, values, |variable, value, model| {
-            let Kind::Real {
-                access, min, max, ..
-            } = &variable.kind
-            else {
+            let Kind::Real(real) = &variable.kind else {
                 return Err(wrong_type(version, variable, version.real()));
             };
-            if !value.is_finite() || !inside(value, *min, *max) {
-                return Err(outside(variable, value, *min, *max));
+            if !value.is_finite() || !inside(value, real.min, real.max) {
+                return Err(outside(variable, value, real.min, real.max));
             }
-            write(variable, access, &value, model)
+            write(variable, &real.access, &value, model)
         })
     }
 

@@ -3,9 +3,10 @@
 use crate::model::{Kind, Variable};
 
 /// A version of the standard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Version {
     /// FMI 2.0.
+    #[default]
     Two,
     /// FMI 3.0.
     Three,
@@ -23,7 +24,7 @@ impl Version {
     /// The name that this version gives a variable's type.
     pub fn type_name<M>(self, variable: &Variable<M>) -> &'static str {
         match (self, &variable.kind) {
-            (_, Kind::Real { .. }) => self.real(),
+            (_, Kind::Real(_)) => self.real(),
             (Self::Three, Kind::Integer { .. }) => "Int32",
             _ => variable.type_name(),
         }

@@ -7,19 +7,20 @@
 //! NULL or was not freed. NULL in place of a value, foreign handles and calls at the wrong time are refused.
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 
-use super::description;
 use super::types::{
     CO_SIMULATION, DO_STEP_STATUS, FALSE, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED,
 };
 use crate::boundary::calls::{answer, c_functions, nothing};
+use crate::boundary::description::{Interface, fingerprint};
 use crate::boundary::guard::{Handle, enter, instantiate_by};
 use crate::boundary::instance::Instance;
 use crate::boundary::logger::{Callback, Logger, c_string};
 use crate::boundary::phase::Phase::{
-    self, Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed,
-    Terminated,
+    Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
 };
-use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, READABLE, SETTABLE};
+use crate::boundary::phase::{
+    ALIVE, DERIVABLE, Function, INTEGRABLE, Phases, READABLE, SETTABLE, of,
+};
 use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::values::INTEGER;
@@ -27,7 +28,7 @@ use crate::boundary::version::Version;
 use crate::model::{Model, offered};
 
 /// The phases in which the results of steps can be asked for.
-const STEPPED: &[Phase] = &[StepComplete, StepFailed, Terminated, Error];
+const STEPPED: Phases = of(&[StepComplete, StepFailed, Terminated, Error]);
 
 c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
     types Boolean Byte Choice CallbackFunctions Component EventInfo FmuState Integer Real Status Text ValueReference;
@@ -44,13 +45,13 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2SetDebugLogging = set_debug_logging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
             |instance| instance.set_logging(on != FALSE, &texts(categories, n, "categories")?);
         fmi2SetupExperiment = setup_experiment(tolerance_defined: Boolean, tolerance: Real, start: Real, stop_defined: Boolean,
-            stop: Real) in &[Instantiated] => |instance| {
+            stop: Real) in of(&[Instantiated]) => |instance| {
                 let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
                 instance.setup(tolerance, start, (stop_defined != FALSE).then_some(stop))
             };
-        fmi2EnterInitializationMode = enter_initialization_mode() in &[Instantiated] => |instance| instance.enter_initialization();
-        fmi2ExitInitializationMode = exit_initialization_mode() in &[Initialization] => |instance| instance.exit_initialization();
-        fmi2Terminate = terminate() in &[StepComplete, StepFailed, Event, Continuous] => |instance| instance.terminate();
+        fmi2EnterInitializationMode = enter_initialization_mode() in of(&[Instantiated]) => |instance| instance.enter_initialization();
+        fmi2ExitInitializationMode = exit_initialization_mode() in of(&[Initialization]) => |instance| instance.exit_initialization();
+        fmi2Terminate = terminate() in of(&[StepComplete, StepFailed, Event, Continuous]) => |instance| instance.terminate();
         fmi2Reset = reset() in ALIVE => |instance| instance.reset();
 
         fmi2GetReal = get_real(vr: *const ValueReference, n: usize, value: *mut Real) in READABLE =>
@@ -99,10 +100,10 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
             );
 
         /// Saved states are copies, so that it does not matter whether the host goes back to an earlier one.
-        fmi2DoStep = do_step(from: Real, step: Real, no_set_state_prior: Boolean) in &[StepComplete] =>
+        fmi2DoStep = do_step(from: Real, step: Real, no_set_state_prior: Boolean) in of(&[StepComplete]) =>
             |instance| instance.step(from, step);
         /// Steps are synchronous, so there is none to cancel: it is refused in every phase.
-        fmi2CancelStep = cancel_step() in &[] => |_| Ok(Status::Ok);
+        fmi2CancelStep = cancel_step() in of(&[]) => |_| Ok(Status::Ok);
         /// How the last step ended.
         fmi2GetStatus = get_status(kind: Choice, value: *mut Status) in STEPPED =>
             |instance| tell(value, (kind == DO_STEP_STATUS).then_some(instance.run.last_step));
@@ -117,16 +118,16 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         /// The state of a pending step. Steps are never pending.
         fmi2GetStringStatus = get_string_status(kind: Choice, value: *mut Text) in STEPPED => |_| tell(value, None);
 
-        fmi2EnterEventMode = enter_event_mode() in &[Continuous] => |instance| instance.enter_event();
+        fmi2EnterEventMode = enter_event_mode() in of(&[Continuous]) => |instance| instance.enter_event();
         /// Nothing ever happens.
-        fmi2NewDiscreteStates = new_discrete_states(info: *mut EventInfo) in &[Event] => |_| nothing([place(info, "eventInfo")?]);
-        fmi2EnterContinuousTimeMode = enter_continuous_time_mode() in &[Event] => |instance| instance.enter_continuous();
+        fmi2NewDiscreteStates = new_discrete_states(info: *mut EventInfo) in of(&[Event]) => |_| nothing([place(info, "eventInfo")?]);
+        fmi2EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();
         /// A completed step changes nothing.
         fmi2CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
-            terminate: *mut Boolean) in &[Continuous] =>
+            terminate: *mut Boolean) in of(&[Continuous]) =>
             |_| nothing([place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?]);
-        fmi2SetTime = set_time(time: Real) in &[Event, Continuous] => |instance| instance.set_time(time);
-        fmi2SetContinuousStates = set_continuous_states(x: *const Real, n: usize) in &[Continuous] =>
+        fmi2SetTime = set_time(time: Real) in of(&[Event, Continuous]) => |instance| instance.set_time(time);
+        fmi2SetContinuousStates = set_continuous_states(x: *const Real, n: usize) in of(&[Continuous]) =>
             |instance| instance.set_states(values(x, n, "values")?);
         fmi2GetDerivatives = get_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_rates(values_mut(rates, n, "values")?);
@@ -136,7 +137,7 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2GetContinuousStates = get_continuous_states(x: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_states(values_mut(x, n, "values")?);
         fmi2GetNominalsOfContinuousStates = get_nominals_of_continuous_states(nominals: *mut Real, n: usize)
-            in &[Instantiated, Initialization, Event, Continuous, Terminated, Error] =>
+            in of(&[Instantiated, Initialization, Event, Continuous, Terminated, Error]) =>
             |instance| instance.get_nominals(values_mut(nominals, n, "values")?);
     }
 }
@@ -162,8 +163,14 @@ unsafe fn make<M: Model>(
         ))
     };
     let check = || match (kind, offered::<M>()) {
-        (CO_SIMULATION, _) => Ok((description::fingerprint::<M>(), None)),
-        (MODEL_EXCHANGE, Some(_)) => Ok((description::exchange_fingerprint::<M>(), None)),
+        (CO_SIMULATION, _) => Ok((
+            fingerprint::<M>(Version::Two, Interface::CoSimulation),
+            None,
+        )),
+        (MODEL_EXCHANGE, Some(_)) => Ok((
+            fingerprint::<M>(Version::Two, Interface::ModelExchange),
+            None,
+        )),
         (_, offered) => Err(Refusal::Argument {
             name: "fmuType",
             value: kind.to_string(),

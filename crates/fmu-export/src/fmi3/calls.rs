@@ -12,9 +12,9 @@
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 #![allow(clippy::too_many_arguments)] // as many as the standard says
 
-use super::description;
 use super::types::FALSE;
 use crate::boundary::calls::{answer, c_functions, nothing};
+use crate::boundary::description::{Interface, fingerprint};
 use crate::boundary::guard::{Handle, enter, instantiate_by};
 use crate::boundary::instance::Instance;
 use crate::boundary::logger::{Callback, Logger};
@@ -22,7 +22,9 @@ use crate::boundary::phase::Phase::{
     Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed,
     Terminated,
 };
-use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, SETTABLE, VISIBLE};
+use crate::boundary::phase::{
+    ALIVE, DERIVABLE, Function, INTEGRABLE, Phase, SETTABLE, VISIBLE, of,
+};
 use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::values::{INT32, INT64};
@@ -47,11 +49,12 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3InstantiateModelExchange = instantiate_model_exchange(name: Text, token: Text, resources: Text, visible: Boolean,
             logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>) -> Component => {
                 let check = || match offered::<M>() {
-                    Some(_) => Ok((description::exchange_fingerprint::<M>(), None)),
+                    Some(_) => Ok((fingerprint::<M>(Version::Three, Interface::ModelExchange), None)),
                     None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
                 };
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
-                make::<M>("fmi3InstantiateModelExchange", true, [name, token, resources], logger, check)
+                let form = (Version::Three, true);
+                instantiate_by::<M>("fmi3InstantiateModelExchange", form, [name, token, resources], |_| Some(logger), check)
             };
         /// Without a callback for intermediate updates, or for a model without inner steps, it does not matter which variables
         /// the host would want then, nor whether it allows early returns.
@@ -68,14 +71,15 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
                         });
                     }
                     let (Some(update), Some(inner_step)) = (update, M::INNER_STEP) else {
-                        return Ok((description::fingerprint::<M>(), None));
+                        return Ok((fingerprint::<M>(Version::Three, Interface::CoSimulation), None));
                     };
                     let variables = values(intermediate, n_intermediate, "requiredIntermediateVariables")?;
                     let watch = Watch::new(update, environment, early_return != FALSE, variables, inner_step)?;
-                    Ok((description::fingerprint::<M>(), Some(watch)))
+                    Ok((fingerprint::<M>(Version::Three, Interface::CoSimulation), Some(watch)))
                 };
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
-                make::<M>("fmi3InstantiateCoSimulation", false, [name, token, resources], logger, check)
+                let form = (Version::Three, false);
+                instantiate_by::<M>("fmi3InstantiateCoSimulation", form, [name, token, resources], |_| Some(logger), check)
             };
         /// Refused.
         fmi3InstantiateScheduledExecution = instantiate_scheduled_execution(name: Text, token: Text, resources: Text,
@@ -83,7 +87,8 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
             update: Unused, lock: Unused, unlock: Unused) -> Component => {
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
                 let check = || NO_CLOCKS.map(|_| (0, None));
-                make::<M>("fmi3InstantiateScheduledExecution", false, [name, token, resources], logger, check)
+                let form = (Version::Three, false);
+                instantiate_by::<M>("fmi3InstantiateScheduledExecution", form, [name, token, resources], |_| Some(logger), check)
             };
         fmi3FreeInstance = free_instance(component: Component) => Handle::<M>::end(component, Version::Three);
         /// After a discarded step the instance is where it was, in step mode: the host may try a shorter one. A host that
@@ -97,14 +102,14 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3SetDebugLogging = set_debug_logging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
             |instance| instance.set_logging(on != FALSE, &texts(categories, n, "categories")?);
         fmi3EnterInitializationMode = enter_initialization_mode(tolerance_defined: Boolean, tolerance: Real, start: Real,
-            stop_defined: Boolean, stop: Real) in &[Instantiated] => |instance| {
+            stop_defined: Boolean, stop: Real) in of(&[Instantiated]) => |instance| {
                 let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
                 instance.setup(tolerance, start, (stop_defined != FALSE).then_some(stop))?;
                 instance.enter_initialization()
             };
-        fmi3ExitInitializationMode = exit_initialization_mode() in &[Initialization] => |instance| instance.exit_initialization();
-        fmi3EnterEventMode = enter_event_mode() in &[Continuous] => |instance| instance.enter_event();
-        fmi3Terminate = terminate() in &[StepComplete, Event, Continuous] => |instance| instance.terminate();
+        fmi3ExitInitializationMode = exit_initialization_mode() in of(&[Initialization]) => |instance| instance.exit_initialization();
+        fmi3EnterEventMode = enter_event_mode() in of(&[Continuous]) => |instance| instance.enter_event();
+        fmi3Terminate = terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
         fmi3Reset = reset() in ALIVE => |instance| instance.reset();
 
         fmi3GetFloat32 = get_float32(vr: *const ValueReference, n: usize, value: *mut f32, n_values: usize) in VISIBLE =>
@@ -203,7 +208,7 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
                 instance.get_adjoint_derivative(unknowns, knowns, seed, sensitivity)
             };
         fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
-            n_values: usize) in &[StepComplete, StepFailed, Terminated, Error, Intermediate] =>
+            n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error, Intermediate]) =>
             |instance| instance.get_output_derivatives(
                 for_values(vr, n, n_values)?, values(orders, n, "orders")?, values_mut(value, n, "values")?,
             );
@@ -230,7 +235,7 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
 
         /// Nothing ever happens.
         fmi3UpdateDiscreteStates = update_discrete_states(again: *mut Boolean, terminate: *mut Boolean, nominals: *mut Boolean,
-            states: *mut Boolean, defined: *mut Boolean, time: *mut Real) in &[Event] => |_| {
+            states: *mut Boolean, defined: *mut Boolean, time: *mut Real) in of(&[Event]) => |_| {
                 let flags = [
                     place(again, "discreteStatesNeedUpdate")?,
                     place(terminate, "terminateSimulation")?,
@@ -241,13 +246,13 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
                 *place(time, "nextEventTime")? = 0.0;
                 nothing(flags)
             };
-        fmi3EnterContinuousTimeMode = enter_continuous_time_mode() in &[Event] => |instance| instance.enter_continuous();
+        fmi3EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();
         /// A completed step changes nothing.
         fmi3CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
-            terminate: *mut Boolean) in &[Continuous] =>
+            terminate: *mut Boolean) in of(&[Continuous]) =>
             |_| nothing([place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?]);
-        fmi3SetTime = set_time(time: Real) in &[Event, Continuous] => |instance| instance.set_time(time);
-        fmi3SetContinuousStates = set_continuous_states(states: *const Real, n: usize) in &[Continuous] =>
+        fmi3SetTime = set_time(time: Real) in of(&[Event, Continuous]) => |instance| instance.set_time(time);
+        fmi3SetContinuousStates = set_continuous_states(states: *const Real, n: usize) in of(&[Continuous]) =>
             |instance| instance.set_states(values(states, n, "values")?);
         fmi3GetContinuousStateDerivatives = get_continuous_state_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_rates(values_mut(rates, n, "values")?);
@@ -268,22 +273,6 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
             answer(place(n, "nContinuousStates")?, states)
         };
     }
-}
-
-/// Makes an instance, if `check` knows the fingerprint of its description and how the host looks into steps.
-///
-/// # Safety
-/// As for all functions.
-unsafe fn make<M: Model>(
-    function: &'static str,
-    exchange: bool,
-    texts: [Text; 3],
-    logger: Logger,
-    check: impl FnOnce() -> Outcome<(u128, Option<Watch<M>>)>,
-) -> Component {
-    let kind = (Version::Three, exchange);
-    // SAFETY: as the host vouches.
-    unsafe { instantiate_by(function, kind, texts, |_| Some(logger), check) }
 }
 
 /// The value references for `n` values.
@@ -332,8 +321,11 @@ unsafe fn take_step<M: Model>(
     [event_handling_needed, terminate_simulation, early_return]: [*mut Boolean; 3],
     last_successful_time: *mut Real,
 ) -> Status {
-    const BEGIN: Function = Function::new("fmi3DoStep", Version::Three, &[StepComplete]);
-    const GO_ON: Function = Function::new("fmi3DoStep", Version::Three, &[Intermediate]);
+    let function = |phase: Phase| Function {
+        name: "fmi3DoStep",
+        version: Version::Three,
+        phases: of(&[phase]),
+    };
     let (mut answer, mut pause) = (None, None);
     loop {
         let body = |instance: &mut Instance<M>| {
@@ -362,9 +354,10 @@ unsafe fn take_step<M: Model>(
             }
             outcome
         };
-        let function = if answer.is_none() { &BEGIN } else { &GO_ON };
+        let begins = answer.is_none();
+        let function = function(if begins { StepComplete } else { Intermediate });
         // SAFETY: as the host vouches; it cannot free the instance in its callback.
-        let status = unsafe { enter(component, function, body) };
+        let status = unsafe { enter(component, &function, body) };
         match pause.take() {
             None => return status,
             Some(update) => answer = Some(update.ask()),

@@ -1,14 +1,11 @@
 //! The FMI 3.0 boundary, Co-Simulation and Model Exchange, generic over any [`Model`](crate::model::Model).
 //!
-//! From the outside in:
-//! - [`calls`]: the C functions, generic over the model, and which of them may be called when. Raw pointers end here, and
-//!   [`export!`](crate::export) defines them for one model;
-//! - [`description`]: the model description, written from the variable table.
+//! From the outside in, [`calls`]: the C functions, generic over the model, and which of them may be called when. Raw pointers
+//! end here, and [`export!`](crate::export) defines them for one model.
 //!
 //! Value references are those of FMI 2.0. Reals are `Float64`, integers `Int32`; no variable has a dimension. A
 //! host may look into the steps of a model with [inner steps](crate::model::Model::INNER_STEP). There is no event mode in
 //! Co-Simulation; the description says so, and a host that wants to use it is refused. Everything else is the same for all versions: see `boundary`.
 
 pub mod calls;
-pub mod description;
 pub mod types;

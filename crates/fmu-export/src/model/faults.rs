@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt::Debug;
 
-use super::{Access, DisplayUnit, Enumeration, Info, Kind, Model, Role, Unit, Variable};
+use super::{Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable};
 
 /// The mistakes in a model's [`Info`] and variable table, a sentence each; none for a sound model.
 ///
@@ -123,7 +123,7 @@ fn check_definitions<M: Model>(faults: &mut Vec<String>) {
     let mut types: HashMap<&str, &Enumeration> = HashMap::new();
     for variable in M::variables() {
         match variable.kind {
-            Kind::Real { unit, .. } => {
+            Kind::Real(Quantity { unit, .. }) => {
                 if units.entry(unit.name).or_insert(unit).base != unit.base {
                     faults.push(format!("there are two units {}", unit.name));
                 }
@@ -155,7 +155,7 @@ fn check_definitions<M: Model>(faults: &mut Vec<String>) {
 
 fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(String)) {
     let set = match &variable.kind {
-        Kind::Real { access, .. } => access.set.is_some(),
+        Kind::Real(real) => real.access.set.is_some(),
         Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => access.set.is_some(),
         Kind::Boolean { access } => access.set.is_some(),
         Kind::String { access } => access.set.is_some(),
@@ -176,34 +176,26 @@ fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(String)) {
 
 fn check_kind<M>(variable: &Variable<M>, start: &M, fault: &mut impl FnMut(String)) {
     match &variable.kind {
-        Kind::Real {
-            access,
-            unit,
-            display,
-            min,
-            max,
-            nominal,
-            slope,
-            derivative,
-        } => {
-            check_range(access, start, *min, *max, fault);
-            let numbers = [*min, *max, *nominal, Some((access.get)(start))];
+        Kind::Real(real) => {
+            let (access, unit) = (&real.access, real.unit);
+            check_range(access, start, real.min, real.max, fault);
+            let numbers = [real.min, real.max, real.nominal, Some((access.get)(start))];
             let settable = access.set.is_some();
             if settable && numbers.into_iter().flatten().any(|x| !x.is_finite()) {
                 fault("its start value, range and nominal value must be finite".to_owned());
             }
-            if let Some(display) = display
-                && unit.display.iter().all(|known| known.name != *display)
+            if let Some(display) = real.display
+                && unit.display.iter().all(|known| known.name != display)
             {
                 fault(format!("{display} is not a display unit of {}", unit.name));
             }
-            if nominal.is_some_and(|nominal| nominal.is_nan() || nominal <= 0.0) {
+            if (real.nominal).is_some_and(|nominal| nominal.is_nan() || nominal <= 0.0) {
                 fault("its nominal value must be above 0".to_owned());
             }
-            if slope.is_some() && variable.role != Role::Input {
+            if real.slope.is_some() && variable.role != Role::Input {
                 fault("only inputs have slopes".to_owned());
             }
-            if derivative.is_some() && variable.role != Role::Output {
+            if real.derivative.is_some() && variable.role != Role::Output {
                 fault("only outputs have derivatives".to_owned());
             }
         }

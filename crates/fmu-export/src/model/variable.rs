@@ -129,29 +129,31 @@ pub struct Access<M, T: ?Sized + 'static, R> {
     pub set: Option<fn(&mut M, &T)>,
 }
 
+/// A real number in SI units.
+pub struct Quantity<M: 'static> {
+    /// Read and write.
+    pub access: Access<M, f64, f64>,
+    /// The unit.
+    pub unit: &'static Unit,
+    /// Name of the preferred display unit, one of `unit.display`.
+    pub display: Option<&'static str>,
+    /// The smallest value that makes sense (inclusive).
+    pub min: Option<f64>,
+    /// The largest value that makes sense (inclusive).
+    pub max: Option<f64>,
+    /// A typical magnitude.
+    pub nominal: Option<f64>,
+    /// For inputs that may vary linearly within a step: sets the rate, per second. It is set back to zero after the step.
+    pub slope: Option<fn(&mut M, f64)>,
+    /// For outputs whose time derivative the model knows: reads it, per second, after [`Model::differentiate`]. Without it,
+    /// the boundary steps a copy a little ahead and takes the difference.
+    pub derivative: Option<fn(&M) -> f64>,
+}
+
 /// A variable's type with its type-specific attributes and its access.
 pub enum Kind<M: 'static> {
     /// A real number in SI units.
-    Real {
-        /// Read and write.
-        access: Access<M, f64, f64>,
-        /// The unit.
-        unit: &'static Unit,
-        /// Name of the preferred display unit, one of `unit.display`.
-        display: Option<&'static str>,
-        /// The smallest value that makes sense (inclusive).
-        min: Option<f64>,
-        /// The largest value that makes sense (inclusive).
-        max: Option<f64>,
-        /// A typical magnitude.
-        nominal: Option<f64>,
-        /// For inputs that may vary linearly within a step: sets the rate, per second. It is set back to zero after
-        /// the step.
-        slope: Option<fn(&mut M, f64)>,
-        /// For outputs whose time derivative the model knows: reads it, per second, after
-        /// [`Model::differentiate`]. Without it, the boundary steps a copy a little ahead and takes the difference.
-        derivative: Option<fn(&M) -> f64>,
-    },
+    Real(Quantity<M>),
     /// A whole number.
     Integer {
         /// Read and write.
@@ -199,7 +201,7 @@ impl<M> Variable<M> {
     /// The name that FMI gives the variable's type.
     pub fn type_name(&self) -> &'static str {
         match self.kind {
-            Kind::Real { .. } => "Real",
+            Kind::Real(_) => "Real",
             Kind::Integer { .. } => "Integer",
             Kind::Boolean { .. } => "Boolean",
             Kind::Enumeration { .. } => "Enumeration",
@@ -215,20 +217,15 @@ impl<M> Variable<M> {
 pub fn check_ranges<M: Model>(model: &M) -> Result<(), Fault> {
     for variable in M::variables() {
         match &variable.kind {
-            Kind::Real {
-                access,
-                unit,
-                min,
-                max,
-                ..
-            } if access.set.is_some() => {
-                let value = (access.get)(model);
-                let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));
+            Kind::Real(real) if real.access.set.is_some() => {
+                let (value, unit) = ((real.access.get)(model), real.unit.name);
+                let least = real.min.unwrap_or(f64::MIN);
+                let most = real.max.unwrap_or(f64::MAX);
                 // Written so that NaN is refused, too.
                 if !(least <= value && value <= most) {
                     return Err(Fault::Invalid(format!(
-                        "{} = {value:?} {}: it must lie between {least:?} and {most:?} {}",
-                        variable.name, unit.name, unit.name
+                        "{} = {value:?} {unit}: it must lie between {least:?} and {most:?} {unit}",
+                        variable.name
                     )));
                 }
             }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::build::platform;
 use super::{Binary, Form, PackageError};
+use crate::description::{Interface, Version};
 
 /// The options, in words.
 pub(super) const HELP: &str = "\
@@ -71,7 +72,7 @@ pub(super) fn parse(
             return Ok(None);
         }
         if option == "--exchange" {
-            arguments.form.exchange = true;
+            arguments.form.interface = Interface::ModelExchange;
             continue;
         }
         let known =
@@ -83,7 +84,7 @@ pub(super) fn parse(
             .next()
             .ok_or_else(|| PackageError::Usage(format!("{option} needs a value")))?;
         match option.as_str() {
-            "--fmi" => arguments.form.three = is_three(&value)?,
+            "--fmi" => arguments.form.version = version(&value)?,
             "--output" => arguments.output = Some(value.into()),
             "--profile" => arguments.profile = value,
             "--target" => arguments.targets.push(value),
@@ -94,10 +95,10 @@ pub(super) fn parse(
     Ok(Some(arguments))
 }
 
-fn is_three(value: &str) -> Result<bool, PackageError> {
+fn version(value: &str) -> Result<Version, PackageError> {
     match value {
-        "2" | "2.0" => Ok(false),
-        "3" | "3.0" => Ok(true),
+        "2" | "2.0" => Ok(Version::Two),
+        "3" | "3.0" => Ok(Version::Three),
         _ => Err(PackageError::Usage(format!(
             "--fmi {value}: the versions are 2 and 3"
         ))),

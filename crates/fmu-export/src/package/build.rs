@@ -9,6 +9,7 @@ use super::{Binary, Form, PackageError};
 /// The folders that the standards name for platforms. FMI 2.0 names none for 64-bit Arm on Linux, where importers look
 /// into the folder of FMI 3.0.
 pub(super) mod platform {
+    use crate::description::Version;
     use crate::package::Form;
 
     /// The folders of FMI 2.0 and 3.0, with the processors and systems as Rust names them.
@@ -38,7 +39,10 @@ pub(super) mod platform {
     ];
 
     fn folder(form: Form, (two, three): (&'static str, &'static str)) -> &'static str {
-        if form.three { three } else { two }
+        match form.version {
+            Version::Two => two,
+            Version::Three => three,
+        }
     }
 
     /// The names that a user may write: those of FMI 2.0.
@@ -162,7 +166,7 @@ mod tests {
             ("wasm32", "unknown", None, None),
         ] {
             let three_form = Form {
-                three: true,
+                version: crate::description::Version::Three,
                 ..Form::default()
             };
             let of = |form| platform::of(processor, system, form);

@@ -2,9 +2,10 @@
 
 use std::ptr::{null, null_mut};
 
+use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi2::calls;
 use fmu_export::fmi2::types::{EventInfo, Status};
-use fmu_export::{fmi2, fmi3};
+use fmu_export::fmi3;
 use lag::Lag;
 
 use crate::answer;
@@ -235,7 +236,10 @@ fn saved_states_belong_to_one_interface() {
 #[test]
 fn fmi_3_gives_the_same_rates() {
     use fmi3::calls;
-    let token = fmi3::description::token(fmi3::description::exchange_fingerprint::<Lag>()) + "\0";
+    let token = description::token(description::fingerprint::<Lag>(
+        Version::Three,
+        Interface::ModelExchange,
+    )) + "\0";
     let two = integrated();
     let (mut state, mut rate, mut nominal, mut n) = (f64::NAN, f64::NAN, f64::NAN, 9);
     let (mut flags, mut time) = ([7_u8; 5], f64::NAN);
@@ -302,9 +306,12 @@ fn fmi_3_gives_the_same_rates() {
 #[test]
 fn descriptions_say_which_states_there_are() {
     for (xml, unknown) in [
-        (fmi2::description::exchange_xml::<Lag>(), "Derivatives"),
         (
-            fmi3::description::exchange_xml::<Lag>(),
+            description::xml::<Lag>(Version::Two, Interface::ModelExchange),
+            "Derivatives",
+        ),
+        (
+            description::xml::<Lag>(Version::Three, Interface::ModelExchange),
             "ContinuousStateDerivative",
         ),
     ] {

@@ -4,8 +4,8 @@
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
 
+use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi2::calls;
-use fmu_export::fmi2::description;
 use fmu_export::fmi2::types::{
     CO_SIMULATION, CallbackFunctions, CallbackLogger, Component, ComponentEnvironment, FALSE,
     FmuState, Status, TRUE, Text, ValueReference,
@@ -72,7 +72,10 @@ impl Host {
 
     /// An instance for Model Exchange, not yet initialised.
     pub fn exchange() -> Self {
-        let guid = description::guid(description::exchange_fingerprint::<Lag>());
+        let guid = description::token(description::fingerprint::<Lag>(
+            Version::Two,
+            Interface::ModelExchange,
+        ));
         let host = Self::with(c"lag", &CString::new(guid).unwrap(), 0, c"file:///tmp");
         assert!(!host.component.is_null(), "{:?}", host.messages);
         host
@@ -146,7 +149,11 @@ impl Drop for Host {
 
 /// The GUID of the lag.
 pub fn guid() -> CString {
-    CString::new(description::guid(description::fingerprint::<Lag>())).unwrap()
+    CString::new(description::token(description::fingerprint::<Lag>(
+        Version::Two,
+        Interface::CoSimulation,
+    )))
+    .unwrap()
 }
 
 /// The value reference of a variable of the lag.

@@ -4,11 +4,12 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_void};
 use std::ptr::null_mut;
 
+use fmu_export::description::{self, Interface, Version};
+use fmu_export::fmi3::calls;
 use fmu_export::fmi3::types::{
     Boolean, Component, ComponentEnvironment, FALSE, IntermediateUpdateCallback, Status, TRUE,
     Text, ValueReference,
 };
-use fmu_export::fmi3::{calls, description};
 use lag::Lag;
 
 use crate::host::{Discard, Error, Ok, vr};
@@ -89,7 +90,11 @@ impl Host {
             script: RefCell::new(script.unwrap_or_else(|| Box::new(|_, _| None))),
         });
         let callback: Option<IntermediateUpdateCallback> = callback;
-        let token = CString::new(description::token(description::fingerprint::<Lag>())).unwrap();
+        let token = CString::new(description::token(description::fingerprint::<Lag>(
+            Version::Three,
+            Interface::CoSimulation,
+        )))
+        .unwrap();
         let environment = (&raw const *world).cast::<c_void>().cast_mut();
         let component = unsafe {
             calls::instantiate_co_simulation::<Lag>(

@@ -3,12 +3,13 @@
 use std::ffi::{CStr, CString, c_void};
 use std::ptr::{null, null_mut};
 
+use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi2;
+use fmu_export::fmi3::calls;
 use fmu_export::fmi3::types::{
     Boolean, Component, ComponentEnvironment, FALSE, LogMessageCallback, Status, Text,
     ValueReference,
 };
-use fmu_export::fmi3::{calls, description};
 use lag::Lag;
 
 use crate::answer;
@@ -157,7 +158,11 @@ impl Host {
 }
 
 fn token() -> CString {
-    CString::new(description::token(description::fingerprint::<Lag>())).unwrap()
+    CString::new(description::token(description::fingerprint::<Lag>(
+        Version::Three,
+        Interface::CoSimulation,
+    )))
+    .unwrap()
 }
 
 #[test]
