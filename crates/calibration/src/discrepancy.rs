@@ -42,22 +42,9 @@ impl Unknown {
         (deviation / self.scale).atan() / std::f64::consts::FRAC_PI_2
     }
 
-    /// The largest misfit of the quantity's values.
-    fn largest_misfit(&self, problem: &Problem, predicted: &[Vec<f64>]) -> f64 {
-        let pairs = problem.cases.iter().zip(predicted);
-        let misfits = pairs.map(|(case, predicted)| {
-            (predicted[self.quantity] - case.measured[self.quantity].value).abs()
-        });
-        misfits.fold(0.0, f64::max)
-    }
-
-    /// The logarithm of the likelihood of the quantity's values with a discrepancy.
-    pub fn log_likelihood(&self, problem: &Problem, predicted: &[Vec<f64>], deviation: f64) -> f64 {
-        self.likelihood_of(problem, predicted, deviation, 1.0)
-    }
-
-    /// The same with squares of the misfits that are larger by a factor.
-    fn likelihood_of(
+    /// The logarithm of the likelihood of the quantity's values with a discrepancy, where the squares of the misfits are
+    /// larger by a factor.
+    pub fn log_likelihood(
         &self,
         problem: &Problem,
         predicted: &[Vec<f64>],
@@ -117,10 +104,14 @@ impl Discrepancy {
             Some(left) if left > 0 => values as f64 / left as f64,
             _ => 1.0,
         };
-        let at = |deviation: f64| unknown.likelihood_of(problem, predicted, deviation, factor);
+        let at = |deviation: f64| unknown.log_likelihood(problem, predicted, deviation, factor);
         // The most probable variance is no larger than the largest square. Steps are even below the accuracy and grow in
         // proportion above it, so that a model that misses by thousands of accuracies is found, too.
-        let largest = unknown.largest_misfit(problem, predicted) * factor.sqrt();
+        let pairs = problem.cases.iter().zip(predicted);
+        let misfits = pairs.map(|(case, predicted)| {
+            (predicted[unknown.quantity] - case.measured[unknown.quantity].value).abs()
+        });
+        let largest = misfits.fold(0.0, f64::max) * factor.sqrt();
         let reach = (largest / unknown.scale).asinh();
         let steps = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
         let deviations = steps.map(|step| unknown.scale * (reach * step).sinh());

@@ -65,22 +65,6 @@ impl Optimum {
     }
 }
 
-/// A place with its sum of squares.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    places: &'a [f64],
-    cost: f64,
-}
-
-impl<'a> From<&'a Minimum> for Place<'a> {
-    fn from(minimum: &'a Minimum) -> Self {
-        Self {
-            places: &minimum.places,
-            cost: minimum.misfit.cost(),
-        }
-    }
-}
-
 /// The distinct minima found so far.
 pub struct Optima<'a, 'b> {
     objective: &'a Objective<'b>,
@@ -117,21 +101,20 @@ impl<'a, 'b> Optima<'a, 'b> {
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub fn add(&mut self, places: &[f64], cost: f64) -> Result<(), NoPrediction> {
+    pub fn add(&mut self, end: &Minimum) -> Result<(), NoPrediction> {
+        let cost = end.misfit.cost();
         if cost > self.least() + RELEVANT {
             return Ok(());
         }
-        let end = Place { places, cost };
         if let Some(known) = self.same(end)?
             && self.optima[known].minimum.misfit.cost() <= cost
         {
             self.optima[known].reached += 1;
             return Ok(());
         }
-        let start = places.to_vec();
-        let limits = &self.limits;
+        let (start, limits) = (end.places.clone(), &self.limits);
         let minimum = minimise(self.objective, start, &[], Differences::Central, limits)?;
-        let known = self.same(Place::from(&minimum))?;
+        let known = self.same(&minimum)?;
         let reached = known.map_or(0, |known| self.optima[known].reached) + 1;
         match known {
             Some(known) if self.optima[known].minimum.misfit.cost() <= minimum.misfit.cost() => {
@@ -155,12 +138,12 @@ impl<'a, 'b> Optima<'a, 'b> {
     }
 
     /// The minimum that a place belongs to.
-    fn same(&self, end: Place<'_>) -> Result<Option<usize>, NoPrediction> {
-        let distance = |own: &Optimum| own.posterior.distance(&own.minimum.places, end.places);
+    fn same(&self, end: &Minimum) -> Result<Option<usize>, NoPrediction> {
+        let distance = |own: &Optimum| own.posterior.distance(&own.minimum.places, &end.places);
         let mut order: Vec<(usize, f64)> = self.optima.iter().map(distance).enumerate().collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1));
         for (index, distance) in order {
-            let own = Place::from(&self.optima[index].minimum);
+            let own = &self.optima[index].minimum;
             if distance <= 1.0 || self.connected(own, end, BENDS)? {
                 return Ok(Some(index));
             }
@@ -169,10 +152,10 @@ impl<'a, 'b> Optima<'a, 'b> {
     }
 
     /// Whether a way without a barrier leads from one place to the other.
-    fn connected(&self, a: Place<'_>, b: Place<'_>, bends: usize) -> Result<bool, NoPrediction> {
-        let most = a.cost.max(b.cost) + BARRIER;
+    fn connected(&self, a: &Minimum, b: &Minimum, bends: usize) -> Result<bool, NoPrediction> {
+        let most = a.misfit.cost().max(b.misfit.cost()) + BARRIER;
         let at = |part: f64| -> Vec<f64> {
-            let pairs = a.places.iter().zip(b.places);
+            let pairs = a.places.iter().zip(&b.places);
             pairs.map(|(a, b)| a + part * (b - a)).collect()
         };
         let line = (1..=BETWEEN).map(|k| at(k as f64 / (BETWEEN + 1) as f64));
@@ -196,11 +179,10 @@ impl<'a, 'b> Optima<'a, 'b> {
             Err(NoPrediction::Here(_)) => return Ok(false),
             Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
         };
-        let middle = Place::from(&middle);
-        if middle.cost > most || !between(a.places, middle.places, b.places) {
+        if middle.misfit.cost() > most || !between(&a.places, &middle.places, &b.places) {
             return Ok(false);
         }
-        Ok(self.connected(a, middle, bends - 1)? && self.connected(middle, b, bends - 1)?)
+        Ok(self.connected(a, &middle, bends - 1)? && self.connected(&middle, b, bends - 1)?)
     }
 
     /// The minima that matter, those with the largest part of the posterior first.

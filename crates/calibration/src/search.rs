@@ -130,16 +130,24 @@ pub fn search(
         let ends = descend(objective, starts, &batch, settings, &mut progress, observe)?;
         for end in ends {
             // A search that was still on its way down has found no minimum; only the deepest is followed further.
-            let cost = end.misfit.cost();
-            if end.end == End::Converged || cost < optima.least() {
-                optima.add(&end.places, cost)?;
+            if end.end == End::Converged || end.misfit.cost() < optima.least() {
+                optima.add(&end)?;
             }
         }
     }
     if optima.count() == 0 {
         let start = unknowns(objective, &starts[first]);
-        let cost = objective.misfit(&start)?.cost();
-        optima.add(&start, cost)?;
+        let none = Limits {
+            iterations: 0,
+            ..deepest
+        };
+        optima.add(&minimise(
+            objective,
+            start,
+            &[],
+            Differences::Forward,
+            &none,
+        )?)?;
     }
     let mut ranked = optima.weighed();
     if objective.failures().failed > 0 {

@@ -181,69 +181,66 @@ impl PosteriorOutcome {
     }
 
     fn doubts(&self, sample: &Sample) -> Vec<String> {
-        let mut doubts = Vec::new();
         let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite());
         let dead = dead.count();
-        if dead > 0 {
-            doubts.push(format!(
-                "{dead} of {GROUPS} groups found no place that can be simulated"
-            ));
-        }
-        if self.effective < ENOUGH {
-            doubts.push(format!(
-                "the particles are worth about {:.0} independent ones, and {ENOUGH} are needed",
-                self.effective
-            ));
-        }
-        if self.log_evidence_error.is_nan() || self.log_evidence_error > AGREE {
-            doubts.push(format!(
-                "the {GROUPS} groups disagree about the evidence: its logarithm has a standard error of {:.2}",
-                self.log_evidence_error
-            ));
-        }
-        if let Some(last) = sample.stages.last() {
-            if last.ancestors < ANCESTORS {
-                doubts.push(format!(
+        let (effective, error) = (self.effective, self.log_evidence_error);
+        let last = sample.stages.last();
+        let doubts = [
+            (dead > 0)
+                .then(|| format!("{dead} of {GROUPS} groups found no place that can be simulated")),
+            (effective < ENOUGH).then(|| {
+                format!(
+                    "the particles are worth about {effective:.0} independent ones, and {ENOUGH} are needed"
+                )
+            }),
+            (error.is_nan() || error > AGREE).then(|| {
+                format!(
+                    "the {GROUPS} groups disagree about the evidence: its logarithm has a standard error of {error:.2}"
+                )
+            }),
+            last.filter(|last| last.ancestors < ANCESTORS).map(|last| {
+                format!(
                     "all particles come from {} of those at the start, so the parts of separate modes are guesses",
                     last.ancestors
-                ));
-            }
-            if last.unmoved > STUCK {
-                doubts.push(format!(
+                )
+            }),
+            last.filter(|last| last.unmoved > STUCK).map(|last| {
+                format!(
                     "{:.0} % of the particles could not be moved from where they were copied to",
                     100.0 * last.unmoved
-                ));
-            }
-        }
-        let missed = |own: &&Share| own.within == 0.0 && own.approximation > SEEN;
-        for own in self.optima.iter().filter(missed) {
-            doubts.push(format!(
+                )
+            }),
+        ];
+        let optima = self.optima.iter();
+        let missed = optima.filter(|own| own.within == 0.0 && own.approximation > SEEN);
+        let missed = missed.map(|own| {
+            format!(
                 "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
                 own.optimum,
                 100.0 * own.approximation
-            ));
-        }
-        doubts
+            )
+        });
+        doubts.into_iter().flatten().chain(missed).collect()
     }
 
     fn notes(&self, objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Vec<String> {
         let mut notes = Vec::new();
-        if self.failed > 0 {
+        let (failed, evaluated) = (self.failed, self.evaluated);
+        if failed > 0 {
             let within = failures::words(&sample.failures.ranges(objective.problem));
             notes.push(format!(
-                "runs failed at {} of {} places, all within {within}; these count as impossible, though nothing is known of \
-                 them: if the truth lies there, the sample does not hold it",
-                self.failed, self.evaluated
+                "runs failed at {failed} of {evaluated} places, all within {within}; these count as impossible, though nothing \
+                 is known of them: if the truth lies there, the sample does not hold it"
             ));
-            let last = sample.stages.iter().filter(|stage| stage.exponent >= 1.0);
-            let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| {
-                [asked + stage.asked, failed + stage.failed]
-            });
-            if failed > 0 {
-                notes.push(format!(
-                    "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
-                ));
-            }
+        }
+        let last = sample.stages.iter().filter(|stage| stage.exponent >= 1.0);
+        let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| {
+            [asked + stage.asked, failed + stage.failed]
+        });
+        if failed > 0 {
+            notes.push(format!(
+                "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
+            ));
         }
         if !optima.is_empty() && self.approximated < APPROXIMATED {
             notes.push(format!(
@@ -252,24 +249,23 @@ impl PosteriorOutcome {
                 100.0 * (1.0 - self.approximated)
             ));
         }
-        // A place of so much higher density is no place that the search was at.
-        const HIGHER: f64 = 0.5;
         let all = sample.particles.first().map_or(0, |own| own.places.len());
         if all > objective.problem.unknowns() {
             // The search took the discrepancies as known, so its densities are others.
             return notes;
         }
+        // A place of so much higher density is no place that the search was at.
+        const HIGHER: f64 = 0.5;
         let target = Target::new(objective, Vec::new());
         let known = optima.iter().map(|own| target.log_density(&own.minimum));
         let known = known.fold(f64::NEG_INFINITY, f64::max);
         let particles = sample.particles.iter();
         let sampled = particles.map(|own| own.log_prior + own.log_likelihood);
-        let highest = sampled.fold(f64::NEG_INFINITY, f64::max);
-        if known.is_finite() && highest > known + HIGHER {
+        let higher = sampled.fold(f64::NEG_INFINITY, f64::max) - known;
+        if known.is_finite() && higher > HIGHER {
             notes.push(format!(
-                "the sample holds places that are exp({:.1}) times as probable as the best optimum: the search has \
-                 missed one, and more `starts` may find it",
-                highest - known
+                "the sample holds places that are exp({higher:.1}) times as probable as the best optimum: the search has \
+                 missed one, and more `starts` may find it"
             ));
         }
         notes

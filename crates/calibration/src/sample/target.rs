@@ -95,7 +95,8 @@ impl<'a> Target<'a> {
         let problem = self.objective.problem;
         let places = places.iter().skip(problem.unknowns());
         for (unknown, &place) in self.discrepancies.iter().zip(places) {
-            let at = |deviation| unknown.log_likelihood(problem, &misfit.predicted, deviation);
+            let predicted = &misfit.predicted;
+            let at = |deviation| unknown.log_likelihood(problem, predicted, deviation, 1.0);
             log += at(unknown.deviation(place)) - at(0.0);
         }
         if log.is_nan() { f64::NEG_INFINITY } else { log }

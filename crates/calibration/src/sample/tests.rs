@@ -18,7 +18,7 @@ fn optima(objective: &Objective<'_>, starts: &[Vec<f64>]) -> Vec<Optimum> {
     let mut optima = Optima::new(objective, limits);
     for start in starts {
         let near = minimise(objective, start.clone(), &[], Differences::Central, &limits).unwrap();
-        optima.add(&near.places, near.misfit.cost()).unwrap();
+        optima.add(&near).unwrap();
     }
     optima.weighed()
 }

@@ -181,13 +181,9 @@ impl Surrogates {
 
 impl Simulate for Surrogates {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        const FEW: usize = 64;
-        Ok(match queries.len() {
-            ..FEW => queries.iter().map(|query| self.predict(query)).collect(),
-            _ => queries
-                .par_iter()
-                .map(|query| self.predict(query))
-                .collect(),
-        })
+        // Fewer would not pay for another thread.
+        const TOGETHER: usize = 64;
+        let queries = queries.par_iter().with_min_len(TOGETHER);
+        Ok(queries.map(|query| self.predict(query)).collect())
     }
 }
