@@ -9,19 +9,15 @@ use super::uncertainty::{MeasuredValue, from_bound, of_product};
 use sampling::statistics::moments::{mean, variance};
 
 /// The aligned signals over their common time.
-pub(crate) struct Aligned {
-    delay: Delay,
+pub(crate) struct Aligned<'a> {
+    recording: &'a RigRecording,
+    /// What is known so far.
+    result: Synchronised,
     /// Times without samples of the load, and of the torque as recorded.
     holes: [Holes; 2],
     step: f64,
     /// The time at which the common part of load and torque begins before the shift, s.
     first: f64,
-    time: Vec<f64>,
-    load_raw: Vec<f64>,
-    torque_raw: Vec<f64>,
-    load: Vec<f64>,
-    torque_before: Vec<f64>,
-    torque: Vec<f64>,
     speed: Vec<f64>,
     /// Samples in a whole number of turns, about a thirtieth of the record.
     block: usize,
@@ -29,9 +25,9 @@ pub(crate) struct Aligned {
     turn: usize,
 }
 
-impl Aligned {
+impl<'a> Aligned<'a> {
     pub(crate) fn new(
-        recording: &RigRecording,
+        recording: &'a RigRecording,
         (load_raw, torque_raw): (Even, Even),
         load: &Even,
         late: &Spline,
@@ -53,59 +49,69 @@ impl Aligned {
         // Without a turning shaft any block is as good as another.
         let turn = turn.filter(|turn| (1.0..n as f64 / 8.0).contains(turn));
         let turn = turn.map_or(1, |turn| turn as usize);
-        let turns = (n / 30 / turn).max(1);
+        let block = (n / 30 / turn).max(1) * turn;
         Self {
+            recording,
+            holes,
             step: load.step,
             first: load.start,
-            load_raw: at_these(&load_raw),
-            torque_raw: at_these(&torque_raw),
-            load: at_these(load),
-            torque_before: time.iter().map(|t| late.at(*t)).collect(),
-            torque: time.iter().map(|t| late.at(t + shift)).collect(),
             speed: at_these(&speed),
-            block: turns * turn,
+            block,
             turn,
-            time,
-            delay,
-            holes,
+            result: Synchronised {
+                block: block as f64 * load.step,
+                load_raw: at_these(&load_raw),
+                torque_raw: at_these(&torque_raw),
+                load: at_these(load),
+                torque_before: time.iter().map(|t| late.at(*t)).collect(),
+                torque: time.iter().map(|t| late.at(t + shift)).collect(),
+                time,
+                delay,
+                ..Synchronised::default()
+            },
         }
     }
 
     pub(crate) fn finish(
         self,
-        recording: &RigRecording,
         even: impl Fn(&Channel) -> Result<(Vec<f64>, Holes), SignalError>,
     ) -> Result<Synchronised, SignalError> {
+        let (recording, known) = (self.recording, &self.result);
         let half = recording.diameter / 2.0;
         let friction = |torque: &[f64]| -> Vec<f64> {
-            let pairs = torque.iter().zip(&self.load);
+            let pairs = torque.iter().zip(&known.load);
             pairs.map(|(m, f)| m / (f * half)).collect()
         };
-        let pairs = self.torque.iter().zip(&self.speed);
+        let pairs = known.torque.iter().zip(&self.speed);
         let power: Vec<f64> = pairs.map(|(m, w)| m * w).collect();
         let relative = |channel: &Channel, values: &[f64]| match mean(values) {
             0.0 => 0.0,
             centre => channel.accuracy.standard(centre) / centre.abs(),
         };
-        let of_load = relative(&recording.load, &self.load);
-        let of_torque = relative(&recording.torque, &self.torque);
+        let of_load = relative(&recording.load, &known.load);
+        let of_torque = relative(&recording.torque, &known.torque);
         let of_speed = relative(&recording.speed, &self.speed);
         let [load_holes, torque_holes] = &self.holes;
-        let (start, late) = (self.time[0], self.time[0] + self.delay.shift());
+        let (start, shift) = (known.time[0], known.delay.shift());
         let turn_name = if self.turn > 1 { "turn" } else { "sample" };
         let mut lost = Vec::new();
         let mut of_channel = |channel: &Channel, values: &[f64], holes: &Holes, start: f64| {
             let turns = holes.whole_turns(values, self.turn, [start, self.step]);
             lost.extend(turns.concern(&channel.name, turn_name));
             let sensor = |value| channel.accuracy.standard(value);
-            self.mean(channel, &turns.values, recording, sensor)
+            self.mean(channel, &turns.values, sensor)
         };
         let mut findings = vec![
-            of_channel(&recording.load, &self.load, load_holes, start),
-            of_channel(&recording.torque, &self.torque, torque_holes, late),
+            of_channel(&recording.load, &known.load, load_holes, start),
+            of_channel(
+                &recording.torque,
+                &known.torque,
+                torque_holes,
+                start + shift,
+            ),
         ];
         // What follows from both lacks what either one lacks.
-        let both = load_holes.and(torque_holes, self.delay.shift());
+        let both = load_holes.and(torque_holes, shift);
         let of_both = |values: &[f64]| {
             both.whole_turns(values, self.turn, [start, self.step])
                 .values
@@ -118,7 +124,7 @@ impl Aligned {
                 group: derived.group.clone(),
                 ..recording.torque.clone()
             };
-            findings.push(self.mean(&channel, &of_both(&power), recording, |v| {
+            findings.push(self.mean(&channel, &of_both(&power), |v| {
                 of_product(v, &[of_torque, of_speed])
             }));
         }
@@ -126,35 +132,26 @@ impl Aligned {
             let (values, holes) = even(channel)?;
             findings.push(of_channel(channel, &values, &holes, self.first));
         }
-        findings.push(self.amplitude(&recording.load, &self.load));
-        findings.push(self.amplitude(&recording.torque, &self.torque));
-        let coefficient = friction(&self.torque);
-        let mean_friction = self
-            .mean(&recording.torque, &of_both(&coefficient), recording, |v| {
-                of_product(v, &[of_load, of_torque])
-            })
-            .measured;
-        let friction_before = friction(&self.torque_before);
-        let scatter = [&friction_before, &coefficient]
+        findings.push(self.amplitude(&recording.load, &known.load));
+        findings.push(self.amplitude(&recording.torque, &known.torque));
+        let [friction_before, friction] =
+            [&known.torque_before, &known.torque].map(|m| friction(m));
+        let mean_friction = self.mean(&recording.torque, &of_both(&friction), |v| {
+            of_product(v, &[of_load, of_torque])
+        });
+        let scatter = [&friction_before, &friction]
             .map(|values| variance(values, 0).sqrt() / mean(values).abs());
         let mut warnings = self.warnings(&findings, scatter);
         warnings.extend(lost);
         Ok(Synchronised {
             friction_before,
+            friction,
             friction_scatter: scatter,
-            friction: coefficient,
             power,
-            mean_friction,
+            mean_friction: mean_friction.measured,
             findings,
             warnings,
-            block: self.block as f64 * self.step,
-            delay: self.delay,
-            time: self.time,
-            load_raw: self.load_raw,
-            torque_raw: self.torque_raw,
-            load: self.load,
-            torque_before: self.torque_before,
-            torque: self.torque,
+            ..self.result
         })
     }
 
@@ -163,7 +160,6 @@ impl Aligned {
         &self,
         channel: &Channel,
         whole: &[f64],
-        recording: &RigRecording,
         sensor: impl Fn(f64) -> f64,
     ) -> DerivedCriterion {
         let blocks = block_means(whole, self.block);
@@ -179,7 +175,7 @@ impl Aligned {
                 scatter: uncertainty_of_mean(&blocks),
                 sensor: sensor(value),
             },
-            stationarity: stationarity::test(&blocks, recording.confidence),
+            stationarity: stationarity::test(&blocks, self.recording.confidence),
             blocks,
         }
     }
@@ -221,7 +217,7 @@ impl Aligned {
 
     fn warnings(&self, findings: &[DerivedCriterion], [before, after]: [f64; 2]) -> Vec<String> {
         let mut warnings = Vec::new();
-        let delay = &self.delay;
+        let delay = &self.result.delay;
         if delay.delay.is_none() {
             warnings.push(format!(
                 "these signals are not related: chance alone explains how far the torque follows the load (probability \
@@ -244,7 +240,7 @@ impl Aligned {
                     finding.name,
                     s.change.value,
                     finding.unit,
-                    self.step * self.time.len() as f64,
+                    self.step * self.result.time.len() as f64,
                     s.trend_chance
                 )),
                 Some(s) if s.drift => warnings.push(format!(

@@ -17,7 +17,7 @@ use super::signal::{Even, SignalError};
 use sampling::statistics::estimate::Estimate;
 
 /// The delay that was found, with its uncertainty.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Delay {
     /// How much later the torque is than the load, s, with its 95 % interval; `None` where the signals are not related.
     pub delay: Option<Estimate>,

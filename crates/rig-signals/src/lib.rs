@@ -71,7 +71,7 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     }
     let holes = [&clean_load, &clean_torque].map(|signal| Holes::of(&time, signal));
     let mut result = Aligned::new(recording, raw, &load, &late, even(&speed), (delay, holes))
-        .finish(recording, |c| {
+        .finish(|c| {
             let signal = cleaned(c);
             let values = even(&spline(&c.name, &signal.values)?).values;
             Ok((values, Holes::of(&time, &signal)))

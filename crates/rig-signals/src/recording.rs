@@ -117,7 +117,7 @@ pub struct DerivedCriterion {
 }
 
 /// Result of synchronising a recording.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Synchronised {
     /// The delay between torque and load.
     pub delay: Delay,
