@@ -164,38 +164,13 @@ impl Proposal {
         let error = (drawn.scatter() / count as f64).sqrt();
         let effective = effective(&drawn.weights);
         let (points, weights) = drawn.hits();
-        let mut regions = vec![RegionShare::default(); self.regions];
-        for (point, weight) in points.iter().zip(&weights) {
-            let own = &mut regions[self.mixture.region(point)];
-            own.share += weight / count as f64;
-            own.centre.resize(point.len(), 0.0);
-            for (centre, x) in own.centre.iter_mut().zip(point) {
-                *centre += weight / count as f64 * x;
-            }
-        }
-        for (index, region) in regions.iter_mut().enumerate() {
-            let mean: Vec<f64> = region.centre.iter().map(|c| c / region.share).collect();
-            let own = points
-                .iter()
-                .filter(|point| self.mixture.region(point) == index);
-            // The mean of a curved region may lie outside of it.
-            let apart = |point: &[f64]| -> f64 {
-                point.iter().zip(&mean).map(|(x, m)| (x - m).powi(2)).sum()
-            };
-            if let Some(middle) = own.min_by(|a, b| apart(a).total_cmp(&apart(b))) {
-                region.centre.clone_from(middle);
-            }
-        }
-        regions.retain(|region| region.share > 0.0);
-        regions.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let weights: Vec<f64> = weights.iter().map(|weight| weight / count as f64).collect();
+        answer.regions = self.regions(&points, &weights);
         let pairs = points.into_iter().zip(weights);
-        let sample = pairs.map(|(scores, weight)| Weighted {
-            scores,
-            weight: weight / count as f64,
-        });
+        let sample = pairs.map(|(scores, weight)| Weighted { scores, weight });
+        answer.sample = sample.collect();
         let normal = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
         let half = DRAWN_OUT * normal * error;
-        (answer.regions, answer.sample) = (regions, sample.collect());
         answer.share = Some(Share {
             value: share,
             interval: Some([share * (-half).exp(), (share * half.exp()).min(1.0)]),
@@ -204,5 +179,28 @@ impl Proposal {
             method: Method::Weighted,
         });
         Ok(())
+    }
+
+    /// The regions that have any of the points that meet the event, the largest first.
+    fn regions(&self, points: &[Vec<f64>], weights: &[f64]) -> Vec<RegionShare> {
+        let of: Vec<usize> = points.iter().map(|p| self.mixture.region(p)).collect();
+        let region = |number: usize| {
+            let own = || (0..points.len()).filter(|&k| of[k] == number);
+            let share: f64 = own().map(|k| weights[k]).sum();
+            let mean =
+                |axis: usize| own().map(|k| weights[k] * points[k][axis]).sum::<f64>() / share;
+            let mean: Vec<f64> = (0..points.first()?.len()).map(mean).collect();
+            // The mean of a curved region may lie outside of it.
+            let apart = |&k: &usize| -> f64 {
+                let pairs = points[k].iter().zip(&mean);
+                pairs.map(|(x, m)| (x - m).powi(2)).sum()
+            };
+            let middle = own().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+            let centre = points[middle].clone();
+            Some(RegionShare { share, centre })
+        };
+        let mut regions: Vec<RegionShare> = (0..self.regions).filter_map(region).collect();
+        regions.sort_by(|a, b| b.share.total_cmp(&a.share));
+        regions
     }
 }
