@@ -89,15 +89,6 @@ pub struct Ruling {
 }
 
 impl Ruling {
-    /// A rule for points that are looked at once.
-    pub fn once(rule: Rule) -> Self {
-        Self {
-            rule,
-            looks: Looks::default(),
-            count: 1,
-        }
-    }
-
     /// The verdict with its words.
     fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
         let Self { rule, looks, count } = self;

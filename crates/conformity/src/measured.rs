@@ -44,13 +44,6 @@ impl Measured {
         }
     }
 
-    /// Whether model and measurement do not contradict each other: they differ by no more than the
-    /// expanded uncertainty of the measured value (VIM 2.47).
-    pub fn compatible(&self, value: f64) -> Option<bool> {
-        let uncertainty = self.uncertainty?;
-        Some((value - self.nominal).abs() <= uncertainty.expanded)
-    }
-
     /// The measurement capability index C_m (JCGM 106:2012, 7.6.3).
     pub fn capability(&self) -> Option<f64> {
         let uncertainty = self.uncertainty?;
@@ -379,7 +372,6 @@ mod tests {
             measurement.assess(&[82.5, 803.0]).all.margin,
             f64::NEG_INFINITY
         );
-        assert_eq!(unknown.compatible(750.0), None);
         assert_eq!(unknown.capability(), None);
     }
 
@@ -395,12 +387,5 @@ mod tests {
             assert_eq!(measurement.margin(&values), f64::NEG_INFINITY, "{values:?}");
         }
         assert_eq!(measurement.margin(&[81.5, 82.0]), 1.0);
-    }
-
-    #[test]
-    fn compatibility_is_within_the_expanded_uncertainty() {
-        let criterion = measured(82.0, 1.0, 0.5);
-        assert_eq!(criterion.compatible(81.5), Some(true));
-        assert_eq!(criterion.compatible(82.51), Some(false));
     }
 }

@@ -19,6 +19,15 @@ fn statement(accepted: u64) -> Statement {
     }
 }
 
+/// A rule for points that are looked at once.
+fn once(rule: Rule) -> Ruling {
+    Ruling {
+        rule,
+        looks: Looks::default(),
+        count: 1,
+    }
+}
+
 #[test]
 fn one_point_is_enough_without_a_rule() {
     let found = Conclusion::new(None, &statement(1), 10_000);
@@ -50,7 +59,7 @@ fn a_verdict_that_was_waited_for_has_an_interval_of_its_own() {
     let found = |way| {
         let ruling = Ruling {
             looks: History::default().awaiting(way),
-            ..Ruling::once(rule)
+            ..once(rule)
         };
         Conclusion::new(Some(ruling), &statement(11), 100)
     };
@@ -63,7 +72,7 @@ fn a_verdict_that_was_waited_for_has_an_interval_of_its_own() {
 
 #[test]
 fn a_share_is_decided_by_its_interval() {
-    let rule = Some(Ruling::once(Rule {
+    let rule = Some(once(Rule {
         share: 0.05,
         confidence: 0.95,
     }));
@@ -96,7 +105,7 @@ fn a_share_is_decided_by_its_interval() {
 /// The interval is that of all guard bands that may be the right one, and so are the points that it takes.
 #[test]
 fn a_share_is_decided_for_all_guard_bands_that_may_be_right() {
-    let rule = Ruling::once(Rule {
+    let rule = once(Rule {
         share: 0.2,
         confidence: 0.95,
     });
@@ -134,7 +143,7 @@ fn a_measurement_that_cannot_decide_contradicts_no_model() {
         within_by_sample: vec![within],
         ..statement(0)
     };
-    let rule = Some(Ruling::once(Rule {
+    let rule = Some(once(Rule {
         share: 0.05,
         confidence: 0.95,
     }));

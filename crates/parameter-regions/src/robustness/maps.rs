@@ -28,14 +28,6 @@ pub struct Map {
     pub probability: Vec<f64>,
 }
 
-impl Map {
-    /// Least and greatest probability over the map.
-    pub fn extremes(&self) -> [f64; 2] {
-        let probabilities = self.probability.iter();
-        probabilities.fold([1.0, 0.0], |[l, h], p| [l.min(*p), h.max(*p)])
-    }
-}
-
 /// All pairs.
 pub fn maps(table: &PointTable, stand: &Stand, inputs: &[Vec<f64>]) -> Vec<Map> {
     let d = table.parameters.len();

@@ -76,13 +76,6 @@ impl Robustness {
         let region = self.region.as_ref();
         region.is_some_and(|region| region.interval[0] >= self.level)
     }
-
-    /// The unit of a parameter.
-    pub fn unit(&self, name: &str) -> &str {
-        let pairs = self.parameters.iter().zip(&self.units);
-        let own = pairs.filter(|(own, _)| *own == name).map(|(_, unit)| unit);
-        own.map(String::as_str).next().unwrap_or_default()
-    }
 }
 
 /// The model's stand-in: a surrogate a criterion.
