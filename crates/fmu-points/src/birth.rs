@@ -13,15 +13,12 @@ use crate::system::Shared;
 use crate::wire::{Order, Setup};
 
 /// All that a worker gives its children.
-#[cfg_attr(
-    windows,
-    expect(dead_code, reason = "only forks inherit what is loaded")
-)]
 pub(crate) struct Estate<'a> {
     pub(crate) setup: &'a Setup,
-    pub(crate) package: &'a mut Option<Package>,
-    /// The FMU, where the worker has loaded it for them.
+    pub(crate) package: Option<&'a mut Package>,
+    /// The FMU, where the worker has loaded it for them: only forks inherit it.
     pub(crate) library: Option<Arc<Library>>,
+    /// How many points of its present message a child has begun.
     pub(crate) progress: &'a Shared,
 }
 
@@ -38,14 +35,12 @@ pub(crate) unsafe fn child(
     // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {
-            let child = crate::child::Child {
-                place,
-                setup: estate.setup,
-                package: estate.package.as_mut(),
+            let estate = Estate {
+                package: estate.package.as_deref_mut(),
                 library: estate.library.clone(),
-                progress: estate.progress,
+                ..*estate
             };
-            child.obey(order);
+            crate::child::Child { place, estate }.obey(order);
         })
     }
 }
@@ -90,13 +85,13 @@ pub(crate) fn serve(progress: &str) -> io::Result<()> {
     let order: Order = order.ok_or_else(|| io::Error::other("an order is damaged"))?;
     let progress = Shared::open(progress.to_owned())?;
     let mut package = Package::open(&setup.fmu).map_err(io::Error::other)?;
-    let child = crate::child::Child {
-        place,
+    let estate = Estate {
         setup: &setup,
         package: Some(&mut package),
         library: None,
         progress: &progress,
     };
+    let child = crate::child::Child { place, estate };
     // A panic ends this process as it would end a fork.
     if catch_unwind(AssertUnwindSafe(|| child.obey(&order))).is_err() {
         std::process::abort()

@@ -5,6 +5,7 @@ use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::birth::Estate;
 use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::join;
@@ -12,11 +13,11 @@ use crate::notices::Notices;
 use crate::points::{Job, Simulated};
 use crate::runner::Runner;
 use crate::single::ERRAND;
-use crate::system::{self, Shared};
+use crate::system;
 use crate::task::Record;
-use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
+use crate::wire::{Order, Origin, Reply, Said, Trouble, bytes, read};
 use fmu_import::isolation::{Place, Traces};
-use fmu_import::{Library, Package, Value, complaints};
+use fmu_import::{Library, Value, complaints};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -24,12 +25,7 @@ const HOLD: Duration = Duration::from_millis(1);
 /// A worker's child.
 pub(crate) struct Child<'a> {
     pub(crate) place: Place,
-    pub(crate) setup: &'a Setup,
-    pub(crate) package: Option<&'a mut Package>,
-    /// The FMU, where the worker has loaded it.
-    pub(crate) library: Option<Arc<Library>>,
-    /// How many points of its present message it has begun.
-    pub(crate) progress: &'a Shared,
+    pub(crate) estate: Estate<'a>,
 }
 
 impl Child<'_> {
@@ -40,7 +36,7 @@ impl Child<'_> {
             Order::New(jobs) | Order::Forked(jobs) => jobs.first(),
             Order::Used(..) | Order::Recorded(_) | Order::Errand(_) => None,
         };
-        if let (Some(_), Some(byte)) = (alone, self.setup.fill) {
+        if let (Some(_), Some(byte)) = (alone, self.estate.setup.fill) {
             paint_stack(byte);
         }
         if let Order::Errand(task) = order {
@@ -49,7 +45,7 @@ impl Child<'_> {
         let Some(library) = self.loaded() else {
             return;
         };
-        let all = &self.setup.cases;
+        let all = &self.estate.setup.cases;
         let first = alone.map_or(0, |job| join::case_of(job.index, all.len()));
         let mut tasks = all.iter().skip(first).map(|case| case.task.clone());
         let Some(task) = tasks.next() else { return };
@@ -65,7 +61,7 @@ impl Child<'_> {
     /// Lets the program do what it wants of the FMU. It loads that itself, so that it can tell how far it came.
     fn run_errand(&mut self, task: &[u8]) {
         self.say(&Said::Loaded(None));
-        if let (Some(errand), Some(package)) = (ERRAND.get(), self.package.take()) {
+        if let (Some(errand), Some(package)) = (ERRAND.get(), self.estate.package.take()) {
             errand(package, task, &mut |told| self.say(&Said::Told(told)));
         }
         self.say(&Said::Ended(None));
@@ -106,18 +102,18 @@ impl Child<'_> {
             let mut sent = Instant::now();
             let last = jobs.len();
             for (job, begun) in jobs.iter().zip(1..) {
-                self.progress.set(begun as u64);
-                runner.turn_to(join::case_of(job.index, self.setup.cases.len()));
+                self.estate.progress.set(begun as u64);
+                runner.turn_to(join::case_of(job.index, self.estate.setup.cases.len()));
                 let failure = runner.run(&job.values).err();
                 let answer = failure.as_ref().map_or(Ok(runner.results()), Err);
                 let mut reply = reply(job.index, &runner, answer);
-                reply.odd = before.odd(&runner, failure.as_ref(), self.setup.careful);
+                reply.odd = before.odd(&runner, failure.as_ref(), self.estate.setup.careful);
                 let mut odd = reply.odd;
                 replies.push(reply);
                 if odd.is_none() && begun < last && sent.elapsed() <= HOLD {
                     continue;
                 }
-                if !self.setup.careful && before.traces.has_other_signals() {
+                if !self.estate.setup.careful && before.traces.has_other_signals() {
                     // Any of the points since the last look may have changed them: only the first of these was surely
                     // sound.
                     replies.truncate(1);
@@ -161,20 +157,22 @@ impl Child<'_> {
 
     /// The FMU, loaded here where the worker has not done so; the worker is told.
     fn loaded(&mut self) -> Option<Arc<Library>> {
-        if let Some(library) = self.library.take() {
+        if let Some(library) = self.estate.library.take() {
             self.say(&Said::Loaded(None));
             return Some(library);
         }
         // Only a worker that fills memory is there for finding out.
-        let before = self.setup.fill.map(|_| Belongings::now());
-        match self.package.as_mut()?.load() {
+        let before = self.estate.setup.fill.map(|_| Belongings::now());
+        match self.estate.package.as_mut()?.load() {
             Ok(library) => {
                 let forkable = before.map(|before| before.allow_forks(&Belongings::now()));
                 self.say(&Said::Loaded(forkable));
                 Some(library)
             }
             Err(error) => {
-                self.say(&Said::Unloadable(error.at(&self.setup.name).to_string()));
+                self.say(&Said::Unloadable(
+                    error.at(&self.estate.setup.name).to_string(),
+                ));
                 None
             }
         }

@@ -10,7 +10,6 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::Failure;
-use crate::indexes::Indexes;
 use crate::points::{Event, Job, Post, RunError, Worker};
 
 /// So many points of a kind are repeated at first; of those that took too long, one.
@@ -23,7 +22,7 @@ const FICKLE: &str = "fickle";
 /// Points that failed while others ran, by the kind of their failure, and the kinds that come of the points alone.
 #[derive(Debug, Default)]
 pub struct Company {
-    failed: BTreeMap<String, Indexes>,
+    failed: BTreeMap<String, BTreeSet<u64>>,
     /// These fail alone, too.
     sound: BTreeSet<String>,
     /// Points that were repeated alone in an earlier part of the run: of which kind they failed then, if they did.
@@ -67,7 +66,9 @@ impl Company {
         match event {
             Event::Answer(index, answer, _) => {
                 let known = self.failed.iter_mut().filter(|(kind, _)| *kind != FICKLE);
-                known.for_each(|(_, points)| points.remove(*index));
+                known.for_each(|(_, points)| {
+                    points.remove(index);
+                });
                 if let Err(failure) = answer {
                     self.note(*index, failure);
                 }
@@ -79,9 +80,7 @@ impl Company {
 
     /// Whether no point is to be repeated.
     pub fn is_settled(&self) -> bool {
-        self.failed
-            .values()
-            .all(|points| points.iter().next().is_none())
+        self.failed.values().all(BTreeSet::is_empty)
     }
 
     /// Repeats points one by one while nothing else runs; whether that was ended early.
@@ -99,7 +98,7 @@ impl Company {
         };
         let mut over = receive(Event::Alone)?.is_break();
         for (kind, points) in std::mem::take(&mut self.failed) {
-            let mut open: Vec<u64> = points.iter().collect();
+            let mut open: Vec<u64> = points.into_iter().collect();
             let mut count = if kind == Failure::Timeout.class() {
                 1
             } else {

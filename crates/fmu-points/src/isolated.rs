@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 use crate::conduct::{Reason, Separation};
 use crate::failure::Failure;
 use crate::ground::Ground;
-use crate::points::{Event, Job, Limits, Post, RunError, Simulated, Worker};
+use crate::points::{Event, Job, Limits, Post, RunError, Worker};
 use crate::policy::{Plan, Policy, Probed, Wait};
 use crate::process::{Gone, Process};
 use crate::runner::Reuse;
 use crate::task::Case;
-use crate::wire::{Order, Origin, Reply, Trouble};
+use crate::wire::{Order, Origin, Outcome, Reply, Trouble};
 
 /// The bytes with which unwritten memory is filled for comparison.
 const FILLS: [u8; 2] = [0x55, 0xaa];
@@ -51,9 +51,6 @@ struct Done<'a> {
     /// Whether the point before it, in another process, was odd.
     behind_odd: bool,
 }
-
-/// The outcome of a point that was run alone.
-type Found = Result<Simulated, Trouble>;
 
 impl Isolated {
     pub(crate) fn new(
@@ -214,8 +211,8 @@ impl Isolated {
     }
 
     /// Why the FMU cannot be loaded, where it never was.
-    fn unloadable(&self, found: &Found) -> Option<String> {
-        let trouble = found.as_ref().err()?;
+    fn unloadable(&self, outcome: &Outcome) -> Option<String> {
+        let trouble = outcome.as_ref().err()?;
         let never = trouble.from == Origin::Loading && !self.policy().loaded;
         never.then(|| trouble.failure.to_string())
     }
@@ -231,7 +228,7 @@ impl Isolated {
         job: &Job,
         separation: Separation,
         post: &mut Post<'_>,
-    ) -> Result<(Found, Separation), Gone> {
+    ) -> Result<(Outcome, Separation), Gone> {
         let begun = Instant::now();
         let ready = separation != Separation::Forked || self.forking.is_running();
         let first = self.licensed(job, separation, None, post)?;
@@ -263,12 +260,12 @@ impl Isolated {
         post: &mut Post<'_>,
     ) -> Result<(), Gone> {
         let begun = Instant::now();
-        let (found, separation) = self.alone(job, separation, post)?;
-        let values = found.as_ref().ok().map(|found| found.values.clone());
+        let (outcome, separation) = self.alone(job, separation, post)?;
+        let values = outcome.as_ref().ok().map(|outcome| outcome.values.clone());
         if values.is_none() {
             self.policy().note_odd(Some(Reason::Complaints));
         }
-        tell(post, job.index, found, separation);
+        tell(post, job.index, outcome, separation);
         let mut policy = self.policy();
         policy.spend(separation, begun.elapsed().as_secs_f64());
         let in_any_case = policy.chooses(job.index, false);
@@ -291,7 +288,7 @@ impl Isolated {
         &mut self,
         job: &Job,
         separation: Separation,
-        new: &Found,
+        new: &Outcome,
         post: &mut Post<'_>,
     ) -> Result<(), Gone> {
         if separation != self.strictest() && is_same(new, &self.anew(job, None, post)?.answer) {
@@ -303,7 +300,7 @@ impl Isolated {
     }
 
     /// Whether one try gave results and the other none, which may be the fault of what ran meanwhile.
-    fn is_crowd(&self, one: &Found, other: &Found) -> bool {
+    fn is_crowd(&self, one: &Outcome, other: &Outcome) -> bool {
         self.policy().company && one.is_ok() != other.is_ok()
     }
 
@@ -330,11 +327,11 @@ impl Isolated {
     /// Runs a point in several ways, and reports it.
     fn probe(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), Gone> {
         let begun = Instant::now();
-        let found = self.compare(job, post);
+        let outcome = self.compare(job, post);
         let nothing = Probed::Nothing;
-        let probed = found.as_ref().map_or(nothing, |(probed, _)| *probed);
+        let probed = outcome.as_ref().map_or(nothing, |(probed, _)| *probed);
         self.policy().probed(probed, begun.elapsed());
-        let (probed, answer) = found?;
+        let (probed, answer) = outcome?;
         let new = self.strictest();
         let answer = match answer {
             // Memory was filled to find differences, and new processes differ. The result that counts is the one
@@ -453,14 +450,14 @@ impl Isolated {
                 return;
             };
             let odd = match reply.answer {
-                Ok(found) => {
+                Ok(outcome) => {
                     done.push(Done {
                         job,
-                        values: found.values.clone(),
+                        values: outcome.values.clone(),
                         separation: Separation::Used,
                         behind_odd,
                     });
-                    tell(post, job.index, Ok(found), Separation::Used);
+                    tell(post, job.index, Ok(outcome), Separation::Used);
                     reply.odd
                 }
                 Err(trouble) => {
@@ -490,10 +487,10 @@ impl Isolated {
     }
 
     /// A point that failed in a used process, alone.
-    fn again(&mut self, job: &Job, used: &Found, post: &mut Post<'_>) -> Result<(), Gone> {
+    fn again(&mut self, job: &Job, used: &Outcome, post: &mut Post<'_>) -> Result<(), Gone> {
         let separation = self.policy().alone();
         let late = |trouble: &Trouble| trouble.failure == Failure::Timeout;
-        let (found, separation) = match used.as_ref().is_err_and(late) {
+        let (outcome, separation) = match used.as_ref().is_err_and(late) {
             // It has had its second try with this one.
             true => (
                 self.licensed(job, separation, None, post)?.answer,
@@ -501,11 +498,11 @@ impl Isolated {
             ),
             false => self.alone(job, separation, post)?,
         };
-        if found.is_ok() && speaks_of_the_fmu(used) {
+        if outcome.is_ok() && speaks_of_the_fmu(used) {
             self.policy().audited(job.index, false, true);
             self.refute(Separation::Used, post);
         }
-        tell(post, job.index, found, separation);
+        tell(post, job.index, outcome, separation);
         Ok(())
     }
 
@@ -584,11 +581,11 @@ impl Isolated {
 
     /// A point in a new process whose unwritten memory holds something else, with its answer.
     fn run_as_audit(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), Gone> {
-        let mut found = self.anew(job, Some(FILLS[0]), post)?.answer;
-        if found.is_err() {
-            found = self.anew(job, Some(FILLS[0]), post)?.answer;
+        let mut outcome = self.anew(job, Some(FILLS[0]), post)?.answer;
+        if outcome.is_err() {
+            outcome = self.anew(job, Some(FILLS[0]), post)?.answer;
         }
-        tell(post, job.index, found, self.strictest());
+        tell(post, job.index, outcome, self.strictest());
         Ok(())
     }
 
@@ -597,7 +594,7 @@ impl Isolated {
         &mut self,
         job: &Job,
         separation: Separation,
-        new: &Found,
+        new: &Outcome,
         post: &mut Post<'_>,
     ) -> Result<(), Gone> {
         if separation == self.strictest() {
@@ -661,7 +658,7 @@ impl Worker for Isolated {
     /// A point that gives results now gives them twice, or the FMU is not reproducible.
     fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), RunError> {
         loop {
-            let found = self.anew(job, None, post).and_then(|first| {
+            let outcome = self.anew(job, None, post).and_then(|first| {
                 if first.answer.is_ok() {
                     let second = self.anew(job, None, post)?;
                     let told = speaks_of_the_fmu(&second.answer);
@@ -671,8 +668,8 @@ impl Worker for Isolated {
                 }
                 Ok(first.answer)
             });
-            match found {
-                Ok(found) => tell(post, job.index, found, self.strictest()),
+            match outcome {
+                Ok(outcome) => tell(post, job.index, outcome, self.strictest()),
                 Err(Gone::Stopped) => {}
                 Err(Gone::Disturbed) => {
                     self.leave_the_shared_folder(post);
@@ -697,8 +694,8 @@ pub(crate) fn locked(policy: &Mutex<Policy>) -> MutexGuard<'_, Policy> {
 }
 
 /// Hands over the outcome of a point, and the FMU's warnings before it failed.
-fn tell(post: &mut Post<'_>, index: u64, found: Found, separation: Separation) {
-    let answer = found.map_err(
+fn tell(post: &mut Post<'_>, index: u64, outcome: Outcome, separation: Separation) {
+    let answer = outcome.map_err(
         |Trouble {
              failure, notices, ..
          }| {
@@ -725,8 +722,8 @@ fn pause_for(pause: Duration, post: &Post<'_>) -> Result<(), Gone> {
 
 /// Whether an answer comes from the FMU, and not from what happened around its process: a lack of time or memory,
 /// a signal from outside.
-fn speaks_of_the_fmu(found: &Found) -> bool {
-    let Err(trouble) = found else { return true };
+fn speaks_of_the_fmu(outcome: &Outcome) -> bool {
+    let Err(trouble) = outcome else { return true };
     match (trouble.from, trouble.failure.cause()) {
         (Origin::Fmu, _) | (Origin::Process, Failure::Exited(..)) => true,
         (Origin::Process, Failure::Crashed(text)) => {
@@ -739,7 +736,7 @@ fn speaks_of_the_fmu(found: &Found) -> bool {
 
 /// Whether two processes gave the same: results to the last bit, or failures of one class, whose words may hold
 /// addresses and times.
-fn is_same(one: &Found, other: &Found) -> bool {
+fn is_same(one: &Outcome, other: &Outcome) -> bool {
     match (one, other) {
         (Ok(one), Ok(other)) => bits(&one.values).eq(bits(&other.values)),
         (Err(one), Err(other)) => one.failure.class() == other.failure.class(),

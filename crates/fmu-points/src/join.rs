@@ -11,10 +11,7 @@ use crate::failure::{Failure, OfCase};
 use crate::notices::Notices;
 use crate::points::{Job, Simulated};
 use crate::task::Case;
-use crate::wire::{Origin, Reply, Trouble};
-
-/// The outcome of one simulation.
-type Outcome = Result<Simulated, Trouble>;
+use crate::wire::{Origin, Outcome, Reply, Trouble};
 
 /// A point's simulations.
 pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {

@@ -60,7 +60,6 @@ pub mod conduct;
 pub mod crew;
 pub mod failure;
 mod ground;
-pub mod indexes;
 mod isolated;
 mod join;
 mod local;
@@ -87,7 +86,6 @@ use std::ffi::OsString;
 pub use company::Company;
 pub use conduct::{Conduct, Isolation, Separation};
 pub use crew::{Crew, Place};
-pub use indexes::Indexes;
 pub use points::{Answer, Event, Job, Limits, Post, RunError, Simulated, Worker};
 pub use pool::run;
 

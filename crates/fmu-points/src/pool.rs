@@ -3,6 +3,7 @@
 //! Points are handed to workers in batches; a worker is anything that can run a batch. Results come back to the
 //! calling thread in whatever order they finish.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +14,6 @@ use std::time::Duration;
 use crate::batch::{Batches, Pace};
 use crate::company::Company;
 use crate::conduct::Separation;
-use crate::indexes::Indexes;
 use crate::points::{Event, Job, Post, RunError, Worker};
 
 /// Runs the points `open` on the workers, and hands each answer to `receive` on the calling thread. Setting `stop`,
@@ -123,9 +123,9 @@ fn pass<E: From<RunError>>(
 /// Which points were computed how, and which of them have to be computed again.
 #[derive(Debug, Default)]
 struct Ledger {
-    /// The points by the process in which they were computed.
-    computed: [Indexes; Separation::COUNT],
-    again: Indexes,
+    /// In what process each point was computed, by its index.
+    computed: Vec<Option<Separation>>,
+    again: BTreeSet<u64>,
     /// Results from such processes are void.
     void: Option<Separation>,
 }
@@ -141,21 +141,23 @@ impl Ledger {
                 return None;
             }
             Event::Answer(index, _, separation) => {
-                self.again.remove(index);
-                for (kind, points) in self.computed.iter_mut().enumerate() {
-                    points.set(index, kind == separation as usize);
+                self.again.remove(&index);
+                let place = index as usize;
+                if self.computed.len() <= place {
+                    self.computed.resize(place + 1, None);
                 }
+                self.computed[place] = Some(separation);
             }
             Event::Void(separation) => {
                 if self.void.is_some_and(|void| void <= separation) {
                     return None;
                 }
                 self.void = Some(separation);
-                for index in earlier(separation) {
-                    self.again.insert(index);
-                }
-                for points in &mut self.computed[separation as usize..] {
-                    self.again.take(points);
+                self.again.extend(earlier(separation));
+                for (index, computed) in (0..).zip(&mut self.computed) {
+                    if computed.take_if(|known| *known >= separation).is_some() {
+                        self.again.insert(index);
+                    }
                 }
             }
             Event::Said(..) | Event::Fickle(_) | Event::Alone | Event::Settled | Event::Idle => {}
@@ -164,9 +166,8 @@ impl Ledger {
     }
 
     /// The points to compute again, if there are any.
-    fn open(&mut self) -> Option<Vec<u64>> {
-        let open: Vec<u64> = self.again.iter().collect();
-        (!open.is_empty()).then_some(open)
+    fn open(&self) -> Option<Vec<u64>> {
+        (!self.again.is_empty()).then(|| self.again.iter().copied().collect())
     }
 }
 

@@ -82,7 +82,7 @@ pub(crate) struct Reply {
     /// The index of the simulation.
     pub(crate) index: u64,
     /// Its results in the FMU's units, or why there are none.
-    pub(crate) answer: Result<Simulated, Trouble>,
+    pub(crate) answer: Outcome,
     /// How long it took until there was an instance, s; 0 where that is not known.
     pub(crate) start: f32,
     /// How long the simulation took from then on, s; likewise.
@@ -95,7 +95,7 @@ pub(crate) struct Reply {
 
 impl Reply {
     /// An outcome of which no more is known.
-    pub(crate) fn new(index: u64, answer: Result<Simulated, Trouble>) -> Self {
+    pub(crate) fn new(index: u64, answer: Outcome) -> Self {
         Self {
             index,
             answer,
@@ -106,6 +106,9 @@ impl Reply {
         }
     }
 }
+
+/// The outcome of a simulation.
+pub(crate) type Outcome = Result<Simulated, Trouble>;
 
 /// Why there are no results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

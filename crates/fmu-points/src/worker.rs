@@ -320,7 +320,7 @@ impl Service {
         const PAUSES: [u64; 5] = [1, 10, 100, 500, 1000];
         let mut estate = Estate {
             setup: &self.setup,
-            package: &mut self.package,
+            package: self.package.as_mut(),
             library,
             progress: &self.progress,
         };

@@ -1,6 +1,6 @@
 //! The journal, read again.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use super::note::{Note, SAME_SET, SET, separation};
 use super::{Outcome, ResultsError};
 use fmu_points::failure::Failure;
 use fmu_points::notices::Notices;
-use fmu_points::{Conduct, Indexes, Isolation, Separation};
+use fmu_points::{Conduct, Isolation, Separation};
 
 /// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub struct Finished {
     /// Points that were computed in such processes, or in less strictly separated ones, do not count.
     pub refuted: Option<Separation>,
     /// Points that failed while others ran, of which no line says that they do not come again.
-    crowded: Indexes,
+    crowded: BTreeSet<u64>,
     /// Points that were repeated alone, each with the place of its first line.
     repeated: BTreeMap<u64, u64>,
     /// How many of the crowded points were repeated alone, and how many of these passed.
@@ -84,7 +84,7 @@ impl Finished {
             noted: None,
             apart: false,
             refuted: None,
-            crowded: Indexes::default(),
+            crowded: BTreeSet::new(),
             repeated: BTreeMap::new(),
             alone: [0; 2],
         };
@@ -139,9 +139,11 @@ impl Finished {
                     None => new,
                 });
             }
-            Note::Crowded(index) => self.crowded.insert(index),
+            Note::Crowded(index) => {
+                self.crowded.insert(index);
+            }
             Note::Settled { repeated, passed } => {
-                (self.crowded, self.alone) = (Indexes::default(), [0; 2]);
+                (self.crowded, self.alone) = (BTreeSet::new(), [0; 2]);
                 let noted = self.noted.get_or_insert_default();
                 noted.repeated_alone += repeated;
                 noted.passed_alone += passed;
@@ -202,7 +204,10 @@ impl Finished {
 
     /// Points that failed while others ran, of which no line says that they do not come again, as far as they count.
     pub fn crowded(&self) -> impl Iterator<Item = u64> + '_ {
-        self.crowded.iter().filter(|&index| self.has(index))
+        self.crowded
+            .iter()
+            .copied()
+            .filter(|&index| self.has(index))
     }
 
     /// Whether a point was repeated alone, since it had failed while others ran.
@@ -248,14 +253,14 @@ impl Finished {
         let slot = &mut self.places[index as usize];
         self.count -= u64::from(*slot != NOWHERE);
         *slot = NOWHERE;
-        self.crowded.remove(index);
+        self.crowded.remove(&index);
         self.repeated.remove(&index);
     }
 
     fn note(&mut self, index: Option<usize>, place: u64, passed: bool) {
         let Some(index) = index else { return };
         let (point, before) = (index as u64, self.places.get(index));
-        if let (true, Some(&before)) = (self.crowded.has(point), before)
+        if let (true, Some(&before)) = (self.crowded.contains(&point), before)
             && before != NOWHERE
         {
             self.repeated.entry(point).or_insert(before);
