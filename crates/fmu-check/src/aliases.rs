@@ -1,31 +1,25 @@
 //! Variables that are one under several names: they have the same base type and value reference (FMI 2.0.5, section
 //! 2.2.7).
 
-use crate::document::{Aliases, Document, Scalar};
+use crate::document::{Document, Scalar};
 
 /// Only one of them can be set, and have a start value; they agree in constancy.
 pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let Aliases {
-        first,
-        settable,
-        independent,
-        started,
-        ..
-    } = earlier.aliases;
-    let first = earlier.at(Some(first))?;
-    let when = |position, is: bool| earlier.at(position).filter(|_| is);
+    let first = earlier.first(|_| true)?;
+    let when = |is: bool, sort: fn(&Scalar<'_>) -> bool| earlier.first(sort).filter(|_| is);
+    let (settable, independent) = (scalar.is_settable(), scalar.causality == "independent");
     let constant = |scalar: &Scalar<'_>| scalar.variability == "constant";
-    let (other, wrong) = if let Some(other) = when(settable, scalar.is_settable()) {
+    let (other, wrong) = if let Some(other) = when(settable, |other| other.is_settable()) {
         (other, "and both can be set")
-    } else if let Some(other) = when(settable, scalar.causality == "independent") {
+    } else if let Some(other) = when(independent, |other| other.is_settable()) {
         (other, "and that can be set, but this is the time")
-    } else if let Some(other) = when(independent, scalar.is_settable()) {
+    } else if let Some(other) = when(settable, |other| other.causality == "independent") {
         (other, "and this can be set, but that is the time")
     } else if constant(first) != constant(scalar) {
         (first, "but only one of them is constant")
     } else if !constant(first) {
-        let other = when(started, scalar.start().is_some())?;
+        let other = when(scalar.start().is_some(), |other| other.start().is_some())?;
         (other, "and both have a start value")
     } else if !same(first.start()?, scalar.start()?) {
         (first, "but their values differ")
@@ -38,7 +32,7 @@ pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
 /// They agree in their unit, too.
 pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let other = earlier.at(earlier.aliases.united)?;
+    let other = earlier.first(|other| document.effective(other, "unit").is_some())?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
     let differ = one.zip(two).is_some_and(|(one, two)| one != two);
     differ.then(|| earlier.clash(other, "but their units differ"))
@@ -47,7 +41,7 @@ pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 /// One of them with a unit and another without.
 pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let other = earlier.at(Some(earlier.aliases.first))?;
+    let other = earlier.first(|_| true)?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
     let (reference, name) = (earlier.reference, other.name);
     (one != two).then(|| {
@@ -58,7 +52,7 @@ pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Opti
 /// They may change at the same times.
 pub(crate) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let other = earlier.at(Some(earlier.aliases.first))?;
+    let other = earlier.first(|_| true)?;
     let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);
     (one != two).then(|| {
         format!(
@@ -71,25 +65,29 @@ pub(crate) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Optio
 /// The variables before one that are the same under another name.
 struct Earlier<'d, 'a> {
     document: &'d Document<'a>,
-    aliases: Aliases,
+    positions: &'d [usize],
     reference: &'a str,
     name: &'a str,
 }
 
 impl<'d, 'a> Earlier<'d, 'a> {
     fn of(scalar: &Scalar<'a>, document: &'d Document<'a>) -> Option<Self> {
+        let positions = document.aliases.get(&scalar.place()?)?;
+        let earlier = positions.partition_point(|position| *position < scalar.position);
         Some(Self {
             document,
-            aliases: document.aliases.get(scalar.position).copied()??,
+            positions: &positions[..earlier],
             reference: scalar.node.attribute("valueReference")?,
             name: scalar.name,
         })
     }
 
-    /// The variable at a place; none where it has the same name, which is a finding of its own.
-    fn at(&self, position: Option<usize>) -> Option<&'d Scalar<'a>> {
-        let scalar = self.document.scalars.get(position?)?.as_ref()?;
-        (scalar.name != self.name).then_some(scalar)
+    /// The first variable of a sort; none where it has the same name, which is a finding of its own.
+    fn first(&self, is: impl Fn(&Scalar<'a>) -> bool) -> Option<&'d Scalar<'a>> {
+        let positions = self.positions.iter();
+        let mut scalars = positions.filter_map(|at| self.document.scalars[*at].as_ref());
+        let first = scalars.find(|scalar| is(scalar))?;
+        (first.name != self.name).then_some(first)
     }
 
     fn clash(&self, other: &Scalar<'_>, wrong: &str) -> String {

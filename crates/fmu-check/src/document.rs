@@ -22,23 +22,14 @@ pub(crate) struct Document<'a> {
     /// The element of each type definition, in FMI 2.0 `Real` for instance, by its name.
     pub(crate) types: HashMap<&'a str, Node<'a, 'a>>,
     pub(crate) read: &'a Description,
-    /// For the variables in their order, those before them that have the same value reference and base type.
-    pub(crate) aliases: Vec<Option<Aliases>>,
+    /// The positions of the variables that are one under several names, by what they share.
+    pub(crate) aliases: HashMap<Place<'a>, Vec<usize>>,
     /// Where each line begins, bytes.
     lines: Vec<usize>,
 }
 
-/// Of variables that are one under several names, the first of each sort.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Aliases {
-    pub(crate) first: usize,
-    pub(crate) settable: Option<usize>,
-    pub(crate) independent: Option<usize>,
-    /// With a start value.
-    pub(crate) started: Option<usize>,
-    /// With a unit.
-    pub(crate) united: Option<usize>,
-}
+/// The place of a value in the binary: the type of the calls that reach it, and its reference.
+pub(crate) type Place<'a> = (&'a str, &'a str);
 
 impl<'a> Document<'a> {
     pub(crate) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
@@ -59,16 +50,20 @@ impl<'a> Document<'a> {
         let types = types
             .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
             .collect();
-        let mut document = Self {
+        let mut aliases: HashMap<Place<'a>, Vec<usize>> = HashMap::new();
+        for scalar in scalars.iter().flatten() {
+            if let Some(place) = scalar.place() {
+                aliases.entry(place).or_default().push(scalar.position);
+            }
+        }
+        Self {
             root,
             scalars,
             types,
             read,
-            aliases: Vec::new(),
+            aliases,
             lines: starts_of_lines(root.document().input_text()),
-        };
-        document.aliases = document.aliases();
-        document
+        }
     }
 
     /// Gives a finding its line.
@@ -97,37 +92,6 @@ impl<'a> Document<'a> {
         self.lines.partition_point(|start| *start <= position)
     }
 
-    fn aliases(&self) -> Vec<Option<Aliases>> {
-        let mut groups: HashMap<(&'a str, &'a str), Aliases> = HashMap::new();
-        let earlier = |scalar: &Option<Scalar<'a>>| {
-            let scalar = scalar.as_ref()?;
-            let key = (
-                scalar.base(),
-                scalar.node.attribute("valueReference")?.trim(),
-            );
-            let before = groups.get(&key).copied();
-            let group = groups.entry(key).or_insert(Aliases {
-                first: scalar.position,
-                settable: None,
-                independent: None,
-                started: None,
-                united: None,
-            });
-            for (first, is) in [
-                (&mut group.settable, scalar.is_settable()),
-                (&mut group.independent, scalar.causality == "independent"),
-                (&mut group.started, scalar.start().is_some()),
-                (&mut group.united, self.effective(scalar, "unit").is_some()),
-            ] {
-                if first.is_none() && is {
-                    *first = Some(scalar.position);
-                }
-            }
-            before
-        };
-        self.scalars.iter().map(earlier).collect()
-    }
-
     /// The variables that can be read.
     pub(crate) fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
         self.scalars.iter().flatten()
@@ -150,7 +114,7 @@ impl<'a> Document<'a> {
 
     /// The fault of a unit that is not defined.
     pub(crate) fn undefined_unit(&self, unit: &str) -> Option<String> {
-        let undefined = self.read.units.get(unit).is_none();
+        let undefined = self.read.units.0.get(unit).is_none();
         undefined.then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
     }
 
@@ -246,12 +210,13 @@ impl<'a> Scalar<'a> {
         self.typed.tag_name().name()
     }
 
-    /// The type of the calls that reach it: enumerations are integers to them.
-    fn base(&self) -> &'a str {
-        match self.kind() {
+    /// Where its value is; enumerations are integers to calls.
+    pub(crate) fn place(&self) -> Option<Place<'a>> {
+        let base = match self.kind() {
             "Enumeration" => "Integer",
             kind => kind,
-        }
+        };
+        Some((base, self.node.attribute("valueReference")?.trim()))
     }
 
     pub(crate) fn is_float(&self) -> bool {

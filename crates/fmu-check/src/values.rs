@@ -163,7 +163,7 @@ pub(crate) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -
 pub(crate) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
     let unit = document.effective(scalar, "unit")?;
-    let defined = document.read.units.get(unit)?;
+    let defined = document.read.units.0.get(unit)?;
     let known = shown == unit || defined.display.iter().any(|other| other.name == shown);
     (!known).then(|| {
         format!("displayUnit \"{shown}\" is not defined for unit \"{unit}\": add it there")

@@ -334,7 +334,7 @@ impl Reader {
                     })
                 })
                 .collect();
-            units.insert(name, Unit { base, display });
+            units.0.insert(name, Unit { base, display });
         }
         units
     }

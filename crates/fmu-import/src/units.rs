@@ -36,10 +36,10 @@ pub struct Unit {
     pub display: Vec<DisplayUnit>,
 }
 
-/// The unit definitions of an FMU.
+/// The unit definitions of an FMU, by name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct Units(IndexMap<String, Unit>);
+pub struct Units(pub IndexMap<String, Unit>);
 
 /// A change of unit: `to = factor * from + offset`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -107,21 +107,6 @@ impl Conversion {
 }
 
 impl Units {
-    /// Adds or replaces a unit.
-    pub fn insert(&mut self, name: String, unit: Unit) {
-        self.0.insert(name, unit);
-    }
-
-    /// A unit definition.
-    pub fn get(&self, name: &str) -> Option<&Unit> {
-        self.0.get(name)
-    }
-
-    /// The unit definitions by name.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &Unit)> {
-        self.0.iter().map(|(name, unit)| (name.as_str(), unit))
-    }
-
     /// How values in `from` become values in `to`; `None` is a value without a unit.
     ///
     /// # Errors
@@ -238,7 +223,7 @@ mod tests {
                 exponents,
                 to_base: Conversion { factor, offset },
             });
-            units.insert(
+            units.0.insert(
                 name.to_owned(),
                 Unit {
                     base,

@@ -57,7 +57,7 @@ impl Words {
     /// Forgets what has been printed so far.
     pub fn clear(&mut self) {
         self.hear();
-        self.end.clear();
+        self.end = Tail::default();
     }
 
     /// The printed text that was kept.

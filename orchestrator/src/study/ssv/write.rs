@@ -55,7 +55,7 @@ fn units(fmu: &Description, values: &[(&Variable, Value)]) -> Option<Element> {
         let mut variables = values.iter().map(|(variable, _)| variable);
         variables.any(|variable| variable.unit() == Some(name))
     };
-    let used = fmu.units.iter().filter(|(name, _)| used(name));
+    let used = fmu.units.0.iter().filter(|(name, _)| used(name));
     let used: Vec<Element> = used.map(|(name, of)| unit(name, of)).collect();
     (!used.is_empty()).then(|| Element::new("ssv:Units").with(used))
 }

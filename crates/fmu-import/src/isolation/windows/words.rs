@@ -63,11 +63,6 @@ impl Words {
         self.heard.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Forgets what was heard so far.
-    pub(in crate::isolation) fn clear(&mut self) {
-        self.heard().clear();
-    }
-
     /// The printed text that was kept.
     pub(in crate::isolation) fn text(&self) -> String {
         self.heard().text()
