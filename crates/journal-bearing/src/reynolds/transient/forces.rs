@@ -31,43 +31,24 @@ pub struct Forces {
 impl Forces {
     /// The forces at the eccentricity ratio `eps`, with the present pressures.
     pub fn at(eps: Vector2<f64>, work: &Workspace, stage: &Stage<'_>, task: &Task<'_>) -> Self {
-        let support = Support::at(eps, &work.geometry, stage, task);
+        let geometry = &work.geometry;
+        let (touch, stiffness) = rubbing(task, touch(eps, geometry, task));
+        let (pinch, stiffening) = unresolved(eps, geometry, stage, task);
+        let air = AIR * geometry.settings.width.powi(2) / geometry.settings.diameter.powi(2);
+        let turning = stage.rotation * Vector2::new(-eps.y, eps.x);
+        let slip = (eps - task.start) / stage.duration - turning;
         let carried = work.pressure_load();
         let wanted = task.load / task.force_scale;
         Self {
-            missing: wanted - support.force - carried.force,
-            size: carried.size + wanted.norm() + support.touch.norm(),
-            stiffness: support.stiffness,
+            missing: wanted - (touch + pinch + slip * air) - carried.force,
+            size: carried.size + wanted.norm() + touch.norm(),
+            stiffness: stiffness + stiffening + Matrix2::identity() * (air / stage.duration),
         }
     }
 
     /// Whether the forces balance; `change` is how the journal would answer to what is missing.
     pub fn balance(&self, change: Vector2<f64>) -> bool {
         self.missing.norm() <= CARRIED * self.size || change.norm() <= SLIGHT
-    }
-}
-
-/// A dimensionless force on the load's side and its derivative over the eccentricity ratio: all but the film's pressure.
-struct Support {
-    force: Vector2<f64>,
-    stiffness: Matrix2<f64>,
-    /// The asperities' part of the force.
-    touch: Vector2<f64>,
-}
-
-impl Support {
-    fn at(eps: Vector2<f64>, geometry: &Geometry, stage: &Stage<'_>, task: &Task<'_>) -> Self {
-        let settings = &geometry.settings;
-        let (touch, stiffness) = rubbing(task, touch(eps, geometry, task));
-        let air = AIR * settings.width.powi(2) / settings.diameter.powi(2);
-        let turning = stage.rotation * Vector2::new(-eps.y, eps.x);
-        let slip = (eps - task.start) / stage.duration - turning;
-        let (pinch, stiffening) = unresolved(eps, geometry, stage, task);
-        Self {
-            force: touch + pinch + slip * air,
-            stiffness: stiffness + stiffening + Matrix2::identity() * (air / stage.duration),
-            touch,
-        }
     }
 }
 

@@ -1,15 +1,10 @@
 //! The gap between journal and bush, in units of the radial clearance.
 
-use std::f64::consts::TAU;
-
 use nalgebra::Vector2;
 
 use super::cells::Cells;
 use crate::reynolds::lanes::smallest;
 use crate::reynolds::roughness::mean_gap;
-
-/// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.
-const DEEPEST: f64 = -3.0;
 
 /// All that shapes the gap apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -97,28 +92,6 @@ impl Gap {
         };
     }
 
-    /// The smallest gap anywhere, also between the cells' middles and at the ends of a tilted journal; zero where smooth
-    /// surfaces touch.
-    pub fn narrowest(&self, cells: &Cells, form: &Form, eps: Vector2<f64>) -> f64 {
-        let ends = [eps + form.tilt, eps - form.tilt];
-        let distance = if form.middle.is_empty() {
-            1.0 - ends.map(|end| end.norm()).into_iter().fold(0.0, f64::max)
-        } else {
-            let places = |directions: &[Vector2<f64>], deviations: &[f64]| {
-                (directions.iter().zip(deviations))
-                    .flat_map(|(n, deviation)| ends.map(|end| 1.0 - end.dot(n) + deviation))
-                    .fold(f64::INFINITY, f64::min)
-            };
-            places(&cells.directions.mean, &form.middle)
-                .min(places(&cells.directions.edge, &form.edge))
-        };
-        if form.roughness > 0.0 {
-            mean_gap(distance / form.roughness)[0] * form.roughness
-        } else {
-            distance.max(0.0)
-        }
-    }
-
     /// Replaces the distances of rough surfaces by their mean gaps.
     fn fill_valleys(&mut self, cells: &Cells, roughness: f64) {
         let of_cells = (&mut self.cell, &mut self.ratio, &mut self.cell_apart);
@@ -134,45 +107,5 @@ impl Gap {
         for (pressed, (area, apart)) in self.pressed.iter_mut().zip(areas) {
             *pressed = area * apart;
         }
-    }
-
-    /// Whether the surfaces leave each other room; rough surfaces may touch.
-    pub fn is_open(&self, form: &Form) -> bool {
-        if form.roughness > 0.0 {
-            smallest(&self.ratio).min(smallest(&self.edge_ratio)) > DEEPEST
-        } else {
-            self.smallest > 0.0
-        }
-    }
-
-    /// Derivative of `pressed` over the distance of the mean planes, per area of the cell.
-    pub fn parting(&self, form: &Form, cell: usize) -> f64 {
-        let density = |x: f64| (-0.5 * x * x).exp() / TAU.sqrt();
-        density(self.ratio[cell]) / form.roughness
-    }
-
-    /// The largest share of the change `change` of the eccentricity ratio that leaves at least the share `rest` of the gap
-    /// everywhere. Rough surfaces may come closer by half their roughness in any case.
-    pub fn allowed(&self, cells: &Cells, form: &Form, change: Vector2<f64>, rest: f64) -> f64 {
-        let mut share: f64 = 1.0;
-        let valleys = 0.5 * form.roughness;
-        if change.norm() <= ((1.0 - rest) * self.smallest).max(valleys) {
-            return share;
-        }
-        for (i, range) in cells.columns() {
-            let closing = change.dot(&cells.directions.mean[i]);
-            let closing_before = change.dot(&cells.directions.edge[i]);
-            for at in range {
-                let room = ((1.0 - rest) * self.cell[at]).max(valleys);
-                let room_before = ((1.0 - rest) * self.edge[at]).max(valleys);
-                if closing * share > room {
-                    share = room / closing;
-                }
-                if closing_before * share > room_before {
-                    share = room_before / closing_before;
-                }
-            }
-        }
-        share
     }
 }

@@ -1,12 +1,19 @@
 //! The bearing's geometry at a position of the journal.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Matrix2, Vector2};
 
 use super::cells::Cells;
 use super::gap::{Form, Gap};
 use super::state::Field;
 use crate::reynolds::grid::Grid;
+use crate::reynolds::lanes::smallest;
+use crate::reynolds::roughness::mean_gap;
 use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
+
+/// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.
+const DEEPEST: f64 = -3.0;
 
 /// Smooth surfaces that come closer than this share of the clearance touch.
 const TOUCHING: f64 = 1e-3;
@@ -77,14 +84,37 @@ impl Geometry {
         self.gap.update(&self.cells, &self.form, eps);
     }
 
-    /// Whether the surfaces leave each other room.
+    /// Whether the surfaces leave each other room; rough surfaces may touch.
     pub fn is_open(&self) -> bool {
-        self.gap.is_open(&self.form)
+        if self.form.roughness > 0.0 {
+            smallest(&self.gap.ratio).min(smallest(&self.gap.edge_ratio)) > DEEPEST
+        } else {
+            self.gap.smallest > 0.0
+        }
     }
 
-    /// The share of the change `change` from `eps` that leaves at least the share `rest` of the present gap everywhere.
+    /// The largest share of the change `change` of the eccentricity ratio from `eps` that leaves at least the share `rest` of
+    /// the present gap everywhere. Rough surfaces may come closer by half their roughness in any case.
     pub fn allowed(&self, eps: Vector2<f64>, change: Vector2<f64>, rest: f64) -> f64 {
-        let mut share = self.gap.allowed(&self.cells, &self.form, change, rest);
+        let (gap, valleys) = (&self.gap, 0.5 * self.form.roughness);
+        let mut share: f64 = 1.0;
+        if change.norm() > ((1.0 - rest) * gap.smallest).max(valleys) {
+            let directions = &self.cells.directions;
+            for (i, range) in self.cells.columns() {
+                let closing = change.dot(&directions.mean[i]);
+                let closing_before = change.dot(&directions.edge[i]);
+                for at in range {
+                    let room = ((1.0 - rest) * gap.cell[at]).max(valleys);
+                    let room_before = ((1.0 - rest) * gap.edge[at]).max(valleys);
+                    if closing * share > room {
+                        share = room / closing;
+                    }
+                    if closing_before * share > room_before {
+                        share = room_before / closing_before;
+                    }
+                }
+            }
+        }
         let limit = 1.0 - rest * (1.0 - eps.norm());
         while self.form.is_plain() && share > 1e-12 && (eps + change * share).norm() > limit {
             share *= 0.5;
@@ -92,9 +122,26 @@ impl Geometry {
         share
     }
 
-    /// The smallest gap at the eccentricity ratio `eps`, m; between rough surfaces the smallest mean gap.
+    /// The smallest gap anywhere at the eccentricity ratio `eps`, m, also between the cells' middles and at the ends of a
+    /// tilted journal; between rough surfaces the smallest mean gap, and zero where smooth ones touch.
     pub fn smallest_gap(&self, eps: Vector2<f64>) -> f64 {
-        let narrowest = self.gap.narrowest(&self.cells, &self.form, eps);
+        let (form, directions) = (&self.form, &self.cells.directions);
+        let ends = [eps + form.tilt, eps - form.tilt];
+        let distance = if form.middle.is_empty() {
+            1.0 - ends.map(|end| end.norm()).into_iter().fold(0.0, f64::max)
+        } else {
+            let places = |directions: &[Vector2<f64>], deviations: &[f64]| {
+                (directions.iter().zip(deviations))
+                    .flat_map(|(n, deviation)| ends.map(|end| 1.0 - end.dot(n) + deviation))
+                    .fold(f64::INFINITY, f64::min)
+            };
+            places(&directions.mean, &form.middle).min(places(&directions.edge, &form.edge))
+        };
+        let narrowest = if form.roughness > 0.0 {
+            mean_gap(distance / form.roughness)[0] * form.roughness
+        } else {
+            distance.max(0.0)
+        };
         narrowest * self.settings.clearance
     }
 
@@ -110,7 +157,7 @@ impl Geometry {
             return duration;
         }
         let speed = drive.journal_speed.abs().max(drive.bush_speed.abs());
-        let turn = 2.0 * std::f64::consts::TAU / self.cells.grid.columns() as f64;
+        let turn = 2.0 * TAU / self.cells.grid.columns() as f64;
         if speed * duration > turn {
             turn / speed
         } else {
@@ -121,12 +168,17 @@ impl Geometry {
     /// The load lost per eccentricity ratio because asperities of a closing gap take area from the film.
     pub fn lost_area(&self, field: &Field) -> Matrix2<f64> {
         let pressure = &field.pressure;
+        // How fast the area of the film grows as the surfaces part, per area of the cell.
+        let parting = |c: usize| {
+            let ratio = self.gap.ratio[c];
+            (-0.5 * ratio * ratio).exp() / TAU.sqrt() / self.form.roughness
+        };
         let mut lost = Matrix2::zeros();
         for (i, range) in self.cells.columns() {
             let n = self.cells.directions.mean[i];
             let sum: f64 = range
                 .filter(|&c| pressure[c] != 0.0)
-                .map(|c| pressure[c] * self.cells.area[c] * self.gap.parting(&self.form, c))
+                .map(|c| pressure[c] * self.cells.area[c] * parting(c))
                 .sum();
             lost += n * n.transpose() * sum;
         }

@@ -177,7 +177,8 @@ impl Landing {
             self.trial.copy_from(&work.state.field);
             let mut share = 1.0;
             loop {
-                work.linear.approach(share, &mut work.state.field);
+                work.linear
+                    .apply(share, Vector2::zeros(), &mut work.state.field);
                 work.active_set.begin();
                 work.exchange(stage);
                 steady = work.update_balance(stage, task.drive);

@@ -5,7 +5,9 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use super::active_set::ActiveSet;
 use super::forces::Forces;
+use super::geometry::Geometry;
 use super::stage::{NoSolution, Stage, Task};
 use super::workspace::Workspace;
 
@@ -76,7 +78,8 @@ pub fn solve(
     if floats(work, wanted, task) {
         return Ok(float(work, stage, task));
     }
-    work.begin_stage(wanted);
+    work.active_set.begin();
+    ActiveSet::fill_towards(wanted, &work.geometry.cells, &mut work.state.field);
     let mut eps = work.reachable(task.guess);
     let mut path = Path {
         balanced: if work.geometry.cells.conserves_mass() {
@@ -100,7 +103,8 @@ pub fn solve(
         match path.judge(work.linear.serves(stage.duration), imbalance, rounding) {
             Next::Rest if inverse(work, &forces).is_some_and(carries) => {
                 // A tension that no film can have may look like a balance.
-                return if work.is_forced() {
+                let conserving = work.geometry.cells.conserves_mass();
+                return if conserving && work.active_set.is_forced(&work.state.field) {
                     Err(NoSolution)
                 } else {
                     Ok(eps)
@@ -109,14 +113,16 @@ pub fn solve(
             Next::Renew => work.linearise(stage),
             Next::Rest | Next::Reuse => work.linear.reuse(&work.balance),
         }
-        let missing = forces.missing + work.load_of_correction();
+        let Geometry { cells, gap, .. } = &work.geometry;
+        let missing = forces.missing + work.linear.load_of_correction(cells, gap);
         let change = inverse(work, &forces).ok_or(NoSolution)? * missing;
         if !(change.x.is_finite() && change.y.is_finite()) {
             return Err(NoSolution);
         }
         let share = work.geometry.allowed(eps, change, 0.25);
         eps += change * share;
-        work.linear.apply(change * share, &mut work.state.field);
+        work.linear
+            .apply(1.0, change * share, &mut work.state.field);
         path.moved = work.exchange(stage);
         path.cut_short = share < 1.0;
     }
@@ -147,7 +153,8 @@ fn floats(work: &Workspace, load: Vector2<f64>, task: &Task<'_>) -> bool {
 /// Solves a stage without load: an empty film that turns the journal with it.
 fn float(work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>) -> Vector2<f64> {
     let (start, turn) = (task.start, stage.rotation * stage.duration);
-    work.rupture();
+    work.state.field.rupture();
+    work.linear.discard();
     let eps =
         Vector2::new(start.x - turn * start.y, start.y + turn * start.x) / (1.0 + turn * turn);
     work.geometry.move_to(eps);

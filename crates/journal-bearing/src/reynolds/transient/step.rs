@@ -120,7 +120,9 @@ impl Stepper {
         let stage = stage(work, first, launch, drive);
         let end = solve(work, &stage, &task)?;
 
-        work.end_step(end, (end - task.start) / first, drive.viscosity);
+        work.state.eps = end;
+        work.state.velocity = (end - task.start) / first;
+        work.state.unit = work.geometry.settings.pressure_scale(drive.viscosity);
         // A gap that is finer than the grid resolves does not deserve finer steps.
         let resolved = work.geometry.cells.resolved_gap();
         let gap = work.geometry.gap.smallest.max(resolved);

@@ -135,29 +135,10 @@ impl Workspace {
             };
         }
     }
-
-    /// Ends a step at an eccentricity ratio and its rate, with oil of a viscosity (Pa.s).
-    pub fn end_step(&mut self, eps: Vector2<f64>, velocity: Vector2<f64>, viscosity: f64) {
-        self.state.velocity = velocity;
-        self.state.eps = eps;
-        self.state.unit = self.geometry.settings.pressure_scale(viscosity);
-    }
-
-    /// Empties the film.
-    pub fn rupture(&mut self) {
-        self.state.field.rupture();
-        self.linear.discard();
-    }
 }
 
 /// The active set of full cells.
 impl Workspace {
-    /// Begins a stage under a dimensionless load: every cell may move again.
-    pub fn begin_stage(&mut self, load: Vector2<f64>) {
-        self.active_set.begin();
-        ActiveSet::fill_towards(load, &self.geometry.cells, &mut self.state.field);
-    }
-
     /// Moves cells into and out of the set by their unknowns; the number that moved.
     pub fn exchange(&mut self, stage: &Stage<'_>) -> usize {
         let field = &mut self.state.field;
@@ -169,11 +150,6 @@ impl Workspace {
         let field = &mut self.state.field;
         self.active_set
             .refill(&self.geometry.cells, field, &self.balance, stage)
-    }
-
-    /// Whether the field is one that no film can have: a cell that was held back violates the complementarity.
-    pub fn is_forced(&self) -> bool {
-        self.geometry.cells.conserves_mass() && self.active_set.is_forced(&self.state.field)
     }
 }
 
@@ -202,12 +178,6 @@ impl Workspace {
             // An effect on the load that the cells' pressures do not show.
             self.linear.slope -= self.geometry.lost_area(&self.state.field);
         }
-    }
-
-    /// The load that the correction of the cells takes from the film.
-    pub fn load_of_correction(&self) -> Vector2<f64> {
-        self.linear
-            .load_of_correction(&self.geometry.cells, &self.geometry.gap)
     }
 
     /// The load of the present pressures.

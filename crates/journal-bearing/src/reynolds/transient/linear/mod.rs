@@ -120,25 +120,17 @@ impl Linear {
         sum
     }
 
-    /// Moves the unknowns by the correction and by the answers to a change of the eccentricity ratio.
-    pub fn apply(&self, change: Vector2<f64>, field: &mut Field) {
+    /// Moves the unknowns by a share of the correction and by the answers to a change of the eccentricity ratio.
+    pub fn apply(&self, share: f64, change: Vector2<f64>, field: &mut Field) {
         let n = self.correction.len();
         let correction = &self.correction[..n];
         let (x, y) = (&self.answer[0][..n], &self.answer[1][..n]);
         let (full, empty) = (&self.unknowns.full[..n], &self.unknowns.empty[..n]);
         let (pressure, content) = (&mut field.pressure[..n], &mut field.content[..n]);
         for c in 0..n {
-            let move_by = correction[c] + x[c] * change.x + y[c] * change.y;
+            let move_by = share * correction[c] + x[c] * change.x + y[c] * change.y;
             pressure[c] -= full[c] * move_by;
             content[c] -= empty[c] * move_by;
-        }
-    }
-
-    /// Moves the unknowns by a share of the correction.
-    pub fn approach(&self, share: f64, field: &mut Field) {
-        for (c, correction) in self.correction.iter().enumerate() {
-            field.pressure[c] -= share * self.unknowns.full[c] * correction;
-            field.content[c] -= share * self.unknowns.empty[c] * correction;
         }
     }
 
