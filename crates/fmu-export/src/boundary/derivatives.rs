@@ -310,8 +310,6 @@ mod tests {
     use serde::{Deserialize, Serialize};
 
     use super::*;
-    use crate::boundary::describe::token;
-    use crate::boundary::instance::Request;
     use crate::boundary::logger::Logger;
     use crate::boundary::version::Version;
     use crate::declare::{input, output};
@@ -370,17 +368,9 @@ mod tests {
     }
 
     fn started(version: Version) -> Outcome<Instance<Counting>> {
-        let request = Request {
-            function: "instantiate",
-            version,
-            name: "counting",
-            token: &token(0),
-            fingerprint: 0,
-            exchange: false,
-            resources: None,
-        };
         let logger = Logger::new(None, null_mut(), false);
-        let mut instance = Instance::<Counting>::new(&request, logger).unwrap();
+        let mut instance =
+            Instance::<Counting>::new("instantiate", (version, false), 0, None, logger);
         instance.enter_initialization()?;
         instance.exit_initialization()?;
         Ok(instance)

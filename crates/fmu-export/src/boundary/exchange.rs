@@ -4,7 +4,7 @@ use super::instance::{Instance, finite};
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, ValueReference};
-use crate::model::{Exchange, Model, offered};
+use crate::model::{Exchange, Model, State, offered};
 
 /// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the
 /// table, which may grow.
@@ -16,6 +16,19 @@ impl<M: Model> Instance<M> {
     fn exchange(&self) -> Outcome<&'static Exchange<M>> {
         let ours = offered::<M>().filter(|_| self.run.exchange);
         ours.ok_or(Refusal::Absent("this instance is for Co-Simulation"))
+    }
+
+    /// The states, of which the host passes so many values.
+    fn states_for(&self, given: usize) -> Outcome<&'static [State<M>]> {
+        let states = (self.exchange()?.states)();
+        if given == states.len() {
+            return Ok(states);
+        }
+        Err(Refusal::Argument {
+            name: "nContinuousStates",
+            value: given.to_string(),
+            why: "it is not the number of the model's states",
+        })
     }
 
     /// Leaves the event mode for the continuous time.
@@ -47,8 +60,7 @@ impl<M: Model> Instance<M> {
 
     /// Takes the states. Those that are not finite are discarded, so that a solver tries a shorter step.
     pub fn set_states(&mut self, values: &[Real]) -> Outcome {
-        let states = (self.exchange()?.states)();
-        check_count(values.len(), states.len())?;
+        let states = self.states_for(values.len())?;
         if !values.iter().all(|value| value.is_finite()) {
             return Err(Refusal::Unsupported("a state is not finite"));
         }
@@ -61,8 +73,7 @@ impl<M: Model> Instance<M> {
 
     /// Reads the states.
     pub fn get_states(&mut self, values: &mut [Real]) -> Outcome {
-        let states = (self.exchange()?.states)();
-        check_count(values.len(), states.len())?;
+        let states = self.states_for(values.len())?;
         self.start_if_needed()?;
         for (state, value) in states.iter().zip(values) {
             *value = (state.get)(&self.run.model);
@@ -72,8 +83,7 @@ impl<M: Model> Instance<M> {
 
     /// Reads the states' typical magnitudes.
     pub fn get_nominals(&mut self, values: &mut [Real]) -> Outcome {
-        let states = (self.exchange()?.states)();
-        check_count(values.len(), states.len())?;
+        let states = self.states_for(values.len())?;
         for (state, value) in states.iter().zip(values) {
             *value = state.nominal;
         }
@@ -91,10 +101,9 @@ impl<M: Model> Instance<M> {
 
     /// Reads the states' time derivatives, which do not need the outputs.
     pub fn get_rates(&mut self, values: &mut [Real]) -> Outcome {
-        let exchange = self.exchange()?;
-        check_count(values.len(), (exchange.states)().len())?;
+        self.states_for(values.len())?;
         self.start_if_needed()?;
-        (exchange.rates)(&self.run.model, values).map_err(Refusal::Step)?;
+        (self.exchange()?.rates)(&self.run.model, values).map_err(Refusal::Step)?;
         Ok(Status::Ok)
     }
 
@@ -123,15 +132,4 @@ impl<M: Model> Instance<M> {
         }
         Ok(())
     }
-}
-
-fn check_count(given: usize, states: usize) -> Outcome<()> {
-    if given == states {
-        return Ok(());
-    }
-    Err(Refusal::Argument {
-        name: "nContinuousStates",
-        value: given.to_string(),
-        why: "it is not the number of the model's states",
-    })
 }

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::describe::hash;
-use super::instance::{Instance, Request};
+use super::instance::{Instance, check_host};
 use super::logger::Logger;
 use super::phase::{Function, Phase, of};
 use super::raw::lossy;
@@ -120,19 +120,15 @@ pub unsafe fn instantiate_by<M: Model>(
         let [name, token, resources] = texts.map(|text| unsafe { lossy(text) });
         let name = name.as_deref().unwrap_or_default();
         let logger = logger(name)?;
-        let (fingerprint, watch) = check()
+        let checked = check().and_then(|(fingerprint, watch)| {
+            check_host(version, name, &token.unwrap_or_default(), fingerprint)?;
+            Ok((fingerprint, watch))
+        });
+        let (fingerprint, watch) = checked
             .map_err(|refusal| logger.refuse(function, &refusal))
             .ok()?;
-        let request = Request {
-            function,
-            version,
-            name,
-            token: token.as_deref().unwrap_or_default(),
-            fingerprint,
-            exchange,
-            resources: resources.as_deref(),
-        };
-        let mut instance = Instance::<M>::new(&request, logger)?;
+        let (form, resources) = ((version, exchange), resources.as_deref());
+        let mut instance = Instance::<M>::new(function, form, fingerprint, resources, logger);
         instance.watch = watch;
         Some(Handle::give(instance))
     };

@@ -31,51 +31,35 @@ pub struct Instance<M> {
     resources: Option<PathBuf>,
 }
 
-/// The arguments with which a host instantiates.
-pub struct Request<'a> {
-    /// The function's name.
-    pub function: &'static str,
-    /// The version of the standard that it belongs to.
-    pub version: Version,
-    /// The instance's name.
-    pub name: &'a str,
-    /// The token of the description that the host has read.
-    pub token: &'a str,
-    /// A hash of the description.
-    pub fingerprint: u128,
-    /// Whether it is for Model Exchange.
-    pub exchange: bool,
-    /// The folder of the resources, as a URI or a path.
-    pub resources: Option<&'a str>,
-}
-
 impl<M: Model> Instance<M> {
-    /// Makes an instance, or logs why the request is refused.
-    pub fn new(request: &Request<'_>, logger: Logger) -> Option<Self> {
-        if let Err(refusal) = check(request) {
-            logger.refuse(request.function, &refusal);
-            return None;
-        }
-        let given = request.resources.filter(|given| !given.is_empty());
+    /// Makes an instance for a description with this fingerprint, for Model Exchange if `exchange` says so. `function` is the
+    /// host's call, and `resources` the folder of the resources as a URI or a path.
+    pub fn new(
+        function: &str,
+        (version, exchange): (Version, bool),
+        fingerprint: u128,
+        resources: Option<&str>,
+        logger: Logger,
+    ) -> Self {
+        let given = resources.filter(|given| !given.is_empty());
         let folder = given.and_then(resources::folder);
         if let (Some(given), None) = (given, &folder) {
-            let function = request.function;
             let message =
                 format!("{function}: {given} is not a local folder; going on without resources");
             logger.send(Status::Warning, "logStatusWarning", &message);
         }
-        Some(Self {
+        Self {
             logger,
             run: Run {
-                exchange: request.exchange,
+                exchange,
                 ..Run::default()
             },
             texts: vec![None; M::variables().len()],
-            fingerprint: request.fingerprint,
-            version: request.version,
+            fingerprint,
+            version,
             watch: None,
             resources: folder,
-        })
+        }
     }
 
     /// Chooses the messages that the host gets.
@@ -262,18 +246,19 @@ impl<M: Model> Instance<M> {
     }
 }
 
-fn check(request: &Request<'_>) -> Outcome<()> {
-    if request.name.trim().is_empty() {
+/// Refuses a host that gives an instance no name, or has read another description than that with this fingerprint.
+pub fn check_host(version: Version, name: &str, given: &str, fingerprint: u128) -> Outcome<()> {
+    if name.trim().is_empty() {
         return Err(Refusal::Argument {
             name: "instanceName",
-            value: format!("{:?}", request.name),
+            value: format!("{name:?}"),
             why: "it must not be empty",
         });
     }
-    if request.token != token(request.fingerprint) {
+    if given != token(fingerprint) {
         return Err(Refusal::Argument {
-            name: request.version.token(),
-            value: request.token.to_owned(),
+            name: version.token(),
+            value: given.to_owned(),
             why: "the modelDescription.xml in use does not belong to this binary; unpack the FMU again",
         });
     }

@@ -234,8 +234,6 @@ mod tests {
     use serde::{Deserialize, Serialize};
 
     use super::*;
-    use crate::boundary::describe::token;
-    use crate::boundary::instance::Request;
     use crate::boundary::logger::Logger;
     use crate::boundary::version::Version;
     use crate::declare::input;
@@ -292,17 +290,9 @@ mod tests {
 
     #[test]
     fn a_step_that_fails_after_some_updates_changes_nothing() -> Outcome<()> {
-        let request = Request {
-            function: "instantiate",
-            version: Version::Three,
-            name: "clock",
-            token: &token(0),
-            fingerprint: 0,
-            exchange: false,
-            resources: None,
-        };
         let logger = Logger::new(None, null_mut(), false);
-        let mut clock = Instance::<Clock>::new(&request, logger).unwrap();
+        let mut clock =
+            Instance::<Clock>::new("instantiate", (Version::Three, false), 0, None, logger);
         clock.watch = Some(Watch::new(ignore, null_mut(), true, &[0], |_, _| 1.0)?);
         clock.enter_initialization()?;
         clock.set_real(&[0], &[2.5])?;

@@ -95,17 +95,20 @@ pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
 }
 
 impl<M: Model> Instance<M> {
-    /// Reads one value after another with `read` into `values`.
+    /// Reads one value after another with `read`, which gives none for a variable of another type than was `asked` for.
     fn get<T>(
         &mut self,
+        asked: &'static str,
         references: &[ValueReference],
         values: &mut [T],
-        read: impl Fn(&Variable<M>, &M) -> Outcome<T>,
+        read: impl Fn(&Kind<M>, &M) -> Option<T>,
     ) -> Outcome {
         self.check_intermediate(references, false)?;
         self.refresh()?;
         for (reference, value) in references.iter().zip(values) {
-            *value = read(variable::<M>(*reference)?, &self.run.model)?;
+            let variable = variable::<M>(*reference)?;
+            let now = read(&variable.kind, &self.run.model);
+            *value = now.ok_or_else(|| wrong_type(self.version, variable, asked))?;
         }
         Ok(Status::Ok)
     }
@@ -147,11 +150,10 @@ impl<M: Model> Instance<M> {
         references: &[ValueReference],
         values: &mut [T],
     ) -> Outcome {
-        let version = self.version;
-        self.get(references, values, |variable, model| match &variable.kind {
-            Kind::Integer { access, .. } if of.integers => Ok((access.get)(model).into()),
-            Kind::Enumeration { access, .. } if of.items => Ok((access.get)(model).into()),
-            _ => Err(wrong_type(version, variable, of.asked)),
+        self.get(of.asked, references, values, |kind, model| match kind {
+            Kind::Integer { access, .. } if of.integers => Some((access.get)(model).into()),
+            Kind::Enumeration { access, .. } if of.items => Some((access.get)(model).into()),
+            _ => None,
         })
     }
 
@@ -161,10 +163,9 @@ impl<M: Model> Instance<M> {
         references: &[ValueReference],
         values: &mut [T],
     ) -> Outcome {
-        let version = self.version;
-        self.get(references, values, |variable, model| match &variable.kind {
-            Kind::Boolean { access } => Ok((access.get)(model).into()),
-            _ => Err(wrong_type(version, variable, "Boolean")),
+        self.get("Boolean", references, values, |kind, model| match kind {
+            Kind::Boolean { access } => Some((access.get)(model).into()),
+            _ => None,
         })
     }
 
@@ -178,13 +179,10 @@ impl<M: Model> Instance<M> {
 
     /// Reads texts. The host may keep the pointer to a text until it reads the same variable again.
     pub fn get_string(&mut self, references: &[ValueReference], values: &mut [Text]) -> Outcome {
-        let version = self.version;
         let mut texts = vec![CString::default(); references.len()];
-        self.get(references, &mut texts, |variable, model| {
-            match &variable.kind {
-                Kind::String { access } => Ok(c_string(&(access.get)(model))),
-                _ => Err(wrong_type(version, variable, "String")),
-            }
+        self.get("String", references, &mut texts, |kind, model| match kind {
+            Kind::String { access } => Some(c_string(&(access.get)(model))),
+            _ => None,
         })?;
         for ((reference, text), value) in references.iter().zip(texts).zip(values) {
             let place = &mut self.texts[*reference as usize];
