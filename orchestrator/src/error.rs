@@ -1,49 +1,64 @@
-//! Why a command cannot do what was asked for.
+//! Why something cannot be done, as the user reads it.
 
-use thiserror::Error;
+use std::io;
+use std::path::{Path, PathBuf};
 
-use crate::files::unusable;
-use crate::pipeline::Halt;
-use crate::recording::SettingsError;
-use crate::results::ResultsError;
-use crate::session::SessionError;
-use crate::study::StudyError;
-use crate::study::ssv::SsvError;
-use crate::table::TableError;
+use crate::files::{FileError, unusable};
 use fmu_import::FmuError;
 use fmu_points::RunError;
 use fmu_points::failure::Failure;
+use fmu_points::scratch::ScratchError;
 
-/// Why a command cannot do what was asked for.
-#[derive(Debug, Error)]
-pub enum CommandError {
+/// Why something cannot be done.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
     /// The FMU cannot be used.
     #[error("{}", unusable(.0))]
     Fmu(#[from] FmuError),
-    /// The study cannot be used.
+    /// A file cannot be read or written, or says what cannot be used.
     #[error(transparent)]
-    Study(#[from] StudyError),
-    /// A parameter set cannot be used.
-    #[error(transparent)]
-    Set(#[from] SsvError),
-    /// A table cannot be used.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// The results cannot be written or read.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    /// A recording cannot be used.
-    #[error(transparent)]
-    Recording(#[from] SettingsError),
-    /// The report cannot be written.
-    #[error(transparent)]
-    Report(#[from] ReportError),
+    File(#[from] FileError),
+    /// There is a study in the folder already.
+    #[error(
+        "{0} holds a study that has begun already; continue it with --resume, replace it with --force, or choose another \
+         --output"
+    )]
+    Begun(PathBuf),
+    /// There is nothing to resume or to read in the folder.
+    #[error("{0} holds no study; run `verify` into it first")]
+    Missing(PathBuf),
+    /// Points are missing in the folder.
+    #[error("{path}: {missing} of {points} points are not computed yet; continue with --resume")]
+    Incomplete {
+        /// The folder.
+        path: PathBuf,
+        /// How many are missing.
+        missing: u64,
+        /// How many there should be.
+        points: u64,
+    },
     /// The points cannot be run.
     #[error(transparent)]
     Engine(#[from] RunError),
-    /// The study cannot be run.
-    #[error(transparent)]
-    Session(#[from] SessionError),
+    /// Ctrl-C.
+    #[error("interrupted: {} done; --resume goes on", share(*.done, *.of))]
+    Interrupted {
+        /// Points that are done.
+        done: u64,
+        /// How many there are, where that is known.
+        of: Option<u64>,
+    },
+    /// The points of this run's shard are done; those of the others are not its task.
+    #[error("{0} points of this shard are done")]
+    Shard(u64),
+    /// Only the journal is read, and it does not hold all points.
+    #[error("{missing} of {of} points are missing")]
+    Unknown {
+        /// How many are missing.
+        missing: u64,
+        /// How many were asked for.
+        of: u64,
+    },
     /// A single simulation failed.
     #[error("the simulation failed: {0}")]
     Simulation(#[from] Failure),
@@ -60,12 +75,12 @@ pub enum CommandError {
     /// A search found nothing.
     #[error("the search failed: {0}")]
     Search(String),
-    /// Not every point has an outcome.
-    #[error(transparent)]
-    Halted(#[from] Halt),
-    /// Shards cannot be joined.
-    #[error("{0}")]
-    Shards(String),
+    /// The page could not be put together.
+    #[error("cannot put the report together: {0}")]
+    Page(#[from] minijinja::Error),
+    /// The data in the page could not be put together.
+    #[error("cannot embed the points in the report: {0}")]
+    Data(#[from] serde_json::Error),
     /// An option's value cannot be used.
     #[error("--{option}: {message}")]
     Option {
@@ -74,9 +89,12 @@ pub enum CommandError {
         /// The problem.
         message: String,
     },
+    /// What is asked for does not fit to what is there.
+    #[error("{0}")]
+    Refused(String),
 }
 
-impl CommandError {
+impl Error {
     /// The value of an option cannot be used.
     pub fn option(option: &'static str, message: impl Into<String>) -> Self {
         Self::Option {
@@ -84,21 +102,28 @@ impl CommandError {
             message: message.into(),
         }
     }
+
+    /// What is wrong with a file's content.
+    pub fn content(path: &Path, message: impl ToString) -> Self {
+        FileError::new(path, message.to_string()).into()
+    }
+
+    /// Turns an error of the system into one that names the file.
+    pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| FileError::read(&path, source).into()
+    }
 }
 
-/// Why a report could not be written.
-#[derive(Debug, Error)]
-pub enum ReportError {
-    /// There are no results to report, or a file could not be written.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    /// The page could not be put together.
-    #[error("cannot put the report together: {0}")]
-    Page(#[from] minijinja::Error),
-    /// A plot could not be turned into pixels.
-    #[error("cannot make PNG files: {0}")]
-    Png(String),
-    /// The embedded data could not be put together.
-    #[error("cannot embed the points in the report: {0}")]
-    Data(#[from] serde_json::Error),
+impl From<ScratchError> for Error {
+    fn from(ScratchError { path, source }: ScratchError) -> Self {
+        FileError::read(&path, source).into()
+    }
+}
+
+fn share(done: u64, of: Option<u64>) -> String {
+    match of {
+        Some(of) => format!("{done} of {of} points are"),
+        None => format!("{done} points are"),
+    }
 }

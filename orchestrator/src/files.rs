@@ -1,11 +1,65 @@
 //! Why a file cannot be read or written, with a remedy.
 
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use thiserror::Error;
+
 use fmu_import::{ArchiveError, FmuError, FmuFault, hexadecimal, sha256};
 use fmu_points::names::{did_you_mean, nearest};
+
+/// Why a file that a user names cannot be used.
+#[derive(Debug, Error)]
+#[error("{}{place}: {message}", .path.display())]
+pub struct FileError {
+    path: PathBuf,
+    /// Line and column as they stand behind the file's name, such as `:3:7`.
+    place: String,
+    message: String,
+    /// The kind of error, where the system said no.
+    pub kind: Option<io::ErrorKind>,
+}
+
+impl FileError {
+    /// Something in the file is wrong.
+    pub fn new(path: &Path, message: impl Into<String>) -> Self {
+        Self {
+            path: path.to_owned(),
+            place: String::new(),
+            message: message.into(),
+            kind: None,
+        }
+    }
+
+    /// The system says no.
+    pub fn read(path: &Path, error: io::Error) -> Self {
+        let error = of_the_system(error);
+        Self {
+            kind: Some(error.kind()),
+            ..Self::new(path, reason(path, &error))
+        }
+    }
+
+    /// The same, of a line or of a column, counted from 1.
+    pub fn at(mut self, number: impl Display) -> Self {
+        self.place += &format!(":{number}");
+        self
+    }
+}
+
+/// The operating system's error inside the csv writer's: its kind decides which remedy we name.
+fn of_the_system(error: io::Error) -> io::Error {
+    match error.downcast::<csv::Error>() {
+        Ok(wrapped) if wrapped.is_io_error() => match wrapped.into_kind() {
+            csv::ErrorKind::Io(error) => error,
+            other => io::Error::other(format!("{other:?}")),
+        },
+        Ok(wrapped) => io::Error::other(wrapped),
+        Err(error) => error,
+    }
+}
 
 /// The largest text that is read at once: a study, settings, a parameter set. In MiB.
 const MOST: u64 = 64;
@@ -39,7 +93,11 @@ pub fn digest(path: &Path) -> io::Result<String> {
 ///
 /// # Errors
 /// As [`open`], when it is very large, and when it is not in UTF-8.
-pub fn text(path: &Path) -> io::Result<String> {
+pub fn text(path: &Path) -> Result<String, FileError> {
+    read(path).map_err(|error| FileError::read(path, error))
+}
+
+fn read(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
     open(path)?.take((MOST << 20) + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MOST << 20 {
@@ -131,7 +189,7 @@ mod tests {
     fn what_is_no_text_is_refused_with_its_reason() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.toml");
-        let told = |path: &Path| reason(path, &text(path).unwrap_err());
+        let told = |path: &Path| text(path).unwrap_err().message;
         fs::write(&path, b"a\nb\n\xe9").unwrap();
         assert_eq!(
             told(&path),

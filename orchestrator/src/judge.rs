@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::concern::Concern;
+use crate::files::FileError;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
-use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, StudyError};
+use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study};
 use conformity::decision::Rule;
 use conformity::measured::{Measured, Measurement, Uncertainty};
 use conformity::risk::Guard;
@@ -196,7 +197,7 @@ impl Judge {
     ///
     /// # Errors
     /// With line and column, when a number or a unit does not fit, and when there are no criteria.
-    pub fn new(study: &Study, fmu: Option<&Description>) -> Result<Self, StudyError> {
+    pub fn new(study: &Study, fmu: Option<&Description>) -> Result<Self, FileError> {
         if study.criteria.is_empty() {
             let message = "no criteria: add at least one [criteria.NAME] with variable, nominal \
                            and tolerance";
@@ -243,7 +244,7 @@ impl Judge {
         }
     }
 
-    fn add_variants(&mut self, study: &Study, scales: &[Scale<'_>]) -> Result<(), StudyError> {
+    fn add_variants(&mut self, study: &Study, scales: &[Scale<'_>]) -> Result<(), FileError> {
         for (name, text) in &study.variants {
             let criteria = self.criteria.iter();
             let mut tolerances: Vec<f64> = criteria.map(|criterion| criterion.tolerance).collect();
@@ -361,7 +362,7 @@ fn cases(study: &Study) -> Vec<JudgedCase> {
 }
 
 /// Refuses criteria whose columns in `points.csv` could not be told apart from other ones.
-fn check_columns(study: &Study) -> Result<(), StudyError> {
+fn check_columns(study: &Study) -> Result<(), FileError> {
     const OWN: [&str; 4] = ["point", "verified", "accepted", "status"];
     let parameters = study.parameters.keys().map(|name| name.as_ref().as_str());
     let mut columns: HashSet<String> = OWN
@@ -392,7 +393,7 @@ fn scalar(
     name: &Name,
     text: &CriterionText,
     scale: &Scale<'_>,
-) -> Result<Criterion, StudyError> {
+) -> Result<Criterion, FileError> {
     let at = |message: String| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
     let (measured, accuracy) = match (&text.nominal, &text.tolerance) {

@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use std::thread::available_parallelism;
 use std::time::Duration;
 
-use clap::Args;
-
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::pipeline::Shard;
 use crate::pipeline::folder::Earlier;
+use clap::Args;
 use fmu_points::Limits;
 use fmu_points::crew::Place;
 use fmu_points::{Isolation, system};
@@ -39,13 +38,13 @@ impl Parts {
     ///
     /// # Errors
     /// When there is no such part.
-    pub fn shard(&self) -> Result<Option<Shard>, CommandError> {
+    pub fn shard(&self) -> Result<Option<Shard>, Error> {
         match (self.shard_index, self.shards) {
             (Some(index), Some(of)) if index < of => {
                 let number = index + 1;
                 Ok(Some(Shard { number, of }))
             }
-            (Some(index), Some(of)) => Err(CommandError::option(
+            (Some(index), Some(of)) => Err(Error::option(
                 "shard-index",
                 format!("{index} is none of {of} parts, which are counted from 0"),
             )),
@@ -103,7 +102,7 @@ impl Means {
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn place(&self, jobs: usize) -> Result<Place, CommandError> {
+    pub fn place(&self, jobs: usize) -> Result<Place, Error> {
         if self.in_process {
             return Ok(Place::Here);
         }
@@ -114,16 +113,16 @@ impl Means {
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn limits(&self, jobs: usize) -> Result<Limits, CommandError> {
+    pub fn limits(&self, jobs: usize) -> Result<Limits, Error> {
         let time = Duration::try_from_secs_f64(self.point_timeout).ok();
         let time = time.filter(|time| !time.is_zero()).ok_or_else(|| {
             let message = format!("{:?} s is not a positive time", self.point_timeout);
-            CommandError::option("point-timeout", message)
+            Error::option("point-timeout", message)
         })?;
         let memory = match &self.memory_limit {
             Some(text) => size(text).ok_or_else(|| {
                 let message = format!("`{text}` is not a size such as 500MB or 2GB");
-                CommandError::option("memory-limit", message)
+                Error::option("memory-limit", message)
             })?,
             None => share(jobs),
         };

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use crate::files::FileError;
 use crate::study::plan::Input;
 use crate::study::{ParameterText, Study};
-use crate::table::{Column, Table, TableError};
+use crate::table::{Column, Table};
 use sampling::design::Design;
 use sampling::distribution::Distribution;
 
@@ -23,7 +24,7 @@ impl Source {
     ///
     /// # Errors
     /// As [`Table::read`].
-    pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self, TableError> {
+    pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self, FileError> {
         let pairs = || study.parameters.values().zip(inputs);
         let constant = |(parameter, input): (&ParameterText, &Input)| match input.distribution {
             Distribution::Fixed { value } if parameter.column.is_none() => Some(value),

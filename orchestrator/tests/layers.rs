@@ -14,13 +14,13 @@ use arrows::{Tree, circles};
 /// The orchestrator's modules, from the ground up.
 const FLOORS: [&[&str]; 16] = [
     &["concern", "files"],
+    &["error"],
     &["table"],
     &["study"],
     &["judge", "source", "recording"],
     &["results"],
     &["pipeline", "document"],
     &["session", "identify"],
-    &["error"],
     &["options"],
     &["methods"],
     &["report"],

@@ -1,13 +1,12 @@
 //! The best point as a parameter set of SSP, with its provenance.
 
-use std::path::Path;
-
-use super::CommandError;
+use crate::error::Error;
 use crate::results::{Summary, traceability, write_atomically};
 use crate::study::plan::Plan;
 use crate::study::ssv;
 use fmu_import::{Description, Value, Variable, digest};
 use fmu_points::task::Case;
+use std::path::Path;
 
 const SET: &str = "best.ssv";
 const PROVENANCE: &str = "best.srmd";
@@ -18,7 +17,7 @@ pub(super) fn write(
     plan: &Plan,
     fmu: &Description,
     summary: &Summary,
-) -> Result<(), CommandError> {
+) -> Result<(), Error> {
     let Some(best) = &summary.best_point else {
         for file in [SET, PROVENANCE] {
             // An earlier run may have left one.

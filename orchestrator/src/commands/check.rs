@@ -5,16 +5,16 @@ use std::time::Duration;
 
 use fmu_check::{CheckError, Severity, check};
 
-use super::{CommandError, output};
+use super::output;
 use crate::cli::{Check, Format};
-use crate::results::ResultsError;
+use crate::error::Error;
 
-pub(super) fn run(options: &Check) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
     let patience = Duration::try_from_secs_f64(options.patience).unwrap_or(Duration::MAX);
     let findings = check(&options.fmu, patience).map_err(|error| match error {
-        CheckError::Fmu(error) => CommandError::from(error),
-        CheckError::Scratch(error) => ResultsError::from(error).into(),
-        CheckError::Io { path, source } => ResultsError::io(&path)(source).into(),
+        CheckError::Fmu(error) => Error::from(error),
+        CheckError::Scratch(error) => Error::from(error),
+        CheckError::Io { path, source } => Error::io(&path)(source),
     })?;
     output::print(&match options.format {
         Format::Text => findings.text(),

@@ -1,16 +1,14 @@
 //! Estimates the time of a study: runs some points and assumes that the others take as long.
 
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
-
-use super::CommandError;
+use crate::error::Error;
 use crate::options::Means;
-use crate::results::ResultsError;
 use crate::session::Verification;
 use fmu_points::Limits;
 use fmu_points::crew::{Crew, Place};
 use fmu_points::stop;
 use fmu_points::{Event, Job, Post};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -28,8 +26,8 @@ pub(super) fn of(
     verification: &mut Verification,
     means: &Means,
     jobs: usize,
-) -> Result<String, CommandError> {
-    let scratch = stop::scratch().map_err(ResultsError::from)?;
+) -> Result<String, Error> {
+    let scratch = stop::scratch().map_err(Error::from)?;
     let place = match means.place(jobs)? {
         Place::Processes(limits, isolation) => {
             let time = limits.time.min(PATIENCE);
@@ -57,7 +55,7 @@ pub(super) fn of(
             ControlFlow::Continue(())
         };
         worker.run(points, &mut Post::new(&mut take, &|| false, Some(0)))?;
-        Ok::<_, CommandError>((first.flatten(), begun.elapsed().as_secs_f64()))
+        Ok::<_, Error>((first.flatten(), begun.elapsed().as_secs_f64()))
     };
     // The first run starts the worker and loads the FMU.
     let (failure, mut point) = run(&jobs_of(1))?;

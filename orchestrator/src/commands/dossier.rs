@@ -1,20 +1,19 @@
 //! The verdict for other tools: meta data of the summary and of the whole task, after SSP Traceability.
 
-use std::path::Path;
-
-use super::CommandError;
+use crate::error::Error;
 use crate::files;
 use crate::results::traceability::{self, criteria, dossier, origin, parameters, verdict};
-use crate::results::{ResultsError, Summary, write_atomically};
+use crate::results::{Summary, write_atomically};
+use std::path::Path;
 
 const SUMMARY: &str = "summary.json";
 const RESOURCE: &str = "verdict.srmd";
 const TASK: &str = "verdict.stmd";
 
 /// Writes `verdict.srmd` and `verdict.stmd` beside the summary that they are about.
-pub(super) fn write(folder: &Path, summary: &Summary) -> Result<(), CommandError> {
+pub(super) fn write(folder: &Path, summary: &Summary) -> Result<(), Error> {
     let path = folder.join(SUMMARY);
-    let digest = files::digest(&path).map_err(ResultsError::io(&path))?;
+    let digest = files::digest(&path).map_err(Error::io(&path))?;
     let parts = [verdict, dossier, origin, parameters, criteria];
     let mut entries: Vec<_> = parts.iter().flat_map(|part| part(summary)).collect();
     entries.push(("data.sha256".to_owned(), digest));

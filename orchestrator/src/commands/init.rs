@@ -5,8 +5,9 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::{CommandError, output};
+use super::output;
 use crate::cli::Init;
+use crate::error::Error;
 use crate::results::points::number;
 use crate::results::write_atomically;
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
@@ -14,7 +15,7 @@ use fmu_points::task::Schedule;
 use fmu_points::tell::one_line;
 use sampling::design::Method;
 
-pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
     let package = Package::open(&options.fmu)?;
     let absolute = std::path::absolute(&options.fmu).unwrap_or_else(|_| options.fmu.clone());
     let study = study(package.description(), &absolute);
@@ -22,7 +23,7 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, CommandError> {
         None => output::print(&study),
         Some(path) if path.exists() => {
             let message = format!("{} exists already", path.display());
-            return Err(CommandError::option("output", message));
+            return Err(Error::option("output", message));
         }
         Some(path) => {
             write_atomically(path, |out| out.write_all(study.as_bytes()))?;

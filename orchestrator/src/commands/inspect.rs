@@ -5,14 +5,15 @@ use std::process::ExitCode;
 
 use serde_json::json;
 
-use super::{CommandError, output};
+use super::output;
 use crate::cli::Inspect;
+use crate::error::Error;
 use crate::results::points::number;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Description, Kind, Package, Variable};
 use fmu_points::tell::one_line;
 
-pub(super) fn run(options: &Inspect) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Inspect) -> Result<ExitCode, Error> {
     let package = Package::open(&options.fmu)?;
     let fmu = package.description();
     let platforms = package.platforms();

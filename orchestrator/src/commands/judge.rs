@@ -5,9 +5,10 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use super::{CommandError, complete, output, table, verdict};
+use super::{complete, output, table, verdict};
 use crate::cli;
 use crate::concern::Code;
+use crate::error::Error;
 use crate::judge::Judge;
 use crate::methods::asking::warn;
 use crate::pipeline::folder::Earlier;
@@ -24,7 +25,7 @@ use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
 use fmu_points::failure::{Failure, Partial};
 
-pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let study = Study::read(&options.study)?;
     // The FMU only helps to convert units; without it the table must be in the study's.
@@ -98,7 +99,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, CommandError> {
 }
 
 /// Takes the folder for the results. It keeps the request, unless it holds that of a run of the same study.
-fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, CommandError> {
+fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, Error> {
     let request = Request {
         study: options.study.clone(),
         points_from: Some(options.table.clone()),
@@ -145,7 +146,7 @@ fn conversions(
     study: &Study,
     judge: &Judge,
     fmu: Option<&Description>,
-) -> Result<Vec<Conversion>, CommandError> {
+) -> Result<Vec<Conversion>, Error> {
     let pairs = study.criteria.iter().zip(&judge.criteria);
     let conversion = |(name, text): (&crate::study::Name, &crate::study::CriterionText), unit| {
         let Some(column_unit) = text.column_unit.as_deref() else {

@@ -2,15 +2,14 @@
 
 use std::process::ExitCode;
 
+use crate::cli::{Cli, Manual};
+use crate::error::Error;
+use crate::results::make_folder;
 use clap::CommandFactory;
 
-use super::CommandError;
-use crate::cli::{Cli, Manual};
-use crate::results::{ResultsError, make_folder};
-
-pub(super) fn run(options: &Manual) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Manual) -> Result<ExitCode, Error> {
     let folder = &options.folder;
     make_folder(folder)?;
-    clap_mangen::generate_to(Cli::command(), folder).map_err(ResultsError::io(folder))?;
+    clap_mangen::generate_to(Cli::command(), folder).map_err(Error::io(folder))?;
     Ok(ExitCode::SUCCESS)
 }

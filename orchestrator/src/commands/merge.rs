@@ -5,18 +5,19 @@ use std::process::ExitCode;
 use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
-use super::{CommandError, deliver, verify};
+use super::{deliver, verify};
 use crate::cli::Merge;
+use crate::error::Error;
 use crate::methods;
 use crate::methods::join::Shards;
 use crate::methods::setup::{Place, Source};
 use crate::reruns::Wish;
 use crate::results::summary::Run;
-use crate::results::{MOST_EXTRA_RUNS, ResultsError, parquet};
-use crate::session::{Request, SessionError, Verification};
+use crate::results::{MOST_EXTRA_RUNS, parquet};
+use crate::session::{Request, Verification};
 use fmu_points::Limits;
 
-pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
     let folders = options.folders.iter().map(|folder| shard_in(folder));
     let folders: Vec<PathBuf> = folders.collect::<Result<_, _>>()?;
     let shards = Shards {
@@ -25,7 +26,7 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
         force: options.force,
     };
     let [first, ..] = &folders[..] else {
-        return Err(ResultsError::Missing(options.output.clone()).into());
+        return Err(Error::Missing(options.output.clone()));
     };
     let mut request = Request::read(first)?;
     request.shard = None;
@@ -37,16 +38,16 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, CommandError> {
 }
 
 /// The folder of the journal in a shard's folder: that of `verify`, or that of the only analysis.
-fn shard_in(folder: &Path) -> Result<PathBuf, CommandError> {
+fn shard_in(folder: &Path) -> Result<PathBuf, Error> {
     if Request::is_in(folder) {
         return Ok(folder.to_owned());
     }
     let candidates = methods::NAMES.iter().map(|name| folder.join(name));
     let found: Vec<PathBuf> = candidates.filter(|inner| Request::is_in(inner)).collect();
     match &found[..] {
-        [] => Err(ResultsError::Missing(folder.to_owned()).into()),
+        [] => Err(Error::Missing(folder.to_owned())),
         [only] => Ok(only.clone()),
-        [one, ..] => Err(CommandError::Shards(format!(
+        [one, ..] => Err(Error::Refused(format!(
             "{} holds shards of several analyses; name one of them, such as {}",
             folder.display(),
             one.display()
@@ -58,7 +59,7 @@ fn join_verification(
     options: &Merge,
     shards: &Shards<'_>,
     request: Request,
-) -> Result<ExitCode, CommandError> {
+) -> Result<ExitCode, Error> {
     let start = Instant::now();
     let output = &options.output;
     let mut verification = Verification::open(request)?;
@@ -74,10 +75,10 @@ fn join_verification(
     let run = Run::since(start, 0, 0);
     let summary = verification.conclude(output, Some(run), None, &mut looked);
     let summary = summary.map_err(|error| match error {
-        SessionError::Results(ResultsError::Incomplete {
+        Error::Incomplete {
             missing, points, ..
-        }) => shards.incomplete([missing, points], &named, "verify STUDY"),
-        error => error.into(),
+        } => shards.incomplete([missing, points], &named, "verify STUDY"),
+        error => error,
     })?;
     // Shards that grow and are joined again know of it, where they can be written to.
     for folder in shards.folders {

@@ -21,15 +21,13 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use crate::cli::{Cli, Command};
+use crate::error::Error;
 use crate::methods::asking::{Delivery, exit_code};
 use crate::methods::{proven, rare};
-use crate::pipeline::Halt;
 use crate::report::Report;
 use crate::results::Summary;
 use fmu_points::stop::INTERRUPTED;
 use fmu_points::tell as output;
-
-pub use crate::error::CommandError;
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;
@@ -38,13 +36,13 @@ pub const MISTAKE: u8 = 2;
 ///
 /// # Errors
 /// With one clear line, for a mistake in what was asked for.
-pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
+pub fn run(cli: Cli) -> Result<ExitCode, Error> {
     match dispatch(cli) {
-        Err(CommandError::Halted(halt @ Halt::Interrupted { .. })) => {
+        Err(halt @ Error::Interrupted { .. }) => {
             fmu_points::tell::line!("{halt}");
             Ok(ExitCode::from(INTERRUPTED))
         }
-        Err(CommandError::Halted(halt @ Halt::Shard(_))) => {
+        Err(halt @ Error::Shard(_)) => {
             output::print(&format!("{halt}; `orchestrator merge` joins the shards\n"));
             Ok(ExitCode::SUCCESS)
         }
@@ -52,7 +50,7 @@ pub fn run(cli: Cli) -> Result<ExitCode, CommandError> {
     }
 }
 
-fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
+fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
     match cli.command {
         Command::Inspect(options) => inspect::run(&options),
         Command::Check(options) => check::run(&options),
@@ -75,7 +73,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, CommandError> {
 
 /// Delivers the result of a method: to its file, to the terminal, and to the page of a finished study in the same folder,
 /// where it belongs to that study.
-fn deliver(delivery: Delivery) -> Result<ExitCode, CommandError> {
+fn deliver(delivery: Delivery) -> Result<ExitCode, Error> {
     let Delivery { result, folder, .. } = &delivery;
     result.write(folder)?;
     if let (Some(origin), true) = (&result.origin, folder.join("summary.json").exists()) {

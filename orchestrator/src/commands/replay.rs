@@ -4,24 +4,25 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use super::output;
 use super::simulate::{Columns, Isolated};
-use super::{CommandError, output};
 use crate::cli::Replay;
+use crate::error::Error;
 use crate::judge::Judge;
 use crate::pipeline::Model;
 use crate::results::points::number;
-use crate::results::{ResultsError, draft, keep, table};
+use crate::results::{draft, keep, table};
 use crate::session::Verification;
 use fmu_points::names::{did_you_mean, nearest};
 use fmu_points::task::Case;
 
-pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
     let source = &verification.source;
     let index = source.index_of(options.point).ok_or_else(|| {
         let (point, all) = (options.point, source.len());
         let message = format!("the study has no point {point}; points.csv lists its {all}");
-        CommandError::option("point", message)
+        Error::option("point", message)
     })?;
     let job = verification.job(index);
     let parameters = verification.source.parameters(index);
@@ -39,16 +40,16 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
         let again = again.in_a_study(&session.package, case);
         // One in the folder is replaced when it is complete; where the user wants it may be a pipe.
         let kept = options.output.is_none().then(|| draft(&options.folder));
-        let kept = kept.transpose().map_err(ResultsError::io(&path))?;
+        let kept = kept.transpose().map_err(Error::io(&path))?;
         let file = match &kept {
             Some(file) => file.reopen(),
             None => File::create(&path),
         };
-        let file = file.map_err(ResultsError::io(&path))?;
-        let written = again.trajectory(&case[0].task, &job.values, &columns, file);
+        let file = file.map_err(Error::io(&path))?;
+        let written = again.trajectory(&case[0].task, &job.values, &columns, file, &path);
         // The trajectory of a point that fails ends where it fails.
         if outcome.is_ok() {
-            written.map_err(|error| error.into_command(&path))?;
+            written?;
         }
         if let Some(file) = kept {
             keep(file, &path)?;
@@ -96,9 +97,9 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, CommandError> {
 }
 
 /// The cases whose trajectories are written, each with its file.
-fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, CommandError> {
+fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Error> {
     let point = options.point;
-    let wrong = |option, message: String| Err(CommandError::option(option, message));
+    let wrong = |option, message: String| Err(Error::option(option, message));
     let names: Vec<&str> = cases
         .iter()
         .filter_map(|case| case.name.as_deref())

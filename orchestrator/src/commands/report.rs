@@ -2,13 +2,14 @@
 
 use std::process::ExitCode;
 
-use super::{CommandError, output};
+use super::output;
 use crate::cli;
+use crate::error::Error;
 use crate::report::Report;
 use crate::report::live::Live;
 use crate::session::Verification;
 
-pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &cli::Report) -> Result<ExitCode, Error> {
     let mut report = Report::from_folder(&options.folder)?;
     if options.live {
         report.live = Some(live(options, &report)?);
@@ -22,8 +23,8 @@ pub(super) fn run(options: &cli::Report) -> Result<ExitCode, CommandError> {
 }
 
 /// The FMU's module and a point's simulation, for the page.
-fn live(options: &cli::Report, report: &Report) -> Result<Live, CommandError> {
-    let cannot = |message: String| CommandError::option("live", message);
+fn live(options: &cli::Report, report: &Report) -> Result<Live, Error> {
+    let cannot = |message: String| Error::option("live", message);
     match &report.whatif {
         None => return Err(cannot("the points cannot be judged in the page".to_owned())),
         Some(study) => study.can_be_drawn().map_err(cannot)?,

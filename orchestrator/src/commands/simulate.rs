@@ -8,12 +8,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use thiserror::Error;
-
-use super::{CommandError, output};
+use super::output;
 use crate::cli::Simulate;
+use crate::error::Error;
 use crate::results::points::number;
-use crate::results::{ResultsError, of_the_system};
 use crate::study::plan::{bare, find, value_of};
 use crate::study::{Setting, ssv};
 use crate::table::csv_file;
@@ -27,7 +25,7 @@ use fmu_points::task::{Case, Schedule, Task};
 use fmu_points::working_directory;
 use fmu_points::{Answer, Job, RunError};
 
-pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     let mut package = Package::open(&options.fmu)?;
     let fmu = package.description();
     let set = settings(&options.set, fmu)?;
@@ -75,27 +73,25 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, CommandError> {
     {
         None => {
             let out = io::stdout().lock();
-            let result = run.trajectory(&task, &[], &columns, out);
-            match result {
+            match run.trajectory(&task, &[], &columns, out, "standard output".as_ref()) {
                 // A reader that has gone, such as `head`, is no error.
-                Err(TrajectoryError::Write(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
-                }
-                Err(error) => return Err(error.of_step(step, "standard output".as_ref())),
+                Err(Error::File(error)) if error.kind == Some(io::ErrorKind::BrokenPipe) => {}
+                Err(error) => return Err(of_step(error, step)),
                 Ok(_) => {}
             }
         }
         Some(path) => {
-            let file = File::create(path).map_err(ResultsError::io(path))?;
+            let file = File::create(path).map_err(Error::io(path))?;
             let last = run
-                .trajectory(&task, &[], &columns, file)
-                .map_err(|error| error.of_step(step, path))?;
+                .trajectory(&task, &[], &columns, file, path)
+                .map_err(|error| of_step(error, step))?;
             output::print(&summary(&columns, &last));
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn schedule(options: &Simulate, fmu: &Description) -> Result<Schedule, CommandError> {
+fn schedule(options: &Simulate, fmu: &Description) -> Result<Schedule, Error> {
     let suggested = Schedule::suggested(fmu);
     let start = options.start.unwrap_or(suggested.start);
     let stop = options.stop.unwrap_or(suggested.stop);
@@ -108,15 +104,12 @@ fn schedule(options: &Simulate, fmu: &Description) -> Result<Schedule, CommandEr
         tolerance: suggested.tolerance,
     };
     let checked = schedule.check();
-    checked.map_err(|message| CommandError::option("stop/--step", message))?;
+    checked.map_err(|message| Error::option("stop/--step", message))?;
     Ok(schedule)
 }
 
 /// Start values from `NAME=VALUE`.
-pub(super) fn settings(
-    texts: &[String],
-    fmu: &Description,
-) -> Result<Vec<(u32, Value)>, CommandError> {
+pub(super) fn settings(texts: &[String], fmu: &Description) -> Result<Vec<(u32, Value)>, Error> {
     let setting = |text: &String| {
         // A name may hold the sign itself: take the longest one that the FMU knows.
         let known = |place: &usize| fmu.variables.contains_key(text[..*place].trim());
@@ -133,7 +126,7 @@ pub(super) fn settings(
         }
         Ok((variable.handle().reference, value))
     };
-    let set = |text| setting(text).map_err(|message: String| CommandError::option("set", message));
+    let set = |text| setting(text).map_err(|message: String| Error::option("set", message));
     texts.iter().map(set).collect()
 }
 
@@ -183,41 +176,13 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// Why the writing of a trajectory stopped.
-#[derive(Debug, Error)]
-pub(super) enum TrajectoryError {
-    #[error(transparent)]
-    Simulation(#[from] Failure),
-    #[error(transparent)]
-    Engine(#[from] RunError),
-    #[error(transparent)]
-    Write(io::Error),
-}
-
-impl From<csv::Error> for TrajectoryError {
-    fn from(error: csv::Error) -> Self {
-        Self::Write(of_the_system(error.into()))
-    }
-}
-
-impl TrajectoryError {
-    /// The same as [`into_command`](Self::into_command), with advice where the FMU refused a step that nobody has
-    /// asked for.
-    fn of_step(self, step: Option<f64>, path: &Path) -> CommandError {
-        match (self, step) {
-            (Self::Simulation(failure @ Failure::Discard(_)), Some(step)) => {
-                CommandError::Step { failure, step }
-            }
-            (other, _) => other.into_command(path),
+/// The error with advice where the FMU refused a step that nobody has asked for.
+fn of_step(error: Error, step: Option<f64>) -> Error {
+    match (error, step) {
+        (Error::Simulation(failure @ Failure::Discard(_)), Some(step)) => {
+            Error::Step { failure, step }
         }
-    }
-
-    pub(super) fn into_command(self, path: &Path) -> CommandError {
-        match self {
-            Self::Simulation(failure) => failure.into(),
-            Self::Engine(error) => error.into(),
-            Self::Write(error) => ResultsError::io(path)(error).into(),
-        }
+        (other, _) => other,
     }
 }
 
@@ -232,8 +197,8 @@ pub(super) struct Isolated {
 }
 
 impl Isolated {
-    pub(super) fn new(package: &mut Package) -> Result<Self, CommandError> {
-        let scratch = stop::scratch().map_err(ResultsError::from)?;
+    pub(super) fn new(package: &mut Package) -> Result<Self, Error> {
+        let scratch = stop::scratch().map_err(Error::from)?;
         Ok(Self {
             fmu: package.unpack(scratch.path())?,
             name: package.path().to_owned(),
@@ -261,35 +226,34 @@ impl Isolated {
         }
     }
 
-    /// Simulates, writes the trajectory as csv, and returns the last row.
+    /// Simulates, writes the trajectory as csv into what is called `path`, and returns the last row.
     pub(super) fn trajectory(
         &self,
         task: &Task,
         values: &[f64],
         columns: &Columns,
         into: impl Write,
-    ) -> Result<Vec<String>, TrajectoryError> {
+        path: &Path,
+    ) -> Result<Vec<String>, Error> {
+        let failed = |error: csv::Error| Error::io(path)(error.into());
         let mut csv = csv::Writer::from_writer(BufWriter::new(into));
         let names = columns
             .variables
             .iter()
             .map(|variable| csv_file::cell(&variable.name));
-        csv.write_record(
-            std::iter::once("time".into())
-                .chain(names)
-                .map(Cow::into_owned),
-        )?;
+        let head = std::iter::once("time".into()).chain(names);
+        csv.write_record(head.map(Cow::into_owned))
+            .map_err(failed)?;
         let mut last = Vec::new();
         let mut recording = self.recorder().of(task);
         let recorded = recording.record(values, &columns.handles, None, |time, values| {
             last = values.iter().map(cell).collect();
-            csv.write_field(number(time))?;
-            csv.write_record(&last)?;
-            Ok(())
+            csv.write_field(number(time)).map_err(failed)?;
+            csv.write_record(&last).map_err(failed)
         });
         stop::give_way();
         // Rows before the failure are kept.
-        let flushed = csv.flush().map_err(TrajectoryError::Write);
+        let flushed = csv.flush().map_err(Error::io(path));
         recorded.and(flushed).map(|()| last)
     }
 

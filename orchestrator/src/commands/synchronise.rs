@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::{CommandError, output};
+use super::output;
 use crate::cli;
-use crate::recording::{Settings, SettingsError};
+use crate::error::Error;
+use crate::files::FileError;
+use crate::recording::Settings;
 use crate::report::recording;
 use crate::results::{make_folder, write_atomically};
 use rig_signals::case::{Case, Frame};
@@ -14,13 +16,11 @@ use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
 const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
     # in the settings, power = { variable = \"...\" }.\n";
 
-pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     let settings = Settings::read(&options.settings)?;
     let recorded = settings.recording(&options.measured)?;
-    let result = synchronise(&recorded).map_err(|source| SettingsError::Signal {
-        path: options.measured.clone(),
-        source,
-    })?;
+    let result = synchronise(&recorded)
+        .map_err(|error| FileError::new(&options.measured, error.to_string()))?;
     let folder = &options.output;
     make_folder(folder)?;
     let mut text = criteria::to_toml(&result, options.amplitudes);
@@ -46,7 +46,7 @@ fn case(
     settings: &Settings,
     recorded: &RigRecording,
     result: &Synchronised,
-) -> Result<String, CommandError> {
+) -> Result<String, Error> {
     let (folder, drives) = (&options.output, settings.drives(&options.measured)?);
     settings.check_case(name)?;
     let case = Case::new(recorded, result, &drives);
@@ -65,7 +65,7 @@ fn case(
     Ok(text)
 }
 
-fn save(path: &Path, text: &str) -> Result<(), CommandError> {
+fn save(path: &Path, text: &str) -> Result<(), Error> {
     write_atomically(path, |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }

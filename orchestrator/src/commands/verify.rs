@@ -9,8 +9,9 @@ use std::time::Instant;
 use indexmap::{IndexMap, IndexSet};
 use toml::Spanned;
 
-use super::{CommandError, best, complete, cost, left_out, output, table, verdict};
+use super::{best, complete, cost, left_out, output, table, verdict};
 use crate::cli::Verify;
+use crate::error::Error;
 use crate::methods::asking;
 use crate::methods::setup::{self, Place, Source, Work};
 use crate::options;
@@ -18,7 +19,7 @@ use crate::pipeline::folder::Earlier;
 use crate::pipeline::{Pipeline, Step};
 use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
-use crate::results::{Journal, Looked, ResultsError, Summary, lines, parquet};
+use crate::results::{Journal, Looked, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::plan::bare;
 use crate::study::{Name, Setting, Study};
@@ -29,7 +30,7 @@ use sampling::design::Method;
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
 
-pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
+pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
@@ -81,7 +82,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, CommandError> {
     })?;
     let (done, computed, halt) = computed;
     if let Some(halt) = halt {
-        return Err(halt.into());
+        return Err(halt);
     }
     if verification.session.request.shard.is_some() {
         output::print(&format!(
@@ -109,21 +110,21 @@ fn check(
     options: &Verify,
     verification: &Verification,
     looked: &Looked,
-) -> Result<Option<Ending>, CommandError> {
+) -> Result<Option<Ending>, Error> {
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
         let message = "the design has as many points as the levels make; change `levels`";
-        return Err(CommandError::option("points", message));
+        return Err(Error::option("points", message));
     }
     let ending = options.until;
     let ending = ending.map(|until| verification.ending(until, &looked.history));
     ending
         .transpose()
-        .map_err(|message| CommandError::option("until", message))
+        .map_err(|message| Error::option("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
-fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError> {
+fn extend(verification: &Verification, folder: &Path) -> Result<(), Error> {
     let header = &verification.header;
     let then = match lines::header(folder) {
         Ok(then) if verification.extends(&then)? => then,
@@ -134,9 +135,9 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError
         // The shorter run is complete no more.
         let summary = folder.join("summary.json");
         if summary.exists() {
-            fs::remove_file(&summary).map_err(ResultsError::io(&summary))?;
+            fs::remove_file(&summary).map_err(Error::io(&summary))?;
         }
-        return Ok(Journal::rewrite(folder, header)?);
+        return Journal::rewrite(folder, header);
     }
     let method = verification.session.study.design.method.name();
     let with = Method::named(Method::is_extensible);
@@ -145,7 +146,7 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), CommandError
         "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer one; \
          choose another --output, or method = {with}"
     );
-    Err(CommandError::option("points", message))
+    Err(Error::option("points", message))
 }
 
 /// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
@@ -154,7 +155,7 @@ pub(super) fn conclude(
     folder: &Path,
     mut summary: Summary,
     wish: &Wish,
-) -> Result<ExitCode, CommandError> {
+) -> Result<ExitCode, Error> {
     let again = reruns::run(verification, folder, &mut summary, wish);
     again.unwrap_or_else(|error| left_out("no point was run once more", &error));
     let Session { plan, package, .. } = &verification.session;
@@ -243,7 +244,7 @@ fn set(session: &Session) -> String {
     lines.into_iter().collect()
 }
 
-fn request(options: &Verify) -> Result<Request, CommandError> {
+fn request(options: &Verify) -> Result<Request, Error> {
     // A design that needs all its points keeps those of the study; `check` refuses it then, and says why.
     let open_ended = || {
         let study = Study::read(&options.work.study);
@@ -268,7 +269,7 @@ fn compute(
     verification: &Verification,
     pipeline: &mut Pipeline<'_>,
     ending: Option<&Ending>,
-) -> Result<bool, CommandError> {
+) -> Result<bool, Error> {
     let judge = &verification.session.judge;
     let job = |index| verification.job(index);
     pipeline.doubt(&job)?;

@@ -1,12 +1,13 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
 use super::cases::Columns;
+use crate::files::FileError;
 use crate::study::identification::{
     DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
 };
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale, Sense};
-use crate::study::{Name, Quantity as Text, Study, StudyError};
+use crate::study::{Name, Quantity as Text, Study};
 use calibration::discrepancy::Unknown;
 use calibration::problem::{
     Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Spacing,
@@ -42,7 +43,7 @@ impl Bound {
         study: &Study,
         settings: &Identification,
         fmu: &Description,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, FileError> {
         Binder {
             study,
             settings,
@@ -67,7 +68,7 @@ impl Bound {
         free: Free,
         slot: Slot,
         conversion: Conversion,
-    ) -> Result<(), StudyError> {
+    ) -> Result<(), FileError> {
         for end in [free.min, free.max] {
             let allowed = slot.check(conversion.value(end));
             allowed.map_err(|message| study.error_of(name, message))?;
@@ -97,7 +98,7 @@ impl<'a> Input<'a> {
         fmu: &'a Description,
         name: &Name,
         unit: Option<&str>,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Self, FileError> {
         let variable = find(fmu, name.as_ref()).map_err(|m| study.error_at(name, m))?;
         let input = || {
             let slot = slot_of(variable)?;
@@ -119,7 +120,7 @@ pub(super) fn bare(mut case: Simulation) -> Simulation {
     case
 }
 
-pub(super) fn check_difference(study: &Study, settings: &Identification) -> Result<(), StudyError> {
+pub(super) fn check_difference(study: &Study, settings: &Identification) -> Result<(), FileError> {
     match settings.difference > 0.0 && settings.difference < 0.5 {
         true => Ok(()),
         false => Err(study.error("[identify] difference must lie between 0 and 0.5")),
@@ -134,7 +135,7 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    fn bind(&self) -> Result<Bound, StudyError> {
+    fn bind(&self) -> Result<Bound, FileError> {
         let settings = self.settings;
         if !self.study.parameters.is_empty() {
             let message = "identify does not use [parameters]: give each under [fixed], \
@@ -170,7 +171,7 @@ impl Binder<'_> {
         Ok(bound)
     }
 
-    fn refuse_doubles(&self) -> Result<(), StudyError> {
+    fn refuse_doubles(&self) -> Result<(), FileError> {
         let known = self.settings.known.keys();
         let free = self.settings.free.keys();
         let latent = self.settings.latent.keys();
@@ -181,15 +182,15 @@ impl Binder<'_> {
         self.study.once(self.fmu, self.study.set().chain(own))
     }
 
-    fn at(&self, name: &Name) -> impl Fn(String) -> StudyError {
+    fn at(&self, name: &Name) -> impl Fn(String) -> FileError {
         |message| self.study.error_of(name, message)
     }
 
-    fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>, StudyError> {
+    fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>, FileError> {
         Input::new(self.study, self.fmu, name, unit)
     }
 
-    fn bind_known(&self, bound: &mut Bound) -> Result<(), StudyError> {
+    fn bind_known(&self, bound: &mut Bound) -> Result<(), FileError> {
         for (name, known) in &self.settings.known {
             let input = self.input(name, known.unit.as_deref())?;
             let values = self.table.column(&known.column);
@@ -202,7 +203,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_free(&self, bound: &mut Bound) -> Result<(), StudyError> {
+    fn bind_free(&self, bound: &mut Bound) -> Result<(), FileError> {
         for (name, text) in &self.settings.free {
             let unit = text.unit.as_deref().or(text.min.unit.as_deref());
             let input = self.input(name, unit)?;
@@ -213,7 +214,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_latent(&self, bound: &mut Bound) -> Result<(), StudyError> {
+    fn bind_latent(&self, bound: &mut Bound) -> Result<(), FileError> {
         for (name, text) in &self.settings.latent {
             let input = self.input(name, text.unit.as_deref())?;
             for exception in &text.except {
@@ -244,7 +245,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_measured(&self, bound: &mut Bound) -> Result<(), StudyError> {
+    fn bind_measured(&self, bound: &mut Bound) -> Result<(), FileError> {
         for (name, text) in &self.settings.measured {
             let (probe, scale) = self.probe(text)?;
             let values = self.values(text.column.as_deref(), text.value.as_ref(), &scale);
@@ -279,7 +280,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), StudyError> {
+    fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), FileError> {
         let at = |message: String| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
         let handle = variable

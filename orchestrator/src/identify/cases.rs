@@ -1,6 +1,7 @@
 //! The table of measured cases.
 
-use crate::study::{Identification, Name, Study, StudyError};
+use crate::files::FileError;
+use crate::study::{Identification, Name, Study};
 use crate::table::{self, Column, Table};
 
 /// The columns of the table that the section names, or a single case without any.
@@ -12,7 +13,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    pub(super) fn read(study: &Study, settings: &Identification) -> Result<Self, StudyError> {
+    pub(super) fn read(study: &Study, settings: &Identification) -> Result<Self, FileError> {
         let known = settings.known.iter();
         let known = known.map(|(name, known)| (name, Some(&known.column)));
         let latent = settings.latent.iter();

@@ -7,9 +7,10 @@
 use std::sync::Arc;
 
 use super::bind::{Bound, Input, bare, check_difference, free};
+use crate::files::FileError;
 use crate::judge::Judge;
 use crate::study::plan::{self, Plan};
-use crate::study::{CriterionText, Identification, Name, Study, StudyError};
+use crate::study::{CriterionText, Identification, Name, Study};
 use calibration::problem::{Case, Free, Measured, Prior, Quantity, Spacing};
 use fmu_import::Description;
 use fmu_import::units::Conversion;
@@ -29,7 +30,7 @@ pub fn bind(
     study: &Study,
     settings: &Identification,
     fmu: &Description,
-) -> Result<Bound, StudyError> {
+) -> Result<Bound, FileError> {
     check(study, settings)?;
     let fitted = study.fitted();
     if fitted.cases.is_empty() {
@@ -106,7 +107,7 @@ struct Datum {
 }
 
 /// Refuses other data beside the cases, and errors that identification would take for independent.
-fn check(study: &Study, settings: &Identification) -> Result<(), StudyError> {
+fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
     let beside = "the cases of the study are the data of identify; remove";
     if let Some(table) = &settings.cases {
         return Err(study.error_at(
@@ -139,7 +140,7 @@ fn check(study: &Study, settings: &Identification) -> Result<(), StudyError> {
     Ok(())
 }
 
-fn without_uncertainty(study: &Study, name: &Name, text: &CriterionText) -> StudyError {
+fn without_uncertainty(study: &Study, name: &Name, text: &CriterionText) -> FileError {
     let stated = text.tolerance.as_ref();
     let stated = stated.map_or_else(String::new, |tolerance| format!(" {tolerance}"));
     let message = format!(
@@ -206,7 +207,7 @@ struct Unknowns<'a> {
 }
 
 impl Unknowns<'_> {
-    fn bind(&self, bound: &mut Bound) -> Result<(), StudyError> {
+    fn bind(&self, bound: &mut Bound) -> Result<(), FileError> {
         let named = self
             .study
             .parameters
@@ -250,7 +251,7 @@ impl Unknowns<'_> {
     }
 
     /// A parameter may be free too: then it is sought between other bounds than it is drawn from.
-    fn refuse_doubles(&self) -> Result<(), StudyError> {
+    fn refuse_doubles(&self) -> Result<(), FileError> {
         let free = || self.settings.free.keys();
         let is_free = |name: &Name| self.settings.free.contains_key(name.as_ref().as_str());
         for (_, study) in self.study.by_case() {

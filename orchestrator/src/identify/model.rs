@@ -3,7 +3,8 @@
 use std::cell::RefCell;
 
 use super::bind::Bound;
-use crate::pipeline::{Halt, Model, Pipeline};
+use crate::error::Error;
+use crate::pipeline::{Model, Pipeline};
 use crate::results::Outcome;
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
 use fmu_points::Answer;
@@ -31,7 +32,7 @@ impl Model for Bound {
 pub struct FmuModel<'a, 'b> {
     bound: &'a Bound,
     pipeline: RefCell<&'a mut Pipeline<'b>>,
-    halted: RefCell<Option<Halt>>,
+    halted: RefCell<Option<Error>>,
 }
 
 impl<'a, 'b> FmuModel<'a, 'b> {
@@ -50,7 +51,7 @@ impl<'a, 'b> FmuModel<'a, 'b> {
     }
 
     /// Why there are no further predictions, once they were refused.
-    pub fn halted(self) -> Option<Halt> {
+    pub fn halted(self) -> Option<Error> {
         self.halted.into_inner()
     }
 

@@ -1,9 +1,10 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
 use super::Criterion;
+use crate::files::FileError;
 use crate::study::limit::{error, limit, part};
 use crate::study::quantity::Scale;
-use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, StudyError, first_wrong};
+use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, first_wrong};
 use curves::{Kind, Metric};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
@@ -29,7 +30,7 @@ pub(super) fn criterion(
     name: &Name,
     text: &CriterionText,
     scale: &Scale<'_>,
-) -> Result<Criterion, StudyError> {
+) -> Result<Criterion, FileError> {
     let at = |message: String| study.error_of(name, message);
     let metric = text.metric.ok_or_else(|| {
         let names: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).collect();

@@ -4,9 +4,10 @@ use toml::Spanned;
 
 use super::{Criterion, Judge, tolerance};
 use crate::concern::{Code, Concern};
+use crate::files::FileError;
 use crate::study::points::{Pairs, pairs};
 use crate::study::quantity::Scale;
-use crate::study::{CriterionText, Name, Quantity, Required, Study, StudyError};
+use crate::study::{CriterionText, Name, Quantity, Required, Study};
 use conformity::decision::Rule;
 use conformity::measured::{Measurement, Uncertainty};
 use conformity::risk::Guard;
@@ -17,7 +18,7 @@ pub(super) fn check_variable(
     study: &Study,
     text: &CriterionText,
     variable: Option<&Variable>,
-) -> Result<(), StudyError> {
+) -> Result<(), FileError> {
     let name = text.variable.as_ref().as_str();
     let kind = match variable.map(|variable| variable.causality) {
         Some(Causality::Input) => "an input",
@@ -42,7 +43,7 @@ pub(super) fn uncertainty(
     text: &CriterionText,
     nominal: &Quantity,
     scale: &Scale<'_>,
-) -> Result<Option<Uncertainty>, StudyError> {
+) -> Result<Option<Uncertainty>, FileError> {
     const USUAL: f64 = 2.0;
     let Some(stated) = &text.uncertainty else {
         return match &text.coverage {
@@ -69,7 +70,7 @@ pub(super) fn uncertainty(
 
 impl Judge {
     /// Reads what is required of the model as a whole, once the criteria are known.
-    pub(super) fn add_requirements(&mut self, study: &Study) -> Result<(), StudyError> {
+    pub(super) fn add_requirements(&mut self, study: &Study) -> Result<(), FileError> {
         self.measurement = self.correlated(study)?;
         if let Some(required) = &study.verdict {
             refuse_grid(study, required)?;
@@ -82,7 +83,7 @@ impl Judge {
         Ok(())
     }
 
-    fn correlated(&self, study: &Study) -> Result<Measurement, StudyError> {
+    fn correlated(&self, study: &Study) -> Result<Measurement, FileError> {
         let pairs = pairs(
             study,
             &study.uncertainty_correlations,
@@ -115,7 +116,7 @@ impl Judge {
     }
 
     /// The number of a criterion that has an uncertainty.
-    fn uncertain(&self, study: &Study, name: &Name) -> Result<usize, StudyError> {
+    fn uncertain(&self, study: &Study, name: &Name) -> Result<usize, FileError> {
         let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
         let (criterion, name_text) = (&self.criteria[number], name.as_ref());
         let message = if criterion.metric.is_some() {
@@ -134,7 +135,7 @@ impl Judge {
         &mut self,
         study: &Study,
         required: &Spanned<Required>,
-    ) -> Result<Guard, StudyError> {
+    ) -> Result<Guard, FileError> {
         let Required {
             risk, guard_band, ..
         } = required.as_ref();
@@ -189,7 +190,7 @@ impl Judge {
         study: &Study,
         at: &Spanned<T>,
         what: &str,
-    ) -> Result<(), StudyError> {
+    ) -> Result<(), FileError> {
         let mut criteria = self.criteria.iter();
         let Some(without) = criteria.find(|criterion| criterion.uncertainty.is_none()) else {
             return Ok(());
@@ -234,7 +235,7 @@ impl Judge {
 }
 
 /// Points of a grid are no sample: no interval tells how far their share is from that of the space.
-fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), StudyError> {
+fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), FileError> {
     let method = study.design.method;
     if !method.is_by_levels() {
         return Ok(());
@@ -248,7 +249,7 @@ fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), StudyE
     Err(study.error_at(required, message))
 }
 
-fn rule(study: &Study, required: &Required) -> Result<Rule, StudyError> {
+fn rule(study: &Study, required: &Required) -> Result<Rule, FileError> {
     const USUAL: f64 = 0.95;
     let confidence = required.confidence.as_ref().map_or(Ok(USUAL), |stated| {
         let number = Quantity::from(*stated.as_ref());
@@ -266,7 +267,7 @@ fn between_0_and_1(
     study: &Study,
     quantity: &Spanned<Quantity>,
     what: &str,
-) -> Result<f64, StudyError> {
+) -> Result<f64, FileError> {
     share(quantity.as_ref()).ok_or_else(|| {
         let message = format!(
             "{what} {} must be more than 0 % and less than 100 %, such as \"5 %\" or 0.05",

@@ -6,12 +6,12 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::setup::{self, Place, Source};
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::judge::Judge;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
-use crate::results::{Header, Outcome, ResultsError, make_folder, table, write_json};
+use crate::results::{Header, Outcome, make_folder, table, write_json};
 use crate::session::{Asking, Request, Session};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
@@ -28,14 +28,14 @@ pub trait Analysis: Serialize {
     ///
     /// # Errors
     /// When either cannot be used.
-    fn open(&self, request: Request) -> Result<Self::Source, CommandError>;
+    fn open(&self, request: Request) -> Result<Self::Source, Error>;
 
     /// The seed, how many points it asks for where that is known beforehand, and what else the points depend on
     /// beside study and FMU.
     ///
     /// # Errors
     /// When the options say nothing that can be run.
-    fn points(&self, source: &Self::Source) -> Result<PointSet, CommandError>;
+    fn points(&self, source: &Self::Source) -> Result<PointSet, Error>;
 
     /// Why parts of the points cannot be computed apart, if they cannot.
     fn one_piece(&self) -> Option<&'static str> {
@@ -46,7 +46,7 @@ pub trait Analysis: Serialize {
     ///
     /// # Errors
     /// Says why.
-    fn check(&self, _: &Self::Source) -> Result<(), CommandError> {
+    fn check(&self, _: &Self::Source) -> Result<(), Error> {
         Ok(())
     }
 
@@ -59,7 +59,7 @@ pub trait Analysis: Serialize {
         source: &Self::Source,
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
-    ) -> Result<AnalysisResult, CommandError>;
+    ) -> Result<AnalysisResult, Error>;
 }
 
 /// Identity of an analysis's points, besides study and FMU: seed, number, method.
@@ -104,11 +104,9 @@ impl AnalysisResult {
         origin: impl Into<Option<Origin>>,
         text: String,
         file: &'static str,
-    ) -> Result<Self, CommandError> {
-        let result = serde_json::to_value(result).map_err(|error| ResultsError::Content {
-            path: file.into(),
-            message: error.to_string(),
-        })?;
+    ) -> Result<Self, Error> {
+        let result = serde_json::to_value(result);
+        let result = result.map_err(|error| Error::content(file.as_ref(), error))?;
         Ok(Self {
             origin: origin.into(),
             text,
@@ -122,7 +120,7 @@ impl AnalysisResult {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         make_folder(folder)?;
         let told = Told {
             origin: self.origin.as_ref(),
@@ -158,7 +156,7 @@ impl Delivery {
         result: AnalysisResult,
         work: &Work,
         folder: PathBuf,
-    ) -> Result<Self, CommandError> {
+    ) -> Result<Self, Error> {
         let request = Request {
             study: work.study.clone(),
             ..Request::default()
@@ -190,7 +188,7 @@ impl Takes {
 }
 
 /// A study whose parameters are as free as an analysis needs them.
-pub(super) fn session(request: Request, takes: Takes) -> Result<Session, CommandError> {
+pub(super) fn session(request: Request, takes: Takes) -> Result<Session, Error> {
     let session = Session::open(request)?;
     if session.plan.correlation.is_some() && !takes.correlations {
         let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
@@ -210,10 +208,10 @@ pub(super) fn session(request: Request, takes: Takes) -> Result<Session, Command
 }
 
 /// Reads what the points of an analysis are run of.
-pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, CommandError> {
+pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, Error> {
     let shard = work.parts.shard()?;
     if let (Some(_), Some(message)) = (shard, analysis.one_piece()) {
-        return Err(CommandError::option("shard", message));
+        return Err(Error::option("shard", message));
     }
     analysis.open(Request {
         study: work.study.clone(),
@@ -231,7 +229,7 @@ pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, 
 ///
 /// # Errors
 /// When the options say nothing that can be run, or the FMU cannot be read any more.
-pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, CommandError> {
+pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, Error> {
     let set = analysis.points(source)?;
     let parts = source.parts();
     Ok(Header {
@@ -252,7 +250,7 @@ pub(super) fn run<A: Analysis>(
     analysis: &A,
     work: &Work,
     folder: PathBuf,
-) -> Result<Delivery, CommandError> {
+) -> Result<Delivery, Error> {
     analysis.check(&source)?;
     let header = header(&source, analysis)?;
     let place = Place {
@@ -274,7 +272,7 @@ pub(super) fn run<A: Analysis>(
 }
 
 /// Which study and FMU the results of an analysis with runs of its own came from.
-pub(super) fn origin(session: &Session) -> Result<Origin, CommandError> {
+pub(super) fn origin(session: &Session) -> Result<Origin, Error> {
     Ok(Origin {
         study_sha256: session.study.digest(),
         fmu_sha256: Some(session.package.digest()?),

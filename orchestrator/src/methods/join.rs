@@ -6,11 +6,11 @@ use serde::de::DeserializeOwned;
 
 use super::asking::{self, Analysis, Delivery};
 use super::setup::{Kept, Place, Source};
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::pipeline::folder::{Earlier, RunFolder};
-use crate::pipeline::{Halt, Part, Pipeline};
+use crate::pipeline::{Part, Pipeline};
 use crate::results::finished::Finished;
-use crate::results::{Header, Journal, ResultsError, journal, lines};
+use crate::results::{Header, Journal, journal, lines};
 use crate::session::Request;
 
 /// The folders of shards, and where their points go.
@@ -29,7 +29,7 @@ impl Shards<'_> {
     pub(super) fn join<A: Analysis + DeserializeOwned>(
         &self,
         request: Request,
-    ) -> Result<Delivery, CommandError> {
+    ) -> Result<Delivery, Error> {
         let options = request.analysis.as_ref().map(|asking| &asking.options);
         let analysis = options.and_then(|options| A::deserialize(options).ok());
         let analysis = analysis.ok_or_else(|| self.unknown(&request))?;
@@ -62,7 +62,7 @@ impl Shards<'_> {
                 };
                 Ok(Delivery::new(result, self.output.to_owned(), kept))
             }
-            Err(CommandError::Halted(Halt::Missing { missing, of })) => {
+            Err(Error::Unknown { missing, of }) => {
                 let command = format!("{} STUDY ...", A::NAME);
                 Err(self.incomplete([missing, of], &named, &command))
             }
@@ -71,9 +71,9 @@ impl Shards<'_> {
     }
 
     /// The request asks for what this program does not know.
-    pub(super) fn unknown(&self, request: &Request) -> CommandError {
+    pub(super) fn unknown(&self, request: &Request) -> Error {
         let name = request.analysis.as_ref().map(|asking| &*asking.name);
-        CommandError::Shards(format!(
+        Error::Refused(format!(
             "{}: this program knows no analysis `{}` with these options",
             self.folders[0].display(),
             name.unwrap_or_default()
@@ -86,8 +86,8 @@ impl Shards<'_> {
         [missing, points]: [u64; 2],
         shards: &[String],
         command: &str,
-    ) -> CommandError {
-        CommandError::Shards(format!(
+    ) -> Error {
+        Error::Refused(format!(
             "{missing} of {points} points are in none of the shards {}; merge all of them, or \
              compute what is missing with `{command} --output {} --resume`",
             shards.join(", "),
@@ -108,7 +108,7 @@ impl Shards<'_> {
     ///
     /// # Errors
     /// When a journal cannot be read or written.
-    pub fn fill(&self, joined: &mut Journal) -> Result<(), ResultsError> {
+    pub fn fill(&self, joined: &mut Journal) -> Result<(), Error> {
         for folder in self.folders {
             journal::copy(folder, joined)?;
         }
@@ -119,7 +119,7 @@ impl Shards<'_> {
     ///
     /// # Errors
     /// Says which folder is of another one.
-    pub fn check(&self, of: &Header) -> Result<Vec<String>, CommandError> {
+    pub fn check(&self, of: &Header) -> Result<Vec<String>, Error> {
         let name = |folder: &PathBuf| {
             let then = lines::header(folder)?;
             // Only the part differs from one to the other.
@@ -129,7 +129,7 @@ impl Shards<'_> {
             };
             match same_part.difference(&then) {
                 None => Ok(then.shard.unwrap_or_else(|| "1/1".to_owned())),
-                Some((what, then, own)) => Err(CommandError::Shards(format!(
+                Some((what, then, own)) => Err(Error::Refused(format!(
                     "{} has another {what} ({then}) than {} ({own}); leave it out",
                     folder.display(),
                     self.folders[0].display(),

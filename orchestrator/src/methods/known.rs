@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
-
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::files;
+use crate::results::Summary;
 use crate::results::origin::Origin;
-use crate::results::{ResultsError, Summary};
 use crate::study::Study;
 use parameter_regions::table::PointTable;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 /// Where a study's results lie unless the user says otherwise.
 pub fn folder_of(study: &Path) -> PathBuf {
@@ -31,8 +30,8 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
 pub(super) fn points_of(
     folder: &Path,
     study: &Study,
-    read: fn(&Path) -> Result<(Summary, PointTable), ResultsError>,
-) -> Result<(Summary, PointTable), CommandError> {
+    read: fn(&Path) -> Result<(Summary, PointTable), Error>,
+) -> Result<(Summary, PointTable), Error> {
     let (summary, table) = read(folder)?;
     if study.digest() != summary.provenance.study_sha256 {
         let message = format!(
@@ -40,19 +39,18 @@ pub(super) fn points_of(
             folder.display(),
             study.path().display()
         );
-        return Err(CommandError::option("from", message));
+        return Err(Error::option("from", message));
     }
     Ok((summary, table))
 }
 
 /// A digest that identifies the points of a finished study.
-pub(super) fn digest_of(folder: &Path) -> Result<String, CommandError> {
+pub(super) fn digest_of(folder: &Path) -> Result<String, Error> {
     let path = folder.join("points.csv");
-    let digest = files::digest(&path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
-        _ => ResultsError::io(&path)(error),
-    });
-    Ok(digest?)
+    files::digest(&path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),
+        _ => Error::io(&path)(error),
+    })
 }
 
 /// The origin of the result in a file.

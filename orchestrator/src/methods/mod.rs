@@ -10,9 +10,8 @@ pub(crate) mod setup;
 use clap::Subcommand;
 
 use crate::document::Document;
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::options::Work;
-use crate::pipeline::Halt;
 use crate::session::Request;
 use asking::{Analysis, Delivery};
 use fmu_points::{Isolation, RunError};
@@ -34,7 +33,7 @@ macro_rules! methods {
             ///
             /// # Errors
             /// With one clear line, for a mistake in what was asked for.
-            pub(crate) fn run(self) -> Result<Delivery, CommandError> {
+            pub(crate) fn run(self) -> Result<Delivery, Error> {
                 match self {
                     $(Self::$name(options) => proven(options, $module::run, |o| &mut o.work),)*
                 }
@@ -48,7 +47,7 @@ macro_rules! methods {
         ///
         /// # Errors
         /// When they do not belong together, and when points are missing.
-        pub(crate) fn join(shards: &Shards<'_>, request: Request) -> Result<Delivery, CommandError> {
+        pub(crate) fn join(shards: &Shards<'_>, request: Request) -> Result<Delivery, Error> {
             let asking = request.analysis.clone();
             match asking.as_ref().map(|asking| asking.name.as_str()) {
                 $(Some(<$module::Asked as Analysis>::NAME) => shards.join::<$module::Asked>(request),)*
@@ -83,11 +82,11 @@ methods! {
 /// Those of the analysis.
 pub(crate) fn proven<T>(
     mut options: T,
-    run: fn(&T) -> Result<Delivery, CommandError>,
+    run: fn(&T) -> Result<Delivery, Error>,
     work: fn(&mut T) -> &mut Work,
-) -> Result<Delivery, CommandError> {
+) -> Result<Delivery, Error> {
     match run(&options) {
-        Err(CommandError::Halted(Halt::Engine(RunError::Refuted))) => {
+        Err(Error::Engine(RunError::Refuted)) => {
             fmu_points::tell::line!(
                 "note: the FMU gives other results in a process that has computed points before: all points are \
                  computed again, each alone"

@@ -1,8 +1,6 @@
 //! The set-up of a run, whatever it is for: its folder, its processes, and the pipeline from one to the other.
 
-use std::path::{Path, PathBuf};
-
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::options::{Means, Parts};
 use crate::pipeline::folder::{Earlier, RunFolder};
 use crate::pipeline::{Model, Part, Pipeline};
@@ -14,6 +12,7 @@ use fmu_import::Package;
 use fmu_points::crew::Crew;
 use fmu_points::scratch::Scratch;
 use fmu_points::task::Case;
+use std::path::{Path, PathBuf};
 
 /// A study that is tied to its FMU, whose points are run.
 pub trait Source {
@@ -92,8 +91,8 @@ impl Place<'_> {
         &self,
         source: SourceParts<'_>,
         header: &Header,
-        prepare: impl FnOnce() -> Result<(), CommandError>,
-    ) -> Result<RunFolder, CommandError> {
+        prepare: impl FnOnce() -> Result<(), Error>,
+    ) -> Result<RunFolder, Error> {
         let SourceParts { request, study, .. } = source;
         request.check(self.output, self.analysis, Some(study), self.earlier)?;
         if self.analysis.is_none() {
@@ -140,13 +139,16 @@ pub fn run<S: Source, T>(
     header: &Header,
     folder: RunFolder,
     work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, CommandError>,
-) -> Result<(T, Kept), CommandError> {
+    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
+) -> Result<(T, Kept), Error> {
     let place = folder.journal.folder().to_owned();
     let told = run_in(source, header, folder, work, ask);
     match lines::path_in(&place).exists() {
         true => told,
-        false => Err(ResultsError::Gone(place).into()),
+        false => Err(Error::Refused(format!(
+            "{}: this folder, or the journal in it, was removed or moved while points ran; run the command again",
+            place.display()
+        ))),
     }
 }
 
@@ -155,8 +157,8 @@ fn run_in<S: Source, T>(
     header: &Header,
     folder: RunFolder,
     work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, CommandError>,
-) -> Result<(T, Kept), CommandError> {
+    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
+) -> Result<(T, Kept), Error> {
     let RunFolder {
         journal,
         finished,
@@ -202,7 +204,7 @@ pub fn folder(
     study: &Path,
     parts: &Parts,
     analysis: Option<&str>,
-) -> Result<PathBuf, CommandError> {
+) -> Result<PathBuf, Error> {
     let shard = parts.shard()?;
     let usual = || {
         let folder = super::known::folder_of(study);

@@ -8,7 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use super::{Halt, Pipeline};
+use super::Pipeline;
+use crate::error::Error;
 use crate::results::Outcome;
 use crate::results::note::Note;
 use fmu_points::stop;
@@ -45,7 +46,7 @@ impl Doubt {
 impl Pipeline<'_> {
     /// Forgets points of the journal because they shared processes: all where the user wishes none to do so, and all where
     /// one of them proves wrong. The points of a set are known; outcomes of earlier sets have been used already.
-    pub(super) fn doubt_set(&mut self, set: Range<u64>, job: Known<'_>) -> Result<(), Halt> {
+    pub(super) fn doubt_set(&mut self, set: Range<u64>, job: Known<'_>) -> Result<(), Error> {
         let Some(mut doubt) = self.doubt.take() else {
             return Ok(());
         };
@@ -86,7 +87,7 @@ impl Pipeline<'_> {
         doubt: &mut Doubt,
         points: &[u64],
         job: Known<'_>,
-    ) -> Result<bool, Halt> {
+    ) -> Result<bool, Error> {
         match self.crew.map(|crew| crew.wish()) {
             _ if points.is_empty() => Ok(true),
             Some(Isolation::Fresh) => Ok(false),
@@ -95,7 +96,7 @@ impl Pipeline<'_> {
         }
     }
 
-    fn drop_used(&mut self) -> Result<(), Halt> {
+    fn drop_used(&mut self) -> Result<(), Error> {
         self.journal.note(&Note::Void(Separation::Used))?;
         self.journal.flush()?;
         if let Some(finished) = &mut self.finished {
@@ -106,7 +107,7 @@ impl Pipeline<'_> {
     }
 
     /// Whether points give the same alone, as far as some of them tell.
-    fn agree(&mut self, doubt: &mut Doubt, points: &[u64], job: Known<'_>) -> Result<bool, Halt> {
+    fn agree(&mut self, doubt: &mut Doubt, points: &[u64], job: Known<'_>) -> Result<bool, Error> {
         let (Some(crew), Some(finished)) = (self.crew, self.finished.clone()) else {
             return Ok(true);
         };

@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use crate::error::Error;
 use crate::results::finished::Finished;
 use crate::results::lock::Lock;
-use crate::results::{DRAFT, Header, Journal, ResultsError, lines};
+use crate::results::{DRAFT, Header, Journal, lines};
 use fmu_points::scratch::{self, Scratch};
 
 /// A folder that is taken for a run.
@@ -44,7 +45,7 @@ impl RunFolder {
         header: &Header,
         earlier: Earlier,
         complete: bool,
-    ) -> Result<Self, ResultsError> {
+    ) -> Result<Self, Error> {
         // What killed runs left: nobody else is at work here.
         scratch::remove_starting_with(folder, &[RUNNING, DRAFT]);
         let (journal, finished) = journal(folder, header, earlier, complete)?;
@@ -65,7 +66,7 @@ fn journal(
     header: &Header,
     earlier: Earlier,
     complete: bool,
-) -> Result<(Journal, Option<Finished>), ResultsError> {
+) -> Result<(Journal, Option<Finished>), Error> {
     let path = lines::path_in(folder);
     if path.exists() {
         if earlier == Earlier::Resumed {
@@ -81,7 +82,7 @@ fn journal(
             // Else the new run would count as complete, and be replaced itself where it was interrupted.
             for file in [path, summary] {
                 if file.exists() {
-                    fs::remove_file(&file).map_err(ResultsError::io(&file))?;
+                    fs::remove_file(&file).map_err(Error::io(&file))?;
                 }
             }
         }

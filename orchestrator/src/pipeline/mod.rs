@@ -16,11 +16,10 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use thiserror::Error;
-
+use crate::error::Error;
 use crate::results::finished::Finished;
 use crate::results::note::Note;
-use crate::results::{Journal, Outcome, ResultsError};
+use crate::results::{Journal, Outcome};
 use doubt::Doubt;
 use fmu_points::crew::Crew;
 use fmu_points::notices::Notices;
@@ -45,45 +44,8 @@ pub trait Model {
     fn is_verified(&self, outcome: &Outcome) -> bool;
 }
 
-/// Why a run has no outcome for every point that was asked for.
-#[derive(Debug, Error)]
-pub enum Halt {
-    /// Ctrl-C.
-    #[error("interrupted: {} done; --resume goes on", share(*.done, *.of))]
-    Interrupted {
-        /// Points that are done.
-        done: u64,
-        /// How many there are, where that is known.
-        of: Option<u64>,
-    },
-    /// The points of this run's shard are done; those of the others are not its task.
-    #[error("{0} points of this shard are done")]
-    Shard(u64),
-    /// Only the journal is read, and it does not hold all points.
-    #[error("{missing} of {of} points are missing")]
-    Missing {
-        /// How many are missing.
-        missing: u64,
-        /// Number of trials.
-        of: u64,
-    },
-    /// The journal cannot be read or written.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    /// The points cannot be run.
-    #[error(transparent)]
-    Engine(#[from] RunError),
-}
-
 /// So many audits are noted at once, further ones with the next sync.
 const MANY: u64 = 200;
-
-fn share(done: u64, of: Option<u64>) -> String {
-    match of {
-        Some(of) => format!("{done} of {of} points are"),
-        None => format!("{done} points are"),
-    }
-}
 
 /// An event of a run for the analysis that asked for its points.
 #[derive(Debug)]
@@ -221,8 +183,8 @@ impl<'a> Pipeline<'a> {
     }
 
     /// The reason to give when Ctrl-C has ended the run.
-    pub fn interrupted(&self) -> Halt {
-        Halt::Interrupted {
+    pub fn interrupted(&self) -> Error {
+        Error::Interrupted {
             done: self.done(),
             of: self.expected,
         }
@@ -233,7 +195,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When no worker can be started, and when the journal cannot be written.
-    pub fn doubt(&mut self, job: &(dyn Fn(u64) -> Job + Sync)) -> Result<(), Halt> {
+    pub fn doubt(&mut self, job: &(dyn Fn(u64) -> Job + Sync)) -> Result<(), Error> {
         let every = 0..u64::MAX;
         self.doubt_set(every, job)
     }
@@ -242,7 +204,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When the journal cannot be written or read.
-    pub fn read_again(&mut self) -> Result<(), Halt> {
+    pub fn read_again(&mut self) -> Result<(), Error> {
         self.journal.flush()?;
         let finished = Finished::read(self.journal.folder())?;
         let known = count_known(&finished, &self.part, None);
@@ -261,7 +223,7 @@ impl<'a> Pipeline<'a> {
         open: impl Iterator<Item = u64> + Send,
         job: &(dyn Fn(u64) -> Job + Sync),
         receive: impl FnMut(Step) -> ControlFlow<()>,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Error> {
         let finished = self.finished.clone();
         self.note_crowded(0..u64::MAX)?;
         let earlier = |separation| {
@@ -272,7 +234,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes the points of a set that failed in an earlier part of the run, while others ran; whether there are any.
-    fn note_crowded(&mut self, set: Range<u64>) -> Result<bool, Halt> {
+    fn note_crowded(&mut self, set: Range<u64>) -> Result<bool, Error> {
         if let Some(finished) = &self.finished {
             let mut outcomes = finished.outcomes()?;
             for index in finished.crowded().filter(|index| set.contains(index)) {
@@ -297,7 +259,7 @@ impl<'a> Pipeline<'a> {
         job: &(dyn Fn(u64) -> Job + Sync),
         earlier: &dyn Fn(Separation) -> Vec<u64>,
         mut receive: impl FnMut(Step) -> ControlFlow<()>,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Error> {
         // Points that share processes without audits are known from the beginning, even if the run is killed.
         let conduct = self.crew.map(|crew| crew.conduct().isolation);
         if let Some(Isolation::InProcess | Isolation::Reuse) = conduct {
@@ -315,7 +277,7 @@ impl<'a> Pipeline<'a> {
             open_ended,
             flag,
             |event| {
-                Ok::<_, Halt>(match self.take(event)? {
+                Ok::<_, Error>(match self.take(event)? {
                     Some(step) => receive(step),
                     None => ControlFlow::Continue(()),
                 })
@@ -336,7 +298,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes an event in the journal.
-    fn take(&mut self, event: Event) -> Result<Option<Step>, Halt> {
+    fn take(&mut self, event: Event) -> Result<Option<Step>, Error> {
         Ok(match event {
             Event::Answer(index, mut answer, separation) => {
                 let result = answer.as_mut().ok();
@@ -405,7 +367,7 @@ impl<'a> Pipeline<'a> {
 
     /// Hands everything to the operating system, so that it survives the end of this process; now and then to the
     /// disk.
-    fn settle(&mut self) -> Result<(), ResultsError> {
+    fn settle(&mut self) -> Result<(), Error> {
         const OFTEN: Duration = Duration::from_secs(5);
         if self.synced.elapsed() < OFTEN {
             self.note_audits()?;
@@ -417,7 +379,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes the first audits at once: a run that is killed must not forget them.
-    fn note_audits(&mut self) -> Result<(), ResultsError> {
+    fn note_audits(&mut self) -> Result<(), Error> {
         let audits = |conduct: &Conduct| (conduct.audits, conduct.audit_mismatches);
         let now = self.crew.map_or((0, 0), |crew| audits(&crew.conduct()));
         let noted = self.noted.as_ref().map_or((0, 0), audits);
@@ -428,7 +390,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes how the points since the last such note were computed.
-    fn note_conduct(&mut self) -> Result<(), ResultsError> {
+    fn note_conduct(&mut self) -> Result<(), Error> {
         let Some(crew) = self.crew else {
             return Ok(());
         };
@@ -442,8 +404,8 @@ impl<'a> Pipeline<'a> {
     /// else is computed.
     ///
     /// # Errors
-    /// When not all points have an outcome: see [`Halt`].
-    pub fn ask(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, Halt> {
+    /// When not all points have an outcome: see [`Error`].
+    pub fn ask(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, Error> {
         if points.is_empty() {
             return Ok(Vec::new());
         }
@@ -463,7 +425,7 @@ impl<'a> Pipeline<'a> {
         let crowded = !self.workers.is_empty() && self.note_crowded(first..self.asked)?;
         if crowded || !open.is_empty() {
             if self.workers.is_empty() {
-                return Err(Halt::Missing {
+                return Err(Error::Unknown {
                     missing: open.len() as u64,
                     of: points.len() as u64,
                 });
@@ -474,7 +436,7 @@ impl<'a> Pipeline<'a> {
             }
         }
         let complete: Option<Vec<Outcome>> = outcomes.into_iter().collect();
-        complete.ok_or_else(|| Halt::Shard(self.done()))
+        complete.ok_or_else(|| Error::Shard(self.done()))
     }
 
     /// Computes the open points of a set.
@@ -484,7 +446,7 @@ impl<'a> Pipeline<'a> {
         points: &[Vec<f64>],
         open: &[usize],
         outcomes: &mut [Option<Outcome>],
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Error> {
         let model = self.model;
         let values: Vec<Vec<f64>> = points.iter().map(|point| model.values(point)).collect();
         let job = |index: u64| Job {
@@ -551,18 +513,18 @@ impl<'a> Pipeline<'a> {
     }
 
     /// The outcomes that the journal knows of the set that begins with this index.
-    fn known(&self, first: u64, count: usize) -> Result<Vec<Option<Outcome>>, Halt> {
+    fn known(&self, first: u64, count: usize) -> Result<Vec<Option<Outcome>>, Error> {
         let Some(finished) = &self.finished else {
             return Ok(vec![None; count]);
         };
         let mut outcomes = finished.outcomes()?;
-        let known = (0..count as u64).map(|k| Ok(outcomes.get(first + k)?));
+        let known = (0..count as u64).map(|k| outcomes.get(first + k));
         known.collect()
     }
 
     /// Notes which points a set has. Where the journal has answers for other points, these count no more: a search
     /// that ended in time may go another way when there is more of it.
-    fn begin_set(&mut self, first: u64, points: &[Vec<f64>]) -> Result<(), Halt> {
+    fn begin_set(&mut self, first: u64, points: &[Vec<f64>]) -> Result<(), Error> {
         let sum = checksum(points);
         if let Some(finished) = &mut self.finished {
             if finished.sets.get(&first) == Some(&sum) {
@@ -571,14 +533,14 @@ impl<'a> Pipeline<'a> {
             }
             Arc::make_mut(finished).begin_set(first, &sum);
         }
-        Ok(self.journal.append_set(first, &sum)?)
+        self.journal.append_set(first, &sum)
     }
 
     /// Ends the run: everything is on the disk, and the journal says that the analysis needs no further points.
     ///
     /// # Errors
     /// When the system says no.
-    pub fn end(mut self) -> Result<(), ResultsError> {
+    pub fn end(mut self) -> Result<(), Error> {
         self.journal.append_end();
         self.pause()
     }
@@ -587,7 +549,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn pause(mut self) -> Result<(), ResultsError> {
+    pub fn pause(mut self) -> Result<(), Error> {
         self.progress.finish();
         self.note_conduct()?;
         self.journal.sync()

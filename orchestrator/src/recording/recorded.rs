@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use chrono::{DateTime, NaiveDateTime};
-
-use super::mistake::SettingsError;
+use crate::files::FileError;
 use crate::table::csv_file::CsvFile;
+use chrono::{DateTime, NaiveDateTime};
 use fmu_points::names::{did_you_mean, nearest};
 
 /// A recording's columns by name.
@@ -67,13 +66,9 @@ fn unit(cell: &str) -> String {
 
 impl RecordedTable {
     /// Reads a recording; `time` is the column that may hold time stamps.
-    pub(super) fn read(path: &Path, time: &str) -> Result<Self, SettingsError> {
-        let failed = |source| SettingsError::Csv {
-            path: path.to_owned(),
-            source,
-        };
-        let mut file = CsvFile::open(path, None).map_err(failed)?;
-        let header = file.header().map_err(failed)?;
+    pub(super) fn read(path: &Path, time: &str) -> Result<Self, FileError> {
+        let mut file = CsvFile::open(path, None)?;
+        let header = file.header()?;
         let column = |name: &str| Column {
             name: name.trim_start_matches('\u{feff}').to_owned(),
             unit: None,
@@ -84,7 +79,7 @@ impl RecordedTable {
         let mut first: Option<Stamp> = None;
         let mut record = csv::StringRecord::new();
         let mut row = 0;
-        while file.row(&mut record).map_err(failed)? {
+        while file.row(&mut record)? {
             row += 1;
             let no_value = |cell: &str| file.number(cell).is_none() && stamp(cell).is_none();
             if row == 1 && record.iter().all(no_value) && record.iter().any(|c| !c.is_empty()) {
@@ -99,10 +94,8 @@ impl RecordedTable {
                 if value.is_none() && column.name == time && !cell.is_empty() {
                     let line = record.position().map_or(0, csv::Position::line);
                     value = Some(seconds(cell, &mut first).map_err(|message| {
-                        SettingsError::Content {
-                            path: path.to_owned(),
-                            message: format!("line {line}, column `{}`: {message}", column.name),
-                        }
+                        let name = &column.name;
+                        FileError::new(path, format!("line {line}, column `{name}`: {message}"))
                     })?);
                     column.stamps = true;
                 }
@@ -117,7 +110,7 @@ impl RecordedTable {
     }
 
     /// A column by its name.
-    pub(super) fn column(&self, name: &str) -> Result<&Column, SettingsError> {
+    pub(super) fn column(&self, name: &str) -> Result<&Column, FileError> {
         let found = self.columns.iter().find(|column| column.name == name);
         found.ok_or_else(|| {
             let names = self.columns.iter().map(|column| column.name.as_str());
@@ -126,15 +119,12 @@ impl RecordedTable {
         })
     }
 
-    fn wrong(&self, message: String) -> SettingsError {
-        SettingsError::Content {
-            path: self.path.clone(),
-            message,
-        }
+    fn wrong(&self, message: String) -> FileError {
+        FileError::new(&self.path, message)
     }
 
     /// The unit of a column: that of the settings, which the row of units must not contradict, or that row's.
-    pub(super) fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, SettingsError> {
+    pub(super) fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, FileError> {
         let known = self.column(name)?.unit.as_deref();
         match (wanted, known) {
             (Some(wanted), Some(known)) if unit(wanted).replace('.', "") != known.replace('.', "") => {
@@ -197,7 +187,7 @@ mod tests {
         }
     }
 
-    fn table(text: &str) -> (tempfile::TempDir, Result<RecordedTable, SettingsError>) {
+    fn table(text: &str) -> (tempfile::TempDir, Result<RecordedTable, FileError>) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.csv");
         std::fs::write(&path, text).unwrap();

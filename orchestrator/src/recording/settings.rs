@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer};
 
+use super::recorded::RecordedTable;
+use crate::files::FileError;
 use crate::study::{Quantity, exactly_two};
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
 use rig_signals::{Accuracy, Channel, Derived, RigRecording};
-
-use super::mistake::SettingsError;
-use super::recorded::RecordedTable;
 
 /// The settings of a recording.
 #[derive(Debug, Deserialize)]
@@ -114,19 +113,13 @@ impl Settings {
     ///
     /// # Errors
     /// With file and line, when it cannot be read or says something else.
-    pub fn read(path: &Path) -> Result<Self, SettingsError> {
-        let text = crate::files::text(path).map_err(|source| SettingsError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let text = crate::files::text(path)?;
         let settings = toml::from_str(&text).map_err(|error| {
             let line = error
                 .span()
                 .map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-            SettingsError::Toml {
-                path: path.to_owned(),
-                message: format!("line {line}: {}", error.message()),
-            }
+            FileError::new(path, format!("line {line}: {}", error.message()))
         })?;
         Ok(Self {
             path: path.to_owned(),
@@ -134,18 +127,15 @@ impl Settings {
         })
     }
 
-    fn wrong(&self, message: impl Into<String>) -> SettingsError {
-        SettingsError::Content {
-            path: self.path.clone(),
-            message: message.into(),
-        }
+    fn wrong(&self, message: impl Into<String>) -> FileError {
+        FileError::new(&self.path, message)
     }
 
     /// The signals that drive the model in a case: the speed, where its variable is named, and the further inputs.
-    pub fn drives(&self, measured: &Path) -> Result<Vec<Drive>, SettingsError> {
+    pub fn drives(&self, measured: &Path) -> Result<Vec<Drive>, FileError> {
         let table = RecordedTable::read(measured, &self.time.column)?;
         let recorded = |variable: &String, column: &str, unit: Option<&str>| {
-            Ok::<_, SettingsError>(Drive {
+            Ok::<_, FileError>(Drive {
                 variable: variable.clone(),
                 unit: table.unit(column, unit)?,
                 values: Driven::Recorded(table.column(column)?.values.clone()),
@@ -182,7 +172,7 @@ impl Settings {
     }
 
     /// By how much the torque lags behind the load in the rig itself, s.
-    pub fn lag(&self) -> Result<f64, SettingsError> {
+    pub fn lag(&self) -> Result<f64, FileError> {
         let Some(lag) = &self.lag else { return Ok(0.0) };
         let factor = scale(lag.unit.as_deref().unwrap_or("s"), TIME);
         let lag = factor.map(|factor| factor * lag.number);
@@ -204,7 +194,7 @@ impl Settings {
     }
 
     /// Refuses what no case can be called, and tolerances that are no errors of a curve.
-    pub fn check_case(&self, name: &str) -> Result<(), SettingsError> {
+    pub fn check_case(&self, name: &str) -> Result<(), FileError> {
         if name.is_empty() || name.contains('/') {
             return Err(self.wrong(format!(
                 "--case {name}: the name of a case must not be empty and has no `/`"
@@ -223,7 +213,7 @@ impl Settings {
     }
 
     /// Reads the recording's columns in SI units.
-    pub fn recording(&self, measured: &Path) -> Result<RigRecording, SettingsError> {
+    pub fn recording(&self, measured: &Path) -> Result<RigRecording, FileError> {
         let table = RecordedTable::read(measured, &self.time.column)?;
         let wrong = |message: String| self.wrong(message);
         let time = self.times(&table)?;
@@ -236,7 +226,7 @@ impl Settings {
                 1.0
             };
             let values = table.column(&signal.column)?.values.iter();
-            Ok::<_, SettingsError>(Channel {
+            Ok::<_, FileError>(Channel {
                 name: signal.name.clone().unwrap_or_else(|| name.to_owned()),
                 variable: signal.variable.clone(),
                 values: values.map(|v| v * factor).collect(),
@@ -300,7 +290,7 @@ impl Settings {
     }
 
     /// The times of the rows, s; time stamps count from the first one.
-    fn times(&self, table: &RecordedTable) -> Result<Vec<f64>, SettingsError> {
+    fn times(&self, table: &RecordedTable) -> Result<Vec<f64>, FileError> {
         let name = &self.time.column;
         let column = table.column(name)?;
         if column.stamps {

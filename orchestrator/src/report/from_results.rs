@@ -8,15 +8,15 @@ use super::whatif::WhatIf;
 use super::{Report, again, history};
 use crate::document::Document;
 use crate::document::format::count;
-use crate::error::ReportError;
+use crate::error::Error;
 use crate::methods;
 use crate::methods::known::Finished;
+use crate::results::Summary;
 use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::settled::Settled;
 use crate::results::table;
 use crate::results::words::capitalised;
-use crate::results::{ResultsError, Summary};
 use crate::study::Study;
 use parameter_regions::table::PointTable;
 use std::path::Path;
@@ -26,7 +26,7 @@ impl Report {
     ///
     /// # Errors
     /// When there is no finished study in the folder, or one of the files is damaged.
-    pub fn from_folder(folder: &Path) -> Result<Self, ReportError> {
+    pub fn from_folder(folder: &Path) -> Result<Self, Error> {
         let (summary, table) = table::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
@@ -118,11 +118,8 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         .collect()
 }
 
-fn judgement(folder: &Path, summary: &Summary) -> Result<Judgement, ResultsError> {
-    let damaged = |message| ResultsError::Content {
-        path: folder.join("summary.json"),
-        message,
-    };
+fn judgement(folder: &Path, summary: &Summary) -> Result<Judgement, Error> {
+    let damaged = |message: String| Error::content(&folder.join("summary.json"), message);
     Judgement::new(summary).map_err(damaged)
 }
 

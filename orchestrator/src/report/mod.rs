@@ -23,8 +23,8 @@ mod shown;
 pub(crate) mod whatif;
 
 use crate::document::{Block, Document, svg};
-use crate::error::ReportError;
-use crate::results::{ResultsError, write_atomically};
+use crate::error::Error;
+use crate::results::write_atomically;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
@@ -93,23 +93,23 @@ impl Report {
     }
 
     /// The page.
-    pub fn html(&self) -> Result<String, ReportError> {
+    pub fn html(&self) -> Result<String, Error> {
         page::render(self)
     }
 
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
-    pub fn write(&self, folder: &Path) -> Result<PathBuf, ReportError> {
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, Error> {
         let plots = folder.join("plots");
         // As files are: a link is replaced, never written through.
         if plots.is_symlink() {
-            std::fs::remove_file(&plots).map_err(ResultsError::io(&plots))?;
+            std::fs::remove_file(&plots).map_err(Error::io(&plots))?;
         }
-        std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
+        std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
         // A picture that cannot be written costs itself: the page has it all the same.
         let written = page::plots(self).into_iter().map(|(name, plot)| {
             write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot))
         });
-        let failed: Vec<ReportError> = written.filter_map(Result::err).collect();
+        let failed: Vec<Error> = written.filter_map(Result::err).collect();
         if let Some(first) = failed.first() {
             fmu_points::tell::line!(
                 "note: {} plots have no file; the first: {first}",
@@ -128,13 +128,13 @@ impl Report {
     /// # Errors
     /// When the machine has no font, or a file cannot be written.
     #[cfg(feature = "png")]
-    pub fn write_png(&self, folder: &Path) -> Result<usize, ReportError> {
-        let painter = png::Painter::new().map_err(ReportError::Png)?;
+    pub fn write_png(&self, folder: &Path) -> Result<usize, Error> {
+        let painter = png::Painter::new().map_err(no_png)?;
         let plots = page::plots(self);
         plots.par_iter().try_for_each(|(name, plot)| {
-            let file = painter.png(&svg::plain(plot)).map_err(ReportError::Png)?;
+            let file = painter.png(&svg::plain(plot)).map_err(no_png)?;
             let path = folder.join("plots").join(format!("{name}.png"));
-            write_atomically(&path, |out| out.write_all(&file)).map_err(ReportError::from)
+            write_atomically(&path, |out| out.write_all(&file))
         })?;
         Ok(plots.len())
     }
@@ -144,16 +144,19 @@ impl Report {
     /// # Errors
     /// Always.
     #[cfg(not(feature = "png"))]
-    pub fn write_png(&self, _: &Path) -> Result<usize, ReportError> {
+    pub fn write_png(&self, _: &Path) -> Result<usize, Error> {
         let message = "this program was built without it: use that of a wheel, or build it with `--features png`";
-        Err(ReportError::Png(message.to_owned()))
+        Err(no_png(message.to_owned()))
     }
 }
 
-fn write_file(path: &Path, text: &str) -> Result<(), ReportError> {
-    Ok(write_atomically(path, |out| {
-        out.write_all(visible(text).as_bytes())
-    })?)
+/// A plot could not be turned into pixels.
+fn no_png(message: String) -> Error {
+    Error::Refused(format!("cannot make PNG files: {message}"))
+}
+
+fn write_file(path: &Path, text: &str) -> Result<(), Error> {
+    write_atomically(path, |out| out.write_all(visible(text).as_bytes()))
 }
 
 /// The text that the page unpacks.

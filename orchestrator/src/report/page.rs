@@ -9,7 +9,7 @@ use super::planes::planes;
 use super::shown::Shown;
 use crate::document::format::{count, number, with_unit};
 use crate::document::{self, Document, marked};
-use crate::error::ReportError;
+use crate::error::Error;
 use crate::results::words::capitalised;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::decision::Decision;
@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 const MOST_PLAIN: usize = 300_000;
 
 /// Renders the page.
-pub fn render(report: &Report) -> Result<String, ReportError> {
+pub fn render(report: &Report) -> Result<String, Error> {
     let whole = &report.table;
     let judgement = &report.judgement;
     let table = &*judgement.as_accepted(whole);

@@ -5,8 +5,7 @@ use super::bins::axis_range;
 use super::write_file;
 use crate::document::format::number;
 use crate::document::svg::{Frame, area, envelope, path};
-use crate::error::ReportError;
-use crate::results::ResultsError;
+use crate::error::Error;
 use minijinja::{Environment, context, value::Serde};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
@@ -53,7 +52,7 @@ pub fn write(
     title: &str,
     amplitudes: bool,
     folder: &Path,
-) -> Result<PathBuf, ReportError> {
+) -> Result<PathBuf, Error> {
     let delay = &result.delay;
     let milliseconds = |s: f64| number(1e3 * s, 4);
     let per_cent = |part: f64| number(100.0 * part, 3);
@@ -65,7 +64,7 @@ pub fn write(
     let steady: Vec<Figure> = steady.filter_map(|f| wander(f, result)).collect();
     let figures = figures(result);
     let plots = folder.join("plots");
-    std::fs::create_dir_all(&plots).map_err(ResultsError::io(&plots))?;
+    std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
     for figure in figures.iter().chain(&steady) {
         let path = plots.join(format!("{}.svg", figure.file));
         write_file(&path, &crate::document::svg::standalone(&figure.svg))?;

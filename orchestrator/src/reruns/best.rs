@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::finer::for_a_plot;
 use super::{Halt, Reruns};
+use crate::error::Error;
 use crate::report::history;
-use crate::results::{ResultsError, Summary, write_atomically};
+use crate::results::{Summary, write_atomically};
 use crate::table::csv_file;
 use fmu_points::task::Task;
 
@@ -147,6 +148,6 @@ fn write_case(
     match (written, halt) {
         (Ok(()), _) => Ok((every > 1).then_some(every)),
         (Err(_), Some(halt)) => Err(halt),
-        (Err(error), None) => Err(Halt::Failed(ResultsError::to_string(&error))),
+        (Err(error), None) => Err(Halt::Failed(Error::to_string(&error))),
     }
 }

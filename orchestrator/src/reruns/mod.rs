@@ -15,8 +15,9 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::results::{ResultsError, Summary, write_json};
-use crate::session::{SessionError, Verification};
+use crate::error::Error;
+use crate::results::{Summary, write_json};
+use crate::session::Verification;
 use crate::study::plan::Plan;
 use budget::Budget;
 use fmu_import::{Content, Handle, Package, Value};
@@ -50,7 +51,7 @@ pub fn run(
     folder: &Path,
     summary: &mut Summary,
     wish: &Wish,
-) -> Result<(), SessionError> {
+) -> Result<(), Error> {
     let reruns = Reruns::new(verification, summary, wish)?;
     if wish.validation {
         numerical::observe(&reruns, summary);
@@ -59,7 +60,7 @@ pub fn run(
     left_out.extend(settled::observe(&reruns, folder, summary));
     left_out.extend(band::write(&reruns, folder, summary));
     summary.left_out = (!left_out.is_empty()).then(|| left_out.join("; "));
-    Ok(write_json(&folder.join("summary.json"), summary)?)
+    write_json(&folder.join("summary.json"), summary)
 }
 
 /// Takes the time, s, and the signals' values then.
@@ -118,8 +119,8 @@ impl<'a> Reruns<'a> {
         verification: &'a mut Verification,
         summary: &Summary,
         wish: &Wish,
-    ) -> Result<Self, SessionError> {
-        let scratch = stop::scratch().map_err(ResultsError::from)?;
+    ) -> Result<Self, Error> {
+        let scratch = stop::scratch().map_err(Error::from)?;
         let fmu = verification.session.package.unpack(scratch.path())?;
         let conduct = summary.conduct.as_ref();
         let verification: &Verification = verification;

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::Outcome;
 use super::header::Header;
 use super::lines::{Line, Lines, open, path_in};
 use super::note::{Note, SAME_SET, SET, separation};
-use super::{Outcome, ResultsError};
+use crate::error::Error;
 use fmu_points::failure::Failure;
 use fmu_points::notices::Notices;
 use fmu_points::{Conduct, Isolation, Separation};
@@ -53,13 +54,13 @@ const SEPARATION: u32 = 62;
 const PLACE: u64 = (1 << SEPARATION) - 1;
 
 /// One position per point, 8 bytes each.
-fn places(folder: &Path, points: u64) -> Result<Vec<u64>, ResultsError> {
+fn places(folder: &Path, points: u64) -> Result<Vec<u64>, Error> {
     let mut places = Vec::new();
     let count = usize::try_from(points).unwrap_or(usize::MAX);
     let room = places.try_reserve_exact(count);
     room.map_err(|_| {
         let message = format!("{points} points do not fit into the memory; use --shard");
-        ResultsError::content(&path_in(folder), message)
+        Error::content(&path_in(folder), message)
     })?;
     places.resize(count, NOWHERE);
     Ok(places)
@@ -70,7 +71,7 @@ impl Finished {
     ///
     /// # Errors
     /// When there is none, when its header is lost, and when the system says no.
-    pub fn read(folder: &Path) -> Result<Self, ResultsError> {
+    pub fn read(folder: &Path) -> Result<Self, Error> {
         let (mut lines, header) = open(folder)?;
         let mut finished = Self {
             places: places(folder, header.points.unwrap_or(0))?,
@@ -91,7 +92,7 @@ impl Finished {
         loop {
             let place = lines.place();
             let line = lines.next_line();
-            match line.map_err(ResultsError::io(&finished.path))? {
+            match line.map_err(Error::io(&finished.path))? {
                 Line::Sound(line) => finished.take(line, place),
                 Line::Damaged => finished.damaged += 1,
                 Line::End => break,
@@ -285,8 +286,8 @@ impl Finished {
     ///
     /// # Errors
     /// When the journal cannot be opened.
-    pub fn outcomes(&self) -> Result<Outcomes<'_>, ResultsError> {
-        let file = File::open(&self.path).map_err(ResultsError::io(&self.path))?;
+    pub fn outcomes(&self) -> Result<Outcomes<'_>, Error> {
+        let file = File::open(&self.path).map_err(Error::io(&self.path))?;
         Ok(Outcomes {
             finished: self,
             lines: Lines::new(file),
@@ -309,7 +310,7 @@ impl Outcomes<'_> {
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, ResultsError> {
+    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, Error> {
         let noted = self.get_noted(index)?;
         Ok(noted.map(|(outcome, _)| outcome))
     }
@@ -318,7 +319,7 @@ impl Outcomes<'_> {
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn first(&mut self, index: u64) -> Result<Option<Outcome>, ResultsError> {
+    pub fn first(&mut self, index: u64) -> Result<Option<Outcome>, Error> {
         let place = self.finished.repeated.get(&index).map(|slot| slot & PLACE);
         let noted = self.read(index, place.or(self.finished.place(index)))?;
         Ok(noted.map(|(outcome, _)| outcome))
@@ -328,22 +329,22 @@ impl Outcomes<'_> {
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, ResultsError> {
+    pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, Error> {
         self.read(index, self.finished.place(index))
     }
 
-    fn read(&mut self, index: u64, place: Option<u64>) -> Result<Option<Noted>, ResultsError> {
+    fn read(&mut self, index: u64, place: Option<u64>) -> Result<Option<Noted>, Error> {
         let path = &self.finished.path;
         let Some(place) = place else {
             return Ok(None);
         };
-        self.lines.seek(place).map_err(ResultsError::io(path))?;
-        let noted = match self.lines.next_line().map_err(ResultsError::io(path))? {
+        self.lines.seek(place).map_err(Error::io(path))?;
+        let noted = match self.lines.next_line().map_err(Error::io(path))? {
             Line::Sound(line) => parse(line),
             Line::Damaged | Line::End => None,
         };
         let damaged = || format!("the line of point {} is damaged", index + 1);
-        let noted = noted.ok_or_else(|| ResultsError::content(path, damaged()))?;
+        let noted = noted.ok_or_else(|| Error::content(path, damaged()))?;
         Ok(Some(noted))
     }
 }

@@ -1,10 +1,9 @@
 //! Which study, FMU and points a journal belongs to.
 
+use crate::error::Error;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-
-use super::ResultsError;
 
 /// Identity of a run: study, FMU, seed, versions. Points of different runs must not be mixed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,15 +32,14 @@ impl Header {
     ///
     /// # Errors
     /// Names what differs.
-    pub fn check(&self, then: &Self, path: &Path) -> Result<(), ResultsError> {
+    pub fn check(&self, then: &Self, path: &Path) -> Result<(), Error> {
         match self.difference(then) {
             None => Ok(()),
-            Some((what, then, now)) => Err(ResultsError::Changed {
-                path: path.to_owned(),
-                what,
-                then,
-                now,
-            }),
+            Some((what, then, now)) => Err(Error::Refused(format!(
+                "{} was made with another {what} ({then} then, {now} now); choose another --output, or begin again with \
+                 --force instead of --resume",
+                path.display()
+            ))),
         }
     }
 

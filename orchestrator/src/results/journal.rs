@@ -30,7 +30,8 @@ use super::finished::Finished;
 use super::header::Header;
 use super::lines::{self, Line, open, path_in};
 use super::note::{Note, SAME_SET, SET, word};
-use super::{Outcome, ResultsError, draft, keep, make_folder};
+use super::{Outcome, draft, keep, make_folder};
+use crate::error::Error;
 use fmu_points::Separation;
 use fmu_points::notices::Notices;
 use fmu_points::tell::one_line;
@@ -53,13 +54,13 @@ impl Journal {
     ///
     /// # Errors
     /// When there is one already, and when the system says no.
-    pub fn create(folder: &Path, header: &Header) -> Result<Self, ResultsError> {
+    pub fn create(folder: &Path, header: &Header) -> Result<Self, Error> {
         let (draft, journal) = Self::draft(folder, header)?;
         draft
             .persist_noclobber(&journal.path)
             .map_err(|error| match error.error.kind() {
-                io::ErrorKind::AlreadyExists => ResultsError::Begun(folder.to_owned()),
-                _ => ResultsError::io(&journal.path)(error.error),
+                io::ErrorKind::AlreadyExists => Error::Begun(folder.to_owned()),
+                _ => Error::io(&journal.path)(error.error),
             })?;
         Ok(journal)
     }
@@ -69,12 +70,12 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn rewrite(folder: &Path, header: &Header) -> Result<(), ResultsError> {
+    pub fn rewrite(folder: &Path, header: &Header) -> Result<(), Error> {
         let path = path_in(folder);
         let (draft, mut anew) = Self::draft(folder, header)?;
         let (mut lines, _) = open(folder)?;
         loop {
-            match lines.next_line().map_err(ResultsError::io(&path))? {
+            match lines.next_line().map_err(Error::io(&path))? {
                 Line::Sound(line) if !line.starts_with('{') => anew.copy_line(line)?,
                 Line::Sound(_) | Line::Damaged => {}
                 Line::End => break,
@@ -85,9 +86,9 @@ impl Journal {
     }
 
     /// A journal with its first line, which is not yet in its place.
-    fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self), ResultsError> {
+    fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self), Error> {
         make_folder(folder)?;
-        let draft = draft(folder).map_err(ResultsError::io(folder))?;
+        let draft = draft(folder).map_err(Error::io(folder))?;
         let mut journal = Self::open(folder, draft.path(), header)?;
         journal.append_header();
         // Lines on which others depend are there twice from the beginning, so that no single damage costs more than its line.
@@ -100,7 +101,7 @@ impl Journal {
     ///
     /// # Errors
     /// When there is none, when it belongs to something else, and when the system says no.
-    pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished), ResultsError> {
+    pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished), Error> {
         header.check(&lines::header(folder)?, folder)?;
         let path = path_in(folder);
         let mut finished = Finished::read(folder)?;
@@ -112,16 +113,16 @@ impl Journal {
         }
         let journal = Self::open(folder, &path, header)?;
         let cut = journal.file.set_len(finished.end);
-        cut.map_err(ResultsError::io(&path))?;
+        cut.map_err(Error::io(&path))?;
         Ok((journal, finished))
     }
 
     /// Opens a file to append the lines of a folder's journal to it.
-    fn open(folder: &Path, file: &Path, header: &Header) -> Result<Self, ResultsError> {
+    fn open(folder: &Path, file: &Path, header: &Header) -> Result<Self, Error> {
         let path = path_in(folder);
         let opened = OpenOptions::new().append(true).open(file);
         Ok(Self {
-            file: opened.map_err(ResultsError::io(&path))?,
+            file: opened.map_err(Error::io(&path))?,
             path,
             line: String::new(),
             buffer: Vec::new(),
@@ -147,7 +148,7 @@ impl Journal {
         outcome: &Outcome,
         separation: Separation,
         notices: Option<&Notices>,
-    ) -> Result<(), ResultsError> {
+    ) -> Result<(), Error> {
         // Writing to a String cannot fail.
         let _ = match outcome {
             Ok(values) => {
@@ -175,7 +176,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn note(&mut self, note: &Note) -> Result<(), ResultsError> {
+    pub fn note(&mut self, note: &Note) -> Result<(), Error> {
         if let Note::Void(separation) = *note {
             self.void = Some(self.void.map_or(separation, |void| void.min(separation)));
         }
@@ -201,7 +202,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn append_set(&mut self, first: u64, sum: &str) -> Result<(), ResultsError> {
+    pub fn append_set(&mut self, first: u64, sum: &str) -> Result<(), Error> {
         // That of the set before is in the journal twice then, also where that was a matter of a moment.
         self.append_same_set();
         self.append_line(&format!("{SET} {first} {sum}"));
@@ -234,7 +235,7 @@ impl Journal {
         self.finish_line();
     }
 
-    fn flush_when_full(&mut self) -> Result<(), ResultsError> {
+    fn flush_when_full(&mut self) -> Result<(), Error> {
         const FULL: usize = 1 << 16;
         if self.buffer.len() > FULL {
             self.flush()
@@ -243,7 +244,7 @@ impl Journal {
         }
     }
 
-    fn copy_line(&mut self, line: &str) -> Result<(), ResultsError> {
+    fn copy_line(&mut self, line: &str) -> Result<(), Error> {
         self.append_line(line);
         self.flush_when_full()
     }
@@ -260,10 +261,10 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no, such as on a full disk.
-    pub fn flush(&mut self) -> Result<(), ResultsError> {
+    pub fn flush(&mut self) -> Result<(), Error> {
         let result = self.file.write_all(&self.buffer);
         self.buffer.clear();
-        result.map_err(ResultsError::io(&self.path))
+        result.map_err(Error::io(&self.path))
     }
 
     /// Waits until everything is on the disk: from here on it survives a power loss. Lines on which others depend come
@@ -271,12 +272,12 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn sync(&mut self) -> Result<(), ResultsError> {
+    pub fn sync(&mut self) -> Result<(), Error> {
         self.append_header();
         self.append_same_set();
         self.append_void();
         self.flush()?;
-        self.file.sync_data().map_err(ResultsError::io(&self.path))
+        self.file.sync_data().map_err(Error::io(&self.path))
     }
 }
 
@@ -290,7 +291,7 @@ fn damage(lines: u64) -> Option<String> {
 ///
 /// # Errors
 /// When either cannot be read or written.
-pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
+pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), Error> {
     let finished = Finished::read(folder)?;
     let path = path_in(folder);
     if let Some(what) = damage(finished.damaged) {
@@ -307,7 +308,7 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), ResultsError> {
     let (mut lines, _) = open(folder)?;
     loop {
         let place = lines.place();
-        match lines.next_line().map_err(ResultsError::io(&path))? {
+        match lines.next_line().map_err(Error::io(&path))? {
             Line::Sound(line) if finished.counts(line, place) => into.copy_line(line)?,
             Line::Sound(_) | Line::Damaged => {}
             Line::End => break,

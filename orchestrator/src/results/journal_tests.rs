@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng};
 use std::fs;
 
 use super::*;
+use crate::error::Error;
 use fmu_points::failure::Failure;
 use fmu_points::{Conduct, Isolation, Separation};
 
@@ -91,7 +92,7 @@ fn a_changed_study_is_refused_with_what_differs() {
         "{error}"
     );
     let error = Journal::create(folder.path(), &header()).unwrap_err();
-    assert!(matches!(error, ResultsError::Begun(_)));
+    assert!(matches!(error, Error::Begun(_)));
 }
 
 #[test]

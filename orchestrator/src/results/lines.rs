@@ -1,11 +1,10 @@
 //! The lines of a journal, checked.
 
+use super::header::Header;
+use crate::error::Error;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-
-use super::ResultsError;
-use super::header::Header;
 
 /// The journal's place in an output folder.
 pub fn path_in(folder: &Path) -> PathBuf {
@@ -16,20 +15,20 @@ pub fn path_in(folder: &Path) -> PathBuf {
 ///
 /// # Errors
 /// When there is none, and when no copy of its header is left.
-pub fn header(folder: &Path) -> Result<Header, ResultsError> {
+pub fn header(folder: &Path) -> Result<Header, Error> {
     Ok(open(folder)?.1)
 }
 
 /// Opens the journal of a folder and reads its header: the first line, or a copy of it further on.
-pub(super) fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
+pub(super) fn open(folder: &Path) -> Result<(Lines, Header), Error> {
     let path = path_in(folder);
     let file = File::open(&path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
-        _ => ResultsError::io(&path)(error),
+        io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),
+        _ => Error::io(&path)(error),
     })?;
     let mut lines = Lines::new(file);
     let header = loop {
-        match lines.next_line().map_err(ResultsError::io(&path))? {
+        match lines.next_line().map_err(Error::io(&path))? {
             Line::Sound(text) if text.starts_with('{') => {
                 break serde_json::from_str(text).ok();
             }
@@ -38,8 +37,8 @@ pub(super) fn open(folder: &Path) -> Result<(Lines, Header), ResultsError> {
         }
     };
     let damaged = "the line that says which study this is is damaged, and so are its copies; begin again with --force";
-    let header = header.ok_or_else(|| ResultsError::content(&path, damaged))?;
-    lines.seek(0).map_err(ResultsError::io(&path))?;
+    let header = header.ok_or_else(|| Error::content(&path, damaged))?;
+    lines.seek(0).map_err(Error::io(&path))?;
     Ok((lines, header))
 }
 

@@ -9,7 +9,8 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::{ResultsError, make_folder};
+use super::make_folder;
+use crate::error::Error;
 
 const FILE: &str = "run.lock";
 /// How long to wait for the lock. When a run is killed while it starts a worker, the new process holds a copy of the lock
@@ -25,7 +26,7 @@ impl Lock {
     ///
     /// # Errors
     /// When another run has it, and when the system says no.
-    pub fn take(folder: &Path) -> Result<Self, ResultsError> {
+    pub fn take(folder: &Path) -> Result<Self, Error> {
         make_folder(folder)?;
         let path = folder.join(FILE);
         // A network file system locks only files that are open for writing.
@@ -34,7 +35,7 @@ impl Lock {
             .create(true)
             .truncate(false)
             .open(&path);
-        let file = file.map_err(ResultsError::io(&path))?;
+        let file = file.map_err(Error::io(&path))?;
         let begun = Instant::now();
         loop {
             match file.try_lock() {
@@ -43,7 +44,10 @@ impl Lock {
                     sleep(Duration::from_millis(10));
                 }
                 Err(TryLockError::WouldBlock) => {
-                    return Err(ResultsError::Busy(folder.to_owned()));
+                    return Err(Error::Refused(format!(
+                        "{}: another run is writing its results here; wait for it, or choose another --output",
+                        folder.display()
+                    )));
                 }
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
                     fmu_points::tell::line!(
@@ -52,7 +56,7 @@ impl Lock {
                     );
                     return Ok(Self(file));
                 }
-                Err(TryLockError::Error(error)) => return Err(ResultsError::io(&path)(error)),
+                Err(TryLockError::Error(error)) => return Err(Error::io(&path)(error)),
             }
         }
     }
@@ -68,7 +72,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let first = Lock::take(folder.path()).unwrap();
         let busy = Lock::take(folder.path());
-        assert!(matches!(busy, Err(ResultsError::Busy(_))));
+        assert!(matches!(busy, Err(Error::Refused(_))));
         let released = std::thread::spawn(move || {
             sleep(Duration::from_millis(100));
             drop(first);

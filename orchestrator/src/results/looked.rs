@@ -9,7 +9,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Header, ResultsError, write_json};
+use super::{Header, write_json};
+use crate::error::Error;
 use conformity::looks::History;
 
 /// The verdicts of a study.
@@ -29,7 +30,7 @@ impl Looked {
     ///
     /// # Errors
     /// When they are there and cannot be read.
-    pub fn read(folder: &Path, study: &Header) -> Result<Self, ResultsError> {
+    pub fn read(folder: &Path, study: &Header) -> Result<Self, Error> {
         let none = || Self {
             study: study.clone(),
             history: History::default(),
@@ -38,10 +39,10 @@ impl Looked {
         let text = match fs::read(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(none()),
-            Err(error) => return Err(ResultsError::io(&path)(error)),
+            Err(error) => return Err(Error::io(&path)(error)),
         };
         let kept: Self =
-            serde_json::from_slice(&text).map_err(|error| ResultsError::content(&path, error))?;
+            serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;
         Ok(if kept.study == *study { kept } else { none() })
     }
 
@@ -49,7 +50,7 @@ impl Looked {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path) -> Result<(), ResultsError> {
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         write_json(&folder.join(FILE), self)
     }
 }

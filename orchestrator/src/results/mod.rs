@@ -31,15 +31,13 @@ pub mod traceability;
 pub mod words;
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 use tempfile::NamedTempFile;
-use thiserror::Error;
 
-use crate::files::reason;
+use crate::error::Error;
 use fmu_points::failure::Failure;
-use fmu_points::scratch::ScratchError;
 use fmu_points::tell::visible;
 
 pub use header::Header;
@@ -54,137 +52,17 @@ pub type Outcome = Result<Vec<f64>, Failure>;
 /// A point's parameters, and its values of the criteria where it has any.
 type Row = (Vec<f64>, Option<Vec<f64>>);
 
-/// Why results cannot be written or read.
-#[derive(Debug, Error)]
-pub enum ResultsError {
-    /// The system says no.
-    #[error("{path}: {}", reason(path, .source))]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// The operating system's message.
-        source: io::Error,
-    },
-    /// There is a study in the folder already.
-    #[error(
-        "{0} holds a study that has begun already; continue it with --resume, replace it with --force, or choose another \
-         --output"
-    )]
-    Begun(PathBuf),
-    /// Another run is at work in the folder.
-    #[error(
-        "{0}: another run is writing its results here; wait for it, or choose another --output"
-    )]
-    Busy(PathBuf),
-    /// There is nothing to resume or to read.
-    #[error("{0} holds no study; run `verify` into it first")]
-    Missing(PathBuf),
-    /// The folder holds another study's run, which cannot be resumed.
-    #[error(
-        "{path} was made with another {what} ({then} then, {now} now); choose another --output, or begin again with --force \
-         instead of --resume"
-    )]
-    Changed {
-        /// The folder.
-        path: PathBuf,
-        /// The setting that differs.
-        what: &'static str,
-        /// Its value in the earlier run.
-        then: String,
-        /// Its value now.
-        now: String,
-    },
-    /// The folder holds results of something else.
-    #[error(
-        "{path} holds results of {what}, {then}; choose another --output, or replace them with --force"
-    )]
-    Foreign {
-        /// The folder.
-        path: PathBuf,
-        /// The part that is another one.
-        what: &'static str,
-        /// The file that it was made of.
-        then: PathBuf,
-    },
-    /// The folder holds a file of somebody else that results would replace.
-    #[error(
-        "{0} was there before any run wrote into this folder, and would be replaced; choose another --output, or replace it \
-         with --force"
-    )]
-    Precious(PathBuf),
-    /// The folder of a run is there no more.
-    #[error(
-        "{0}: this folder, or the journal in it, was removed or moved while points ran; run the command again"
-    )]
-    Gone(PathBuf),
-    /// Points are missing.
-    #[error("{path}: {missing} of {points} points are not computed yet; continue with --resume")]
-    Incomplete {
-        /// The folder.
-        path: PathBuf,
-        /// How many are missing.
-        missing: u64,
-        /// How many there should be.
-        points: u64,
-    },
-    /// A file's content is not what this program writes.
-    #[error("{path}: {message}")]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// The problem.
-        message: String,
-    },
-}
-
-impl From<ScratchError> for ResultsError {
-    fn from(ScratchError { path, source }: ScratchError) -> Self {
-        Self::Io { path, source }
-    }
-}
-
-impl ResultsError {
-    /// The fault of a file's content.
-    pub fn content(path: &Path, message: impl ToString) -> Self {
-        Self::Content {
-            path: path.to_owned(),
-            message: message.to_string(),
-        }
-    }
-
-    /// Turns an error of the system into one that names the file.
-    pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::Io {
-            path,
-            source: of_the_system(source),
-        }
-    }
-}
-
 /// Makes the folder for results, where it is not there.
 ///
 /// # Errors
 /// When the system says no.
-pub fn make_folder(path: &Path) -> Result<(), ResultsError> {
+pub fn make_folder(path: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => {
-            ResultsError::content(path, "no folder can be made here; choose another --output")
+            Error::content(path, "no folder can be made here; choose another --output")
         }
-        _ => ResultsError::io(path)(error),
+        _ => Error::io(path)(error),
     })
-}
-
-/// The operating system's error inside the csv writer's: its kind decides which remedy we name.
-pub fn of_the_system(error: io::Error) -> io::Error {
-    match error.downcast::<csv::Error>() {
-        Ok(wrapped) if wrapped.is_io_error() => match wrapped.into_kind() {
-            csv::ErrorKind::Io(error) => error,
-            other => io::Error::other(format!("{other:?}")),
-        },
-        Ok(wrapped) => io::Error::other(wrapped),
-        Err(error) => error,
-    }
 }
 
 /// Writes a file all at once: it is either as before or complete.
@@ -194,7 +72,7 @@ pub fn of_the_system(error: io::Error) -> io::Error {
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn io::Write) -> io::Result<()>,
-) -> Result<(), ResultsError> {
+) -> Result<(), Error> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let attempt = || {
         let mut file = draft(folder)?;
@@ -204,14 +82,14 @@ pub fn write_atomically(
         drop(buffered);
         Ok(file)
     };
-    keep(attempt().map_err(ResultsError::io(path))?, path)
+    keep(attempt().map_err(Error::io(path))?, path)
 }
 
 /// Writes a value as JSON, all at once, with hidden characters as `\u202e`.
 ///
 /// # Errors
 /// When the system says no.
-pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), ResultsError> {
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Error> {
     write_atomically(path, |out| {
         let text = serde_json::to_string_pretty(value)?;
         writeln!(out, "{}", visible(&text))
@@ -238,8 +116,8 @@ pub fn draft(folder: &Path) -> io::Result<NamedTempFile> {
 ///
 /// # Errors
 /// When the system says no.
-pub fn keep(file: NamedTempFile, path: &Path) -> Result<(), ResultsError> {
+pub fn keep(file: NamedTempFile, path: &Path) -> Result<(), Error> {
     file.persist(path)
         .map(drop)
-        .map_err(|error| ResultsError::io(path)(error.error))
+        .map_err(|error| Error::io(path)(error.error))
 }

@@ -13,7 +13,8 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::{ResultsError, Summary, keep};
+use super::{Summary, keep};
+use crate::error::Error;
 use crate::table::csv_file;
 use crate::table::parquet::one_line;
 
@@ -24,9 +25,9 @@ const GROUP: usize = 1 << 16;
 ///
 /// # Errors
 /// When the table cannot be read or the file not be written.
-pub fn convert(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
+pub fn convert(folder: &Path, summary: &Summary) -> Result<(), Error> {
     let path = folder.join("points.parquet");
-    let draft = super::draft(folder).map_err(ResultsError::io(folder))?;
+    let draft = super::draft(folder).map_err(Error::io(folder))?;
     let attempt = || -> Result<(), ParquetError> {
         let mut table = csv::Reader::from_path(folder.join("points.csv")).map_err(other)?;
         let header = table.headers().map_err(other)?.clone();
@@ -51,10 +52,10 @@ pub fn convert(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
     };
     attempt().map_err(|error| match error {
         ParquetError::External(source) => match source.downcast::<io::Error>() {
-            Ok(error) => ResultsError::io(&path)(*error),
-            Err(source) => ResultsError::io(&path)(io::Error::other(source.to_string())),
+            Ok(error) => Error::io(&path)(*error),
+            Err(source) => Error::io(&path)(io::Error::other(source.to_string())),
         },
-        error => ResultsError::io(&path)(io::Error::other(one_line(&error))),
+        error => Error::io(&path)(io::Error::other(one_line(&error))),
     })?;
     keep(draft, &path)
 }

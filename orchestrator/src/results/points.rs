@@ -4,9 +4,10 @@ use std::borrow::Cow;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
+use super::Outcome;
 use super::choice::{Best, Even};
 use super::summary::Summary;
-use super::{Outcome, ResultsError};
+use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
 use crate::table::csv_file;
@@ -149,8 +150,8 @@ pub fn number(value: f64) -> String {
 ///
 /// # Errors
 /// When it cannot be read, or does not belong to the summary.
-pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, ResultsError> {
-    let failed = |error: csv::Error| ResultsError::content(path, error);
+pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Error> {
+    let failed = |error: csv::Error| Error::content(path, error);
     let mut reader = csv::Reader::from_path(path).map_err(failed)?;
     let verified = 1 + summary.parameters.len() + 2 * summary.criteria.len();
     let header = reader.headers().map_err(failed)?;
@@ -158,13 +159,13 @@ pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Res
     let width = verified + 2 + usize::from(guarded);
     if header.len() != width {
         let message = format!("{} columns, but the summary asks for {width}", header.len());
-        return Err(ResultsError::content(path, message));
+        return Err(Error::content(path, message));
     }
     let mut table = no_points(summary);
     let mut take = |record: &csv::StringRecord| {
         add(&mut table, record).ok_or_else(|| {
             let line = record.position().map_or(0, csv::Position::line);
-            ResultsError::content(path, format_args!("line {line} is damaged"))
+            Error::content(path, format_args!("line {line} is damaged"))
         })
     };
     let (even, mut best) = (Even::new(summary.points, most), Best::default());

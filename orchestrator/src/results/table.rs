@@ -1,6 +1,7 @@
 //! The table of points from what `verify` leaves behind.
 
-use super::{Outcome, ResultsError, Summary, points};
+use super::{Outcome, Summary, points};
+use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
 use parameter_regions::table::{ParameterColumn, PointTable};
@@ -11,7 +12,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When there is no finished study in the folder, or one of the files is damaged.
-pub fn read(folder: &Path) -> Result<(Summary, PointTable), ResultsError> {
+pub fn read(folder: &Path) -> Result<(Summary, PointTable), Error> {
     let (summary, mut table) = read_some(folder, u64::MAX)?;
     let failed: Vec<usize> = (0..table.len()).filter(|&i| !table.completed(i)).collect();
     for criterion in &mut table.criteria {
@@ -25,7 +26,7 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), ResultsError> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), ResultsError> {
+pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Error> {
     let summary = summary(folder)?;
     let mut table = points::read(&folder.join("points.csv"), &summary, most)?;
     let case = |name: &str| match name.split_once('/') {
@@ -59,7 +60,7 @@ pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Resu
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), ResultsError> {
+pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), Error> {
     let summary = summary(folder)?;
     let table = points::read(&folder.join("points.csv"), &summary, u64::MAX)?;
     Ok((summary, table))
@@ -69,13 +70,13 @@ pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), ResultsE
 ///
 /// # Errors
 /// When there is no finished study in the folder, or the file is damaged.
-pub fn summary(folder: &Path) -> Result<Summary, ResultsError> {
+pub fn summary(folder: &Path) -> Result<Summary, Error> {
     let path = folder.join("summary.json");
     let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => ResultsError::Missing(folder.to_owned()),
-        _ => ResultsError::io(&path)(error),
+        std::io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),
+        _ => Error::io(&path)(error),
     })?;
-    serde_json::from_str(&text).map_err(|error| ResultsError::content(&path, error))
+    serde_json::from_str(&text).map_err(|error| Error::content(&path, error))
 }
 
 /// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.

@@ -8,14 +8,15 @@ use conformity::looks::Look;
 use conformity::risk::Guard;
 use tempfile::NamedTempFile;
 
-use super::{Ending, Front, Session, SessionError, Verification};
+use super::{Ending, Front, Session, Verification};
+use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
 use crate::results::asides::Asides;
 use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::survey::Survey;
 use crate::results::tally::{Sample, Tally};
-use crate::results::{Looked, Outcome, ResultsError, draft, keep, points, write_json};
+use crate::results::{Looked, Outcome, draft, keep, points, write_json};
 use crate::study::Study;
 use crate::study::plan::Input;
 
@@ -31,7 +32,7 @@ impl Verification {
         run: Option<Run>,
         ending: Option<&Ending>,
         looked: &mut Looked,
-    ) -> Result<Summary, SessionError> {
+    ) -> Result<Summary, Error> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
@@ -54,7 +55,7 @@ impl Verification {
         };
         let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
         for index in 0..self.source.len() {
-            let incomplete = || ResultsError::Incomplete {
+            let incomplete = || Error::Incomplete {
                 path: folder.to_owned(),
                 missing: self.source.len() - finished.count,
                 points: self.source.len(),
@@ -181,7 +182,7 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self, ResultsError> {
+    pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self, Error> {
         let begin = || -> io::Result<Self> {
             fs::create_dir_all(folder)?;
             let file = draft(folder)?;
@@ -194,7 +195,7 @@ impl FileSet {
                 points,
             })
         };
-        begin().map_err(ResultsError::io(folder))
+        begin().map_err(Error::io(folder))
     }
 
     /// Writes a point.
@@ -207,23 +208,23 @@ impl FileSet {
         parameters: &[f64],
         outcome: &Outcome,
         verdict: &PointVerdict,
-    ) -> Result<(), ResultsError> {
+    ) -> Result<(), Error> {
         let written = self.points.write(label, parameters, outcome, verdict);
-        written.map_err(ResultsError::io(&self.folder))
+        written.map_err(Error::io(&self.folder))
     }
 
     /// Puts the files in place; each one is either as before or complete.
     ///
     /// # Errors
     /// When the system says no.
-    pub fn finish(self, summary: &Summary) -> Result<(), ResultsError> {
+    pub fn finish(self, summary: &Summary) -> Result<(), Error> {
         let path = self.folder.join("points.csv");
-        self.points.finish().map_err(ResultsError::io(&path))?;
+        self.points.finish().map_err(Error::io(&path))?;
         let file = match self.guard {
             Guard::Given(0.0) => self.file,
             guard => {
                 let band = summary.conclusion.as_ref().and_then(|c| c.guard_band);
-                settled(&self.file, &self.folder, guard, band).map_err(ResultsError::io(&path))?
+                settled(&self.file, &self.folder, guard, band).map_err(Error::io(&path))?
             }
         };
         keep(file, &path)?;

@@ -5,43 +5,20 @@ mod request;
 mod until;
 mod verification;
 
-use thiserror::Error;
-
-use crate::files::unusable;
+use crate::error::Error;
 use crate::judge::Judge;
 use crate::pipeline::Model;
-use crate::results::{Header, Outcome, ResultsError};
+use crate::results::{Header, Outcome};
+use crate::study::Study;
 use crate::study::plan::Plan;
 use crate::study::points;
-use crate::study::{Study, StudyError};
-use crate::table::TableError;
-use fmu_import::{FmuError, Package};
-use fmu_points::{Answer, RunError};
+use fmu_import::Package;
+use fmu_points::Answer;
 
 pub use finale::{FileSet, provenance};
 pub use request::{Asking, Request};
 pub use until::{Ending, Front, Until};
 pub use verification::Verification;
-
-/// Why a study cannot be run.
-#[derive(Debug, Error)]
-pub enum SessionError {
-    /// The FMU cannot be used.
-    #[error("{}", unusable(.0))]
-    Fmu(#[from] FmuError),
-    /// The study cannot be used.
-    #[error(transparent)]
-    Study(#[from] StudyError),
-    /// A table cannot be used.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// The results cannot be written or read.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    /// The points cannot be run.
-    #[error(transparent)]
-    Engine(#[from] RunError),
-}
 
 /// A study that is tied to its FMU.
 #[derive(Debug)]
@@ -63,7 +40,7 @@ impl Session {
     ///
     /// # Errors
     /// When either cannot be used.
-    pub fn open(request: Request) -> Result<Self, SessionError> {
+    pub fn open(request: Request) -> Result<Self, Error> {
         let mut session = Self::open_with_risk(request)?;
         session.plan.forget_resampling();
         Ok(session)
@@ -73,14 +50,14 @@ impl Session {
     ///
     /// # Errors
     /// When either cannot be used.
-    pub fn open_with_risk(request: Request) -> Result<Self, SessionError> {
+    pub fn open_with_risk(request: Request) -> Result<Self, Error> {
         let mut study = Study::read(&request.study)?;
         if let Some(folder) = &request.base {
             study.rebase(folder.clone());
         }
         study.design.points = request.points.unwrap_or(study.design.points);
         study.design.seed = request.seed.unwrap_or(study.design.seed);
-        let package = study.open_fmu::<SessionError>(request.fmu.as_deref())?;
+        let package = study.open_fmu(request.fmu.as_deref())?;
         let judge = Judge::new(&study, Some(package.description()))?;
         let plan = Plan::new(&study, package.description())?;
         points::varies(&study)?;
@@ -98,7 +75,7 @@ impl Session {
     ///
     /// # Errors
     /// When the FMU cannot be read any more.
-    pub fn header(&self, seed: u64, points: Option<u64>) -> Result<Header, SessionError> {
+    pub fn header(&self, seed: u64, points: Option<u64>) -> Result<Header, Error> {
         Ok(Header {
             orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
             study: self.study.digest(),

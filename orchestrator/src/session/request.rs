@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use crate::pipeline::Shard;
 use crate::pipeline::folder::Earlier;
-use crate::results::{ResultsError, write_atomically, write_json};
+use crate::results::{write_atomically, write_json};
 use crate::study::Study;
 
 /// The request: all options of the command.
@@ -68,17 +69,19 @@ impl Request {
         analysis: Option<&str>,
         study: Option<&Study>,
         earlier: Earlier,
-    ) -> Result<(), ResultsError> {
+    ) -> Result<(), Error> {
         let inner = analysis.map(|name| folder.join(name));
         for place in [folder].into_iter().chain(inner.as_deref()) {
             if earlier == Earlier::Replaced || !Self::is_in(place) {
                 continue;
             }
             let then = Self::read(place)?;
-            let of = |what: &'static str, then: &Path| ResultsError::Foreign {
-                path: folder.to_owned(),
-                what,
-                then: then.to_owned(),
+            let of = |what: &str, then: &Path| {
+                Error::Refused(format!(
+                    "{} holds results of {what}, {}; choose another --output, or replace them with --force",
+                    folder.display(),
+                    then.display()
+                ))
             };
             if !is_same(then.own_study(), self.own_study()) {
                 return Err(of("another study file", then.own_study()));
@@ -126,7 +129,7 @@ impl Request {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path, study: &Study) -> Result<(), ResultsError> {
+    pub fn write(&self, folder: &Path, study: &Study) -> Result<(), Error> {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let fmu = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
         let kept = Self {
@@ -145,11 +148,11 @@ impl Request {
     ///
     /// # Errors
     /// When there is none.
-    pub fn read(folder: &Path) -> Result<Self, ResultsError> {
+    pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(FILE);
-        let text = fs::read(&path).map_err(|_| ResultsError::Missing(folder.to_owned()))?;
+        let text = fs::read(&path).map_err(|_| Error::Missing(folder.to_owned()))?;
         let mut request: Self =
-            serde_json::from_slice(&text).map_err(|error| ResultsError::content(&path, error))?;
+            serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;
         request.base = request.study.parent().map(Path::to_owned);
         request.original = Some(mem::replace(&mut request.study, folder.join(STUDY)));
         Ok(request)

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Ending, Request, Session, SessionError, Until};
+use super::{Ending, Request, Session, Until};
+use crate::error::Error;
 use crate::files;
 use crate::pipeline::{Model, Part};
-use crate::results::{Header, Looked, ResultsError, lines};
+use crate::results::{Header, Looked, lines};
 use crate::source::Source;
 use conformity::looks::History;
 use fmu_import::digest;
@@ -28,13 +29,13 @@ impl Verification {
     ///
     /// # Errors
     /// When any of them cannot be used.
-    pub fn open(request: Request) -> Result<Self, SessionError> {
+    pub fn open(request: Request) -> Result<Self, Error> {
         let session = Session::open_with_risk(request)?;
         let Session { study, plan, .. } = &session;
         let (source, table) = match &session.request.points_from {
             Some(path) => {
                 let source = Source::from_table(study, &plan.inputs, path)?;
-                let digest = files::digest(path).map_err(ResultsError::io(path))?;
+                let digest = files::digest(path).map_err(Error::io(path))?;
                 (source, Some(digest))
             }
             None => {
@@ -61,7 +62,7 @@ impl Verification {
     ///
     /// # Errors
     /// When there is none, or the FMU is another one.
-    pub fn reopen(folder: &Path, fmu: Option<PathBuf>) -> Result<Self, SessionError> {
+    pub fn reopen(folder: &Path, fmu: Option<PathBuf>) -> Result<Self, Error> {
         let then = lines::header(folder)?;
         let mut request = Request::read(folder)?;
         request.fmu = fmu.or(request.fmu);
@@ -109,7 +110,7 @@ impl Verification {
     ///
     /// # Errors
     /// When they are there and cannot be read.
-    pub fn looked(&self, folder: &Path, from: &[PathBuf]) -> Result<Looked, ResultsError> {
+    pub fn looked(&self, folder: &Path, from: &[PathBuf]) -> Result<Looked, Error> {
         let study = Header {
             points: self.header.points.filter(|_| !self.is_extensible()),
             table: None,
@@ -130,11 +131,11 @@ impl Verification {
     ///
     /// # Errors
     /// When the table cannot be read any more.
-    pub fn extends(&self, then: &Header) -> Result<bool, SessionError> {
+    pub fn extends(&self, then: &Header) -> Result<bool, Error> {
         let mut own = self.header.clone();
         let path = self.session.request.points_from.as_ref();
         if let (Some(path), Some(table)) = (path, &then.table) {
-            let bytes = fs::read(path).map_err(ResultsError::io(path))?;
+            let bytes = fs::read(path).map_err(Error::io(path))?;
             if begins_with(&bytes, table, then.points.unwrap_or(0)) {
                 own.table.clone_from(&then.table);
             }

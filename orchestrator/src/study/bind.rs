@@ -10,10 +10,9 @@ use super::curves::Binder as CurveBinder;
 use super::quantity::Scale;
 use super::samples::{self, Together};
 use super::values::{find, slot_of, value_of};
-use super::{
-    CaseText, CriterionText, Name, ParameterText, Setting, Study, StudyError, inputs, ssv,
-};
+use super::{CaseText, CriterionText, Name, ParameterText, Setting, Study, inputs, ssv};
 use crate::concern::Concern;
+use crate::files::FileError;
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use fmu_points::task::{Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
@@ -48,7 +47,7 @@ impl Binder<'_> {
         &self,
         case: Option<&CaseText>,
         varied: Vec<Slot>,
-    ) -> Result<(Vec<Conversion>, Task, Vec<Concern>), StudyError> {
+    ) -> Result<(Vec<Conversion>, Task, Vec<Concern>), FileError> {
         let mut schedule = self.schedule().map_err(|message| match case {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
@@ -70,11 +69,11 @@ impl Binder<'_> {
         Ok((outputs, task, doubts))
     }
 
-    fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, StudyError> {
+    fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, FileError> {
         find(self.fmu, name.as_ref().as_ref()).map_err(|message| self.study.error_at(name, message))
     }
 
-    pub(super) fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), StudyError> {
+    pub(super) fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), FileError> {
         let bind = |(name, parameter): (&Name, &ParameterText)| {
             let variable = self.variable(name)?;
             let at = |message: String| self.study.error_of(name, message);
@@ -86,7 +85,7 @@ impl Binder<'_> {
     }
 
     /// Reads the parameters that come from samples, and gives each its distribution.
-    pub(super) fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, StudyError> {
+    pub(super) fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, FileError> {
         let units: Vec<Option<&str>> = inputs.iter().map(|input| input.unit.as_deref()).collect();
         let samples = samples::read(self.study, &units)?;
         let mut joints = Vec::new();
@@ -100,7 +99,7 @@ impl Binder<'_> {
     }
 
     /// Checks that the FMU takes the middle of each distribution.
-    pub(super) fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), StudyError> {
+    pub(super) fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), FileError> {
         let pairs = inputs.iter().zip(slots);
         for ((input, slot), name) in pairs.zip(self.study.parameters.keys()) {
             let value = input.conversion.value(input.distribution.median());
@@ -123,7 +122,7 @@ impl Binder<'_> {
         })
     }
 
-    fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>), StudyError> {
+    fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>), FileError> {
         let bind = |(name, criterion): (&Name, &CriterionText)| {
             let variable = self.variable(&criterion.variable)?;
             let at = |message| self.study.error_at(&criterion.variable, message);
@@ -151,7 +150,7 @@ impl Binder<'_> {
         text: &CriterionText,
         variable: &Variable,
         schedule: &Schedule,
-    ) -> Result<Option<Detail>, StudyError> {
+    ) -> Result<Option<Detail>, FileError> {
         let named = |message: String| self.study.error_of(name, message);
         let detail = text.detail().map_err(named)?;
         let is_whole = text.turns.is_some() || text.periods.is_some();
@@ -192,7 +191,7 @@ impl Binder<'_> {
     }
 
     /// The angle over whose whole turns the mean of a variable is taken.
-    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail, StudyError> {
+    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail, FileError> {
         let at = |message: String| self.study.error_at(name, message);
         let angle = self.variable(name)?;
         let handle = angle.number_handle();
@@ -214,7 +213,7 @@ impl Binder<'_> {
         scale: &Scale<'_>,
         handle: &Handle,
         schedule: &Schedule,
-    ) -> Result<Option<Arc<MeasuredCurve>>, StudyError> {
+    ) -> Result<Option<Arc<MeasuredCurve>>, FileError> {
         let (Some(reference), Some(metric)) = (&text.reference, text.metric) else {
             return Ok(None);
         };
@@ -243,7 +242,7 @@ impl Binder<'_> {
         &self,
         text: &CriterionText,
         run: [f64; 2],
-    ) -> Result<Option<[f64; 2]>, StudyError> {
+    ) -> Result<Option<[f64; 2]>, FileError> {
         let Some(window) = &text.window else {
             return Ok(None);
         };
@@ -258,7 +257,7 @@ impl Binder<'_> {
         &self,
         schedule: &mut Schedule,
         mut observed: Vec<Probe>,
-    ) -> Result<Vec<Probe>, StudyError> {
+    ) -> Result<Vec<Probe>, FileError> {
         let criteria = || self.study.criteria.values();
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
@@ -297,7 +296,7 @@ impl Binder<'_> {
         Ok(observed)
     }
 
-    fn fixed(&self) -> Result<Vec<(u32, Value)>, StudyError> {
+    fn fixed(&self) -> Result<Vec<(u32, Value)>, FileError> {
         let settings = self.study.fixed.iter();
         let bind = |(name, setting): (&Name, &Spanned<Setting>)| {
             let variable = self.variable(name)?;
@@ -313,7 +312,7 @@ impl Binder<'_> {
     }
 
     /// The start values of a parameter set that the study does not give itself.
-    fn set(&self) -> Result<Vec<(u32, Value)>, StudyError> {
+    fn set(&self) -> Result<Vec<(u32, Value)>, FileError> {
         let Some(file) = &self.study.fixed_from else {
             return Ok(Vec::new());
         };

@@ -5,7 +5,8 @@
 
 use indexmap::IndexMap;
 
-use super::{CaseText, CriterionText, Name, Simulation, Study, StudyError};
+use super::{CaseText, CriterionText, Name, Simulation, Study};
+use crate::files::FileError;
 
 /// Between the name of a case and that of a criterion.
 pub const SEPARATOR: char = '/';
@@ -13,7 +14,7 @@ pub const SEPARATOR: char = '/';
 impl Study {
     /// Puts the criteria of all cases into one list, with the names `CASE/NAME`. Criteria of the whole study hold in
     /// every case that has none of the same name.
-    pub(super) fn spread_criteria(&mut self) -> Result<(), StudyError> {
+    pub(super) fn spread_criteria(&mut self) -> Result<(), FileError> {
         if self.cases.is_empty() {
             return Ok(());
         }
@@ -43,7 +44,7 @@ impl Study {
         Ok(())
     }
 
-    fn check_cases(&self) -> Result<(), StudyError> {
+    fn check_cases(&self) -> Result<(), FileError> {
         for (number, case) in self.cases.iter().enumerate() {
             let name = case.name.as_ref();
             let wrong = |message: String| Err(self.error_at(&case.name, message));

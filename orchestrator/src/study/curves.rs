@@ -6,7 +6,8 @@ use super::limit::limit;
 use super::quantity::{Quantity, Scale, Sense};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
-use super::{CriterionText, Name, Study, StudyError};
+use super::{CriterionText, Name, Study};
+use crate::files::FileError;
 use crate::table::{self, Table};
 use curves::{Curve, Metric, iso18571};
 use fmu_import::digest;
@@ -45,7 +46,7 @@ pub(super) struct Binder<'a> {
 
 impl Binder<'_> {
     /// Reads the measured curve.
-    pub(super) fn bind(&self) -> Result<MeasuredCurve, StudyError> {
+    pub(super) fn bind(&self) -> Result<MeasuredCurve, FileError> {
         let named = |message: String| self.study.error_of(self.name, message);
         let Recorded {
             curve,
@@ -82,7 +83,7 @@ impl Binder<'_> {
         Ok(measured)
     }
 
-    fn error_in_file(&self, message: impl Display) -> StudyError {
+    fn error_in_file(&self, message: impl Display) -> FileError {
         let file = &self.reference.file;
         let message = format!("{}: {message}", file.as_ref().display());
         self.study.error_at(file, message)
@@ -95,7 +96,7 @@ impl Binder<'_> {
     }
 
     /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors.
-    fn resampling(&self, standard: Vec<f64>, first: u64) -> Result<Resampling, StudyError> {
+    fn resampling(&self, standard: Vec<f64>, first: u64) -> Result<Resampling, FileError> {
         let (ideal, tolerance, _) = limit(self.text, self.metric, self.scale)
             .map_err(|message| self.study.error_of(self.name, message))?;
         let file = self.reference.file.as_ref().display();
@@ -112,7 +113,7 @@ impl Binder<'_> {
     }
 
     /// The correlation of the errors of any two rows.
-    fn correlation(&self) -> Result<f64, StudyError> {
+    fn correlation(&self) -> Result<f64, FileError> {
         if let Some(stated) = &self.reference.correlation
             && !(0.0..=1.0).contains(stated.as_ref())
         {
@@ -128,7 +129,7 @@ impl Binder<'_> {
     }
 
     /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
-    fn read(&self) -> Result<Recorded, StudyError> {
+    fn read(&self) -> Result<Recorded, FileError> {
         let reference = self.reference;
         let named = |message: String| self.study.error_of(self.name, message);
         let at_file = |message: String| self.study.error_at(&reference.file, message);
@@ -174,7 +175,7 @@ impl Binder<'_> {
     }
 
     /// The rows inside the window that the study states.
-    fn cut(&self, curve: Curve, expanded: Option<Vec<f64>>) -> Result<Recorded, StudyError> {
+    fn cut(&self, curve: Curve, expanded: Option<Vec<f64>>) -> Result<Recorded, FileError> {
         let is_width = |width: &f64| *width >= 0.0 && width.is_finite();
         let wrong = expanded.iter().flatten().position(|width| !is_width(width));
         if let Some(row) = wrong {
@@ -243,7 +244,7 @@ impl Binder<'_> {
         &self,
         curve: &Curve,
         expanded: Option<&[f64]>,
-    ) -> Result<(Curve, Option<Vec<f64>>), StudyError> {
+    ) -> Result<(Curve, Option<Vec<f64>>), FileError> {
         let correlation = self.correlation()?;
         let standard = |widths: &[f64]| widths.iter().map(|width| width / COVERAGE).collect();
         if !self.metric.needs_even_times() {
@@ -313,7 +314,7 @@ impl Binder<'_> {
     }
 
     /// Refuses a measurement that the run does not cover.
-    fn check_span(&self, measured: &MeasuredCurve) -> Result<(), StudyError> {
+    fn check_span(&self, measured: &MeasuredCurve) -> Result<(), FileError> {
         let ([from, to], [start, stop]) = (measured.needs(), self.run);
         let rounding = 1e-9 * (start.abs() + stop.abs());
         if from >= start - rounding && to <= stop + rounding {

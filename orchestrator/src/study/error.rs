@@ -1,47 +1,12 @@
 //! Errors of a study, with file, line and column.
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
 use toml::Table;
 use toml::de::DeTable;
 
-use crate::files::reason;
+use crate::files::FileError;
 use fmu_points::names::{did_you_mean, nearest};
-
-/// Why a study cannot be used.
-#[derive(Debug, Error)]
-pub enum StudyError {
-    /// The file cannot be read.
-    #[error("{path}: {}", reason(path, .source))]
-    Read {
-        /// The study.
-        path: PathBuf,
-        /// The operating system's message.
-        source: io::Error,
-    },
-    /// Something at a place is wrong.
-    #[error("{path}:{line}:{column}: {message}")]
-    At {
-        /// The study.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The column, from 1.
-        column: usize,
-        /// The problem and its remedy.
-        message: String,
-    },
-    /// Something is missing.
-    #[error("{path}: {message}")]
-    Whole {
-        /// The study.
-        path: PathBuf,
-        /// The problem and its remedy.
-        message: String,
-    },
-}
 
 /// A text in which errors have a place.
 pub(super) struct Place<'a> {
@@ -50,19 +15,16 @@ pub(super) struct Place<'a> {
 }
 
 impl Place<'_> {
-    pub(super) fn error(&self, offset: usize, message: String) -> StudyError {
+    pub(super) fn error(&self, offset: usize, message: String) -> FileError {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |index| index + 1);
-        StudyError::At {
-            path: self.path.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
-            message,
-        }
+        FileError::new(self.path, message)
+            .at(before.matches('\n').count() + 1)
+            .at(before[line_start..].chars().count() + 1)
     }
 
     /// The TOML reader's message on one line, with a remedy.
-    pub(super) fn toml(&self, error: &toml::de::Error) -> StudyError {
+    pub(super) fn toml(&self, error: &toml::de::Error) -> FileError {
         let message = suggest(error.message());
         match error.span() {
             Some(span) => {
@@ -89,13 +51,10 @@ impl Place<'_> {
     }
 
     /// An error at the section that its message names in brackets, and there at the key that it names first.
-    pub(super) fn named(&self, message: String) -> StudyError {
+    pub(super) fn named(&self, message: String) -> FileError {
         match self.place_of(&message) {
             Some(offset) => self.error(offset, message),
-            None => StudyError::Whole {
-                path: self.path.to_owned(),
-                message,
-            },
+            None => FileError::new(self.path, message),
         }
     }
 

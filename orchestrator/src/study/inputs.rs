@@ -2,8 +2,9 @@
 
 use super::quantity::Scale;
 use super::values::{find, slot_of};
-use super::{Name, RecordingText, Study, StudyError};
+use super::{Name, RecordingText, Study};
 use crate::concern::{Code, Concern};
+use crate::files::FileError;
 use crate::table::{self, Table};
 use fmu_import::description::Interface;
 use fmu_import::units::Conversion;
@@ -16,7 +17,7 @@ pub(super) fn series(
     study: &Study,
     fmu: &Description,
     schedule: &Schedule,
-) -> Result<(Vec<Series>, Vec<Concern>), StudyError> {
+) -> Result<(Vec<Series>, Vec<Concern>), FileError> {
     let mut concerns = Vec::new();
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message: String| study.error_at(name, message);

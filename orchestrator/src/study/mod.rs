@@ -38,14 +38,16 @@ use toml::Spanned;
 
 pub use detail::first_wrong;
 pub use dossier::Dossier;
-pub use error::{BOTH_SIDES, StudyError};
+pub use error::BOTH_SIDES;
 pub use identification::Identification;
 pub use quantity::Quantity;
 pub use reference::{DelayText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use window::Window;
 
+use crate::error::Error;
 use crate::files;
+use crate::files::FileError;
 use ::curves::Metric;
 use error::Place;
 use fmu_import::{ArchiveError, FmuError, FmuFault, Package, digest, sha256};
@@ -397,7 +399,7 @@ impl Study {
     ///
     /// # Errors
     /// When it cannot be read, with line and column when it is not understood.
-    pub fn read(path: &Path) -> Result<Self, StudyError> {
+    pub fn read(path: &Path) -> Result<Self, FileError> {
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         let message = match ending.to_str() {
             Some("fmu") => format!(
@@ -408,22 +410,17 @@ impl Study {
                 "is a table, where a study (a TOML file) is needed".to_owned()
             }
             _ => {
-                let text = files::text(path).map_err(|source| StudyError::Read {
-                    path: path.to_owned(),
-                    source,
-                })?;
-                return Self::parse(path, text);
+                return Self::parse(path, files::text(path)?);
             }
         };
-        let path = path.to_owned();
-        Err(StudyError::Whole { path, message })
+        Err(FileError::new(path, message))
     }
 
     /// Reads the text of a study that stands, or would stand, at `path`.
     ///
     /// # Errors
     /// With line and column when the text is not understood.
-    pub fn parse(path: &Path, text: String) -> Result<Self, StudyError> {
+    pub fn parse(path: &Path, text: String) -> Result<Self, FileError> {
         let place = Place { path, text: &text };
         let mut study: Self = toml::from_str(&text).map_err(|error| place.toml(&error))?;
         study.path = path.to_owned();
@@ -437,7 +434,7 @@ impl Study {
     ///
     /// # Errors
     /// With line and column when the text is not understood.
-    pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T, StudyError> {
+    pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
         toml::from_str(&self.text).map_err(|error| self.place().toml(&error))
     }
 
@@ -456,10 +453,7 @@ impl Study {
     ///
     /// # Errors
     /// When it cannot be used; where there is none, with the place in the study that names it.
-    pub fn open_fmu<E: From<FmuError> + From<StudyError>>(
-        &self,
-        instead: Option<&Path>,
-    ) -> Result<Package, E> {
+    pub fn open_fmu(&self, instead: Option<&Path>) -> Result<Package, Error> {
         let named = self.fmu_path();
         Package::open(instead.unwrap_or(&named)).map_err(|error| match error {
             FmuError {
@@ -521,7 +515,7 @@ impl Study {
     }
 
     /// An error at a place in the file.
-    pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> StudyError {
+    pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> FileError {
         self.place().error(at.span().start, message.into())
     }
 
@@ -533,12 +527,12 @@ impl Study {
     }
 
     /// An error of what a name in the file stands for.
-    pub fn error_of(&self, name: &Name, message: impl Display) -> StudyError {
+    pub fn error_of(&self, name: &Name, message: impl Display) -> FileError {
         self.error_at(name, format!("{}: {message}", name.as_ref()))
     }
 
     /// An error of a section, or of the study as a whole: at the key that the message names, where the file has it.
-    pub fn error(&self, message: impl Into<String>) -> StudyError {
+    pub fn error(&self, message: impl Into<String>) -> FileError {
         self.place().named(message.into())
     }
 }

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::{Name, Study, StudyError};
+use super::{Name, Study};
+use crate::files::FileError;
 use fmu_import::Description;
 
 impl Study {
@@ -23,7 +24,7 @@ impl Study {
         &self,
         fmu: &Description,
         set: impl Iterator<Item = (&'a Name, &'static str)>,
-    ) -> Result<(), StudyError> {
+    ) -> Result<(), FileError> {
         let mut seen: HashMap<_, (&str, &str)> = HashMap::new();
         for (name, section) in set {
             let key = name.as_ref().as_str();

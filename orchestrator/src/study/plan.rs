@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::bind::Binder;
-use super::{Study, StudyError, points};
+use super::{Study, points};
 use crate::concern::{Code, Concern};
+use crate::files::FileError;
 use fmu_import::Description;
 use fmu_import::units::Conversion;
 use fmu_points::names::behind;
@@ -44,7 +45,7 @@ impl Plan {
     ///
     /// # Errors
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
-    pub fn new(study: &Study, fmu: &Description) -> Result<Self, StudyError> {
+    pub fn new(study: &Study, fmu: &Description) -> Result<Self, FileError> {
         points::check(study)?;
         let binder = Binder { study, fmu };
         let (mut inputs, varied) = binder.parameters()?;

@@ -3,12 +3,13 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Name, Pair, Shape, Study, StudyError};
+use super::{Name, Pair, Shape, Study};
+use crate::files::FileError;
 use fmu_points::names::{did_you_mean, nearest};
 use sampling::design::correlation::Correlation;
 
 /// Points or levels that the design would ignore are an error: they were meant to do something.
-pub(super) fn check(study: &Study) -> Result<(), StudyError> {
+pub(super) fn check(study: &Study) -> Result<(), FileError> {
     #[derive(Deserialize)]
     struct Text {
         #[serde(default)]
@@ -37,7 +38,7 @@ pub(super) fn check(study: &Study) -> Result<(), StudyError> {
 ///
 /// # Errors
 /// When no parameter varies.
-pub fn varies(study: &Study) -> Result<(), StudyError> {
+pub fn varies(study: &Study) -> Result<(), FileError> {
     let mut parameters = study.parameters.iter();
     if parameters.any(|(_, parameter)| parameter.distribution != Shape::Fixed) {
         return Ok(());
@@ -61,10 +62,10 @@ pub type Pairs = Vec<(usize, usize, f64)>;
 pub fn pairs(
     study: &Study,
     entries: &[Spanned<Pair>],
-    place: impl Fn(&Name) -> Result<usize, StudyError>,
+    place: impl Fn(&Name) -> Result<usize, FileError>,
     alone: &str,
     limits: (impl Fn(f64) -> bool, &str),
-) -> Result<Pairs, StudyError> {
+) -> Result<Pairs, FileError> {
     let mut pairs = Pairs::new();
     for entry in entries {
         let Pair {
@@ -90,7 +91,7 @@ pub fn pairs(
 }
 
 /// The correlations of a study's parameters.
-pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, StudyError> {
+pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, FileError> {
     let place = |name: &Name| {
         let parameter = study.parameters.get_full(name.as_ref().as_str());
         let (index, _, parameter) = parameter.ok_or_else(|| {

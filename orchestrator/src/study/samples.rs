@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use indexmap::IndexMap;
 use toml::Spanned;
 
-use super::{Name, ParameterText, Shape, Study, StudyError};
+use super::{Name, ParameterText, Shape, Study};
 use crate::files;
+use crate::files::FileError;
 use crate::table::{self, Column, Table};
 use sampling::design::Joint;
 use sampling::distribution::Distribution;
@@ -32,7 +33,7 @@ pub(super) struct Together {
 ///
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
-pub(super) fn read(study: &Study, units: &[Option<&str>]) -> Result<Vec<Together>, StudyError> {
+pub(super) fn read(study: &Study, units: &[Option<&str>]) -> Result<Vec<Together>, FileError> {
     let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member<'_>>)> = IndexMap::new();
     for (index, (name, text)) in study.parameters.iter().enumerate() {
         if text.distribution != Shape::Sample {
@@ -56,7 +57,7 @@ fn together(
     file: &Spanned<PathBuf>,
     members: &[Member<'_>],
     units: &[Option<&str>],
-) -> Result<Together, StudyError> {
+) -> Result<Together, FileError> {
     let path = study.path_of(file.as_ref());
     let column = |member: &Member<'_>| {
         let name = member.name.as_ref();

@@ -3,49 +3,18 @@
 
 mod write;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use roxmltree::Node;
-use thiserror::Error;
 
 use super::Setting;
 use super::values::{find, value_of};
-use crate::files::{self, reason};
-use fmu_import::{Description, Value, XmlError, xml};
+use crate::files::FileError;
+use crate::files::{self};
+use fmu_import::{Description, Value, xml};
 
 pub(crate) use write::Element;
 pub use write::write;
-
-/// Why a parameter set cannot be used.
-#[derive(Debug, Error)]
-pub enum SsvError {
-    /// The file cannot be read.
-    #[error("{path}: {}", reason(path, .source))]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The operating system's message.
-        source: std::io::Error,
-    },
-    /// It is no XML that can be read.
-    #[error("{path}: no SSP parameter set: {source}")]
-    Xml {
-        /// The file.
-        path: PathBuf,
-        /// The problem and its place.
-        source: XmlError,
-    },
-    /// Something in it is wrong.
-    #[error("{path}:{line}: {message}")]
-    At {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: u32,
-        /// The problem.
-        message: String,
-    },
-}
 
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"];
@@ -54,12 +23,8 @@ const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"]
 ///
 /// # Errors
 /// When it cannot be read or is not a parameter set, and when a name, a type or a unit does not fit the FMU, with the line.
-pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>, SsvError> {
-    let text = files::text(path).map_err(|source| SsvError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
-    parse(path, &text, |name, setting| {
+pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>, FileError> {
+    parse(path, &files::text(path)?, |name, setting| {
         let variable = find(fmu, name)?;
         let value = value_of(fmu, variable, &setting)?;
         Ok((name.to_owned(), variable.handle().reference, value))
@@ -71,16 +36,12 @@ fn parse<T>(
     path: &Path,
     text: &str,
     take: impl Fn(&str, Setting) -> Result<T, String>,
-) -> Result<Vec<T>, SsvError> {
+) -> Result<Vec<T>, FileError> {
     let text = text.trim_start_matches('\u{feff}');
-    let document = xml::parse(text).map_err(|source| SsvError::Xml {
-        path: path.to_owned(),
-        source,
-    })?;
-    let at = |node: Node<'_, '_>, message: String| SsvError::At {
-        path: path.to_owned(),
-        line: document.text_pos_at(node.range().start).row,
-        message,
+    let document = xml::parse(text)
+        .map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
+    let at = |node: Node<'_, '_>, message: String| {
+        FileError::new(path, message).at(document.text_pos_at(node.range().start).row)
     };
     let root = document.root_element();
     let name = root.tag_name().name();
@@ -122,7 +83,7 @@ mod tests {
         Ok((name.to_owned(), setting))
     }
 
-    fn set(body: &str) -> Result<Vec<Entry>, SsvError> {
+    fn set(body: &str) -> Result<Vec<Entry>, FileError> {
         let text = format!(
             "<ParameterSet xmlns=\"{NAMESPACE}\" version=\"1.0\" name=\"x\"><Parameters>\n{body}\
              </Parameters></ParameterSet>"

@@ -4,11 +4,11 @@
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, Take};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 
-use crate::files;
+use crate::files::{self, FileError};
 use fmu_points::tell::{is_hidden, visible};
 
 /// The longest row that is read, MiB.
@@ -18,6 +18,7 @@ const MOST_ROW_BYTES: u64 = MOST_ROW << 20;
 /// A csv file that is being read.
 #[derive(Debug)]
 pub struct CsvFile {
+    path: PathBuf,
     reader: csv::Reader<Take<File>>,
     separator: u8,
 }
@@ -27,13 +28,17 @@ impl CsvFile {
     ///
     /// # Errors
     /// When it cannot be read.
-    pub fn open(path: &Path, comment: Option<u8>) -> csv::Result<Self> {
+    pub fn open(path: &Path, comment: Option<u8>) -> Result<Self, FileError> {
+        Self::begin(path, comment).map_err(|error| FileError::read(path, error))
+    }
+
+    fn begin(path: &Path, comment: Option<u8>) -> io::Result<Self> {
         let mut file = files::open(path)?;
         let mut start = BufReader::new(&file).take(MOST_ROW_BYTES);
         let archive = start.fill_buf()?.starts_with(b"PK\x03\x04");
         if archive {
             let message = "a zip archive, such as a spreadsheet or an FMU; save the table as csv";
-            return Err(io::Error::other(message).into());
+            return Err(io::Error::other(message));
         }
         let separator = separator(&mut start, comment)?;
         file.rewind()?;
@@ -41,6 +46,7 @@ impl CsvFile {
         builder.trim(csv::Trim::All).comment(comment);
         let file = file.take(MOST_ROW_BYTES);
         Ok(Self {
+            path: path.to_owned(),
             reader: builder.delimiter(separator).from_reader(file),
             separator,
         })
@@ -50,8 +56,10 @@ impl CsvFile {
     ///
     /// # Errors
     /// When it cannot be read.
-    pub fn header(&mut self) -> csv::Result<Vec<String>> {
-        let header = self.reader.headers()?;
+    pub fn header(&mut self) -> Result<Vec<String>, FileError> {
+        let header = self.reader.headers();
+        let header =
+            header.map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
         let header = header.iter().map(|name| text(name).into_owned());
         let header = header.collect();
         self.check_row()?;
@@ -62,15 +70,16 @@ impl CsvFile {
     ///
     /// # Errors
     /// When it cannot be read.
-    pub fn row(&mut self, row: &mut StringRecord) -> csv::Result<bool> {
+    pub fn row(&mut self, row: &mut StringRecord) -> Result<bool, FileError> {
         self.reader.get_mut().set_limit(MOST_ROW_BYTES);
-        let more = self.reader.read_record(row)?;
+        let more = self.reader.read_record(row);
+        let more = more.map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
         self.check_row()?;
         Ok(more)
     }
 
     /// A row that ends with what may be read of it may be longer.
-    fn check_row(&self) -> csv::Result<()> {
+    fn check_row(&self) -> Result<(), FileError> {
         if self.reader.get_ref().limit() > 0 {
             return Ok(());
         }
@@ -78,7 +87,7 @@ impl CsvFile {
             "line {}: a row longer than {MOST_ROW} MiB, which is the most that is read; look for a quote without an end",
             self.reader.position().line()
         );
-        Err(io::Error::other(message).into())
+        Err(FileError::new(&self.path, message))
     }
 
     /// The number in a cell of this file.
@@ -190,7 +199,7 @@ fn is_formula(text: &str) -> bool {
 }
 
 /// Why a file cannot be read, for people.
-pub fn reason(path: &Path, error: &csv::Error) -> String {
+fn reason(path: &Path, error: &csv::Error) -> String {
     let line = |position: &Option<csv::Position>| {
         let line = position.as_ref().map_or(0, csv::Position::line);
         format!("line {}", line.max(1))
@@ -289,11 +298,11 @@ mod tests {
         let mut row = StringRecord::new();
         assert_eq!(table.header().unwrap(), ["x"]);
         assert!(table.row(&mut row).unwrap());
-        let error = reason(&path, &table.row(&mut row).unwrap_err());
+        let error = table.row(&mut row).unwrap_err().to_string();
         assert!(error.contains("a row longer than 64 MiB"), "{error}");
         std::fs::write(&path, "PK\x03\x04").unwrap();
-        let error = reason(&path, &CsvFile::open(&path, None).unwrap_err());
-        assert!(error.starts_with("a zip archive"), "{error}");
+        let error = CsvFile::open(&path, None).unwrap_err().to_string();
+        assert!(error.contains(": a zip archive"), "{error}");
     }
 
     proptest::proptest! {

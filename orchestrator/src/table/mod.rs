@@ -3,67 +3,24 @@
 pub mod csv_file;
 pub mod parquet;
 
+use crate::files::FileError;
 use std::collections::HashSet;
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
-
-use csv_file::{CsvFile, reason};
+use csv_file::CsvFile;
 use fmu_points::names::{did_you_mean, nearest};
 use parquet::ParquetFile;
 
 /// The most rows that are read, some gigabytes.
 const MOST_ROWS: usize = 50_000_000;
 
-/// Why a table cannot be used.
-#[derive(Debug, Error)]
-pub enum TableError {
-    /// The file cannot be read.
-    #[error("{path}: {}", reason(path, .source))]
-    Read {
-        /// The table.
-        path: PathBuf,
-        /// The problem.
-        source: csv::Error,
-    },
-    /// A cell is not a number.
-    #[error("{path}:{line}: column `{column}`: `{text}` is not a number{}", remedy(.text))]
-    Number {
-        /// The table.
-        path: PathBuf,
-        /// The line, from 1.
-        line: u64,
-        /// The column.
-        column: String,
-        /// The cell.
-        text: String,
-    },
-    /// It has no rows or too many, a column is missing, or a column or a row is there twice.
-    #[error("{path}: {message}")]
-    Whole {
-        /// The table.
-        path: PathBuf,
-        /// The problem.
-        message: String,
-    },
+fn empty(path: &Path) -> FileError {
+    FileError::new(path, "the table has no rows")
 }
 
-impl TableError {
-    fn whole(path: &Path, message: impl Into<String>) -> Self {
-        Self::Whole {
-            path: path.to_owned(),
-            message: message.into(),
-        }
-    }
-
-    fn empty(path: &Path) -> Self {
-        Self::whole(path, "the table has no rows")
-    }
-
-    fn twice(path: &Path, what: &str) -> Self {
-        Self::whole(path, format!("{what} is there twice; remove or rename one"))
-    }
+fn twice(path: &Path, what: &str) -> FileError {
+    FileError::new(path, format!("{what} is there twice; remove or rename one"))
 }
 
 /// The remedy where a cell is no number.
@@ -104,12 +61,12 @@ impl Table {
     ///
     /// # Errors
     /// When the table cannot be read, a column is missing, or a cell is not a number.
-    pub fn read(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
+    pub fn read(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
         Self::load(path, columns, false)
     }
 
     /// With `gaps`, an empty cell is not a number instead of an error.
-    fn load(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, TableError> {
+    fn load(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
         let parquet = |extension: &OsStr| extension.eq_ignore_ascii_case("parquet");
         let table = if path.extension().is_some_and(parquet) {
             Self::read_parquet(path, columns, gaps)?
@@ -117,7 +74,7 @@ impl Table {
             Self::read_csv(path, columns, gaps)?
         };
         if table.rows.is_empty() {
-            return Err(TableError::empty(path));
+            return Err(empty(path));
         }
         Ok(table)
     }
@@ -126,7 +83,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::read`], and when two points have the same number.
-    pub fn read_points(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
+    pub fn read_points(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
         Self::load(path, columns, false)?.distinct(path)
     }
 
@@ -134,40 +91,36 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::read_points`].
-    pub fn read_results(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
+    pub fn read_results(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
         Self::load(path, columns, true)?.distinct(path)
     }
 
-    fn distinct(self, path: &Path) -> Result<Self, TableError> {
+    fn distinct(self, path: &Path) -> Result<Self, FileError> {
         let mut known = HashSet::new();
         match self.labels.iter().find(|&&label| !known.insert(label)) {
-            Some(twice) => Err(TableError::twice(path, &format!("point {twice}"))),
+            Some(label) => Err(twice(path, &format!("point {label}"))),
             None => Ok(self),
         }
     }
 
     /// Reads a csv file.
-    fn read_csv(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, TableError> {
+    fn read_csv(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
         const COMMENT: u8 = b'#';
-        let failed = |source| TableError::Read {
-            path: path.to_owned(),
-            source,
-        };
-        let mut file = CsvFile::open(path, Some(COMMENT)).map_err(failed)?;
-        let header = file.header().map_err(failed)?;
+        let mut file = CsvFile::open(path, Some(COMMENT))?;
+        let header = file.header()?;
         if header.is_empty() {
-            return Err(TableError::empty(path));
+            return Err(empty(path));
         }
         let mut reading = Reading::new(path, header, columns)?;
         let mut record = csv::StringRecord::new();
         // The reader skips blank lines. In a table of one column they are empty cells, but for those at the end.
         let blanks = if gaps && reading.header.len() == 1 {
-            csv_file::blank_rows(path, COMMENT).map_err(|error| failed(error.into()))?
+            csv_file::blank_rows(path, COMMENT).map_err(|error| FileError::read(path, error))?
         } else {
             Vec::new()
         };
         let mut blanks = blanks.into_iter().peekable();
-        while file.row(&mut record).map_err(failed)? {
+        while file.row(&mut record)? {
             while blanks.next_if_eq(&reading.table.rows.len()).is_some() {
                 reading.add(0, |_| Ok(f64::NAN), |_| None)?;
             }
@@ -184,8 +137,8 @@ impl Table {
     }
 
     /// Reads a Parquet file.
-    fn read_parquet(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, TableError> {
-        let failed = |message: String| TableError::whole(path, message);
+    fn read_parquet(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
+        let failed = |message: String| FileError::new(path, message);
         let source = ParquetFile::open(path).map_err(failed)?;
         let mut reading = Reading::new(path, source.names(), columns)?;
         for row in source.rows().map_err(failed)? {
@@ -216,7 +169,7 @@ struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    fn new(path: &'a Path, header: Vec<String>, columns: &[Column]) -> Result<Self, TableError> {
+    fn new(path: &'a Path, header: Vec<String>, columns: &[Column]) -> Result<Self, FileError> {
         let places = columns
             .iter()
             .map(|(names, purpose)| find(path, &header, names, purpose))
@@ -240,13 +193,13 @@ impl<'a> Reading<'a> {
         line: u64,
         number: impl Fn(usize) -> Result<f64, String>,
         label: impl Fn(usize) -> Option<u64>,
-    ) -> Result<(), TableError> {
+    ) -> Result<(), FileError> {
         let cell = |&place: &usize| {
-            number(place).map_err(|text| TableError::Number {
-                path: self.path.to_owned(),
-                line,
-                column: shown(&self.header[place]),
-                text: shown(&text),
+            number(place).map_err(|text| {
+                let (column, text) = (shown(&self.header[place]), shown(&text));
+                let remedy = remedy(&text);
+                let message = format!("column `{column}`: `{text}` is not a number{remedy}");
+                FileError::new(self.path, message).at(line)
             })
         };
         let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
@@ -254,7 +207,7 @@ impl<'a> Reading<'a> {
         if rows.len() == MOST_ROWS {
             let message =
                 format!("more than {MOST_ROWS} rows, which is the most that is read here");
-            return Err(TableError::whole(self.path, message));
+            return Err(FileError::new(self.path, message));
         }
         rows.push(numbers);
         labels.push(self.label.and_then(label).unwrap_or(rows.len() as u64));
@@ -277,7 +230,7 @@ fn find(
     header: &[String],
     names: &[String],
     purpose: &str,
-) -> Result<usize, TableError> {
+) -> Result<usize, FileError> {
     let place = names
         .iter()
         .find_map(|name| header.iter().position(|column| column == name));
@@ -285,7 +238,7 @@ fn find(
         && header[place + 1..].contains(&header[place])
     {
         let column = format!("column `{}`", shown(&header[place]));
-        return Err(TableError::twice(path, &column));
+        return Err(twice(path, &column));
     }
     let is_number = |name: &String| name.parse::<f64>().is_ok();
     place.ok_or_else(|| {
@@ -302,6 +255,6 @@ fn find(
             true => format!(": the first line must name the columns, and it has {known}"),
             false => format!("{suggestion}; it has {known}"),
         };
-        TableError::whole(path, format!("no column `{column}` for {purpose}{rest}"))
+        FileError::new(path, format!("no column `{column}` for {purpose}{rest}"))
     })
 }

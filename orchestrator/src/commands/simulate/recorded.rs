@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{Columns, CommandError};
+use super::Columns;
+use crate::error::Error;
 use crate::study::inputs::{
     covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running,
     takes_any_step,
@@ -10,19 +11,19 @@ use crate::study::inputs::{
 use crate::study::plan::find;
 use crate::study::quantity::Scale;
 use crate::table::csv_file::CsvFile;
-use crate::table::{self, Table, TableError};
+use crate::table::{self, Table};
 use fmu_import::Description;
 use fmu_points::task::{Schedule, Series};
 
 /// The variables of `--record`.
-pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, CommandError> {
+pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {
     let names = lists
         .iter()
         .flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
     let variable = |name: &str| {
         find(fmu, name)
             .cloned()
-            .map_err(|message| CommandError::option("record", message))
+            .map_err(|message| Error::option("record", message))
     };
     Ok(Columns::of(names.map(variable).collect::<Result<_, _>>()?))
 }
@@ -63,17 +64,12 @@ pub(super) fn inputs(
     ends_hold: bool,
     fmu: &Description,
     schedule: &Schedule,
-) -> Result<Vec<Series>, CommandError> {
+) -> Result<Vec<Series>, Error> {
     const TIME: &str = "time";
-    let failed = |source| TableError::Read {
-        path: path.to_owned(),
-        source,
-    };
-    let mut file = CsvFile::open(path, Some(b'#')).map_err(failed)?;
-    let header = file.header().map_err(failed)?;
+    let header = CsvFile::open(path, Some(b'#'))?.header()?;
     let series = |column: &String| {
         let wrong = |message: String| {
-            CommandError::option(
+            Error::option(
                 "input",
                 format!("{}: column `{column}`: {message}", path.display()),
             )
@@ -101,15 +97,13 @@ pub(super) fn inputs(
         Ok(series)
     };
     let inputs = header.iter().filter(|name| *name != TIME);
-    let inputs = inputs
-        .map(series)
-        .collect::<Result<Vec<Series>, CommandError>>()?;
+    let inputs = inputs.map(series).collect::<Result<Vec<Series>, Error>>()?;
     if inputs.is_empty() {
         let message = format!(
             "{}: no column beside `{TIME}`: add one for each input",
             path.display()
         );
-        return Err(CommandError::option("input", message));
+        return Err(Error::option("input", message));
     }
     if let Some(concern) = many_steps(&inputs, schedule) {
         fmu_points::tell::line!("note: {concern}");

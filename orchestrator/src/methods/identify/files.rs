@@ -1,11 +1,10 @@
 //! The files of an identification.
 
 use std::path::{Path, PathBuf};
-
-use crate::error::CommandError;
-use crate::results::{ResultsError, write_atomically};
+use crate::error::Error;
+use crate::results::{write_atomically};
 use crate::study::{Identification, Study};
-use crate::table::csv_file::{self, CsvFile, reason};
+use crate::table::csv_file::{self, CsvFile};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
 
@@ -15,7 +14,7 @@ pub(super) fn write(
     study: &Study,
     settings: &Identification,
     outcome: &IdentificationOutcome,
-) -> Result<(), CommandError> {
+) -> Result<(), Error> {
     let name = study
         .path()
         .file_name()
@@ -50,7 +49,7 @@ fn remove_others(
     stem: &str,
     ending: &str,
     optima: usize,
-) -> Result<(), CommandError> {
+) -> Result<(), Error> {
     if optima != 1 {
         remove(&folder.join(format!("{stem}.{ending}")))?;
     }
@@ -62,16 +61,16 @@ fn remove_others(
     Ok(())
 }
 
-pub(super) fn remove(path: &Path) -> Result<(), CommandError> {
+pub(super) fn remove(path: &Path) -> Result<(), Error> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(ResultsError::io(path)(error).into())
+            Err(Error::io(path)(error))
         }
         _ => Ok(()),
     }
 }
 
-fn write_validation(folder: &Path, outcome: &IdentificationOutcome) -> Result<(), CommandError> {
+fn write_validation(folder: &Path, outcome: &IdentificationOutcome) -> Result<(), Error> {
     let path = folder.join("cross-validation.csv");
     let Some(validation) = &outcome.cross_validation else {
         // One of an earlier run would be taken for this one's.
@@ -95,17 +94,14 @@ fn write_cases(
     settings: &Identification,
     outcome: &IdentificationOutcome,
     optimum: usize,
-) -> Result<(), CommandError> {
+) -> Result<(), Error> {
     let Some(path) = &settings.cases else {
         return Ok(());
     };
     let path = beside(study, path.as_ref());
-    let failed = |error: csv::Error| ResultsError::Content {
-        path: path.clone(),
-        message: reason(&path, &error),
-    };
-    let mut table = CsvFile::open(&path, Some(b'#')).map_err(failed)?;
-    let header = table.header().map_err(failed)?;
+    let failed = |error: csv::Error| Error::content(&path, error);
+    let mut table = CsvFile::open(&path, Some(b'#'))?;
+    let header = table.header()?;
     let latents = settings.latent.values();
     let places: Vec<Option<usize>> = latents
         .map(|latent| {
@@ -119,7 +115,7 @@ fn write_cases(
     writer.write_record(names).map_err(failed)?;
     let mut row = csv::StringRecord::new();
     for case in &outcome.optima[optimum].latents {
-        if !table.row(&mut row).map_err(failed)? {
+        if !table.row(&mut row)? {
             break;
         }
         let texts = row.iter().map(|cell| csv_file::text(cell).into_owned());

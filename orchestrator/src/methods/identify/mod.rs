@@ -11,17 +11,16 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
 use super::known::Finished;
 use super::setup::{self, Source, SourceParts};
 use crate::document::Document;
-use crate::error::CommandError;
 use crate::identify::bind::Bound;
 use crate::identify::from_study;
 use crate::identify::model::FmuModel;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
-use crate::results::ResultsError;
 use crate::session::Request;
 use crate::study::{Identification, Study};
 use calibration::cross::outcome::CrossValidation;
@@ -63,7 +62,7 @@ pub(super) fn shown(_: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options or the study cannot be used, and when the search fails.
-pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Options { work, asked } = options;
     let fit = asking::open(work, asked)?;
     let folder = setup::folder(work.output.as_deref(), &work.study, &work.parts, None)?;
@@ -133,11 +132,11 @@ impl Analysis for Asked {
         Some("each step of a search depends on the one before, so it has no parts; --resume goes on with one")
     }
 
-    fn open(&self, request: Request) -> Result<Fit, CommandError> {
+    fn open(&self, request: Request) -> Result<Fit, Error> {
         let seed = self.seed.or(request.seed);
         let study = Study::read(&request.study)?;
         let settings = self.settings(&study, seed)?;
-        let package = study.open_fmu::<CommandError>(request.fmu.as_deref())?;
+        let package = study.open_fmu(request.fmu.as_deref())?;
         let fmu = package.description();
         // The unknowns and the data are those of the study's cases, or of the section `[identify]`.
         let bound = match study.cases.is_empty() {
@@ -153,13 +152,13 @@ impl Analysis for Asked {
         })
     }
 
-    fn points(&self, fit: &Fit) -> Result<PointSet, CommandError> {
+    fn points(&self, fit: &Fit) -> Result<PointSet, Error> {
         let Fit {
             study, settings, ..
         } = fit;
         let table = settings.cases.as_ref().map(|path| {
             let path = files::beside(study, path.as_ref());
-            crate::files::digest(&path).map_err(ResultsError::io(&path))
+            crate::files::digest(&path).map_err(Error::io(&path))
         });
         Ok(PointSet {
             seed: settings.seed,
@@ -169,7 +168,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn check(&self, fit: &Fit) -> Result<(), CommandError> {
+    fn check(&self, fit: &Fit) -> Result<(), Error> {
         let Fit {
             study,
             settings,
@@ -185,7 +184,7 @@ impl Analysis for Asked {
                     "the cases of a study are fitted together; to predict one from the others, set `held-out = true` in it"
                 }
             };
-            return Err(CommandError::option("cross-validate", message));
+            return Err(Error::option("cross-validate", message));
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         surrogate::check(study, settings, bound, self)
@@ -196,7 +195,7 @@ impl Analysis for Asked {
         fit: &Fit,
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
-    ) -> Result<AnalysisResult, CommandError> {
+    ) -> Result<AnalysisResult, Error> {
         let (outcome, sample) = find(self, fit, pipeline)?;
         files::write(folder, &fit.study, &fit.settings, &outcome)?;
         posterior::write(folder, &fit.bound, sample.as_ref())?;
@@ -218,7 +217,7 @@ impl Analysis for Asked {
 
 impl Asked {
     /// The study's settings, overridden by the command line. A study with cases need not have any.
-    fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, CommandError> {
+    fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, Error> {
         let usual = || (!study.cases.is_empty()).then(Identification::default);
         let mut settings = study.identify.clone().or_else(usual).ok_or_else(|| {
             study.error(
@@ -239,7 +238,7 @@ fn find(
     options: &Asked,
     fit: &Fit,
     pipeline: &mut Pipeline<'_>,
-) -> Result<(IdentificationOutcome, Option<Sample>), CommandError> {
+) -> Result<(IdentificationOutcome, Option<Sample>), Error> {
     let Fit {
         study,
         settings,
@@ -318,8 +317,8 @@ fn find(
     };
     let found = search();
     found.map_err(|error: SearchError| match model.halted() {
-        Some(halt) => halt.into(),
-        None => CommandError::Search(error.to_string()),
+        Some(halt) => halt,
+        None => Error::Search(error.to_string()),
     })
 }
 
@@ -364,7 +363,7 @@ fn starts(
     study: &Study,
     settings: &Identification,
     unknowns: usize,
-) -> Result<Vec<Vec<f64>>, CommandError> {
+) -> Result<Vec<Vec<f64>>, Error> {
     let starts = cube(unknowns, settings.starts.max(1), settings.seed, 1);
     Ok(starts.map_err(|message| study.error(format!("[identify] {message}")))?)
 }

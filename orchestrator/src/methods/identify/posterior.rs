@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::Instant;
 
+use crate::error::Error;
 use super::files::remove;
-use crate::error::CommandError;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
 use crate::study::identification::PosteriorStart;
@@ -34,7 +34,7 @@ pub(super) fn check(
     settings: &Identification,
     bound: &Bound,
     by_option: bool,
-) -> Result<(), CommandError> {
+) -> Result<(), Error> {
     let Some(particles) = &settings.posterior else {
         return Ok(());
     };
@@ -48,7 +48,7 @@ pub(super) fn check(
         "{number} particles: with {unknowns} unknowns, give {fewest} or more, and at most {MOST}"
     );
     Err(match by_option {
-        true => CommandError::option("posterior", message),
+        true => Error::option("posterior", message),
         false => study.error_at(particles, message).into(),
     })
 }
@@ -108,7 +108,7 @@ pub(super) fn write(
     folder: &Path,
     bound: &Bound,
     sample: Option<&Sample>,
-) -> Result<(), CommandError> {
+) -> Result<(), Error> {
     let path = folder.join(FILE);
     let Some(sample) = sample else {
         return remove(&path);

@@ -1,7 +1,7 @@
 //! `identify --surrogate`: polynomials in place of the model.
 
+use crate::error::Error;
 use super::Asked;
-use crate::error::CommandError;
 use crate::identify::bind::Bound;
 use crate::study::{Identification, Study};
 use calibration::objective::{Misfit, Objective};
@@ -22,7 +22,7 @@ pub(super) fn check(
     settings: &Identification,
     bound: &Bound,
     options: &Asked,
-) -> Result<(), CommandError> {
+) -> Result<(), Error> {
     let Some(runs) = &settings.surrogate else {
         return Ok(());
     };
@@ -36,7 +36,7 @@ pub(super) fn check(
         format!("{number} runs: give {fewest} or more for these unknowns, and at most {MOST}")
     };
     Err(match options.surrogate.is_some() {
-        true => CommandError::option("surrogate", message),
+        true => Error::option("surrogate", message),
         false => study.error_at(runs, message).into(),
     })
 }

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::document::Document;
-use crate::error::CommandError;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
@@ -64,7 +64,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Work { study, output, .. } = &options.work;
     let from = known::from(options.from.as_deref(), study);
     let analysis = match options.generations {
@@ -78,11 +78,13 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
         },
     };
     let folder = output.clone().unwrap_or_else(|| from.clone());
+    let session = asking::open(&options.work, &analysis);
+    let bound = !matches!(session, Err(Error::File(_)));
     let run = |session| asking::run(session, &analysis, &options.work, folder.clone());
-    match asking::open(&options.work, &analysis).and_then(run) {
+    match session.and_then(run) {
         // Without the FMU the front is the same, but the nominal design cannot be run.
-        Err(CommandError::Session(_) | CommandError::Study(_) | CommandError::Fmu(_))
-            if options.generations.is_none() =>
+        Err(error)
+            if options.generations.is_none() && (!bound || matches!(error, Error::Fmu(_))) =>
         {
             let result = of_points(&from, &Study::read(study)?, |_| Ok(None))?;
             Delivery::without_runs(result, &options.work, folder)
@@ -116,11 +118,11 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, CommandError> {
+    fn open(&self, request: Request) -> Result<Session, Error> {
         asking::session(request, Takes::default())
     }
 
-    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+    fn points(&self, _: &Session) -> Result<PointSet, Error> {
         // A search over more generations begins as one over fewer, so their number is left out.
         Ok(match self {
             Self::Search {
@@ -154,7 +156,7 @@ impl Analysis for Asked {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         _: &Path,
-    ) -> Result<AnalysisResult, CommandError> {
+    ) -> Result<AnalysisResult, Error> {
         match *self {
             Self::Search {
                 generations,
@@ -184,21 +186,21 @@ impl Analysis for Asked {
 fn of_points(
     from: &Path,
     study: &Study,
-    nominal: impl FnOnce(&PointTable) -> Result<Option<Member>, CommandError>,
-) -> Result<AnalysisResult, CommandError> {
+    nominal: impl FnOnce(&PointTable) -> Result<Option<Member>, Error>,
+) -> Result<AnalysisResult, Error> {
     let (summary, table) = known::points_of(from, study, table::read)?;
     let nominal = nominal(&table)?;
     let result = trade_off(&table, true, nominal, "the study's points".to_owned());
     result_of(result, Origin::of_points(&summary))
 }
 
-fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, CommandError> {
-    let result = result.ok_or_else(|| CommandError::Search("no point has values".to_owned()))?;
+fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, Error> {
+    let result = result.ok_or_else(|| Error::Search("no point has values".to_owned()))?;
     AnalysisResult::new(&result, origin, document(&result).as_text(), FILE)
 }
 
 /// The parameters at the medians of their distributions.
-fn nominal(session: &Session, pipeline: &mut Pipeline<'_>) -> Result<Member, CommandError> {
+fn nominal(session: &Session, pipeline: &mut Pipeline<'_>) -> Result<Member, Error> {
     let middle = vec![0.5; session.plan.varied().len()];
     let points = [session.plan.from_cube(&middle)];
     let outcomes = pipeline.ask(&points)?;
@@ -210,7 +212,7 @@ fn search(
     session: &Session,
     pipeline: &mut Pipeline<'_>,
     settings: nsga2::Evolution,
-) -> Result<PointTable, CommandError> {
+) -> Result<PointTable, Error> {
     let limits = vec![[0.001, 0.999]; session.plan.varied().len()];
     let (mut points, mut outcomes) = (Vec::new(), Vec::new());
     nsga2::minimise(&limits, settings, |cube| {
@@ -219,7 +221,7 @@ fn search(
         let table = asking::table(session, &own, found.clone());
         points.extend(own);
         outcomes.extend(found);
-        Ok::<_, CommandError>(
+        Ok::<_, Error>(
             (0..cube.len())
                 .map(|i| Member::of(&table, i).deviations)
                 .collect(),

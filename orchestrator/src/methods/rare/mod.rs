@@ -11,12 +11,12 @@ use serde::Serialize;
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code};
 use super::setup;
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::judge::Judge;
 use crate::options::Work;
-use crate::pipeline::{Halt, Pipeline};
+use crate::pipeline::Pipeline;
 use crate::results::points::number;
-use crate::results::{Outcome, ResultsError, write_atomically};
+use crate::results::{Outcome, write_atomically};
 use crate::session::{Request, Session};
 use crate::table::csv_file;
 use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
@@ -66,12 +66,12 @@ pub struct Options {
 ///
 /// # Errors
 /// When the options or the study cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+pub fn run(options: &Options) -> Result<Delivery, Error> {
     let points = options.points.unwrap_or(USUAL_RUNS);
     if points < FEWEST_RUNS {
         let message =
             format!("a rare share takes at least {FEWEST_RUNS} runs; give more, or leave it out");
-        return Err(CommandError::option("points", message));
+        return Err(Error::option("points", message));
     }
     let mut analysis = Rare {
         event: options.event,
@@ -92,7 +92,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
 }
 
 /// Refuses studies of which a rare share says nothing.
-fn refuse(session: &Session) -> Result<(), CommandError> {
+fn refuse(session: &Session) -> Result<(), Error> {
     if let Some(joint) = session.plan.joints.first() {
         let name = &session.plan.inputs[joint.lead()].name;
         let message = format!(
@@ -159,7 +159,7 @@ impl Analysis for Rare {
 
     type Source = Session;
 
-    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+    fn points(&self, _: &Session) -> Result<PointSet, Error> {
         Ok(PointSet {
             seed: self.seed,
             // The search ends when it knows enough.
@@ -173,12 +173,12 @@ impl Analysis for Rare {
         Some("each set of points depends on the ones before; run it in one piece")
     }
 
-    fn open(&self, request: Request) -> Result<Session, CommandError> {
+    fn open(&self, request: Request) -> Result<Session, Error> {
         // `check` refuses samples with a reason of its own.
         asking::session(request, Takes::ALL)
     }
 
-    fn check(&self, session: &Session) -> Result<(), CommandError> {
+    fn check(&self, session: &Session) -> Result<(), Error> {
         refuse(session)
     }
 
@@ -187,7 +187,7 @@ impl Analysis for Rare {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
-    ) -> Result<AnalysisResult, CommandError> {
+    ) -> Result<AnalysisResult, Error> {
         let Session { plan, judge, .. } = session;
         let search = Search {
             dimensions: plan.varied().len(),
@@ -198,7 +198,7 @@ impl Analysis for Rare {
         };
         // The outcomes at points of the event, which go into the table.
         let mut met: HashMap<Vec<u64>, Outcome> = HashMap::new();
-        let mut ask = |scores: &[Vec<f64>]| -> Result<Vec<Judged>, Halt> {
+        let mut ask = |scores: &[Vec<f64>]| -> Result<Vec<Judged>, Error> {
             let points: Vec<Vec<f64>> = scores.iter().map(|own| plan.at_scores(own)).collect();
             let outcomes = pipeline.ask(&points)?;
             let mut results = Vec::with_capacity(outcomes.len());
@@ -237,7 +237,7 @@ fn write_table(
     session: &Session,
     answer: &Answer,
     outcomes: &HashMap<Vec<u64>, Outcome>,
-) -> Result<(), ResultsError> {
+) -> Result<(), Error> {
     let Session { plan, judge, .. } = session;
     write_atomically(path, |out| {
         let mut table = csv::Writer::from_writer(out);

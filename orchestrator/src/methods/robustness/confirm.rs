@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use crate::error::Error;
 use super::super::asking;
 use super::joint;
-use crate::error::CommandError;
 use crate::pipeline::Pipeline;
 use crate::session::Session;
 use parameter_regions::robustness::{Robustness, refined, rows};
@@ -31,11 +31,11 @@ impl Confirmation<'_, '_> {
     /// ellipsoid, and notes the outcome. Where a statement does not hold, the surrogates learn
     /// from these runs, and their new statements are confirmed by new runs: points that judge a
     /// statement must be independent of the points that it was made from.
-    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, CommandError> {
+    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, Error> {
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(self.table.parameters.iter().map(|p| &p.name)) {
             let message = "the study's parameters are not those of the points";
-            return Err(CommandError::option("confirm", message));
+            return Err(Error::option("confirm", message));
         }
         let mut known = self.table.clone();
         for round in 0..ROUNDS {
@@ -62,7 +62,7 @@ impl Confirmation<'_, '_> {
     }
 
     /// Fresh runs inside what is stated, noted there.
-    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, CommandError> {
+    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, Error> {
         let parameters = &self.table.parameters;
         let places: Vec<usize> = (0..parameters.len())
             .filter(|&k| result.parameters.contains(&parameters[k].name))
@@ -99,17 +99,17 @@ impl Confirmation<'_, '_> {
         &self,
         sequence: u64,
         inside: impl Fn(&[f64]) -> bool,
-    ) -> Result<Vec<Vec<f64>>, CommandError> {
+    ) -> Result<Vec<Vec<f64>>, Error> {
         let plan = &self.session.plan;
         // Far from the seeds that people give to studies.
         let seed = !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence);
         let points = joint(plan, MOST_DRAWS, seed);
-        let points = points.map_err(|message| CommandError::option("confirm", message))?;
+        let points = points.map_err(|message| Error::option("confirm", message))?;
         let draws = (0..MOST_DRAWS).map(|index| points.point(index));
         Ok(draws.filter(|x| inside(x)).take(self.points).collect())
     }
 
-    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable, CommandError> {
+    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable, Error> {
         let outcomes = self.pipeline.ask(&points)?;
         Ok(asking::table(self.session, &points, outcomes))
     }

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use super::setup;
 use crate::document::Document;
-use crate::error::CommandError;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
@@ -63,7 +63,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+pub fn run(options: &Options) -> Result<Delivery, Error> {
     let work = &options.work;
     let from = known::from(options.from.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
@@ -86,7 +86,7 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
     }
     if shard.is_some() || work.parts.resume {
         let message = "without new runs there is nothing to resume or to share; add --confirm N";
-        return Err(CommandError::option("confirm", message));
+        return Err(Error::option("confirm", message));
     }
     // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
     let session = match session {
@@ -106,11 +106,11 @@ pub fn run(options: &Options) -> Result<Delivery, CommandError> {
 }
 
 /// The probability that box and ellipsoid must hold.
-fn level(options: &Options, study: &Study) -> Result<f64, CommandError> {
+fn level(options: &Options, study: &Study) -> Result<f64, Error> {
     const MESSAGE: &str = "must lie between 0 and 1";
     let inside = |level: f64| level > 0.0 && level < 1.0;
     match (options.level, &study.robustness.level) {
-        (Some(level), _) if !inside(level) => Err(CommandError::option("level", MESSAGE)),
+        (Some(level), _) if !inside(level) => Err(Error::option("level", MESSAGE)),
         (Some(level), _) => Ok(level),
         (None, Some(level)) if !inside(*level.as_ref()) => {
             Err(study.error_at(level, format!("level {MESSAGE}")).into())
@@ -138,16 +138,16 @@ impl Asked {
         &self,
         study: &Study,
         plan: Option<&Plan>,
-    ) -> Result<(Origin, PointTable, Vec<Vec<f64>>), CommandError> {
+    ) -> Result<(Origin, PointTable, Vec<Vec<f64>>), Error> {
         let (summary, table) = known::points_of(&self.from, study, table::read)?;
         let cloud = cloud(plan, &table, self.seed)?;
         Ok((Origin::of_points(&summary), table, cloud))
     }
 
-    fn stated(&self, table: &PointTable, cloud: &[Vec<f64>]) -> Result<Robustness, CommandError> {
+    fn stated(&self, table: &PointTable, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
         robustness(table, cloud, self.level).ok_or_else(|| {
             let message = "the points are too few for a surrogate, or no parameter varies: verify more points";
-            CommandError::option("from", message)
+            Error::option("from", message)
         })
     }
 }
@@ -157,11 +157,11 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, CommandError> {
+    fn open(&self, request: Request) -> Result<Session, Error> {
         asking::session(request, Takes::ALL)
     }
 
-    fn points(&self, _: &Session) -> Result<PointSet, CommandError> {
+    fn points(&self, _: &Session) -> Result<PointSet, Error> {
         Ok(PointSet {
             seed: self.seed,
             // Further rounds follow where a statement does not hold.
@@ -176,7 +176,7 @@ impl Analysis for Asked {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         _: &Path,
-    ) -> Result<AnalysisResult, CommandError> {
+    ) -> Result<AnalysisResult, Error> {
         let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&table, &cloud)?;
         let mut confirmed = Confirmation {
@@ -199,16 +199,16 @@ fn cloud(
     plan: Option<&Plan>,
     table: &PointTable,
     seed: u64,
-) -> Result<Vec<Vec<f64>>, CommandError> {
+) -> Result<Vec<Vec<f64>>, Error> {
     const SIZE: u64 = 65_536;
     let own = || table.parameters.iter().map(|p| &p.name);
     match plan {
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) && !plan.is_independent() => {
-            let points = joint(plan, SIZE, seed).map_err(|message| CommandError::option("seed", message))?;
+            let points = joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
             Ok((0..SIZE).map(|index| points.point(index)).collect())
         }
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) => {
-            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| CommandError::option("seed", message))?;
+            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?;
             Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),

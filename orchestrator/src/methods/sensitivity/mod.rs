@@ -11,11 +11,11 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use super::setup;
 use crate::document::Document;
-use crate::error::CommandError;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
@@ -100,7 +100,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Work {
         study: path,
         output,
@@ -139,7 +139,7 @@ pub struct Asked {
 
 impl Asked {
     /// The settings from the options, else from the study, else the defaults.
-    fn new(options: &Options, study: &Study) -> Result<Self, CommandError> {
+    fn new(options: &Options, study: &Study) -> Result<Self, Error> {
         let said = &study.sensitivity;
         let estimator = said.estimator.as_ref().map(|name| {
             FirstOrder::named(name.as_ref()).ok_or_else(|| {
@@ -168,7 +168,7 @@ impl Asked {
         };
         if options.estimator.is_some() && method.facts().name != RUNS[0].facts().name {
             let message = format!("{} has no estimators to choose from", method.facts().name);
-            return Err(CommandError::option("estimator", message));
+            return Err(Error::option("estimator", message));
         }
         Ok(Self {
             method: method.facts().name.to_owned(),
@@ -181,8 +181,8 @@ impl Asked {
         })
     }
 
-    fn method(&self) -> Result<&'static dyn method::FromRuns, CommandError> {
-        named(&self.method).map_err(|message| CommandError::option("method", message))
+    fn method(&self) -> Result<&'static dyn method::FromRuns, Error> {
+        named(&self.method).map_err(|message| Error::option("method", message))
     }
 
     fn settled(&self) -> Settled {
@@ -198,7 +198,7 @@ impl Options {
     /// Method and size from the command line.
     fn method_and_size(
         &self,
-    ) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), CommandError> {
+    ) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), Error> {
         let sizes = [
             ("sobol", self.base),
             ("morris", self.morris),
@@ -212,7 +212,7 @@ impl Options {
         };
         let method = chosen.0.map(named).transpose();
         Ok((
-            method.map_err(|message| CommandError::option("method", message))?,
+            method.map_err(|message| Error::option("method", message))?,
             chosen.1,
         ))
     }
@@ -223,7 +223,7 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, CommandError> {
+    fn open(&self, request: Request) -> Result<Session, Error> {
         let takes = Takes {
             correlations: self.method()?.facts().takes_correlations,
             samples: false,
@@ -231,9 +231,9 @@ impl Analysis for Asked {
         asking::session(request, takes)
     }
 
-    fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
+    fn points(&self, session: &Session) -> Result<PointSet, Error> {
         let method = self.method()?;
-        enough(self.size).map_err(|message| CommandError::option(method.facts().option, message))?;
+        enough(self.size).map_err(|message| Error::option(method.facts().option, message))?;
         Ok(PointSet {
             seed: self.seed,
             points: Some(method.runs(&space(&session.plan), self.size)),
@@ -247,11 +247,11 @@ impl Analysis for Asked {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
-    ) -> Result<AnalysisResult, CommandError> {
+    ) -> Result<AnalysisResult, Error> {
         let method = self.method()?;
         let design = method
             .design(&space(&session.plan), &self.settled())
-            .map_err(|message| CommandError::option(method.facts().option, message))?;
+            .map_err(|message| Error::option(method.facts().option, message))?;
         let rows = simulate(session, pipeline, &design)?;
         keep_runs(folder, &rows)?;
         let mut result = from_runs(method, &design, &rows, &self.settled());
@@ -290,7 +290,7 @@ fn simulate(
     session: &Session,
     pipeline: &mut Pipeline<'_>,
     cube: &[Vec<f64>],
-) -> Result<PointTable, CommandError> {
+) -> Result<PointTable, Error> {
     let plan = &session.plan;
     let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
     let outcomes = pipeline.ask(&points)?;
@@ -305,7 +305,7 @@ fn simulate(
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.
-fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), CommandError> {
+fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), Error> {
     make_folder(folder)?;
     let parameters = rows
         .parameters

@@ -1,10 +1,9 @@
 //! The goal of the tolerances.
 
 use std::path::Path;
-
-use crate::error::CommandError;
+use crate::error::Error;
 use crate::judge::{Judge, share};
-use crate::results::{ResultsError, table};
+use crate::results::{table};
 use crate::study::Study;
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
@@ -25,7 +24,7 @@ pub(super) struct Goal<'a> {
 
 impl<'a> Goal<'a> {
     /// The study's goal; a guard band that limits a risk is that of the finished study in `from`.
-    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, CommandError> {
+    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, Error> {
         const USUAL: f64 = 0.95;
         let said = &study.tolerances;
         let own = judge.rule.map(|rule| rule.share);
@@ -86,12 +85,12 @@ impl<'a> Goal<'a> {
     }
 }
 
-fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, CommandError> {
+fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, Error> {
     let band = match judge.guard {
         Guard::Given(factor) => Some(factor),
         Guard::Limiting { .. } => {
             let summary = match table::summary(from) {
-                Err(ResultsError::Missing(_)) => None,
+                Err(Error::Missing(_)) => None,
                 summary => Some(summary?),
             };
             let of_study = summary.filter(|s| s.provenance.study_sha256 == study.digest());

@@ -9,20 +9,21 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use crate::error::Error;
+use crate::files::FileError;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use super::setup;
 use crate::document::format::number;
 use crate::document::Document;
-use crate::error::CommandError;
 use crate::options::Work;
-use crate::pipeline::{Halt, Pipeline};
+use crate::pipeline::{Pipeline};
 use crate::results::Outcome;
 use crate::results::summary::ParameterSummary;
 use crate::results::table;
 use crate::session::{Request, Session};
 use crate::study::plan::{Input, Plan};
-use crate::study::{Study, StudyError};
+use crate::study::{Study};
 use goal::Goal;
 use parameter_regions::table::PointTable;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances};
@@ -66,7 +67,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, CommandError> {
+pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Work {
         study: path,
         output,
@@ -103,7 +104,7 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, CommandError> {
+    fn open(&self, request: Request) -> Result<Session, Error> {
         let takes = Takes {
             correlations: false,
             samples: true,
@@ -111,7 +112,7 @@ impl Analysis for Asked {
         asking::session(request, takes)
     }
 
-    fn points(&self, session: &Session) -> Result<PointSet, CommandError> {
+    fn points(&self, session: &Session) -> Result<PointSet, Error> {
         let known = self.known(session)?.is_some();
         Ok(PointSet {
             seed: self.seed,
@@ -129,7 +130,7 @@ impl Analysis for Asked {
         Some("each round of points depends on the ones before; run it in one piece")
     }
 
-    fn check(&self, session: &Session) -> Result<(), CommandError> {
+    fn check(&self, session: &Session) -> Result<(), Error> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         self.problem(session, &goal).map(drop)
     }
@@ -139,7 +140,7 @@ impl Analysis for Asked {
         session: &Session,
         pipeline: &mut Pipeline<'_>,
         _: &Path,
-    ) -> Result<AnalysisResult, CommandError> {
+    ) -> Result<AnalysisResult, Error> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
         let mut runs = Runs {
@@ -160,7 +161,7 @@ impl Analysis for Asked {
         let at_centre = goal.goods(&centre).iter().sum::<f64>() / centre.len() as f64;
         let mut fresh = |points: Vec<Vec<f64>>| {
             let outcomes = runs.outcomes(&points)?;
-            Ok::<_, CommandError>(goal.goods(&outcomes))
+            Ok::<_, Error>(goal.goods(&outcomes))
         };
         let answer = problem.search(&mut sample, at_centre, &mut fresh)?;
         let mut told = Tolerances {
@@ -198,7 +199,7 @@ impl Analysis for Asked {
 
 impl Asked {
     /// The points of the finished study, if they were drawn from the parameters' distributions.
-    fn known(&self, session: &Session) -> Result<Option<PointTable>, CommandError> {
+    fn known(&self, session: &Session) -> Result<Option<PointTable>, Error> {
         if !self.from.join("summary.json").exists() {
             return Ok(None);
         }
@@ -212,7 +213,7 @@ impl Asked {
         Ok((drawn && own && !table.is_empty()).then_some(table))
     }
 
-    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, CommandError> {
+    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, Error> {
         let Session { study, plan, .. } = session;
         let with_tolerances = plan.with_tolerances();
         if with_tolerances.is_empty() {
@@ -270,7 +271,7 @@ fn of_points(plan: &Plan) -> Vec<usize> {
 }
 
 /// Relative cost of a narrower tolerance, for each parameter that has one.
-fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, StudyError> {
+fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, FileError> {
     let varied: Vec<&str> = plan
         .with_tolerances()
         .iter()
@@ -298,7 +299,7 @@ fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, StudyError> {
     Ok(varied.iter().map(cost).collect())
 }
 
-fn limit(study: &Study) -> Result<f64, StudyError> {
+fn limit(study: &Study) -> Result<f64, FileError> {
     const USUAL: f64 = 3.0;
     match &study.tolerances.limit {
         Some(limit) if !(*limit.as_ref() > 0.0 && limit.as_ref().is_finite()) => {
@@ -368,7 +369,7 @@ struct Runs<'a, 'b> {
 
 impl Runs<'_, '_> {
     /// The results of points; none for those that fail.
-    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Halt> {
+    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Error> {
         let inputs = &self.session.plan.inputs;
         let full = |point: &Vec<f64>| -> Vec<f64> {
             let mut all: Vec<f64> = inputs
