@@ -1,10 +1,12 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
-use conformity::measured::{Measured, Measurement, Uncertainty};
+use conformity::measured::Uncertainty;
 use orchestrator::document::Document;
+use orchestrator::judge::Criterion;
 use orchestrator::methods::{pareto, robustness as robust, sensitivity};
-use orchestrator::report::passes::{CriterionPasses, Passes, median_miss};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
+use orchestrator::results::Summary;
+use orchestrator::results::summary::{Count, CriterionCount, Provenance};
 use parameter_regions::pareto::study::{Member, trade_off};
 use parameter_regions::robustness::{region, robustness, rows};
 use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
@@ -18,24 +20,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let n: usize = arguments.next().unwrap_or("50".into()).parse()?;
     let folder = arguments.next().unwrap_or("target/demo".into());
     let table = cloud(n);
+    let summary = summary(&table);
     let report = Report {
         documents: documents(&table),
-        passes: passes(&table),
-        interval_method: "Wilson's score interval".into(),
-        study: "Plain bearing, parameter distribution of Table 3".into(),
-        model: "PlainBearingStand".into(),
-        date: "2026-01-01".into(),
-        judgement: Judgement {
-            measurement: measurement(&table)?,
-            ..Judgement::default()
-        },
+        judgement: Judgement::new(&summary)?,
+        summary,
         table,
         history: history(),
-        provenance: vec![
-            ("Seed".into(), "1".into()),
-            ("Points".into(), n.to_string()),
-            ("FMU SHA-256".into(), "0f".repeat(32)),
-        ],
         command: "orchestrator verify studies/paper-table3.toml --output results/paper".into(),
         study_text: "[design]\nmethod = \"monte-carlo\"\n".into(),
         ..Report::default()
@@ -44,31 +35,42 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The counts that a study's summary would have.
-fn passes(table: &PointTable) -> Passes {
+/// What a study's summary would say of the points.
+fn summary(table: &PointTable) -> Summary {
     let share = |passes: &dyn Fn(usize) -> bool| {
         let count = (0..table.len()).filter(|&i| passes(i)).count();
-        Fraction::wilson(count, table.len())
+        let share = Fraction::wilson(count, table.len());
+        Count {
+            passed: count as u64,
+            fraction: share.value(),
+            interval: Some([share.low, share.high]),
+        }
     };
     let bindings: Vec<_> = (0..table.len()).map(|i| table.binding(i)).collect();
     let criterion = |(k, c): (usize, &CriterionColumn)| {
-        let others = |i: usize| {
-            table
-                .criteria
-                .iter()
-                .enumerate()
-                .all(|(j, other)| j == k || other.ok[i])
+        let all = || table.criteria.iter().enumerate();
+        let others = |i: usize| all().all(|(j, other)| j == k || other.ok[i]);
+        let bindings = bindings.iter().flatten();
+        let tolerance = c.upper - c.nominal;
+        let count = CriterionCount {
+            count: share(&|i| c.ok[i]),
+            binds: bindings.filter(|b| b.criterion == k).count() as u64,
+            only_failure: share(&|i| table.completed(i) && !c.ok[i] && others(i)).passed,
+            risk: None,
+            risk_not_stated: None,
+            criterion: Criterion {
+                name: c.name.clone(),
+                nominal: c.nominal,
+                tolerance,
+                // Half the tolerance.
+                uncertainty: Some(Uncertainty {
+                    expanded: 0.5 * tolerance,
+                    coverage: 2.0,
+                }),
+                ..Criterion::default()
+            },
         };
-        CriterionPasses {
-            passes: share(&|i| c.ok[i]),
-            binds: bindings
-                .iter()
-                .flatten()
-                .filter(|b| b.criterion == k)
-                .count(),
-            only_failure: share(&|i| table.completed(i) && !c.ok[i] && others(i)).count,
-            median_miss: median_miss(c),
-        }
+        (c.name.clone(), count)
     };
     let group = |name: &str| {
         let members: Vec<_> = table
@@ -78,11 +80,23 @@ fn passes(table: &PointTable) -> Passes {
             .collect();
         (name.to_owned(), share(&|i| members.iter().all(|c| c.ok[i])))
     };
-    Passes {
-        verified: share(&|i| table.verified[i]),
-        failed: (0..table.len()).filter(|&i| !table.completed(i)).count(),
+    let verified = share(&|i| table.verified[i]);
+    Summary {
+        title: Some("Plain bearing, parameter distribution of Table 3".into()),
+        provenance: Provenance {
+            fmu: Some("PlainBearingStand".into()),
+            fmu_sha256: Some("0f".repeat(32)),
+            seed: Some(1),
+            ..Provenance::default()
+        },
+        points: table.len() as u64,
+        failed: (0..table.len()).filter(|&i| !table.completed(i)).count() as u64,
+        verified: verified.passed,
+        verified_fraction: verified.fraction,
+        verified_interval: verified.interval,
         criteria: table.criteria.iter().enumerate().map(criterion).collect(),
         groups: table.groups().into_iter().map(group).collect(),
+        ..Summary::default()
     }
 }
 
@@ -104,23 +118,6 @@ fn documents(table: &PointTable) -> Vec<Document> {
         costs.map(|result| pareto::document(&result)),
     ];
     told.into_iter().flatten().collect()
-}
-
-/// Expanded uncertainties of half the tolerances.
-fn measurement(table: &PointTable) -> Result<Measurement, String> {
-    let criteria = table.criteria.iter().map(|c| {
-        let tolerance = c.upper - c.nominal;
-        let uncertainty = Uncertainty {
-            expanded: 0.5 * tolerance,
-            coverage: 2.0,
-        };
-        Measured {
-            nominal: c.nominal,
-            tolerance,
-            uncertainty: Some(uncertainty),
-        }
-    });
-    Measurement::new(criteria.collect(), &[])
 }
 
 fn cloud(n: usize) -> PointTable {

@@ -2,10 +2,12 @@
 
 use super::judgement::Judgement;
 use super::overlay::metric_of;
-use super::passes::Passes;
 use crate::document::format::{count, number, percent};
+use crate::results::Summary;
+use crate::results::summary::Count;
+use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
-use parameter_regions::table::PointTable;
+use parameter_regions::table::{CriterionColumn, PointTable};
 use sampling::statistics::share::Fraction;
 use serde::Serialize;
 
@@ -18,13 +20,8 @@ pub(super) struct CountRow {
     accepted: String,
     /// The tolerance interval drawn in by the guard band, where one acts.
     drawn_in: Option<String>,
-    count: String,
-    percent: String,
-    interval: String,
-    /// Per cent, for the bar.
-    value: f64,
-    low: f64,
-    high: f64,
+    #[serde(flatten)]
+    count: Count,
     binds: String,
     only: String,
     miss: String,
@@ -74,10 +71,10 @@ impl Headline {
 
 /// The share of the accepted points, where a guard band makes them fewer than those within all tolerances, and a note on
 /// the guard band.
-fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Fraction)> {
+fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Count)> {
     let (required, accepted) = judgement.required()?;
     // Of nothing accepted without an interval there is no row.
-    let [low, high] = required.interval?;
+    let interval = Some(required.interval?);
     let band = judgement.guard?;
     let note = if band.is_finite() {
         format!(
@@ -87,34 +84,27 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Fraction)> {
     } else {
         "no guard band keeps the risk as low as required".into()
     };
-    let share = Fraction {
-        count: accepted,
-        of: total,
-        low,
-        high,
+    let share = Count {
+        passed: accepted as u64,
+        fraction: accepted as f64 / total.max(1) as f64,
+        interval,
     };
     Some((note, share))
 }
 
 pub(super) fn count_rows(
     table: &PointTable,
-    counted: &Passes,
+    summary: &Summary,
     judgement: &Judgement,
-    total: usize,
 ) -> Vec<CountRow> {
-    let row = |name: &str, kind, f: &Fraction| CountRow {
+    let row = |name: &str, kind, count: Count| CountRow {
         name: name.to_owned(),
         kind,
-        count: count(f.count),
-        percent: percent(f.value()),
-        interval: format!("{} – {}", percent(f.low), percent(f.high)),
-        value: 100.0 * f.value(),
-        low: 100.0 * f.low,
-        high: 100.0 * f.high,
+        count,
         ..CountRow::default()
     };
     let criterion = |k: usize| {
-        let (c, v) = (&table.criteria[k], &counted.criteria[k]);
+        let (c, v) = (&table.criteria[k], &summary.criteria[k]);
         CountRow {
             note: c.source.clone(),
             nominal: match metric_of(&c.source) {
@@ -132,16 +122,14 @@ pub(super) fn count_rows(
                     true => format!("{} … {}", number(low, 6), quantity(high, &c.unit)),
                     false => "nothing".to_owned(),
                 }),
-            binds: count(v.binds),
-            only: count(v.only_failure),
-            miss: v
-                .median_miss
-                .map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
-            ..row(&c.name, "criterion", &v.passes)
+            binds: grouped(v.binds),
+            only: grouped(v.only_failure),
+            miss: median_miss(c).map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
+            ..row(&c.name, "criterion", v.count)
         }
     };
     let mut rows = Vec::new();
-    for (group, passes) in &counted.groups {
+    for (group, passes) in &summary.groups {
         let members: Vec<usize> = (0..table.criteria.len())
             .filter(|&k| table.criteria[k].group.as_deref() == Some(group))
             .collect();
@@ -149,7 +137,7 @@ pub(super) fn count_rows(
         if members.len() > 1 {
             rows.push(CountRow {
                 note: format!("group of {}", members.len()),
-                ..row(group, "group", passes)
+                ..row(group, "group", *passes)
             });
         }
     }
@@ -158,18 +146,23 @@ pub(super) fn count_rows(
             .filter(|&k| table.criteria[k].group.is_none())
             .map(criterion),
     );
-    let Some((note, accepted)) = guarded(judgement, total) else {
+    let verified = Count {
+        passed: summary.verified,
+        fraction: summary.verified_fraction,
+        interval: summary.verified_interval,
+    };
+    let Some((note, accepted)) = guarded(judgement, summary.points as usize) else {
         let name = match judgement.guard {
             Some(_) => "within all tolerances",
             None => "all criteria",
         };
-        rows.push(row(name, "total", &counted.verified));
+        rows.push(row(name, "total", verified));
         return rows;
     };
-    rows.push(row("within all tolerances", "total", &counted.verified));
+    rows.push(row("within all tolerances", "total", verified));
     rows.push(CountRow {
         note,
-        ..row("accepted", "total", &accepted)
+        ..row("accepted", "total", accepted)
     });
     rows
 }
@@ -183,24 +176,23 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
 }
 
 /// A sentence that names the criterion which decides the verdict.
-pub(super) fn decisive(table: &PointTable, counted: &Passes, total: usize) -> String {
-    let criteria = || counted.criteria.iter().enumerate();
-    let binding = criteria().max_by_key(|(_, c)| c.binds);
-    let alone = criteria().max_by_key(|(_, c)| c.only_failure);
-    let completed = total - counted.failed;
+pub(super) fn decisive(summary: &Summary) -> String {
+    let binding = summary.criteria.iter().max_by_key(|(_, c)| c.binds);
+    let alone = summary.criteria.iter().max_by_key(|(_, c)| c.only_failure);
+    let completed = summary.points - summary.failed;
     match (binding, alone) {
-        (Some((b, binds)), Some((a, only))) if completed > 0 => {
+        (Some((name, binds)), Some((lonely, only))) if completed > 0 => {
             let mut text = format!(
                 "{} is the criterion that deviates most, in units of its tolerance, at {} of {} simulated points.",
-                table.criteria[b].name,
-                count(binds.binds),
-                count(completed)
+                name,
+                grouped(binds.binds),
+                grouped(completed)
             );
             if only.only_failure > 0 {
                 text += &format!(
                     " {} alone keeps {} further point{} from meeting all.",
-                    table.criteria[a].name,
-                    count(only.only_failure),
+                    lonely,
+                    grouped(only.only_failure),
                     if only.only_failure == 1 { "" } else { "s" }
                 );
             }
@@ -208,4 +200,14 @@ pub(super) fn decisive(table: &PointTable, counted: &Passes, total: usize) -> St
         }
         _ => "No point was simulated to its end.".into(),
     }
+}
+
+/// The median deviation of the points that fail a criterion, in units of its tolerance.
+fn median_miss(criterion: &CriterionColumn) -> Option<f64> {
+    let failed = criterion.values.iter().zip(&criterion.ok);
+    let failed = failed.filter(|(_, ok)| !**ok);
+    let misses = failed.map(|(value, _)| criterion.deviation(*value));
+    let mut misses: Vec<f64> = misses.filter(|miss| !miss.is_nan()).collect();
+    misses.sort_by(f64::total_cmp);
+    misses.get(misses.len() / 2).copied()
 }

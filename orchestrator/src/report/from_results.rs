@@ -1,9 +1,7 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::counted::{cases, readings, risks};
 use super::judgement::Judgement;
 use super::outlook::{comparison, improvements};
-use super::passes::Passes;
 use super::whatif::WhatIf;
 use super::{Report, again, history};
 use crate::document::Document;
@@ -30,38 +28,22 @@ impl Report {
         let (summary, table) = table::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
-        let p = &summary.provenance;
-        let pictured = Some(summary.pictured()).filter(|own| own.len() < summary.criteria.len());
-        Ok(Self {
-            study: summary.title.clone().unwrap_or_else(|| p.study.clone()),
-            model: p.fmu.clone().unwrap_or_default(),
-            date: summary.run.iter().map(|run| run.date.clone()).collect(),
+        let damaged = |message| Error::content(&folder.join("summary.json"), message);
+        let mut report = Self {
             command: again::command(folder, &summary),
-            remarks: remarks(&summary, table.len()),
-            judgement: judgement(folder, &summary)?,
-            provenance: provenance(&summary),
-            passes: Passes::new(&summary, &table),
-            expected: summary.expected_verified,
-            failures: (summary.points > table.len() as u64).then(|| summary.failures.clone()),
-            // Summaries of older versions do not name their intervals; those are Wilson's.
-            interval_method: match summary.interval_method.as_str() {
-                "" => "Wilson's score interval".to_owned(),
-                method => method.to_owned(),
-            },
-            grid: summary.verified_interval.is_none(),
-            counted: [risks(&summary), cases(&summary), readings(&summary)].concat(),
+            judgement: Judgement::new(&summary).map_err(damaged)?,
             history: history::read(folder, &table, study.as_ref()),
             documents: documents(folder, &summary, &table),
-            // Judging needs all criteria.
-            whatif: match pictured {
-                None => WhatIf::new(&summary, study.as_ref(), table.len()),
-                Some(_) => None,
-            },
-            pictured,
             study_text,
             table,
+            summary,
             ..Self::default()
-        })
+        };
+        // Judging needs all criteria.
+        if report.pictured().is_none() {
+            report.whatif = WhatIf::new(&report.summary, study.as_ref(), report.table.len());
+        }
+        Ok(report)
     }
 }
 
@@ -80,7 +62,7 @@ fn documents(folder: &Path, summary: &Summary, table: &PointTable) -> Vec<Docume
 }
 
 /// How the points were computed, as far as a reader has to know it, and doubts about the verdict.
-fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
+pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
     let thinned = (summary.points > shown as u64).then(|| {
         format!(
             "all counts, shares and best points are those of all {} points; distributions, planes and median misses \
@@ -118,12 +100,8 @@ fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         .collect()
 }
 
-fn judgement(folder: &Path, summary: &Summary) -> Result<Judgement, Error> {
-    let damaged = |message: String| Error::content(&folder.join("summary.json"), message);
-    Judgement::new(summary).map_err(damaged)
-}
-
-fn provenance(summary: &Summary) -> Vec<(String, String)> {
+/// Versions, seed and hashes: all that is needed to compute the same again.
+pub(super) fn provenance(summary: &Summary) -> Vec<(String, String)> {
     let p = &summary.provenance;
     let rows = [
         ("Program", Some(format!("orchestrator {}", p.orchestrator))),

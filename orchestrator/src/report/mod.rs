@@ -13,7 +13,6 @@ pub(crate) mod live;
 pub(crate) mod outlook;
 mod overlay;
 mod page;
-pub mod passes;
 mod payload;
 mod planes;
 #[cfg(feature = "png")]
@@ -22,17 +21,15 @@ pub(crate) mod recording;
 mod shown;
 pub(crate) mod whatif;
 
-use crate::document::{Block, Document, svg};
+use crate::document::{Document, svg};
 use crate::error::Error;
-use crate::results::write_atomically;
+use crate::results::{Summary, write_atomically};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
 use fmu_points::tell::visible;
-use indexmap::IndexMap;
 use judgement::Judgement;
 use parameter_regions::table::PointTable;
-use passes::Passes;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use sampling::statistics::share::Fraction;
@@ -42,32 +39,12 @@ use std::path::{Path, PathBuf};
 /// Contents of a report.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// The study's name.
-    pub study: String,
-    /// The model's name.
-    pub model: String,
-    /// Date of the run, as people write it.
-    pub date: String,
-    /// Remarks on how the points were computed, one sentence each.
-    pub remarks: Vec<String>,
+    /// What came out of the study.
+    pub summary: Summary,
     /// The points, or some of them where there are very many.
     pub table: PointTable,
-    /// The counts of all points.
-    pub passes: Passes,
-    /// How many points are expected to conform; where this is not stated, the table tells.
-    pub expected: Option<f64>,
-    /// Points without a result by reason, where the table holds only some.
-    pub failures: Option<IndexMap<String, u64>>,
-    /// The criteria that have pictures, where they are too many for all to have some.
-    pub pictured: Option<Vec<usize>>,
     /// The verdict and its risks.
     pub judgement: Judgement,
-    /// How the counts' intervals were computed.
-    pub interval_method: String,
-    /// Whether the points are those of a grid, which have no intervals.
-    pub grid: bool,
-    /// Risks, cases, and other readings of the tolerances.
-    pub counted: Vec<Block>,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
     /// The model's own error, what to improve first, and what the methods told.
@@ -76,8 +53,6 @@ pub struct Report {
     pub whatif: Option<whatif::WhatIf>,
     /// The FMU's module, where the page shall simulate points by itself.
     pub live: Option<live::Live>,
-    /// Versions, seed and hashes: all that is needed to compute the same again.
-    pub provenance: Vec<(String, String)>,
     /// The command that reproduces the result.
     pub command: String,
     /// The study as a file, to be kept with the result.
@@ -85,11 +60,35 @@ pub struct Report {
 }
 
 impl Report {
+    /// The share of the points that meet all criteria. Where it has no interval, the page has no place for one.
+    fn verified(&self) -> Fraction {
+        let Summary {
+            points,
+            verified,
+            verified_fraction,
+            verified_interval,
+            ..
+        } = self.summary;
+        let [low, high] = verified_interval.unwrap_or([verified_fraction; 2]);
+        Fraction {
+            count: verified as usize,
+            of: points as usize,
+            low,
+            high,
+        }
+    }
+
     /// How many points there are, those included that the table leaves out, and how many of them are accepted.
     fn counts(&self) -> [usize; 2] {
-        let Fraction { count, of, .. } = self.passes.verified;
+        let Fraction { count, of, .. } = self.verified();
         let required = self.judgement.required();
         [of, required.map_or(count, |(_, accepted)| accepted)]
+    }
+
+    /// The criteria that have pictures, where they are too many for all to have some.
+    fn pictured(&self) -> Option<Vec<usize>> {
+        let pictured = Some(self.summary.pictured());
+        pictured.filter(|shown| shown.len() < self.summary.criteria.len())
     }
 
     /// The page.

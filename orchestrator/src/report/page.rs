@@ -2,16 +2,19 @@
 
 use super::Report;
 use super::best::{best_rows, heading};
+use super::counted::{cases, readings, risks};
 use super::counts::{Headline, count_rows, decisive};
 use super::figures;
+use super::from_results::{provenance, remarks};
 use super::payload::{self, PlotColumn};
 use super::planes::planes;
 use super::shown::Shown;
-use crate::document::format::{count, number, with_unit};
+use crate::document::format::{count, number, percent, with_unit};
 use crate::document::{self, Document, marked};
 use crate::error::Error;
 use crate::results::words::capitalised;
 use base64::{Engine, engine::general_purpose::STANDARD};
+use conformity::conclusion::grouped;
 use conformity::decision::Decision;
 use fmu_points::tell::is_hidden;
 use indexmap::IndexMap;
@@ -34,7 +37,8 @@ pub fn render(report: &Report) -> Result<String, Error> {
     let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let counted = &report.passes;
+    let (summary, verified) = (&report.summary, report.verified());
+    let from = &summary.provenance;
     let conformance = report.judgement.conformance(table);
     let counts = report.counts();
     let [total, _] = counts;
@@ -60,12 +64,14 @@ pub fn render(report: &Report) -> Result<String, Error> {
 
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
+    environment.add_filter("count", grouped);
+    environment.add_filter("percent", percent);
     environment.add_template("report.html", include_str!("assets/report.html"))?;
     let (parameters, criteria) = columns.split_at(table.parameters.len());
     let page = context! {
-        study => report.study.as_str(),
-        model => report.model.as_str(),
-        date => report.date.as_str(),
+        study => summary.title.as_deref().unwrap_or(&from.study),
+        model => from.fmu.as_deref(),
+        date => summary.run.as_ref().map(|run| run.date.as_str()),
         style => concat!(
             include_str!("assets/plot.css"),
             include_str!("assets/report.css"),
@@ -92,38 +98,35 @@ pub fn render(report: &Report) -> Result<String, Error> {
             false => STANDARD.encode(&bytes),
         },
         packed,
-        remarks => Serde(&report.remarks),
+        remarks => Serde(remarks(summary, whole.len())),
         title => capitalised(&decision.to_string()),
         kind => match decision {
             Decision::Verified => "yes",
             Decision::NotVerified => "no",
             Decision::Inconclusive => "open",
         },
-        shown => Serde(Shown::new(decision, judgement, &counted.verified, counted.failed)),
+        shown => Serde(Shown::new(decision, judgement, &verified, summary.failed as usize)),
         sentences => Serde(&report.judgement.sentences),
         by_share => judgement.required().is_some(),
         guarded => judgement.guard.is_some(),
         n => count(total),
-        count => count(counted.verified.count),
-        headline => Serde(Headline::new(judgement, total, &counted.verified)),
-        failed => match counted.failed {
-            0 => String::new(),
-            1 => "1 point could not be simulated and counts as not verified.".into(),
-            n => format!(
-                "{} points could not be simulated and count as not verified.",
-                count(n)
-            ),
-        },
+        count => count(verified.count),
+        headline => Serde(Headline::new(judgement, total, &verified)),
+        failed => summary.failed,
         drawn => count(points.len()),
         sampled => points.len() < total,
         crowded => points.len() == total && total > figures::MOST_MARKS,
-        rows => Serde(count_rows(table, counted, judgement, total)),
-        decisive => decisive(table, counted, total),
-        counted => document::html(&report.counted),
-        interval_method => report.interval_method.as_str(),
-        intervals => !report.grid,
-        expected => report
-            .expected
+        rows => Serde(count_rows(table, summary, judgement)),
+        decisive => decisive(summary),
+        counted => document::html(&[risks(summary), cases(summary), readings(summary)].concat()),
+        // Summaries of older versions do not name their intervals; those are Wilson's.
+        interval_method => match summary.interval_method.as_str() {
+            "" => "Wilson's score interval",
+            method => method,
+        },
+        intervals => summary.verified_interval.is_some(),
+        expected => summary
+            .expected_verified
             .or_else(|| Some(conformance.as_ref()?.iter().sum()))
             .map(expected),
         planes => Serde(planes(drawn, &columns, &points, counts)),
@@ -135,12 +138,12 @@ pub fn render(report: &Report) -> Result<String, Error> {
             table,
             &ranking,
             conformance.as_deref(),
-            report.pictured.as_deref(),
+            report.pictured().as_deref(),
         )),
-        failures => Serde(failures(table, report.failures.as_ref())),
+        failures => Serde(failures(table, (total > table.len()).then_some(&summary.failures))),
         histories => histories(report),
         documents => report.documents.iter().map(section).collect::<Vec<_>>(),
-        provenance => Serde(&report.provenance),
+        provenance => Serde(provenance(summary)),
         sampled_from => Serde(sampled_from(table)),
         command => report.command.as_str(),
         study_text => report.study_text.as_str(),
@@ -159,7 +162,7 @@ fn section(document: &Document) -> Value {
 
 /// The verdict; of results that state none, by the one-point rule.
 fn decision(report: &Report) -> Decision {
-    let one_point = match report.passes.verified.count {
+    let one_point = match report.summary.verified {
         0 => Decision::NotVerified,
         _ => Decision::Verified,
     };
@@ -230,7 +233,7 @@ fn pictured<'a>(
     table: &'a PointTable,
 ) -> (Cow<'a, PointTable>, Vec<PlotColumn<'a>>) {
     let mut columns = payload::columns(table, &report.judgement);
-    let Some(chosen) = &report.pictured else {
+    let Some(chosen) = report.pictured() else {
         return (Cow::Borrowed(table), columns);
     };
     let mut place = 0_usize;

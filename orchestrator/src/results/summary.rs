@@ -196,7 +196,7 @@ pub struct FailedPoint {
 }
 
 /// How many points meet a condition.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Count {
     /// Points that do.
     pub passed: u64,
