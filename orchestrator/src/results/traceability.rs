@@ -2,14 +2,10 @@
 
 use super::Summary;
 use super::summary::{CriterionCount, ParameterSummary};
-use crate::study::ssv::Element;
+use crate::study::ssv::filled;
 use conformity::conclusion::Conclusion;
 use fmu_import::digest;
-
-const RESOURCE: &str = "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData";
-const TASK: &str = "http://ssp-standard.org/SSPTraceability1/SimulationTaskMetaData";
-const COMMON: &str = "http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon";
-const CLASSIFICATION: &str = "orchestrator.verification";
+use minijinja::{context, value::Serde};
 
 /// A keyword and what is known under it.
 pub type Entry = (String, String);
@@ -120,159 +116,33 @@ pub fn dossier(summary: &Summary) -> Vec<Entry> {
 
 /// Meta data of a file.
 pub fn resource(name: &str, data: &str, entries: &[Entry]) -> String {
-    let root = Element::new("srmd:SimulationResourceMetaData").attributes([
-        ("xmlns:srmd", RESOURCE),
-        ("xmlns:stc", COMMON),
-        ("version", "1.0.0"),
-        ("name", name),
-        ("data", data),
-    ]);
-    root.with(classification(entries)).document()
-}
-
-fn classification(entries: &[Entry]) -> Option<Element> {
-    let entry = |(keyword, value): &Entry| {
-        Element::new("stc:ClassificationEntry")
-            .attributes([("keyword", keyword.as_str())])
-            .text(value)
-    };
-    (!entries.is_empty()).then(|| {
-        Element::new("stc:Classification")
-            .attributes([("type", CLASSIFICATION)])
-            .with(entries.iter().map(entry))
-    })
-}
-
-/// A file of the task: its kind in the words of the standard, its type, its name.
-type File = (&'static str, &'static str, &'static str);
-
-const STUDY: File = ("requirement", "application/toml", "study.toml");
-const POINTS: File = ("result", "text/csv", "points.csv");
-const SUMMARY: File = ("result", "application/json", "summary.json");
-const PAGE: File = ("report", "text/html", "report.html");
-
-/// A step of the task: its phase and name, what went in, how it was done, what came out.
-#[derive(Default)]
-struct Step {
-    phase: &'static str,
-    name: &'static str,
-    input: &'static [File],
-    procedure: Vec<Entry>,
-    output: &'static [File],
-    result: Vec<Entry>,
+    let values = context! { name, data, entries => Serde(entries) };
+    filled(include_str!("resource.xml"), values)
 }
 
 /// Meta data of the whole task, from the requirements to the verdict.
 pub fn task(summary: &Summary) -> String {
-    let steps = steps(summary);
-    let all = steps.iter();
-    let all = all.flat_map(|step| step.procedure.iter().chain(&step.result));
+    let parts = [dossier, criteria, parameters, origin, verdict].map(|part| part(summary));
+    let all = parts.iter().flatten();
     let text: Vec<String> = all
         .map(|(keyword, value)| format!("{keyword}={value}"))
         .collect();
-    let id = identifier(&digest(text.join("\n").as_bytes()));
-    let tool = format!("orchestrator {}", summary.provenance.orchestrator);
-    let name = summary.title.as_ref().unwrap_or(&summary.provenance.study);
-    let dossier = summary.dossier.as_ref();
-    let author = dossier.and_then(|dossier| dossier.responsible.as_ref());
-    let date = summary.run.as_ref().map(|run| &run.date);
-    let root = Element::new("stmd:SimulationTaskMetaData").attributes([
-        ("xmlns:stmd", TASK),
-        ("xmlns:stc", COMMON),
-        ("version", "1.0.0"),
-        ("name", name),
-        ("GUID", &id),
-        ("generationTool", &tool),
-    ]);
-    root.attributes(author.map(|author| ("author", author)))
-        .attributes(date.map(|date| ("generationDateAndTime", date)))
-        .with(steps.iter().map(|step| phase(step, summary)))
-        .document()
-}
-
-/// Every phase has one step here, in the order of the standard.
-fn steps(summary: &Summary) -> [Step; 6] {
-    [
-        Step {
-            phase: "stmd:AnalysisPhase",
-            name: "stmd:AnalyzeSimulationTaskAndObjectives",
-            input: &[STUDY],
-            result: dossier(summary),
-            ..Step::default()
-        },
-        Step {
-            phase: "stmd:RequirementsPhase",
-            name: "stmd:DefineTestCaseRequirements",
-            input: &[STUDY],
-            result: criteria(summary),
-            ..Step::default()
-        },
-        Step {
-            phase: "stmd:DesignPhase",
-            name: "stmd:DefineParameterDesignSpecification",
-            input: &[STUDY],
-            result: parameters(summary),
-            ..Step::default()
-        },
-        Step {
-            phase: "stmd:ExecutionPhase",
-            name: "stmd:ExecuteSimulation",
-            input: &[STUDY],
-            procedure: origin(summary),
-            output: &[POINTS],
-            ..Step::default()
-        },
-        Step {
-            phase: "stmd:EvaluationPhase",
-            name: "stmd:EvaluateSimulationResults",
-            input: &[POINTS],
-            output: &[SUMMARY, PAGE],
-            ..Step::default()
-        },
-        Step {
-            phase: "stmd:FulfillmentPhase",
-            name: "stmd:DecideSimulationObjectiveFulfillment",
-            input: &[SUMMARY],
-            output: &[PAGE],
-            result: verdict(summary),
-            ..Step::default()
-        },
-    ]
-}
-
-fn phase(step: &Step, summary: &Summary) -> Element {
-    let inner = Element::new(step.name)
-        .with(particle("stc:Input", step.input, &[]))
-        .with(particle("stc:Procedure", &[], &step.procedure))
-        .with(particle("stc:Output", step.output, &[]));
-    let decided = step.phase == "stmd:FulfillmentPhase";
-    let inner = inner.with(decided.then(|| draft(summary)).flatten());
-    Element::new(step.phase).with([inner.with(classification(&step.result))])
-}
-
-fn particle(name: &'static str, files: &[File], entries: &[Entry]) -> Option<Element> {
-    let resource = |&(kind, of_text, source): &File| {
-        let attributes = [("kind", kind), ("type", of_text), ("source", source)];
-        Element::new("stc:Resource").attributes(attributes)
+    let [dossier, criteria, parameters, origin, verdict] = &parts;
+    let stated = summary.dossier.clone().unwrap_or_default();
+    let values = context! {
+        name => summary.title.as_deref().unwrap_or(&summary.provenance.study),
+        id => identifier(&digest(text.join("\n").as_bytes())),
+        tool => format!("orchestrator {}", summary.provenance.orchestrator),
+        responsible => stated.responsible,
+        organisation => stated.organisation,
+        date => summary.run.as_ref().map(|run| &*run.date),
+        dossier => Serde(dossier),
+        criteria => Serde(criteria),
+        parameters => Serde(parameters),
+        origin => Serde(origin),
+        verdict => Serde(verdict),
     };
-    (!files.is_empty() || !entries.is_empty()).then(|| {
-        Element::new(name)
-            .with(files.iter().map(resource))
-            .with(classification(entries))
-    })
-}
-
-/// The verdict is a draft of the one who answers for it, until it is signed.
-fn draft(summary: &Summary) -> Option<Element> {
-    let (dossier, run) = (summary.dossier.as_ref()?, summary.run.as_ref()?);
-    let organisation = dossier.organisation.as_ref();
-    let responsible = Element::new("stc:Responsible")
-        .attributes(organisation.map(|text| ("organization", text)))
-        .attributes([("name", dossier.responsible.as_ref()?)]);
-    let drafted = Element::new("stc:Drafted")
-        .attributes([("date", &run.date)])
-        .with([responsible]);
-    Some(Element::new("stc:LifeCycleInformation").with([drafted]))
+    filled(include_str!("task.xml"), values)
 }
 
 /// An identifier in the usual form of one, from the content's digest: other content has another one.
