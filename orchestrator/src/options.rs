@@ -1,7 +1,7 @@
 //! Options of every command that runs points of a study: processes, limits, shards, resuming.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
 use std::time::Duration;
 
@@ -144,6 +144,31 @@ pub struct Work {
     /// Resuming and shards
     #[command(flatten)]
     pub parts: Parts,
+}
+
+impl Work {
+    /// Where the results go; unless the user says otherwise, a part of them goes beside the others. `analysis` has parts of its
+    /// own.
+    ///
+    /// # Errors
+    /// When there is no such part.
+    pub fn folder(&self, analysis: Option<&str>) -> Result<PathBuf, Error> {
+        let shard = self.parts.shard()?;
+        let usual = || {
+            let folder = folder_of(&self.study);
+            let name = analysis.map_or(String::new(), |name| format!("{name}-"));
+            match shard {
+                Some(shard) => folder.join(format!("{name}shard-{}-of-{}", shard.number, shard.of)),
+                None => folder,
+            }
+        };
+        Ok(self.output.clone().unwrap_or_else(usual))
+    }
+}
+
+/// Where a study's results lie unless the user says otherwise.
+pub fn folder_of(study: &Path) -> PathBuf {
+    Path::new("results").join(study.file_stem().unwrap_or("study".as_ref()))
 }
 
 /// A size with a unit, bytes.

@@ -14,7 +14,6 @@ use crate::cli::Verify;
 use crate::error::Error;
 use crate::methods::asking;
 use crate::methods::setup::{self, Place, Source, Work};
-use crate::options;
 use crate::pipeline::folder::Earlier;
 use crate::pipeline::{Pipeline, Step};
 use crate::reruns::{self, Wish};
@@ -34,13 +33,8 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
-    let options::Work {
-        study: path,
-        output: named,
-        means,
-        parts,
-    } = &options.work;
-    let folder = setup::folder(named.as_deref(), path, parts, None)?;
+    let means = &options.work.means;
+    let folder = options.work.folder(None)?;
     let mut looked = verification.looked(&folder, &[])?;
     let ending = check(options, &verification, &looked)?;
     // More workers than points would only take memory from each other.
@@ -54,7 +48,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     let place = Place {
         output: &folder,
         analysis: None,
-        earlier: parts.earlier(),
+        earlier: options.work.parts.earlier(),
     };
     let header = verification.header.clone();
     let taken = place.take(verification.parts(), &header, || {

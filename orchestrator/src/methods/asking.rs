@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::judge::Judge;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
+use crate::pipeline::folder::Kept;
 use crate::results::origin::Origin;
 use crate::results::{Header, Outcome, make_folder, table, write_json};
 use crate::session::{Asking, Request, Session};
@@ -137,12 +138,12 @@ pub struct Delivery {
     pub result: AnalysisResult,
     /// The folder.
     pub folder: PathBuf,
-    _kept: Option<setup::Kept>,
+    _kept: Option<Kept>,
 }
 
 impl Delivery {
     /// The result of a run.
-    pub(super) fn new(result: AnalysisResult, folder: PathBuf, kept: setup::Kept) -> Self {
+    pub(super) fn new(result: AnalysisResult, folder: PathBuf, kept: Kept) -> Self {
         Self {
             result,
             folder,

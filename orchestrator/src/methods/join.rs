@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 
 use super::asking::{self, Analysis, Delivery};
-use super::setup::{Kept, Place, Source};
+use super::setup::{Place, Source};
 use crate::error::Error;
-use crate::pipeline::folder::{Earlier, RunFolder};
+use crate::pipeline::folder::Earlier;
 use crate::pipeline::{Part, Pipeline};
 use crate::results::finished::Finished;
 use crate::results::{Header, Journal, journal, lines};
@@ -42,25 +42,16 @@ impl Shards<'_> {
             analysis: Some(A::NAME),
             earlier: self.earlier(false),
         };
-        let RunFolder {
-            mut journal,
-            scratch,
-            lock,
-            ..
-        } = place.take(source.parts(), &header, || Ok(()))?;
-        self.fill(&mut journal)?;
+        let mut taken = place.take(source.parts(), &header, || Ok(()))?;
+        self.fill(&mut taken.journal)?;
         let finished = Finished::read(&place.state())?;
         let part = Part::of(None, &header);
         let model = source.parts().model;
-        let mut pipeline = Pipeline::new(model, None, journal, Some(finished), part);
+        let mut pipeline = Pipeline::new(model, None, taken.journal, Some(finished), part);
         match analysis.find(&source, &mut pipeline, self.output) {
             Ok(result) => {
                 pipeline.end()?;
-                let kept = Kept {
-                    _scratch: scratch,
-                    _lock: lock,
-                };
-                Ok(Delivery::new(result, self.output.to_owned(), kept))
+                Ok(Delivery::new(result, self.output.to_owned(), taken.kept))
             }
             Err(Error::Unknown { missing, of }) => {
                 let command = format!("{} STUDY ...", A::NAME);

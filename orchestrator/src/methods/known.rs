@@ -4,17 +4,13 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::files;
+use crate::options::folder_of;
 use crate::results::Summary;
 use crate::results::origin::Origin;
 use crate::study::Study;
 use parameter_regions::table::PointTable;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-
-/// Where a study's results lie unless the user says otherwise.
-pub fn folder_of(study: &Path) -> PathBuf {
-    Path::new("results").join(study.file_stem().unwrap_or("study".as_ref()))
-}
 
 /// The folder of the finished study that the user names, or that of its results.
 pub(super) fn from(named: Option<&Path>, study: &Path) -> PathBuf {

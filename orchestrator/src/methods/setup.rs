@@ -1,16 +1,15 @@
 //! The set-up of a run, whatever it is for: its folder, its processes, and the pipeline from one to the other.
 
 use crate::error::Error;
-use crate::options::{Means, Parts};
-use crate::pipeline::folder::{Earlier, RunFolder};
+use crate::options::Means;
+use crate::pipeline::folder::{Earlier, Kept, RunFolder};
 use crate::pipeline::{Model, Part, Pipeline};
 use crate::results::lock::Lock;
-use crate::results::{Header, ResultsError, lines};
+use crate::results::{Header, lines};
 use crate::session::{Request, Session, Verification};
 use crate::study::Study;
 use fmu_import::Package;
 use fmu_points::crew::Crew;
-use fmu_points::scratch::Scratch;
 use fmu_points::task::Case;
 use std::path::{Path, PathBuf};
 
@@ -122,13 +121,6 @@ pub struct Work<'a> {
     pub ends: bool,
 }
 
-/// Keeps the folder for this run, and the unpacked FMU within it, until all is told.
-#[derive(Debug)]
-pub struct Kept {
-    pub(super) _scratch: Scratch,
-    pub(super) _lock: Lock,
-}
-
 /// Hands the points that `ask` wants to processes, and notes them in the folder. Nobody else gets the folder as long as what
 /// comes with the answer is there.
 ///
@@ -159,60 +151,19 @@ fn run_in<S: Source, T>(
     work: Work<'_>,
     ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
 ) -> Result<(T, Kept), Error> {
-    let RunFolder {
-        journal,
-        finished,
-        scratch,
-        lock,
-    } = folder;
-    let Work {
-        means,
-        jobs,
-        open,
-        ends,
-    } = work;
-    let place = means.place(jobs)?;
-    let crew = Crew::new(source.package(), place, scratch.path(), jobs)?;
+    let RunFolder { kept, .. } = folder;
+    let place = work.means.place(work.jobs)?;
+    let crew = Crew::new(source.package(), place, kept.scratch.path(), work.jobs)?;
     let source = &*source;
-    let SourceParts {
-        request,
-        model,
-        cases,
-        ..
-    } = source.parts();
-    let part = Part::of(request.shard, header);
-    let mut pipeline = Pipeline::new(model, Some((&crew, cases)), journal, finished, part)
-        .repeating(header.seed, open);
+    let parts = source.parts();
+    let part = Part::of(parts.request.shard, header);
+    let run = Some((&crew, parts.cases));
+    let mut pipeline = Pipeline::new(parts.model, run, folder.journal, folder.finished, part)
+        .repeating(header.seed, work.open);
     let told = ask(source, &mut pipeline);
-    match told.is_ok() && ends {
+    match told.is_ok() && work.ends {
         true => pipeline.end()?,
         false => pipeline.pause()?,
     }
-    let kept = Kept {
-        _scratch: scratch,
-        _lock: lock,
-    };
     Ok((told?, kept))
-}
-
-/// Where the results go unless the user says otherwise; a part of them goes beside the others.
-///
-/// # Errors
-/// When there is no such part.
-pub fn folder(
-    output: Option<&Path>,
-    study: &Path,
-    parts: &Parts,
-    analysis: Option<&str>,
-) -> Result<PathBuf, Error> {
-    let shard = parts.shard()?;
-    let usual = || {
-        let folder = super::known::folder_of(study);
-        let name = analysis.map_or(String::new(), |name| format!("{name}-"));
-        match shard {
-            Some(shard) => folder.join(format!("{name}shard-{}-of-{}", shard.number, shard.of)),
-            None => folder,
-        }
-    };
-    Ok(output.map_or_else(usual, Path::to_owned))
 }

@@ -16,10 +16,16 @@ pub struct RunFolder {
     pub journal: Journal,
     /// The points of earlier runs.
     pub finished: Option<Finished>,
+    /// What keeps the folder for this run.
+    pub kept: Kept,
+}
+
+/// Keeps a folder for a run as long as this is there.
+#[derive(Debug)]
+pub struct Kept {
     /// For what is needed while points run.
     pub scratch: Scratch,
-    /// Keeps other runs out as long as this is there.
-    pub lock: Lock,
+    _lock: Lock,
 }
 
 /// The treatment of a run that a folder holds already.
@@ -52,8 +58,10 @@ impl RunFolder {
         Ok(Self {
             journal,
             finished,
-            scratch: Scratch::within(folder, RUNNING)?,
-            lock,
+            kept: Kept {
+                scratch: Scratch::within(folder, RUNNING)?,
+                _lock: lock,
+            },
         })
     }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use sampling::random::mix;
+
 /// The most rows that a page is made of: more would only take memory, which no plot shows.
 pub const MOST: u64 = 500_000;
 
@@ -34,17 +36,9 @@ impl Even {
     }
 
     fn chosen_in(self, block: u64) -> u64 {
-        mixed(block) % self.block
+        // Successive numbers are alike: SplitMix64 spreads them so.
+        mix(block.wrapping_add(0x9e37_79b9_7f4a_7c15)) % self.block
     }
-}
-
-/// A number that looks like chance: the finaliser of SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable
-/// pseudorandom number generators", OOPSLA).
-fn mixed(number: u64) -> u64 {
-    let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// The best rows so far that were not chosen otherwise.

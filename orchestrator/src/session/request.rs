@@ -101,7 +101,7 @@ impl Request {
     ///
     /// # Errors
     /// Names the first such file.
-    pub fn check_files(&self, folder: &Path, earlier: Earlier) -> Result<(), ResultsError> {
+    pub fn check_files(&self, folder: &Path, earlier: Earlier) -> Result<(), Error> {
         if earlier == Earlier::Replaced || Self::is_in(folder) {
             return Ok(());
         }
@@ -110,7 +110,11 @@ impl Request {
         let is_file = |file: &PathBuf| file.symlink_metadata().is_ok_and(|found| !found.is_dir());
         let is_precious = |file: &PathBuf| is_file(file) && !is_same(file, self.own_study());
         match files.into_iter().find(is_precious) {
-            Some(file) => Err(ResultsError::Precious(file)),
+            Some(file) => Err(Error::Refused(format!(
+                "{} was there before any run wrote into this folder, and would be replaced; choose another --output, or \
+                 replace it with --force",
+                file.display()
+            ))),
             None => Ok(()),
         }
     }

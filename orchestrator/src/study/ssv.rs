@@ -13,8 +13,8 @@ use crate::files::FileError;
 use crate::files::{self};
 use fmu_import::{Description, Value, xml};
 
-pub use write::write;
 pub(crate) use write::filled;
+pub use write::write;
 
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"];

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
 use super::known::Finished;
-use super::setup::{self, Source, SourceParts};
+use super::setup::{Source, SourceParts};
 use crate::document::Document;
 use crate::identify::bind::Bound;
 use crate::identify::from_study;
@@ -65,7 +65,7 @@ pub(super) fn shown(_: &Finished<'_>) -> Option<Document> {
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Options { work, asked } = options;
     let fit = asking::open(work, asked)?;
-    let folder = setup::folder(work.output.as_deref(), &work.study, &work.parts, None)?;
+    let folder = work.folder(None)?;
     asking::run(fit, asked, work, folder)
 }
 

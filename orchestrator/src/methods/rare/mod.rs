@@ -10,7 +10,6 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code};
-use super::setup;
 use crate::error::Error;
 use crate::judge::Judge;
 use crate::options::Work;
@@ -81,13 +80,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     let session = asking::open(&options.work, &analysis)?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
     asking::warn(&session.judge);
-    let Work {
-        study,
-        output,
-        parts,
-        ..
-    } = &options.work;
-    let folder = setup::folder(output.as_deref(), study, parts, None)?;
+    let folder = options.work.folder(None)?;
     asking::run(session, &analysis, &options.work, folder)
 }
 

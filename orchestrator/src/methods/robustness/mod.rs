@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use super::setup;
 use crate::document::Document;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
@@ -78,7 +77,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     let shard = work.parts.shard()?;
     let folder = match (&work.output, shard) {
         (Some(output), _) => output.clone(),
-        (None, Some(_)) => setup::folder(None, &work.study, &work.parts, Some(Asked::NAME))?,
+        (None, Some(_)) => work.folder(Some(Asked::NAME))?,
         (None, None) => from,
     };
     if analysis.confirm > 0 {

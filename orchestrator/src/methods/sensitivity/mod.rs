@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use super::setup;
 use crate::document::Document;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
@@ -101,13 +100,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 /// # Errors
 /// When the options, the study or its points cannot be used.
 pub fn run(options: &Options) -> Result<Delivery, Error> {
-    let Work {
-        study: path,
-        output,
-        parts,
-        ..
-    } = &options.work;
-    let study = Study::read(path)?;
+    let study = Study::read(&options.work.study)?;
     let analysis = Asked::new(options, &study)?;
     if let Some(from) = &options.from {
         let (summary, table) = known::points_of(from, &study, table::read_every_value)?;
@@ -120,11 +113,11 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         }
         let origin = Origin::of_points(&summary);
         let result = AnalysisResult::new(&result, origin, document(&result, &table).as_text(), FILE)?;
-        let folder = output.as_ref().unwrap_or(from).clone();
+        let folder = options.work.output.as_ref().unwrap_or(from).clone();
         return Delivery::without_runs(result, &options.work, folder);
     }
     let session = asking::open(&options.work, &analysis)?;
-    let folder = setup::folder(output.as_deref(), path, parts, Some(Asked::NAME))?;
+    let folder = options.work.folder(Some(Asked::NAME))?;
     asking::run(session, &analysis, &options.work, folder)
 }
 

@@ -13,7 +13,6 @@ use crate::error::Error;
 use crate::files::FileError;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use super::setup;
 use crate::document::format::number;
 use crate::document::Document;
 use crate::options::Work;
@@ -68,12 +67,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 /// # Errors
 /// When the options, the study or its points cannot be used.
 pub fn run(options: &Options) -> Result<Delivery, Error> {
-    let Work {
-        study: path,
-        output,
-        parts,
-        ..
-    } = &options.work;
+    let path = &options.work.study;
     let study = Study::read(path)?;
     let said = &study.tolerances;
     let analysis = Asked {
@@ -83,7 +77,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
-    let folder = setup::folder(output.as_deref(), path, parts, Some(Asked::NAME))?;
+    let folder = options.work.folder(Some(Asked::NAME))?;
     asking::run(session, &analysis, &options.work, folder)
 }
 
