@@ -89,7 +89,7 @@ pub enum Error {
         /// The problem.
         message: String,
     },
-    /// What is asked for does not fit to what is there.
+    /// The request does not fit to what is there.
     #[error("{0}")]
     Refused(String),
 }
