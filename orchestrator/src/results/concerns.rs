@@ -107,8 +107,8 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
 fn mistaken_unit(criterion: &Criterion, [low, high]: [f64; 2]) -> Option<&'static str> {
     let outside = |value: f64| (low - value).max(value - high).max(0.0);
     // The model need not be right to tell by its order of magnitude which unit its numbers have.
-    let room = |value: f64, offset: f64| {
-        let own = criterion.tolerance.max(high - low);
+    let room = |value: f64, factor: f64, offset: f64| {
+        let own = (factor * criterion.tolerance).max(high - low);
         if offset == 0.0 {
             own.max(0.3 * value.abs())
         } else {
@@ -119,8 +119,9 @@ fn mistaken_unit(criterion: &Criterion, [low, high]: [f64; 2]) -> Option<&'stati
     let rest = |&(factor, offset, units): &(f64, f64, &'static str)| {
         let value = factor * criterion.nominal + offset;
         let rest = outside(value);
-        let fits = rest <= room(value, offset) && rest < 0.2 * far;
-        fits.then(|| (rest / room(value, offset), units))
+        let room = room(value, factor, offset);
+        let fits = rest <= room && rest < 0.2 * far;
+        fits.then(|| (rest / room, units))
     };
     let best = UNITS
         .iter()
@@ -219,6 +220,15 @@ mod tests {
         assert_eq!(unmoved(&t, [81.8, 81.8], 9), None);
         assert_eq!(unmoved(&t, [81.8, 81.8 + 1e-9], 10), None);
         assert_eq!(unmoved(&t, [f64::INFINITY, f64::NEG_INFINITY], 10), None);
+    }
+
+    /// Every small factor leads near zero.
+    #[test]
+    fn zero_has_no_mistaken_unit() {
+        for reached in [[0.0, 0.0], [2e-16, 5e-16]] {
+            let found = out_of_reach(&criterion(1.0, 0.5), reached, 50).unwrap();
+            assert!(found.contains("widen the parameters"), "{found}");
+        }
     }
 
     #[test]

@@ -297,7 +297,7 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), Error> {
     if let Some(what) = damage(finished.damaged) {
         let path = path.display();
         fmu_points::tell::line!(
-            "note: {what} of {path}: those points are missing; run that part again with --resume"
+            "note: {what} of {path}: points that stood there are missing; run that part again with --resume"
         );
     }
     let mut sets: Vec<_> = finished.sets.iter().collect();

@@ -225,7 +225,14 @@ pub(crate) fn follow(
                 "{time_column} = {time} is not later than the time before"
             ));
         }
+        let is_whole = slot.handle.content == Content::Real || value.fract() == 0.0;
+        let whole = is_whole.then_some(()).ok_or_else(|| {
+            format!(
+                "{value} is no whole number, and the input takes no others; correct the recording"
+            )
+        });
         slot.check(value)
+            .and(whole)
             .map_err(|message| format!("{time_column} = {time}: {message}"))?;
         times.push(time);
         values.push(value);

@@ -2,6 +2,7 @@
 //! decimal commas where commas separate nothing.
 
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, Take};
 use std::path::{Path, PathBuf};
@@ -21,6 +22,8 @@ pub struct CsvFile {
     path: PathBuf,
     reader: csv::Reader<Take<File>>,
     separator: u8,
+    /// Whether a cell had a decimal comma, and whether one had points as between thousands.
+    seen: Cell<[bool; 2]>,
 }
 
 impl CsvFile {
@@ -49,6 +52,7 @@ impl CsvFile {
             path: path.to_owned(),
             reader: builder.delimiter(separator).from_reader(file),
             separator,
+            seen: Cell::default(),
         })
     }
 
@@ -90,10 +94,27 @@ impl CsvFile {
         Err(FileError::new(&self.path, message))
     }
 
-    /// The number in a cell of this file.
+    /// The number in a cell of this file. Beside decimal commas `1.000` may be a thousand, and is none.
     pub fn number(&self, cell: &str) -> Option<f64> {
-        number(self.separator, cell)
+        let number = number(self.separator, cell)?;
+        let [comma, thousands] = self.seen.get();
+        let seen = [
+            comma || cell.contains(','),
+            thousands || has_thousands(cell),
+        ];
+        self.seen.set(seen);
+        (seen != [true, true]).then_some(number)
     }
+}
+
+/// Whether the points of a number could stand between thousands.
+fn has_thousands(cell: &str) -> bool {
+    let mut parts = cell.trim_start_matches(['+', '-']).split('.');
+    let is_first = |part: &str| (1..=3).contains(&part.len()) && !part.starts_with('0');
+    let is_first = parts.next().is_some_and(is_first);
+    let mut parts = parts.peekable();
+    let is_group = |part: &str| part.len() == 3 && part.bytes().all(|c| c.is_ascii_digit());
+    is_first && parts.peek().is_some() && parts.all(is_group)
 }
 
 fn number(separator: u8, cell: &str) -> Option<f64> {
@@ -325,5 +346,15 @@ mod tests {
         assert_eq!(number(b';', "1,234,567"), None);
         assert_eq!(number(b';', "1.234,5"), None);
         assert_eq!(number(b';', ""), None);
+        for (cell, expected) in [
+            ("1.000", true),
+            ("-12.345", true),
+            ("0.125", false),
+            ("1.00", false),
+            ("1000", false),
+            ("1.5e3", false),
+        ] {
+            assert_eq!(has_thousands(cell), expected, "{cell}");
+        }
     }
 }

@@ -30,6 +30,8 @@ fn remedy(text: &str) -> &'static str {
         && text.contains(':');
     if is_stamp {
         "; it looks like a time of day: write the seconds since the first row"
+    } else if text.contains([',', '.']) && !text.contains(char::is_alphabetic) {
+        "; a decimal comma needs cells that no commas separate, and no points in other cells, as in 1.000"
     } else if text.is_empty() {
         "; fill it, or remove the row"
     } else if text.chars().any(char::is_alphabetic) {

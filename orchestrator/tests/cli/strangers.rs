@@ -161,6 +161,23 @@ fn devices_and_pipes_are_no_files() {
     }
 }
 
+/// To round it would give the FMU a number that nobody recorded.
+#[test]
+fn a_recording_of_a_whole_number_has_no_others() {
+    let bench = Bench::empty();
+    let parameter = r#"valueReference="10" causality="parameter" variability="fixed""#;
+    let input = r#"valueReference="10" causality="input" variability="discrete""#;
+    bench.fmu("lag.fmu", &[], &model(parameter, input));
+    let run = ["simulate", "lag.fmu", "--stop", "1", "--input", "count.csv"];
+    bench.write("count.csv", "time,lag.count\n0,1\n0.5,2.5\n1,3\n");
+    bench
+        .run(&run)
+        .is_mistake(&["time = 0.5: 2.5 is no whole number"]);
+    bench.write("count.csv", "time,lag.count\n0,1\n0.5,2.0\n1,3\n");
+    let said = bench.run(&run);
+    assert_eq!(said.code, 0, "{}", said.err);
+}
+
 /// A straight line over a hole is an input that nobody recorded; the corners of a line that somebody drew are no recording.
 #[test]
 fn a_hole_in_a_recording_is_told() {
