@@ -92,7 +92,7 @@ impl Ruling {
     /// The verdict with its words.
     fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
         let Self { rule, looks, count } = self;
-        let required = Requirement {
+        let mut required = Requirement {
             rule,
             interval: None,
             method: method(looks.way, statement.accepted_by_sample.len()),
@@ -116,13 +116,10 @@ impl Ruling {
             let points = points.filter(|_| open)?;
             Some((points as f64 * widening).ceil() as u64)
         };
-        let required = Requirement {
-            interval: Some(interval),
-            guard_bands: guard_bands(&statement.bands),
-            points_needed: needed(points_needed_once(rule, share)),
-            points_needed_going_on: needed(points_needed(looks.going_on(rule), share)),
-            ..required
-        };
+        required.interval = Some(interval);
+        required.guard_bands = guard_bands(&statement.bands);
+        required.points_needed = needed(points_needed_once(rule, share));
+        required.points_needed_going_on = needed(points_needed(looks.going_on(rule), share));
         let words = by_share(verdict, &required, "");
         (verdict, required, words)
     }
@@ -145,22 +142,16 @@ fn undecided(
     unfit: Unfit,
     statement: &Statement,
     points: u64,
-    required: Requirement,
+    mut required: Requirement,
 ) -> (Decision, Requirement, String) {
     let Ruling { rule, looks, .. } = ruling;
     let within = &statement.within_by_sample;
     let verdict = Decision::NotVerified;
     if looks.decide(rule, within, points) == verdict {
         let [_, high] = looks.interval(within, points, rule.confidence);
-        let required = Requirement {
-            interval: Some([0.0, high]),
-            ..required
-        };
-        let words = by_share(
-            verdict,
-            &required,
-            " within all tolerances, whatever the guard band",
-        );
+        required.interval = Some([0.0, high]);
+        let of_which = " within all tolerances, whatever the guard band";
+        let words = by_share(verdict, &required, of_which);
         return (verdict, required, words);
     }
     let verdict = Decision::Inconclusive;

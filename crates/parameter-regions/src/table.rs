@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use indexmap::IndexSet;
+
 /// A sampled parameter with its value at every point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterColumn {
@@ -138,13 +140,8 @@ impl PointTable {
 
     /// Names of the groups, in the order in which the criteria first name them.
     pub fn groups(&self) -> Vec<&str> {
-        let mut groups = Vec::new();
-        for group in self.criteria.iter().filter_map(|c| c.group.as_deref()) {
-            if !groups.contains(&group) {
-                groups.push(group);
-            }
-        }
-        groups
+        let groups = self.criteria.iter().filter_map(|c| c.group.as_deref());
+        groups.collect::<IndexSet<_>>().into_iter().collect()
     }
 
     /// The [deviations](CriterionColumn::deviation) of a point's values from the measured ones, a criterion each.

@@ -66,31 +66,21 @@ fn slow(time: &[f64], values: &[f64], end: usize, run: f64) -> Motion {
     }
     let beyond = further_on(values, end);
     let first = values[beyond.start];
-    match turnings(values, enough) {
+    let (swing, drift) = match turnings(values, enough) {
         0 => {
             let last = beyond.end - 1;
             let longer = run / (time[last] - time[beyond.start]);
-            Motion {
-                swing: 0.0,
-                drift: (values[last] - first) * longer,
-            }
+            (0.0, (values[last] - first) * longer)
         }
         // One turn makes no period: the value goes so far and comes back.
         1 => {
             let moved = values[beyond].iter().map(|value| value - first);
-            Motion {
-                swing: 0.0,
-                drift: moved.fold(
-                    0.0,
-                    |most: f64, x| if x.abs() > most.abs() { x } else { most },
-                ),
-            }
+            let farther = |most: f64, x: f64| if x.abs() > most.abs() { x } else { most };
+            (0.0, moved.fold(0.0, farther))
         }
-        _ => Motion {
-            swing: range(values),
-            drift: 0.0,
-        },
-    }
+        _ => (range(values), 0.0),
+    };
+    Motion { swing, drift }
 }
 
 /// The values after the end of the run, or, where there are none, all of them.

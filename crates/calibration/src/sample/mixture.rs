@@ -65,15 +65,11 @@ fn rows(triangle: &DMatrix<f64>) -> Vec<Vec<f64>> {
 
 /// The squared length of a way that a triangular matrix is applied to.
 fn squared(triangle: &[Vec<f64>], from: &[f64], to: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for row in triangle {
-        let mut entry = 0.0;
-        for ((a, from), to) in row.iter().zip(from).zip(to) {
-            entry += a * (to - from);
-        }
-        sum += entry * entry;
-    }
-    sum
+    let entry = |row: &Vec<f64>| -> f64 {
+        let steps = row.iter().zip(from).zip(to);
+        steps.map(|((a, from), to)| a * (to - from)).sum()
+    };
+    triangle.iter().map(|row| entry(row).powi(2)).sum()
 }
 
 /// A mixture of normal distributions.

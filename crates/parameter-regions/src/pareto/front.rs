@@ -62,31 +62,27 @@ impl Ordered<'_> {
 
     /// The `candidates` that none of `others` dominates, where `others` are known to be no worse in the
     /// objectives after `last` (and in the first).
-    fn unbeaten(&self, others: &[usize], candidates: Vec<usize>, last: usize) -> Vec<usize> {
+    fn unbeaten(&self, others: &[usize], mut candidates: Vec<usize>, last: usize) -> Vec<usize> {
         if others.is_empty() || candidates.is_empty() {
             return candidates;
         }
         let value = |i: usize| self.0[i][last];
-        match last {
-            0 => return vec![],
-            1 => {
-                let least = others
-                    .iter()
-                    .map(|&i| value(i))
-                    .fold(f64::INFINITY, f64::min);
-                return candidates
-                    .into_iter()
-                    .filter(|&i| value(i) < least)
-                    .collect();
-            }
-            _ => {}
+        if last == 0 {
+            return vec![];
+        }
+        if last == 1 {
+            let values = others.iter().map(|&i| value(i));
+            let least = values.fold(f64::INFINITY, f64::min);
+            candidates.retain(|&i| value(i) < least);
+            return candidates;
         }
         let beaten = |i: usize| {
             let covers = |&k: &usize| no_worse(&self.0[k][1..=last], &self.0[i][1..=last]);
             others.iter().any(covers)
         };
         if others.len().min(candidates.len()) <= FEW {
-            return candidates.into_iter().filter(|&i| !beaten(i)).collect();
+            candidates.retain(|&i| !beaten(i));
+            return candidates;
         }
         let Some(limit) = self.between(others, last) else {
             // All of `others` are equal here.
