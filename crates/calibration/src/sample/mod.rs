@@ -178,6 +178,7 @@ pub fn sample(
 ) -> Result<Sample, SampleError> {
     let unknown = settings.discrepancies.iter().map(|(unknown, _)| *unknown);
     let target = Target::new(objective, unknown.collect());
+    let before = objective.failures();
     let mut walk = Walk::begin(&target, optima, settings)?;
     while walk.exponent < 1.0 {
         if walk.stages.len() >= MOST_STAGES {
@@ -189,14 +190,14 @@ pub fn sample(
     let groups = evidences.into_iter().zip(walk.groups());
     let groups: Vec<(f64, Vec<Particle>)> = groups.collect();
     walk.join(observe)?;
-    let (evaluated, failed) = target.counts();
+    let failures = objective.failures();
     Ok(Sample {
         particles: walk.particles,
         groups,
         stages: walk.stages,
-        evaluated,
-        failed,
-        failures: objective.failures(),
+        evaluated: failures.asked - before.asked,
+        failed: failures.failed - before.failed,
+        failures,
     })
 }
 
@@ -379,7 +380,7 @@ impl<'a> Walk<'a> {
         let count = self.particles.len();
         let mut moved = vec![false; count];
         let (mut moves, mut accepted) = (0, 0);
-        let before = self.target.counts();
+        let before = self.target.objective.failures();
         let still =
             |moved: &[bool]| moved.iter().filter(|moved| !**moved).count() as f64 / count as f64;
         while moves < MOST_MOVES && (moves < 2 || still(&moved) > unmoved) {
@@ -394,15 +395,15 @@ impl<'a> Walk<'a> {
         let mut ancestors: Vec<usize> = self.particles.iter().map(|own| own.ancestor).collect();
         ancestors.sort_unstable();
         ancestors.dedup();
-        let after = self.target.counts();
+        let after = self.target.objective.failures();
         self.stages.push(Stage {
             exponent: self.exponent,
             moves,
             acceptance: accepted as f64 / (count * moves) as f64,
             unmoved: still(&moved),
             ancestors: ancestors.len(),
-            asked: after.0 - before.0,
-            failed: after.1 - before.1,
+            asked: after.asked - before.asked,
+            failed: after.failed - before.failed,
         });
         Ok(())
     }

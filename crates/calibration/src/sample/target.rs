@@ -1,7 +1,5 @@
 //! The posterior that is sampled: the prior between the bounds, and the likelihood of the measured values.
 
-use std::cell::Cell;
-
 use sampling::distribution::Distribution;
 use sampling::random::Random;
 
@@ -12,17 +10,13 @@ use super::super::problem::NoPrediction;
 
 /// The posterior that is sampled.
 pub(super) struct Target<'a> {
-    objective: &'a Objective<'a>,
+    pub(super) objective: &'a Objective<'a>,
     /// The prior of each unknown's place: uniform from 0 to 1, or normal and cut there.
     pub(super) before: Vec<Distribution>,
     /// Quantities with an unknown discrepancy, whose places stand behind all others.
     discrepancies: Vec<Unknown>,
     /// The logarithm of the likelihood where every prediction is what was measured.
     best: f64,
-    /// Places of which the likelihood was asked.
-    evaluated: Cell<u64>,
-    /// Those of which a run failed.
-    failed: Cell<u64>,
 }
 
 impl<'a> Target<'a> {
@@ -38,14 +32,7 @@ impl<'a> Target<'a> {
             before: before.collect(),
             discrepancies,
             best: measured.map(|measured| peak(measured.accuracy)).sum(),
-            evaluated: Cell::new(0),
-            failed: Cell::new(0),
         }
-    }
-
-    /// Places of which the likelihood was asked, and those of which a run failed.
-    pub(super) fn counts(&self) -> (u64, u64) {
-        (self.evaluated.get(), self.failed.get())
     }
 
     /// A place from the prior.
@@ -73,12 +60,8 @@ impl<'a> Target<'a> {
         let misfits = self.objective.misfits(&asked)?;
         let mut likelihoods = vec![f64::NEG_INFINITY; sets.len()];
         for (&index, misfit) in inside.iter().zip(misfits) {
-            self.evaluated.set(self.evaluated.get() + 1);
-            match misfit {
-                Ok(misfit) => {
-                    likelihoods[index] = self.log_likelihood(&sets[index], &misfit);
-                }
-                Err(_) => self.failed.set(self.failed.get() + 1),
+            if let Ok(misfit) = misfit {
+                likelihoods[index] = self.log_likelihood(&sets[index], &misfit);
             }
         }
         Ok(likelihoods)
