@@ -32,8 +32,15 @@ pub(crate) fn alike(
     parents.into_iter().filter_map(clash).collect()
 }
 
+/// Units are converted by a factor.
 pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
     let units = document.all("UnitDefinitions", "Unit");
+    let factor = |node: Node<'_, '_>| {
+        let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);
+        let element = node.tag_name().name();
+        let text = format!("{element}: factor is 0: nothing can be converted with it");
+        nothing.then(|| at(node, text))
+    };
     units.flat_map(elements).filter_map(factor).collect()
 }
 
@@ -98,19 +105,6 @@ fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Opti
     let element = node.tag_name().name();
     let text = format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
     Some(at(node, text))
-}
-
-/// Units are converted by a factor.
-fn factor(node: Node<'_, '_>) -> Option<Hit> {
-    let text = node.attribute("factor")?;
-    let nothing = text.trim().parse::<f64>() == Ok(0.0);
-    let element = node.tag_name().name();
-    nothing.then(|| {
-        at(
-            node,
-            format!("{element}: factor is 0: nothing can be converted with it"),
-        )
-    })
 }
 
 pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {

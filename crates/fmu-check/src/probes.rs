@@ -157,7 +157,8 @@ impl<'a> Probes<'a> {
     fn alone(&mut self) -> io::Result<(Outcome, Option<Breach>)> {
         const STEPS: [f64; 5] = [1.0, 0.1, 0.01, 0.001, 0.0001];
         let first = self.run(Life::Alone, None, self.patience)?;
-        if !refused(&first) || self.fmu.default_experiment.step.is_some() {
+        let refused = self::first(&first).is_some_and(|run| run.refused);
+        if !refused || self.fmu.default_experiment.step.is_some() {
             return Ok((first, None));
         }
         let usual = self.setup.schedule;
@@ -252,7 +253,12 @@ impl<'a> Probes<'a> {
         let outcome = self.later(life, None)?;
         let runs = match sound(&outcome, 2) {
             // With changed parameters it may fail, and that says nothing of the reset.
-            Err(_) if life == Life::Changed && !first_is_whole(&outcome) => return Ok(None),
+            Err(_)
+                if life == Life::Changed
+                    && first(&outcome).is_none_or(|run| run.failure.is_some()) =>
+            {
+                return Ok(None);
+            }
             Err(text) => return Ok(Some(unlike(rule, &what, &text))),
             // With changed parameters the first run must differ.
             Ok(runs) if life == Life::Changed => &runs[1..],
@@ -306,31 +312,24 @@ impl<'a> Probes<'a> {
 
 /// The runs of a process, as many as there must be, or why there are not.
 fn sound(outcome: &Outcome, count: usize) -> Result<&[Run], String> {
-    let stage = &outcome.stage;
-    let Some(report) = &outcome.report else {
-        let fate = outcome.fate.as_deref().unwrap_or("it ended without a word");
-        return Err(format!("{stage} failed: {fate}"));
-    };
-    if let Some(text) = &report.unloadable {
+    let report = outcome.report.as_ref();
+    if let Some(text) = report.and_then(|report| report.unloadable.as_ref()) {
         return Err(format!("the binary cannot be loaded: {text}"));
     }
-    if let Some(text) = report.runs.iter().find_map(|run| run.failure.as_ref()) {
+    let runs = report.map_or(&[][..], |report| &report.runs);
+    if let Some(text) = runs.iter().find_map(|run| run.failure.as_ref()) {
         return Err(format!("a simulation failed: {text}"));
     }
-    if report.runs.len() < count {
+    if runs.len() < count {
         let fate = outcome.fate.as_deref().unwrap_or("it ended without a word");
-        return Err(format!("{stage} failed: {fate}"));
+        return Err(format!("{} failed: {fate}", outcome.stage));
     }
-    Ok(&report.runs)
+    Ok(runs)
 }
 
-/// Whether the first of two runs is there and came to its end.
-fn first_is_whole(outcome: &Outcome) -> bool {
-    let first = outcome
-        .report
-        .as_ref()
-        .and_then(|report| report.runs.first());
-    first.is_some_and(|run| run.failure.is_none())
+/// The first of some runs, where there is one.
+fn first(outcome: &Outcome) -> Option<&Run> {
+    outcome.report.as_ref()?.runs.first()
 }
 
 /// A life that is not as one alone.
@@ -339,13 +338,4 @@ fn unlike(rule: &'static str, what: &str, text: &str) -> Breach {
         rule,
         Hit::plain(format!("{what}, {text}: it must be as alone")),
     )
-}
-
-/// Whether a simulation ended with a step that the FMU refused.
-fn refused(outcome: &Outcome) -> bool {
-    let first = outcome
-        .report
-        .as_ref()
-        .and_then(|report| report.runs.first());
-    first.is_some_and(|run| run.refused)
 }

@@ -70,7 +70,7 @@ impl Ground {
     }
 
     /// A new folder with the FMU as it came, for one process.
-    pub(crate) fn own(&self) -> Result<TempDir, FmuError> {
+    pub(crate) fn folder(&self) -> Result<TempDir, FmuError> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let package = match &mut state.package {
             Some(package) => package,

@@ -102,13 +102,13 @@ impl Isolated {
         post: &Post<'_>,
     ) -> Result<Reply, Gone> {
         let mut reply = None;
-        let (stopped, mut take) = (post.stopped, |own| reply = Some(own));
+        let (stopped, mut take) = (post.stopped, |came| reply = Some(came));
         let jobs = std::slice::from_ref(job);
         let shared = self.ground.shared.clone();
         let ran = match separation {
             Separation::Forked => self.forking.run(Order::Forked, jobs, stopped, &mut take),
             Separation::Apart => {
-                let folder = self.ground.own();
+                let folder = self.ground.folder();
                 let folder = folder.map_err(|error| Gone::Start(error.to_string()))?;
                 let mut worker = self.new_worker(folder.path(), fill);
                 worker.run(Order::New, jobs, stopped, &mut take)
@@ -414,9 +414,9 @@ impl Isolated {
             let way = |jobs| Order::Used(reuse, jobs);
             let ran = self.using.run(way, &jobs, post.stopped, &mut |reply| {
                 let known = orders.get(reply.index as usize).map(|&k| &proof[k].1);
-                let own = reply.answer.as_ref().ok();
+                let simulated = reply.answer.as_ref().ok();
                 same &= known
-                    .zip(own)
+                    .zip(simulated)
                     .is_some_and(|(a, b)| bits(a).eq(bits(&b.values)));
                 odd = odd.or(reply.odd);
             });

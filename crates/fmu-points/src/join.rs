@@ -269,8 +269,8 @@ mod tests {
                 })),
             })
         };
-        let found = joined(&parts(&cases()), vec![warned(2, "hot"), warned(3, "cold")]).unwrap();
-        let notices = found.notices.unwrap();
+        let warned = vec![warned(2, "hot"), warned(3, "cold")];
+        let notices = joined(&parts(&cases()), warned).unwrap().notices.unwrap();
         assert_eq!(notices.warnings, 5);
         assert_eq!(notices.first_warning.as_deref(), Some("case slow: hot"));
     }

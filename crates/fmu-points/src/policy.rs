@@ -332,7 +332,9 @@ impl Policy {
         separation: Separation,
         took: Option<f64>,
     ) {
-        let Ok(found) = &reply.answer else { return };
+        let Ok(simulated) = &reply.answer else {
+            return;
+        };
         self.alone_so_far += 1;
         self.note_odd(reply.odd);
         if let (true, Some(took)) = (separation == self.strictest(), took) {
@@ -345,7 +347,7 @@ impl Policy {
         }
         let plain = reply.odd.is_none();
         if plain && self.proof.len() < PROOF && self.wish == Isolation::Audited {
-            self.proof.push((job.clone(), found.values.clone()));
+            self.proof.push((job.clone(), simulated.values.clone()));
         }
     }
 
@@ -437,7 +439,10 @@ impl Policy {
     /// Whether a point is computed twice whatever share of the time that takes: one of those that were chosen, or one of
     /// the first that came right behind an odd one. There must be time for it.
     pub(crate) fn chooses(&self, index: u64, behind_odd: bool) -> bool {
-        let chosen = self.repeats.as_ref().is_some_and(|own| own.has(index));
+        let chosen = self
+            .repeats
+            .as_ref()
+            .is_some_and(|repeats| repeats.has(index));
         let wanted = chosen || behind_odd && self.audits.behind_odd < ENOUGH;
         wanted && !self.is_dear() && self.audits.in_any_case + self.time_of_audit() <= LITTLE
     }

@@ -48,6 +48,17 @@ pub(crate) enum Gone {
     Disturbed,
 }
 
+impl Gone {
+    /// What becomes of the only point of a worker, for which its end is the end of its time.
+    pub(crate) fn failure(self) -> Result<Failure, RunError> {
+        match self {
+            Self::Stopped => Ok(Failure::Timeout),
+            Self::Lost(failure) => Ok(failure),
+            gone => Err(gone.into()),
+        }
+    }
+}
+
 impl From<Gone> for RunError {
     fn from(gone: Gone) -> Self {
         match gone {
@@ -121,7 +132,11 @@ impl Process {
         let count = self.setup.cases.len();
         let runs: Vec<Job> = jobs.iter().flat_map(|job| split(job, count)).collect();
         let ground = self.ground.clone();
-        let disturbed = || ground.as_ref().is_some_and(|own| own.changed().is_some());
+        let disturbed = || {
+            ground
+                .as_ref()
+                .is_some_and(|ground| ground.changed().is_some())
+        };
         let (mut left, mut spoilt) = (runs.len(), false);
         let ran = self.order(&way(runs), stopped, &mut |said| {
             spoilt = disturbed();
@@ -223,10 +238,11 @@ impl Running {
             place,
             answered: false,
         };
-        let own = running.place.as_ref().map(|place| place.path().to_owned());
+        let home = running.place.as_ref();
+        let home = home.map(|place| place.path().to_owned());
         let setup = Setup {
             ticket,
-            place: own,
+            place: home,
             ..setup.clone()
         };
         let text = serde_json::to_vec(&setup).map_err(|error| start(error.into()))?;
@@ -352,15 +368,6 @@ fn family() -> MutexGuard<'static, Family> {
     WORKERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The same, unless another thread holds it.
-fn family_if_free() -> Option<MutexGuard<'static, Family>> {
-    match WORKERS.try_lock() {
-        Ok(workers) => Some(workers),
-        Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
-        Err(TryLockError::WouldBlock) => None,
-    }
-}
-
 /// Ends all workers of this process at once, with everything that they have started: for a process that is about to end
 /// itself, whatever its threads are waiting for.
 pub fn abandon_all() {
@@ -368,10 +375,11 @@ pub fn abandon_all() {
     let until = Instant::now() + PATIENCE;
     // A thread that is starting a worker holds the set for a moment.
     let workers = loop {
-        match family_if_free() {
-            Some(mut workers) => break std::mem::take(&mut *workers),
-            None if Instant::now() > until => break Family::new(),
-            None => std::thread::sleep(Duration::from_millis(1)),
+        match WORKERS.try_lock() {
+            Ok(mut workers) => break std::mem::take(&mut *workers),
+            Err(TryLockError::Poisoned(broken)) => break std::mem::take(&mut *broken.into_inner()),
+            Err(TryLockError::WouldBlock) if Instant::now() > until => break Family::new(),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
         }
     };
     for (&worker, group) in &workers {

@@ -356,13 +356,12 @@ impl Runner {
         let schedule = self.scene.task.schedule;
         let mut ended = None;
         let mut run = || -> Result<(), Call> {
-            start(&self.scene.task, instance, values)?;
+            self.scene.start(instance, values)?;
             read(schedule.start, instance)?;
             let (points, mut time) = (schedule.points(), schedule.start);
             for index in 1..=points.steps {
                 let next = points.at(index);
-                if let Err(call) = step(&self.scene.task, &self.scene.stops, instance, [time, next])
-                {
+                if let Err(call) = self.scene.step(instance, [time, next]) {
                     // An end that the FMU chose is no failure; its last values count.
                     let end = call.ended.ok_or(call)?;
                     ended = Some(end.at);
@@ -448,7 +447,7 @@ impl Runner {
 
     fn simulate_on(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
         let (scene, notices) = (&mut self.scene, &mut self.notices);
-        start(&scene.task, instance, values)?;
+        scene.start(instance, values)?;
         let points = scene.task.schedule.points();
         if scene.watched.probes.is_empty() && scene.gauges.is_empty() {
             if let Err(call) = scene.advance::<false>(instance, &points, 0..points.steps) {
@@ -492,63 +491,53 @@ fn before_the_window(mut call: Call) -> Call {
     call
 }
 
-/// Sets the start values and initialises.
-fn start(task: &Task, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
-    let schedule = &task.schedule;
-    instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
-    for (reference, value) in &task.fixed {
-        instance.set(*reference, value)?;
+impl Scene {
+    /// Sets the start values and initialises.
+    fn start(&self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+        let (task, schedule) = (&self.task, &self.task.schedule);
+        instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
+        for (reference, value) in &task.fixed {
+            instance.set(*reference, value)?;
+        }
+        for (slot, &value) in task.varied.iter().zip(values) {
+            instance.set(slot.handle.reference, &slot.value(value))?;
+        }
+        self.feed(instance, schedule.start)?;
+        instance.initialise()
     }
-    for (slot, &value) in task.varied.iter().zip(values) {
-        instance.set(slot.handle.reference, &slot.value(value))?;
-    }
-    feed(task, instance, schedule.start)?;
-    instance.initialise()
-}
 
-/// Sets the inputs that change over time.
-fn feed(task: &Task, instance: &mut Instance, time: f64) -> Result<(), Call> {
-    for series in &task.inputs {
-        instance.set(
-            series.slot.handle.reference,
-            &series.slot.value(series.at(time)),
-        )?;
+    /// Sets the inputs that change over time.
+    fn feed(&self, instance: &mut Instance, time: f64) -> Result<(), Call> {
+        for series in &self.task.inputs {
+            let value = series.slot.value(series.at(time));
+            instance.set(series.slot.handle.reference, &value)?;
+        }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Goes from one communication point to the next, with a step to each time at which a recorded input turns.
-fn step(
-    task: &Task,
-    stops: &[f64],
-    instance: &mut Instance,
-    [begin, end]: [f64; 2],
-) -> Result<(), Call> {
-    let ahead = &stops[stops.partition_point(|&stop| stop <= begin)..];
-    let between = ahead.iter().copied().take_while(|&stop| stop < end);
-    let mut time = begin;
-    for next in between.chain([end]) {
-        feed(task, instance, time)?;
-        ramp(task, instance, time, next)?;
-        instance.step(time, next - time).map_err(|mut call| {
-            // What was read last is that of the communication point.
-            call.ended = call.ended.map(|ended| End {
-                from: begin,
-                ..ended
-            });
-            call
-        })?;
-        time = next;
+    /// Goes from one communication point to the next, with a step to each time at which a recorded input turns.
+    fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Result<(), Call> {
+        let ahead = &self.stops[self.stops.partition_point(|&stop| stop <= begin)..];
+        let between = ahead.iter().copied().take_while(|&stop| stop < end);
+        let mut time = begin;
+        for next in between.chain([end]) {
+            self.feed(instance, time)?;
+            // Some inputs vary within the step.
+            for series in self.task.inputs.iter().filter(|series| series.ramp) {
+                instance.set_slope(series.slot.handle.reference, series.slope(time, next))?;
+            }
+            instance.step(time, next - time).map_err(|mut call| {
+                // What was read last is that of the communication point.
+                call.ended = call.ended.map(|ended| End {
+                    from: begin,
+                    ..ended
+                });
+                call
+            })?;
+            time = next;
+        }
+        Ok(())
     }
-    Ok(())
-}
-
-/// Lets those inputs vary within the next step that shall.
-fn ramp(task: &Task, instance: &mut Instance, time: f64, next: f64) -> Result<(), Call> {
-    for series in task.inputs.iter().filter(|series| series.ramp) {
-        instance.set_slope(series.slot.handle.reference, series.slope(time, next))?;
-    }
-    Ok(())
 }
 
 impl Probe {

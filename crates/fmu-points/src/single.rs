@@ -71,7 +71,7 @@ impl Recorder<'_> {
             }
             // An FMU that breaks its process at the end costs no answer.
             (Some(answer), Ok(()) | Err(Gone::Lost(_))) => {
-                let answer = answer.map(|found| found.values);
+                let answer = answer.map(|simulated| simulated.values);
                 Ok(answer.map_err(|trouble| trouble.failure))
             }
             (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
@@ -109,9 +109,7 @@ impl Recorder<'_> {
         });
         match ended {
             Ok(()) => Ok(outcome),
-            Err(Gone::Stopped) => Ok(Some(Failure::Timeout)),
-            Err(Gone::Lost(failure)) => Ok(Some(failure)),
-            Err(gone) => Err(gone.into()),
+            Err(gone) => gone.failure().map(Some),
         }
     }
 
@@ -211,9 +209,7 @@ impl Recording {
         match ended {
             Ok(()) => outcome,
             Err(_) if done.get().is_some() => outcome,
-            Err(Gone::Stopped) => Ok(Some(Failure::Timeout)),
-            Err(Gone::Lost(failure)) => Ok(Some(failure)),
-            Err(gone) => Err(RunError::from(gone).into()),
+            Err(gone) => Ok(Some(gone.failure()?)),
         }
     }
 }

@@ -203,7 +203,7 @@ impl Service {
     /// Runs points in one child. When the child is lost, the point that it was running is answered as lost, and
     /// another child runs the rest; likewise behind a point that did not end plainly.
     fn run_used(&mut self, reuse: Reuse, mut jobs: VecDeque<Job>) -> io::Result<()> {
-        if self.used.as_ref().is_some_and(|(own, _)| *own != reuse) {
+        if self.used.as_ref().is_some_and(|(known, _)| *known != reuse) {
             self.used = None;
         }
         let mut in_vain = false;

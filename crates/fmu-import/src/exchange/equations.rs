@@ -65,10 +65,7 @@ impl Functions {
             Version::Three => "GetContinuousStateDerivatives",
         };
         // Some FMUs of FMI 2.0 leave out what they do not need.
-        let read = |name| match symbols.version {
-            Version::Two => Ok(symbols.find(name)),
-            Version::Three => symbols.need(name),
-        };
+        let read = |name| symbols.need_if(symbols.version == Version::Three, name);
         Ok(Self {
             enter_event_mode: symbols.need("EnterEventMode")?,
             enter_continuous_time_mode: symbols.need("EnterContinuousTimeMode")?,

@@ -64,11 +64,8 @@ impl Functions {
             boolean: symbols.needed_access("Boolean")?,
             string: symbols.access("String"),
             set_slopes: symbols.find("SetRealInputDerivatives"),
-            do_step: match interface {
-                Interface::CoSimulation => symbols.need("DoStep")?,
-                // A binary for Model Exchange alone has none, and nobody calls it.
-                Interface::ModelExchange => symbols.find("DoStep"),
-            },
+            // A binary for Model Exchange alone has none, and nobody calls it.
+            do_step: symbols.need_if(interface == Interface::CoSimulation, "DoStep")?,
             get_status: symbols.find("GetStatus"),
             get_real_status: symbols.find("GetRealStatus"),
             get_boolean_status: symbols.find("GetBooleanStatus"),

@@ -86,11 +86,8 @@ impl Functions {
             },
             set_debug_logging: symbols.find("SetDebugLogging"),
             enter_initialization_mode: symbols.need("EnterInitializationMode")?,
-            do_step: match interface {
-                Interface::CoSimulation => symbols.need("DoStep")?,
-                // Some binaries for Model Exchange alone have none, and nobody calls it.
-                Interface::ModelExchange => symbols.find("DoStep"),
-            },
+            // Some binaries for Model Exchange alone have none, and nobody calls it.
+            do_step: symbols.need_if(interface == Interface::CoSimulation, "DoStep")?,
             float32: symbols.access("Float32"),
             float64: symbols.access("Float64"),
             int8: symbols.access("Int8"),

@@ -123,8 +123,8 @@ impl Model {
         true
     }
 
-    /// Lets time pass up to the next return of the FMU, s.
-    fn part(&mut self, time: f64, step: f64) -> Result<Return, Call> {
+    /// Lets time pass up to the next return of the FMU, s. The time that it reached, and whether it wants no further step.
+    fn part(&mut self, time: f64, step: f64) -> Result<(f64, bool), Call> {
         let (mut event, mut terminate, mut early) = (0_u8, 0_u8, 0_u8);
         let mut reached = f64::NAN;
         // SAFETY: the component is alive, and the four places are valid.
@@ -146,28 +146,18 @@ impl Model {
         let known = (time..=time + step).contains(&reached);
         match done {
             Err(call) if ended && call.status == Status::Discard => {
-                Ok(Return::Ended(if known { reached } else { time }))
+                Ok((if known { reached } else { time }, true))
             }
             Err(call) => Err(call),
-            Ok(()) if ended => Ok(Return::Ended(if known { reached } else { time + step })),
-            Ok(()) if early == 0 || reached == time + step => Ok(Return::Done),
-            Ok(()) if known && reached > time => Ok(Return::Early(reached)),
+            Ok(()) if ended => Ok((if known { reached } else { time + step }, true)),
+            Ok(()) if early == 0 || reached == time + step => Ok((time + step, false)),
+            Ok(()) if known && reached > time => Ok((reached, false)),
             Ok(()) => {
                 let why = format!("it returned early, at {reached} s of a step from {time} s");
                 Err(Call::impossible(DO_STEP, why))
             }
         }
     }
-}
-
-/// How a step returned.
-enum Return {
-    /// It was done.
-    Done,
-    /// Before its end, at this time, s.
-    Early(f64),
-    /// The FMU wants no further step; the time that it reached, s.
-    Ended(f64),
 }
 
 impl Simulation for Model {
@@ -253,19 +243,20 @@ impl Simulation for Model {
         let end = time + step;
         let (mut from, mut rest) = (time, step);
         loop {
-            match self.part(from, rest)? {
-                Return::Done => return Ok(()),
-                // The rest of the step.
-                Return::Early(at) => (from, rest) = (at, end - at),
-                Return::Ended(at) => {
-                    return Err(Call {
-                        function: DO_STEP,
-                        status: Status::Discard,
-                        message: Some("the FMU wants no further step".to_owned()),
-                        ended: Some(End { from: time, at }),
-                    });
-                }
+            let (at, ended) = self.part(from, rest)?;
+            if ended {
+                return Err(Call {
+                    function: DO_STEP,
+                    status: Status::Discard,
+                    message: Some("the FMU wants no further step".to_owned()),
+                    ended: Some(End { from: time, at }),
+                });
             }
+            if at == from + rest {
+                return Ok(());
+            }
+            // The rest of the step.
+            (from, rest) = (at, end - at);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Scene, step};
+use super::Scene;
 use crate::task::CommunicationPoints;
 use fmu_import::{Call, Instance};
 
@@ -33,7 +33,7 @@ impl Scene {
     ) -> Result<(), Call> {
         for index in steps {
             let (time, next) = (points.at(index), points.at(index + 1));
-            step(&self.task, &self.stops, instance, [time, next])?;
+            self.step(instance, [time, next])?;
             if WATCH {
                 self.watch(instance, [time, next])?;
             }

@@ -30,9 +30,9 @@ pub(crate) fn detach(command: &mut Command) -> &mut Command {
 
 /// This program, even when its file has been replaced since.
 pub(crate) fn program() -> io::Result<PathBuf> {
-    let own = Path::new("/proc/self/exe");
-    if own.exists() {
-        Ok(own.to_owned())
+    let program = Path::new("/proc/self/exe");
+    if program.exists() {
+        Ok(program.to_owned())
     } else {
         std::env::current_exe()
     }
