@@ -14,10 +14,9 @@ use crate::points::{Job, Simulated};
 use crate::runner::Runner;
 use crate::single::ERRAND;
 use crate::system;
-use crate::task::Record;
 use crate::wire::{Order, Origin, Reply, Said, Trouble, bytes, read};
 use fmu_import::isolation::{Place, Traces};
-use fmu_import::{Library, Value, complaints};
+use fmu_import::{Handle, Library, Value, complaints};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -34,7 +33,7 @@ impl Child<'_> {
         let begun = Instant::now();
         let alone = match order {
             Order::New(jobs) | Order::Forked(jobs) => jobs.first(),
-            Order::Used(..) | Order::Recorded(_) | Order::Errand(_) => None,
+            Order::Used(..) | Order::Recorded(..) | Order::Errand(_) => None,
         };
         if let (Some(_), Some(byte)) = (alone, self.estate.setup.fill) {
             paint_stack(byte);
@@ -52,7 +51,7 @@ impl Child<'_> {
         let runner = Runner::new(library, task);
         match (order, alone) {
             (Order::Used(reuse, _), _) => self.serve(runner.with_further(tasks).trusting(*reuse)),
-            (Order::Recorded(record), _) => self.record(runner, record),
+            (Order::Recorded(values, columns), _) => self.record(runner, values, columns),
             (_, Some(job)) => self.alone(runner, job, begun),
             (_, None) => {}
         }
@@ -130,12 +129,12 @@ impl Child<'_> {
     }
 
     /// Runs a point and sends its trajectory.
-    fn record(&mut self, mut runner: Runner, record: &Record) {
+    fn record(&mut self, mut runner: Runner, values: &[f64], columns: &[Handle]) {
         const FULL: usize = 1 << 13;
         let (mut rows, mut sent) = (Vec::new(), Instant::now());
-        let ended = runner.trajectory(&record.values, |time, instance| {
+        let ended = runner.trajectory(values, |time, instance| {
             rows.push(Value::Real(time));
-            for &column in &record.columns {
+            for &column in columns {
                 rows.push(instance.value(column)?);
             }
             if rows.len() > FULL || sent.elapsed() > HOLD {

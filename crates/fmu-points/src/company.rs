@@ -30,29 +30,23 @@ pub struct Company {
 }
 
 impl Company {
-    /// Notes a point that failed while others ran.
-    pub fn note(&mut self, index: u64, failure: &Failure) {
-        // The FMU was not even asked, or would say the same of all.
-        if matches!(
-            failure.cause(),
-            Failure::OutOfRange(_) | Failure::Unloadable(_)
-        ) {
-            return;
-        }
-        let mut kind = kind(failure);
-        if self.failed.len() + self.sound.len() >= KINDS && !self.failed.contains_key(&kind) {
-            failure.class().clone_into(&mut kind);
-        }
+    /// Notes a point that failed while others ran, or gave results in one try and none in another.
+    pub fn note(&mut self, index: u64, failure: Option<&Failure>) {
+        let kind = match failure.map(|failure| (failure, failure.cause())) {
+            None => FICKLE.to_owned(),
+            // The FMU was not even asked, or would say the same of all.
+            Some((_, Failure::OutOfRange(_) | Failure::Unloadable(_))) => return,
+            Some((failure, _)) => {
+                let kind = kind(failure);
+                let many = self.failed.len() + self.sound.len() >= KINDS;
+                match many && !self.failed.contains_key(&kind) {
+                    true => failure.class().to_owned(),
+                    false => kind,
+                }
+            }
+        };
         if !self.sound.contains(&kind) {
             self.failed.entry(kind).or_default().insert(index);
-        }
-    }
-
-    /// Notes a point that gave results in one try and none in another while others ran.
-    pub fn note_fickle(&mut self, index: u64) {
-        if !self.sound.contains(FICKLE) {
-            let points = self.failed.entry(FICKLE.to_owned());
-            points.or_default().insert(index);
         }
     }
 
@@ -70,10 +64,10 @@ impl Company {
                     points.remove(index);
                 });
                 if let Err(failure) = answer {
-                    self.note(*index, failure);
+                    self.note(*index, Some(failure));
                 }
             }
-            Event::Fickle(index) => self.note_fickle(*index),
+            Event::Fickle(index) => self.note(*index, None),
             _ => {}
         }
     }

@@ -1,7 +1,7 @@
 //! A worker that runs points in processes, as strictly separated as the FMU needs it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ use crate::policy::{Plan, Policy, Probed, Wait};
 use crate::process::{Gone, Process};
 use crate::runner::Reuse;
 use crate::task::Case;
-use crate::wire::{Order, Origin, Outcome, Reply, Trouble};
+use crate::wire::{Order, Origin, Outcome, Reply, Setup, Trouble};
 
 /// The bytes with which unwritten memory is filled for comparison.
 const FILLS: [u8; 2] = [0x55, 0xaa];
@@ -28,10 +28,6 @@ pub(crate) struct Isolated {
     /// For points with a folder of their own.
     apart: Arc<Mutex<Policy>>,
     ground: Arc<Ground>,
-    /// Where working directories are made.
-    home: Option<PathBuf>,
-    cases: Vec<Case>,
-    limits: Limits,
     /// The worker of points that are run alone, in forks.
     forking: Process,
     /// The worker of the process that runs many points.
@@ -77,9 +73,6 @@ impl Isolated {
             policy: if known { Arc::clone(&apart) } else { policy },
             apart,
             ground,
-            home: home.map(Path::to_owned),
-            cases: cases.to_vec(),
-            limits,
             behind_odd: false,
         }
     }
@@ -161,8 +154,9 @@ impl Isolated {
 
     /// A worker for one point.
     fn new_worker(&self, fmu: &Path, fill: Option<u8>) -> Process {
-        let mut worker = Process::new(fmu, &self.ground.name, &self.cases, self.limits);
-        worker.home.clone_from(&self.home);
+        let Setup { cases, limits, .. } = &self.using.setup;
+        let mut worker = Process::new(fmu, &self.ground.name, cases, *limits);
+        worker.home.clone_from(&self.using.home);
         worker.setup.fill = fill;
         worker
     }
@@ -186,7 +180,9 @@ impl Isolated {
                 return Ok(reply);
             };
             let failure = &trouble.failure;
-            let wait = self.policy().wait(licence, since, self.limits.time);
+            let wait = self
+                .policy()
+                .wait(licence, since, self.using.setup.limits.time);
             match wait {
                 Wait::No => return Ok(reply),
                 Wait::Again => {}

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::failure::Failure;
 use crate::points::{Answer, Job, Limits, RunError};
 use crate::process::{Gone, Process};
-use crate::task::{Case, Record, Task};
+use crate::task::{Case, Task};
 use crate::wire::{Order, Origin, Said};
 pub use crate::wire::{bytes, read};
 use fmu_import::{Handle, Package, Value};
@@ -115,19 +115,13 @@ impl Recorder<'_> {
 
     /// Records trajectories of a task's points, one after the other.
     pub fn of(&self, task: &Task) -> Recording {
-        Recording {
-            process: self.process(&[Case::only(task.clone())]),
-            echo: self.echo,
-        }
+        Recording(self.process(&[Case::only(task.clone())]))
     }
 }
 
 /// Records trajectories of a task's points: each in a process of its own, which all have the same worker.
 #[derive(Debug)]
-pub struct Recording {
-    process: Process,
-    echo: bool,
-}
+pub struct Recording(Process);
 
 impl Recording {
     /// Simulates a point and hands over time and columns at every communication point. One that fails is tried
@@ -142,10 +136,7 @@ impl Recording {
         until: Option<Instant>,
         mut row: impl FnMut(f64, &[Value]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let order = Order::Recorded(Record {
-            values: values.to_vec(),
-            columns: columns.to_vec(),
-        });
+        let order = Order::Recorded(values.to_vec(), columns.to_vec());
         let is_late = || until.is_some_and(|until| Instant::now() >= until);
         let mut handed_over = 0;
         for last in [false, true] {
@@ -161,7 +152,7 @@ impl Recording {
             let attempt = self.attempt(&order, columns.len(), &is_late, &mut keep);
             if !matches!(attempt, Ok(None)) {
                 // It may be at the point still.
-                self.process.end();
+                self.0.end();
             }
             match attempt? {
                 None => return Ok(()),
@@ -189,7 +180,8 @@ impl Recording {
             Some(done) => done.elapsed() > FAREWELL,
             None => is_late(),
         };
-        let ended = self.process.order(order, &enough, &mut |said| {
+        let echo = self.0.setup.echo;
+        let ended = self.0.order(order, &enough, &mut |said| {
             match said {
                 Said::Rows(values) => {
                     let mut rows = values.chunks(1 + columns);
@@ -199,7 +191,7 @@ impl Recording {
                 }
                 Said::Ended(None) => {
                     let ended = done.replace(Some(Instant::now())).is_some();
-                    return self.echo && !ended;
+                    return echo && !ended;
                 }
                 Said::Ended(failure) => outcome = Ok(failure),
                 _ => outcome = Err(RunError::Lost("its answer is damaged".to_owned()).into()),

@@ -65,15 +65,6 @@ impl Case {
     }
 }
 
-/// A point that is run with its trajectory.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// The point's values.
-    pub values: Vec<f64>,
-    /// Variables that are read at every communication point.
-    pub columns: Vec<Handle>,
-}
-
 /// A variable that is observed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Probe {

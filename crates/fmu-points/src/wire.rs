@@ -16,8 +16,8 @@ use crate::notices::Notices;
 use crate::points::{Job, Limits, Simulated};
 
 use crate::runner::Reuse;
-use crate::task::{Case, Record};
-use fmu_import::Value;
+use crate::task::Case;
+use fmu_import::{Handle, Value};
 
 /// The first message to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -51,8 +51,8 @@ pub(crate) enum Order {
     Forked(Vec<Job>),
     /// Points in one child. The worker sends them to it as they are.
     Used(Reuse, Vec<Job>),
-    /// A point with its trajectory, in a child of its own.
-    Recorded(Record),
+    /// A point of these values with its trajectory of some variables, in a child of its own.
+    Recorded(Vec<f64>, Vec<Handle>),
     /// An [errand](crate::single::Errand) of the program, in a child of its own, which loads the FMU itself.
     Errand(Vec<u8>),
 }

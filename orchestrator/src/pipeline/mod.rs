@@ -238,10 +238,8 @@ impl<'a> Pipeline<'a> {
         if let Some(finished) = &self.finished {
             let mut outcomes = finished.outcomes()?;
             for index in finished.crowded().filter(|index| set.contains(index)) {
-                match outcomes.first(index)? {
-                    Some(Err(failure)) => self.company.note(index, &failure),
-                    Some(Ok(_)) => self.company.note_fickle(index),
-                    None => {}
+                if let Some(answer) = outcomes.first(index)? {
+                    self.company.note(index, answer.as_ref().err());
                 }
                 if finished.was_repeated(index)
                     && let Some(alone) = outcomes.get(index)?

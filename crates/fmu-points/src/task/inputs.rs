@@ -52,9 +52,7 @@ impl Series {
         let share = (time - self.times[before]) / (self.times[after] - self.times[before]);
         self.values[before] + share * (self.values[after] - self.values[before])
     }
-}
 
-impl Series {
     /// The first part of a run, s, that the rows do not cover. They may begin late or end early by one interval between rows
     /// where that is a hundredth of the run at most, and by a rounding of times.
     pub fn uncovered(&self, schedule: &Schedule) -> Option<[f64; 2]> {
