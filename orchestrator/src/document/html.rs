@@ -1,9 +1,9 @@
 //! A document as a section of the page.
 
-use std::fmt::Write;
+use minijinja::{AutoEscape, Environment, Value, context, value::Serde};
 
 use super::format::escape;
-use super::{Block, Column, Document, Figure, Table};
+use super::{Block, Document};
 
 impl Document {
     /// The section, with an anchor and a heading.
@@ -17,101 +17,25 @@ impl Document {
     }
 }
 
-/// The parts of a document as HTML.
+/// The parts of a document as HTML. A table scrolls for itself, and can be reached with the keyboard.
 pub fn html(blocks: &[Block]) -> String {
-    blocks.iter().map(block).collect()
-}
-
-fn block(block: &Block) -> String {
-    match block {
-        Block::Heading(words) => format!("<h3>{}</h3>\n", marked(words)),
-        Block::Sentence(words) => format!("<p>{}</p>\n", marked(words)),
-        Block::Warning(words) => format!("<p class=\"warning\">Warning: {}.</p>\n", marked(words)),
-        Block::List(sentences) => {
-            let items = sentences.iter();
-            let items = items.map(|one| format!("<li>{}</li>", marked(one)));
-            format!("<ul>{}</ul>\n", items.collect::<String>())
-        }
-        Block::Table(own) => table(own),
-        Block::Hint(words) => format!("<p class=\"hint\">{}</p>\n", emphasised(&marked(words))),
-        Block::Legend(keys) => {
-            let keys = keys.iter();
-            let keys = keys.map(|key| format!("<span>{}{}</span>", key.svg, escape(&key.words)));
-            format!("<p class=\"legend\">{}</p>\n", keys.collect::<String>())
-        }
-        Block::Figures(class, figures) => {
-            let figures: String = figures.iter().map(figure).collect();
-            format!("<div class=\"grid {class}\">\n{figures}</div>\n")
-        }
-        Block::Folded(title, open, content) => format!(
-            "<details{}><summary>{}</summary>\n{}</details>\n",
-            if *open { " open" } else { "" },
-            marked(title),
-            html(content)
-        ),
-    }
-}
-
-fn figure(figure: &Figure) -> String {
-    let optional = |text: &str, tag: &str, end: &str| match text {
-        "" => String::new(),
-        text => format!("<{tag}>{}</{end}>", marked(text)),
-    };
-    let numbers = figure.numbers.as_ref().map_or_else(String::new, |numbers| {
-        format!(
-            "<details><summary>Numbers</summary>{}</details>",
-            table(numbers)
-        )
-    });
-    format!(
-        "<figure class=\"card\">{}{}{}{numbers}</figure>\n",
-        optional(&figure.caption, "figcaption", "figcaption"),
-        figure.svg,
-        optional(&figure.note, "p class=\"note\"", "p")
-    )
-}
-
-/// A table that scrolls for itself, and can be reached with the keyboard.
-fn table(table: &Table) -> String {
-    let class = |column: &Column| match column.is_number {
-        true => " class=\"num\"",
-        false => "",
-    };
-    let mut html = format!(
-        "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"{}\"><table class=\"{}\">\n<thead><tr>",
-        escape(&table.name),
-        table.class
-    );
-    // Writing to a String cannot fail.
-    for column in &table.columns {
-        let _ = match (&*column.name, &*column.unit) {
-            ("", "") => write!(html, "<td></td>"),
-            (name, "") => write!(
-                html,
-                "<th scope=\"col\"{}>{}</th>",
-                class(column),
-                marked(name)
-            ),
-            (name, unit) => write!(
-                html,
-                "<th scope=\"col\"{}>{}<small>{}</small></th>",
-                class(column),
-                marked(name),
-                escape(unit)
-            ),
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.set_formatter(|out, _, value| {
+        let text = value.to_string();
+        let written = match value.is_safe() {
+            true => text,
+            false => escape(&text),
         };
-    }
-    html += "</tr></thead>\n<tbody>";
-    for row in &table.rows {
-        for (k, (cell, column)) in row.iter().zip(&table.columns).enumerate() {
-            let _ = match k {
-                0 => write!(html, "<tr><th scope=\"row\">{}</th>", marked(cell)),
-                _ => write!(html, "<td{}>{}</td>", class(column), marked(cell)),
-            };
-        }
-        html += "</tr>\n";
-    }
-    html + "</tbody></table></div>\n"
+        Ok(out.write_str(&written)?)
+    });
+    environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
+    environment.add_filter("stressed", |html: &str| {
+        Value::from_safe_string(emphasised(html))
+    });
+    let blocks = context! { blocks => Serde(blocks) };
+    let html = environment.render_str(include_str!("blocks.html"), blocks);
+    html.expect("the template knows all kinds of blocks")
 }
 
 /// A message as HTML: what the terminal shows between backticks is code, `u_{num}` has an index, and a warning is told by its
@@ -165,7 +89,7 @@ pub(super) fn between<'a>(mut text: &'a str, open: &str, close: &str) -> Vec<(&'
 
 #[cfg(test)]
 mod tests {
-    use super::super::{numbers, words};
+    use super::super::{Column, Table, numbers, words};
     use super::*;
 
     #[test]

@@ -6,6 +6,7 @@ pub mod svg;
 mod text;
 
 pub use html::{html, marked};
+use serde::Serialize;
 pub use text::text;
 
 /// A result for people.
@@ -22,7 +23,8 @@ pub struct Document {
 }
 
 /// A part of a document.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "content", rename_all = "lowercase")]
 pub enum Block {
     /// A heading within the document.
     Heading(String),
@@ -45,7 +47,7 @@ pub enum Block {
 }
 
 /// A table with a head.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Table {
     /// Its name for screen readers.
     pub name: String,
@@ -58,7 +60,7 @@ pub struct Table {
 }
 
 /// The head of a column.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Column {
     /// Its words.
     pub name: String,
@@ -85,7 +87,7 @@ pub fn numbers(name: impl Into<String>) -> Column {
 }
 
 /// The meaning of a mark.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Key {
     /// A small picture of the mark.
     pub svg: String,
@@ -106,7 +108,7 @@ impl Key {
 }
 
 /// A picture.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Figure {
     /// The name of its file, without ending.
     pub file: String,

@@ -86,16 +86,8 @@ pub struct AnalysisResult {
     /// The verdict's exit code; 0 unless there is a verdict.
     pub code: ExitCode,
     file: &'static str,
-    result: serde_json::Value,
-}
-
-/// A result with what it belongs to.
-#[derive(Serialize)]
-struct Told<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    origin: Option<&'a Origin>,
-    #[serde(flatten)]
-    result: &'a serde_json::Value,
+    /// The content of the file, with the origin.
+    content: serde_json::Map<String, serde_json::Value>,
 }
 
 impl AnalysisResult {
@@ -105,16 +97,21 @@ impl AnalysisResult {
         origin: impl Into<Option<Origin>>,
         text: String,
         file: &'static str,
-    ) -> Result<Self, Error> {
-        let result = serde_json::to_value(result);
-        let result = result.map_err(|error| Error::content(file.as_ref(), error))?;
-        Ok(Self {
-            origin: origin.into(),
+    ) -> Self {
+        let origin = origin.into();
+        let mut content = serde_json::Map::new();
+        if let Some(origin) = &origin {
+            content.insert("origin".to_owned(), serde_json::json!(origin));
+        }
+        let told = serde_json::to_value(result).expect("a result is made of texts and numbers");
+        content.extend(told.as_object().cloned().unwrap_or_default());
+        Self {
+            origin,
             text,
             file,
             code: ExitCode::SUCCESS,
-            result,
-        })
+            content,
+        }
     }
 
     /// Writes the file.
@@ -123,11 +120,7 @@ impl AnalysisResult {
     /// When the system says no.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         make_folder(folder)?;
-        let told = Told {
-            origin: self.origin.as_ref(),
-            result: &self.result,
-        };
-        write_json(&folder.join(self.file), &told)
+        write_json(&folder.join(self.file), &self.content)
     }
 }
 

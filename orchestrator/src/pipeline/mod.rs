@@ -56,8 +56,6 @@ pub enum Step {
         index: u64,
         /// Its values in the study's units, or its failure.
         outcome: Outcome,
-        /// Whether the point meets all criteria.
-        verified: bool,
         /// The process in which it was computed.
         separation: Separation,
     },
@@ -320,7 +318,6 @@ impl<'a> Pipeline<'a> {
                 Some(Step::Outcome {
                     index,
                     outcome,
-                    verified,
                     separation,
                 })
             }

@@ -209,7 +209,7 @@ impl Analysis for Asked {
             End::Time | End::Iterations => ExitCode::FAILURE,
             End::Converged | End::Rounds => ExitCode::SUCCESS,
         };
-        let mut result = AnalysisResult::new(&outcome, None, text, FILE)?;
+        let mut result = AnalysisResult::new(&outcome, None, text, FILE);
         result.code = code;
         Ok(result)
     }

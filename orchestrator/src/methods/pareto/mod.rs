@@ -196,7 +196,7 @@ fn of_points(
 
 fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, Error> {
     let result = result.ok_or_else(|| Error::Search("no point has values".to_owned()))?;
-    AnalysisResult::new(&result, origin, document(&result).as_text(), FILE)
+    Ok(AnalysisResult::new(&result, origin, document(&result).as_text(), FILE))
 }
 
 /// The parameters at the medians of their distributions.

@@ -209,7 +209,7 @@ impl Analysis for Rare {
         let statement = Statement::new(self.event, &search, &answer, session);
         let origin = asking::origin(session)?;
         let mut result =
-            AnalysisResult::new(&statement, origin, statement.document().as_text(), FILE)?;
+            AnalysisResult::new(&statement, origin, statement.document().as_text(), FILE);
         result.code = match (statement.verdict, self.event) {
             (Some(verdict), _) => exit_code(Some(verdict)),
             // One verified point is enough.

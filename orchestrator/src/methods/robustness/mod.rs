@@ -100,7 +100,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     if let Some(plan) = plan {
         result.keep_together(&plan.together());
     }
-    let result = AnalysisResult::new(&result, origin, document(&result).as_text(), FILE)?;
+    let result = AnalysisResult::new(&result, origin, document(&result).as_text(), FILE);
     Delivery::without_runs(result, work, folder)
 }
 
@@ -188,7 +188,7 @@ impl Analysis for Asked {
         }
         .of(stated)?;
         confirmed.keep_together(&session.plan.together());
-        AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE)
+        Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))
     }
 }
 

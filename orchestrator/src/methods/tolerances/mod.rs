@@ -187,7 +187,7 @@ impl Analysis for Asked {
                     .extend(most(session, &problem, &sample, &ones));
             }
         }
-        AnalysisResult::new(&told, asking::origin(session)?, document(&told).as_text(), FILE)
+        Ok(AnalysisResult::new(&told, asking::origin(session)?, document(&told).as_text(), FILE))
     }
 }
 
