@@ -31,9 +31,9 @@ pub use description::{
     Causality, Description, Interface, Kind, Place, Remark, Variability, Variable,
 };
 pub use instance::Instance;
-pub use library::{Library, LibraryError};
+pub use library::{Library, LibraryError, percent_encoded};
 pub use logger::complaints;
-pub use package::{FmuError, FmuFault, Package, digest, hexadecimal, percent_encoded, sha256};
+pub use package::{FmuError, FmuFault, Package, digest, hexadecimal, sha256};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};
 pub use value::{Content, Handle, Value};

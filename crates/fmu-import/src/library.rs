@@ -23,7 +23,6 @@ use crate::floating_point::{Mode, within};
 use crate::fmi2;
 use crate::fmi3::{self, Element};
 use crate::needed;
-use crate::package::percent_encoded;
 use crate::simulation::{Birth, Simulation};
 pub use crate::symbols::LibraryError;
 use crate::symbols::{Function, Symbols, Text};
@@ -183,6 +182,18 @@ impl Library {
         let text = unsafe { CStr::from_ptr(text) };
         Some(text.to_string_lossy().into_owned())
     }
+}
+
+/// A path as part of a URI, in which `also` stays as it is, too.
+pub fn percent_encoded(path: &str, also: &str) -> String {
+    let encode = |byte: u8| {
+        let c = char::from(byte);
+        match c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
+            true => c.to_string(),
+            false => format!("%{byte:02X}"),
+        }
+    };
+    path.bytes().map(encode).collect()
 }
 
 /// The resources as FMI 2.0 passes them: `file:///...`, percent-encoded.

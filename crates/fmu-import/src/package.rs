@@ -245,18 +245,6 @@ pub fn sha256(mut from: impl Read) -> io::Result<[u8; 32]> {
     }
 }
 
-/// A path as part of a URI, in which `also` stays as it is, too.
-pub fn percent_encoded(path: &str, also: &str) -> String {
-    let encode = |byte: u8| {
-        let c = char::from(byte);
-        match c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
-            true => c.to_string(),
-            false => format!("%{byte:02X}"),
-        }
-    };
-    path.bytes().map(encode).collect()
-}
-
 /// Bytes as lower-case hexadecimal digits.
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

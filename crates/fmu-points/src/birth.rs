@@ -4,23 +4,11 @@
 //! more, and is told what it needs.
 
 use std::io;
-use std::sync::Arc;
 
 use fmu_import::isolation::{Child, Keeper};
-use fmu_import::{Library, Package};
 
-use crate::system::Shared;
-use crate::wire::{Order, Setup};
-
-/// All that a worker gives its children.
-pub(crate) struct Estate<'a> {
-    pub(crate) setup: &'a Setup,
-    pub(crate) package: Option<&'a mut Package>,
-    /// The FMU, where the worker has loaded it for them: only forks inherit it.
-    pub(crate) library: Option<Arc<Library>>,
-    /// How many points of its present message a child has begun.
-    pub(crate) progress: &'a Shared,
-}
+use crate::child::Estate;
+use crate::wire::Order;
 
 /// Forks a child.
 ///
@@ -75,8 +63,12 @@ pub(crate) const CHILD: &str = "fmu-points-child";
 pub(crate) fn serve(progress: &str) -> io::Result<()> {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
+    use fmu_import::Package;
     use fmu_import::isolation::Place;
     use fmu_import::isolation::keeper::leave;
+
+    use crate::system::Shared;
+    use crate::wire::Setup;
 
     let mut place = Place::take()?;
     let missing = || io::Error::other("the worker has gone");

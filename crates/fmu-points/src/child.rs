@@ -5,7 +5,6 @@ use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::birth::Estate;
 use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::join;
@@ -14,12 +13,23 @@ use crate::points::{Job, Simulated};
 use crate::runner::Runner;
 use crate::single::ERRAND;
 use crate::system;
-use crate::wire::{Order, Origin, Reply, Said, Trouble, bytes, read};
+use crate::system::Shared;
+use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::{Place, Traces};
-use fmu_import::{Handle, Library, Value, complaints};
+use fmu_import::{Handle, Library, Package, Value, complaints};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
+
+/// All that a worker gives its children.
+pub(crate) struct Estate<'a> {
+    pub(crate) setup: &'a Setup,
+    pub(crate) package: Option<&'a mut Package>,
+    /// The FMU, where the worker has loaded it for them: only forks inherit it.
+    pub(crate) library: Option<Arc<Library>>,
+    /// How many points of its present message a child has begun.
+    pub(crate) progress: &'a Shared,
+}
 
 /// A worker's child.
 pub(crate) struct Child<'a> {

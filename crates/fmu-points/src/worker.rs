@@ -11,8 +11,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::birth::{self, Estate};
+use crate::birth;
 use crate::child;
+use crate::child::Estate;
 use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::points::{Job, Limits};
