@@ -135,8 +135,8 @@ impl Discrepancy {
 pub fn widened(problem: &Problem, unknown: &[Unknown], deviations: &[f64]) -> Problem {
     problem.widened(|_, quantity| {
         let mut pairs = unknown.iter().zip(deviations);
-        let own = pairs.find(|(unknown, _)| unknown.quantity == quantity);
-        own.map_or(0.0, |(_, deviation)| *deviation)
+        let pair = pairs.find(|(unknown, _)| unknown.quantity == quantity);
+        pair.map_or(0.0, |(_, deviation)| *deviation)
     })
 }
 
@@ -173,12 +173,12 @@ mod tests {
         let unknown = Unknown::of(&problem, 0);
         assert!((unknown.scale - 0.3).abs() < 1e-12);
         let mean = misfits.iter().map(|m| m * m).sum::<f64>() / 8.0;
-        let found = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
+        let discrepancy = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
         assert!(
-            (found.deviation - (mean - 0.09).sqrt()).abs() < 2e-3,
-            "{found:?}"
+            (discrepancy.deviation - (mean - 0.09).sqrt()).abs() < 2e-3,
+            "{discrepancy:?}"
         );
-        assert!(found.told);
+        assert!(discrepancy.told);
         // With two fitted unknowns the same misfits count for six values.
         let fitted = Discrepancy::estimate(&unknown, &problem, &predicted, 2);
         assert!((fitted.deviation - (mean * 8.0 / 6.0 - 0.09).sqrt()).abs() < 2e-3);
@@ -194,15 +194,15 @@ mod tests {
         for accuracy in [1e-2, 1e-4, 1e-6] {
             let (problem, predicted) = problem(&misfits, accuracy);
             let unknown = Unknown::of(&problem, 0);
-            let found = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
-            let ratio = found.deviation / mean.sqrt();
-            assert!((ratio - 1.0).abs() < 0.01, "{accuracy}: {found:?}");
-            assert!(found.told);
+            let discrepancy = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
+            let ratio = discrepancy.deviation / mean.sqrt();
+            assert!((ratio - 1.0).abs() < 0.01, "{accuracy}: {discrepancy:?}");
+            assert!(discrepancy.told);
         }
         let (problem, predicted) = problem(&[0.0; 4], 0.1);
         let unknown = Unknown::of(&problem, 0);
-        let found = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
-        assert_eq!((found.deviation, found.told), (0.0, false));
+        let discrepancy = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
+        assert_eq!((discrepancy.deviation, discrepancy.told), (0.0, false));
     }
 
     /// Without a discrepancy one is told in about 5 % of records; with one of twice the accuracy nearly always.

@@ -100,9 +100,9 @@ impl Range {
 
 /// A box in words.
 pub fn words(within: &[Range]) -> String {
-    let range = |own: &Range| {
-        let [low, high] = own.range.map(|end| rounded(end, 4));
-        let words = format!("{} {low} .. {high} {}", own.name, shown(&own.unit));
+    let range = |side: &Range| {
+        let [low, high] = side.range.map(|end| rounded(end, 4));
+        let words = format!("{} {low} .. {high} {}", side.name, shown(&side.unit));
         words.trim_end().to_owned()
     };
     within.iter().map(range).collect::<Vec<_>>().join(", ")

@@ -247,10 +247,10 @@ mod tests {
             &limits(200, 1e-12),
         )
         .unwrap();
-        let found = problem.free_values(&minimum.places);
+        let values = problem.free_values(&minimum.places);
         assert!(
-            (found[0] - 1.0).abs() < 1e-6 && (found[1] - 1.0).abs() < 1e-6,
-            "{found:?}"
+            (values[0] - 1.0).abs() < 1e-6 && (values[1] - 1.0).abs() < 1e-6,
+            "{values:?}"
         );
     }
 
@@ -269,11 +269,11 @@ mod tests {
             &limits(200, 1e-12),
         )
         .unwrap();
-        let found = problem.free_values(&minimum.places);
+        let values = problem.free_values(&minimum.places);
         // With x = 1: (y - 2)^2 + (1 - y)^2 is least at y = 1.5.
         assert!(
-            (found[0] - 1.0).abs() < 1e-12 && (found[1] - 1.5).abs() < 1e-6,
-            "{found:?}"
+            (values[0] - 1.0).abs() < 1e-12 && (values[1] - 1.5).abs() < 1e-6,
+            "{values:?}"
         );
     }
 
@@ -296,8 +296,11 @@ mod tests {
             &limits(200, 1e-12),
         )
         .unwrap();
-        let found = problem.free_values(&minimum.places);
-        assert!((found[0] - (2.0_f64 / 3.0).exp()).abs() < 1e-5, "{found:?}");
+        let values = problem.free_values(&minimum.places);
+        assert!(
+            (values[0] - (2.0_f64 / 3.0).exp()).abs() < 1e-5,
+            "{values:?}"
+        );
         assert!(!minimum.blocked);
     }
 
@@ -317,10 +320,10 @@ mod tests {
             &limits(200, 1e-12),
         )
         .unwrap();
-        let found = problem.free_values(&minimum.places);
+        let values = problem.free_values(&minimum.places);
         assert!(
-            minimum.blocked && found[0] >= 3.0 && found[0] < 3.1,
-            "{found:?}"
+            minimum.blocked && values[0] >= 3.0 && values[0] < 3.1,
+            "{values:?}"
         );
         let failures = objective.failures();
         assert!(failures.failed > 0 && failures.failed < failures.asked);

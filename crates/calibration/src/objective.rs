@@ -145,8 +145,8 @@ impl<'a> Objective<'a> {
         let predictions = self.predict(&queries.collect::<Vec<_>>())?;
         let mut predictions = predictions.into_iter();
         let misfits = sets.iter().map(|places| {
-            let own: Vec<Prediction> = predictions.by_ref().take(cases).collect();
-            let predicted: Result<_, String> = own.into_iter().collect();
+            let of_set: Vec<Prediction> = predictions.by_ref().take(cases).collect();
+            let predicted: Result<_, String> = of_set.into_iter().collect();
             self.note(places.as_ref(), &predicted);
             Ok(self.of_predicted(places.as_ref(), predicted?))
         });

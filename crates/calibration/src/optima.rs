@@ -92,7 +92,10 @@ impl<'a, 'b> Optima<'a, 'b> {
 
     /// The least sum of squares so far; infinite without a minimum.
     pub fn least(&self) -> f64 {
-        let costs = self.optima.iter().map(|own| own.minimum.misfit.cost());
+        let costs = self
+            .optima
+            .iter()
+            .map(|optimum| optimum.minimum.misfit.cost());
         costs.fold(f64::INFINITY, f64::min)
     }
 
@@ -139,12 +142,16 @@ impl<'a, 'b> Optima<'a, 'b> {
 
     /// The minimum that a place belongs to.
     fn same(&self, end: &Minimum) -> Result<Option<usize>, NoPrediction> {
-        let distance = |own: &Optimum| own.posterior.distance(&own.minimum.places, &end.places);
+        let distance = |optimum: &Optimum| {
+            optimum
+                .posterior
+                .distance(&optimum.minimum.places, &end.places)
+        };
         let mut order: Vec<(usize, f64)> = self.optima.iter().map(distance).enumerate().collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1));
         for (index, distance) in order {
-            let own = &self.optima[index].minimum;
-            if distance <= 1.0 || self.connected(own, end, BENDS)? {
+            let minimum = &self.optima[index].minimum;
+            if distance <= 1.0 || self.connected(minimum, end, BENDS)? {
                 return Ok(Some(index));
             }
         }
@@ -189,16 +196,16 @@ impl<'a, 'b> Optima<'a, 'b> {
     pub fn weighed(self) -> Vec<Optimum> {
         let least = self.least();
         let mut optima = self.optima;
-        optima.retain(|own| own.minimum.misfit.cost() <= least + RELEVANT);
-        let mass = |own: &Optimum| {
-            let density = -0.5 * (own.minimum.misfit.cost() - least);
-            density + own.posterior.log_volume + log_inside(own)
+        optima.retain(|optimum| optimum.minimum.misfit.cost() <= least + RELEVANT);
+        let mass = |optimum: &Optimum| {
+            let density = -0.5 * (optimum.minimum.misfit.cost() - least);
+            density + optimum.posterior.log_volume + log_inside(optimum)
         };
         let masses: Vec<f64> = optima.iter().map(mass).collect();
         let most = masses.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = masses.iter().map(|mass| (mass - most).exp()).sum();
-        for (own, mass) in optima.iter_mut().zip(&masses) {
-            own.weight = (mass - most).exp() / sum;
+        for (optimum, mass) in optima.iter_mut().zip(&masses) {
+            optimum.weight = (mass - most).exp() / sum;
         }
         optima.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         optima
@@ -220,12 +227,12 @@ fn between(a: &[f64], middle: &[f64], b: &[f64]) -> bool {
 }
 
 /// The logarithm of the part of a Gaussian posterior that lies between the bounds, one unknown after the other.
-fn log_inside(own: &Optimum) -> f64 {
+fn log_inside(optimum: &Optimum) -> f64 {
     let normal = Normal::standard();
     let part = |(unknown, place): (usize, &f64)| {
-        let deviation = own.posterior.deviation(unknown);
+        let deviation = optimum.posterior.deviation(unknown);
         normal.cdf((1.0 - place) / deviation) - normal.cdf(-place / deviation)
     };
-    let parts = own.minimum.places.iter().enumerate().map(part);
+    let parts = optimum.minimum.places.iter().enumerate().map(part);
     parts.map(f64::ln).sum()
 }

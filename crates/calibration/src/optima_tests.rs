@@ -9,7 +9,7 @@ use super::testing::{effort, one_case, starts};
 use super::text;
 
 /// The optima in the order of the first parameter, and the outcome.
-fn found(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, IdentificationOutcome) {
+fn solved(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, IdentificationOutcome) {
     let objective = Objective::new(problem, model, 1e-4);
     let starts = starts(problem.free.len(), 64);
     let (mut optima, progress) = search(&objective, &starts, &effort(8, 60), &|_| ()).unwrap();
@@ -24,7 +24,7 @@ fn all_six_solutions_of_a_wave_are_found_with_their_parts() {
     // proportional to the width of its valley, 1 / |6 cos(6 x) + 0.3|.
     let problem = one_case(&[(0.1, 3.1)], &[(0.5, 0.02)]);
     let wave = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(6.0 * p[0]).sin() + 0.3 * p[0]]);
-    let (optima, outcome) = found(&problem, &wave);
+    let (optima, outcome) = solved(&problem, &wave);
     let slope = |x: f64| (6.0 * (6.0 * x).cos() + 0.3).abs();
     let exact: Vec<f64> = (0..3000)
         .map(|k| 0.1 + 0.001 * f64::from(k))
@@ -33,23 +33,24 @@ fn all_six_solutions_of_a_wave_are_found_with_their_parts() {
     assert_eq!(exact.len(), 6);
     assert_eq!(optima.len(), 6, "{optima:?}");
     let all: f64 = exact.iter().map(|&x| 1.0 / slope(x)).sum();
-    for (own, &x) in optima.iter().zip(&exact) {
-        let found = problem.free_values(&own.minimum.places)[0];
-        assert!((found - x).abs() < 1e-6, "{found} {x}");
+    for (optimum, &x) in optima.iter().zip(&exact) {
+        let value = problem.free_values(&optimum.minimum.places)[0];
+        assert!((value - x).abs() < 1e-6, "{value} {x}");
         let part = 1.0 / slope(x) / all;
         assert!(
-            (own.weight / part - 1.0).abs() < 0.02,
+            (optimum.weight / part - 1.0).abs() < 0.02,
             "{} {part}",
-            own.weight
+            optimum.weight
         );
         // The reported 95 % interval is that of a straight line through the solution.
         let mut places = outcome.optima.iter();
-        let same = |own: &&super::outcome::OptimumOutcome| (own.free[0].value - x).abs() < 1e-3;
+        let same =
+            |optimum: &&super::outcome::OptimumOutcome| (optimum.free[0].value - x).abs() < 1e-3;
         let [low, high] = places.find(same).unwrap().free[0].interval;
         let width = 2.0 * 1.959_964 * 0.02 / slope(x);
         assert!(((high - low) / width - 1.0).abs() < 0.02, "{low} {high}");
     }
-    assert!((optima.iter().map(|own| own.weight).sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!((optima.iter().map(|optimum| optimum.weight).sum::<f64>() - 1.0).abs() < 1e-12);
     assert!(outcome.ambiguous);
     assert!(
         outcome
@@ -83,7 +84,7 @@ fn a_curved_valley_is_one_optimum_that_is_not_determined() {
     // Only the product is measured: its solutions are one connected curve, whose ends are far apart.
     let problem = one_case(&[(0.1, 2.0), (0.1, 2.0)], &[(0.5, 0.005)]);
     let product = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[1]]);
-    let (optima, outcome) = found(&problem, &product);
+    let (optima, outcome) = solved(&problem, &product);
     assert_eq!(optima.len(), 1, "{optima:?}");
     assert!(!outcome.ambiguous && outcome.directions[0].undetermined);
 }
@@ -100,7 +101,7 @@ fn the_parts_of_two_optima_are_those_of_the_integral() {
             vec![(x - 1.0) / 0.2, y / 0.2]
         })
     };
-    let (optima, _) = found(&problem, &model);
+    let (optima, _) = solved(&problem, &model);
     assert_eq!(optima.len(), 2, "{optima:?}");
     let weights = [optima[0].weight, optima[1].weight];
     assert!(
@@ -114,13 +115,13 @@ fn a_minimum_that_is_too_improbable_is_no_solution() {
     // x^2 - 0.02 x is 1 near -0.99 and near 1.01; a second result leaves one of them.
     let one = one_case(&[(-2.0, 2.0)], &[(1.0, 0.01), (1.0, 0.1)]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[0] - 0.02 * p[0], p[0]]);
-    let (optima, outcome) = found(&one, &model);
+    let (optima, outcome) = solved(&one, &model);
     assert_eq!(optima.len(), 1);
     assert!((outcome.free[0].value - 1.01).abs() < 0.01 && !outcome.ambiguous);
     assert!(text::summary(&outcome).contains("The data determine every parameter."));
     // Without it both are.
     let both = one_case(&[(-2.0, 2.0)], &[(1.0, 0.01)]);
-    let (optima, _) = found(&both, &|_: usize, p: &[f64], _: &[f64]| {
+    let (optima, _) = solved(&both, &|_: usize, p: &[f64], _: &[f64]| {
         Ok(vec![p[0] * p[0] - 0.02 * p[0]])
     });
     assert_eq!(optima.len(), 2);
@@ -141,7 +142,7 @@ fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
     assert!(
         optima
             .iter()
-            .all(|own| own.minimum.surrounded == [0] && own.edge.blocked)
+            .all(|optimum| optimum.minimum.surrounded == [0] && optimum.edge.blocked)
     );
     let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
     let [first, second] = &outcome.free[..] else {

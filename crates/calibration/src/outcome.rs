@@ -204,7 +204,7 @@ impl IdentificationOutcome {
         let probability = ChiSquared::new(degrees_of_freedom as f64).ok();
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
         let directions = posterior.directions.iter();
-        let outcomes: Vec<_> = optima.iter().map(|own| optimum(problem, own)).collect();
+        let outcomes: Vec<_> = optima.iter().map(|each| optimum(problem, each)).collect();
         let OptimumOutcome { free, latents, .. } = &outcomes[0];
         let case = |(index, latents): (usize, &Vec<_>)| case(problem, minimum, latents, index);
         let cases: Vec<_> = latents.iter().enumerate().map(case).collect();
@@ -219,7 +219,9 @@ impl IdentificationOutcome {
             free: free.clone(),
             correlations: (0..n).map(correlation).collect(),
             directions: directions.map(|d| direction(problem, d)).collect(),
-            worst: quantities.map(|(k, own)| worst(own, &cases, k)).collect(),
+            worst: quantities
+                .map(|(k, quantity)| worst(quantity, &cases, k))
+                .collect(),
             cases,
             search: searches(progress),
             excluded: Excluded::new(
@@ -236,18 +238,18 @@ impl IdentificationOutcome {
     }
 }
 
-fn optimum(problem: &Problem, own: &Optimum) -> OptimumOutcome {
+fn optimum(problem: &Problem, optimum: &Optimum) -> OptimumOutcome {
     OptimumOutcome {
-        weight: own.weight,
-        cost: own.minimum.misfit.cost(),
-        end: own.minimum.end,
-        reached: own.reached,
-        edge: own.edge,
+        weight: optimum.weight,
+        cost: optimum.minimum.misfit.cost(),
+        end: optimum.minimum.end,
+        reached: optimum.reached,
+        edge: optimum.edge,
         free: (0..problem.free.len())
-            .map(|index| free(problem, own, index))
+            .map(|index| free(problem, optimum, index))
             .collect(),
         latents: (0..problem.cases.len())
-            .map(|case| latents(problem, own, case))
+            .map(|case| latents(problem, optimum, case))
             .collect(),
     }
 }
@@ -262,10 +264,10 @@ fn bound(place: f64) -> Option<&'static str> {
     }
 }
 
-fn free(problem: &Problem, own: &Optimum, index: usize) -> FreeOutcome {
+fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
     let free = &problem.free[index];
-    let place = own.minimum.places[index];
-    let deviation = own.posterior.deviation(index);
+    let place = optimum.minimum.places[index];
+    let deviation = optimum.posterior.deviation(index);
     FreeOutcome {
         name: free.name.clone(),
         unit: free.unit.clone(),
@@ -275,8 +277,8 @@ fn free(problem: &Problem, own: &Optimum, index: usize) -> FreeOutcome {
         interval: [-1.0, 1.0].map(|side| free.value(place + side * NINETY_FIVE * deviation)),
         bounds: [free.min, free.max],
         at_bound: bound(place),
-        left: deviation * own.posterior.prior[index].sqrt(),
-        surrounded: own.minimum.surrounded.contains(&index),
+        left: deviation * optimum.posterior.prior[index].sqrt(),
+        surrounded: optimum.minimum.surrounded.contains(&index),
     }
 }
 
@@ -318,15 +320,15 @@ fn case(
     }
 }
 
-fn latents(problem: &Problem, own: &Optimum, index: usize) -> Vec<LatentOutcome> {
+fn latents(problem: &Problem, optimum: &Optimum, index: usize) -> Vec<LatentOutcome> {
     let unknowns = problem.latents_of(index);
     let latents = problem.latents.iter().zip(&problem.cases[index].latents);
     let latents = latents
         .zip(unknowns)
         .map(|((latent, interval), unknown)| LatentOutcome {
             name: latent.name.clone(),
-            value: interval.value(own.minimum.places[unknown]),
-            deviation: own.posterior.deviation(unknown) * (interval.max - interval.min),
+            value: interval.value(optimum.minimum.places[unknown]),
+            deviation: optimum.posterior.deviation(unknown) * (interval.max - interval.min),
             interval: [interval.min, interval.max],
         });
     latents.collect()
@@ -338,8 +340,8 @@ fn worst(quantity: &Quantity, cases: &[CaseOutcome], index: usize) -> WorstOutco
     WorstOutcome {
         quantity: quantity.name.clone(),
         unit: quantity.unit.clone(),
-        difference: largest(|own| own.difference.abs()),
-        relative: largest(|own| (own.difference / own.measured).abs()),
+        difference: largest(|residual| residual.difference.abs()),
+        relative: largest(|residual| (residual.difference / residual.measured).abs()),
     }
 }
 

@@ -101,7 +101,7 @@ impl Posterior {
         };
         let directions = self.directions.iter();
         directions
-            .flat_map(|own| [-1.0, 1.0].map(|side| end(own, side)))
+            .flat_map(|direction| [-1.0, 1.0].map(|side| end(direction, side)))
             .collect()
     }
 

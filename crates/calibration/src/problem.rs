@@ -215,14 +215,16 @@ impl Problem {
     pub fn latent_values(&self, case: usize, places: &[f64]) -> Vec<f64> {
         let places = &places[self.latents_of(case)];
         let pairs = self.cases[case].latents.iter().zip(places);
-        pairs.map(|(own, &place)| own.value(place)).collect()
+        pairs
+            .map(|(interval, &place)| interval.value(place))
+            .collect()
     }
 
     /// The problem with further standard uncertainties of the values, by case and quantity.
     pub fn widened(&self, more: impl Fn(usize, usize) -> f64) -> Self {
         let mut problem = self.clone();
-        for (case, own) in problem.cases.iter_mut().enumerate() {
-            for (quantity, measured) in own.measured.iter_mut().enumerate() {
+        for (case, changed) in problem.cases.iter_mut().enumerate() {
+            for (quantity, measured) in changed.measured.iter_mut().enumerate() {
                 measured.accuracy = measured.accuracy.hypot(more(case, quantity));
             }
         }

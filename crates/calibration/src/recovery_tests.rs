@@ -102,7 +102,9 @@ fn identify(objective: &Objective<'_>) -> (Minimum, Posterior) {
 /// The directions of which the data tell little.
 fn undetermined(posterior: &Posterior) -> Vec<&Direction> {
     let directions = posterior.directions.iter();
-    directions.filter(|own| own.left > UNDETERMINED).collect()
+    directions
+        .filter(|direction| direction.left > UNDETERMINED)
+        .collect()
 }
 
 #[test]
@@ -215,7 +217,7 @@ fn a_search_asks_for_the_same_points_again_and_goes_on_where_it_stopped() {
     let places = |optima: &[Optimum]| -> Vec<Vec<f64>> {
         optima
             .iter()
-            .map(|own| own.minimum.places.clone())
+            .map(|optimum| optimum.minimum.places.clone())
             .collect()
     };
     assert_eq!(places(&whole), places(&resumed));

@@ -46,7 +46,12 @@ impl Searched {
     pub fn outcome(&self) -> IdentificationOutcome {
         let mut outcome = IdentificationOutcome::new(&self.problem, &self.optima, &self.progress);
         outcome.discrepancies.clone_from(&self.discrepancies);
-        if outcome.end == End::Converged && self.discrepancies.iter().any(|own| !own.settled) {
+        if outcome.end == End::Converged
+            && self
+                .discrepancies
+                .iter()
+                .any(|discrepancy| !discrepancy.settled)
+        {
             outcome.end = End::Rounds;
         }
         outcome
@@ -72,13 +77,14 @@ pub fn searched(
         let predicted = &optima[0].minimum.misfit.predicted;
         let estimate = |(unknown, known): (&Unknown, &f64)| {
             let fitted = task.problem.free.len();
-            let mut own = Discrepancy::estimate(unknown, task.problem, predicted, fitted);
-            own.settled = (own.deviation - known).abs() <= CLOSE * (own.scale + known);
-            own
+            let mut discrepancy = Discrepancy::estimate(unknown, task.problem, predicted, fitted);
+            discrepancy.settled =
+                (discrepancy.deviation - known).abs() <= CLOSE * (discrepancy.scale + known);
+            discrepancy
         };
         let discrepancies: Vec<Discrepancy> =
             task.unknown.iter().zip(&known).map(estimate).collect();
-        if discrepancies.iter().all(|own| own.settled) || round == ROUNDS {
+        if discrepancies.iter().all(|discrepancy| discrepancy.settled) || round == ROUNDS {
             return Ok(Searched {
                 problem,
                 optima,
@@ -86,7 +92,10 @@ pub fn searched(
                 discrepancies,
             });
         }
-        known = discrepancies.iter().map(|own| own.deviation).collect();
+        known = discrepancies
+            .iter()
+            .map(|discrepancy| discrepancy.deviation)
+            .collect();
         problem = widened(task.problem, task.unknown, &known);
         round += 1;
     }

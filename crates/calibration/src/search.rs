@@ -102,7 +102,9 @@ pub fn search(
         let sets = starts.iter().map(|start| unknowns(objective, start));
         for misfit in objective.misfits(&sets.collect::<Vec<_>>())? {
             let misfit = misfit.map_err(|error| last_error = error);
-            progress.screened.push(misfit.ok().map(|own| own.cost()));
+            progress
+                .screened
+                .push(misfit.ok().map(|misfit| misfit.cost()));
         }
         observe(&progress);
     }
@@ -151,8 +153,8 @@ pub fn search(
     }
     let mut ranked = optima.weighed();
     if objective.failures().failed > 0 {
-        for own in &mut ranked {
-            own.look_around(objective)?;
+        for optimum in &mut ranked {
+            optimum.look_around(objective)?;
         }
     }
     progress.failures = objective.failures();

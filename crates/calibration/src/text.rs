@@ -19,7 +19,12 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome)
             place + 1
         ),
     };
-    for free in outcome.optima.get(place).iter().flat_map(|own| &own.free) {
+    for free in outcome
+        .optima
+        .get(place)
+        .iter()
+        .flat_map(|optimum| &optimum.free)
+    {
         let (name, number) = (&free.name, digits(free.value));
         text += &match shown(&free.unit) {
             "" => format!("\"{name}\" = {number}\n"),
@@ -31,13 +36,13 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome)
 
 /// A summary for people.
 pub fn summary(outcome: &IdentificationOutcome) -> String {
-    let found = match outcome.ambiguous {
+    let parameters = match outcome.ambiguous {
         true => several(outcome),
         false => parameters(&outcome.free, &on_ridges(outcome)),
     };
     let told = outcome.surrogate.as_ref();
     [
-        found,
+        parameters,
         undetermined(outcome),
         excluded(outcome),
         told.map(surrogate::text::summary).unwrap_or_default(),
@@ -55,15 +60,15 @@ fn several(outcome: &IdentificationOutcome) -> String {
          measurements must decide.\n",
         outcome.optima.len()
     );
-    for (place, own) in outcome.optima.iter().enumerate() {
+    for (place, optimum) in outcome.optima.iter().enumerate() {
         text += &format!(
             "\noptimum {}: {:.3} % of the posterior, sum of squares {}, reached by {} searches\n",
             place + 1,
-            100.0 * own.weight,
-            digits(own.cost),
-            own.reached
+            100.0 * optimum.weight,
+            digits(optimum.cost),
+            optimum.reached
         );
-        text += &parameters(&own.free, &[]);
+        text += &parameters(&optimum.free, &[]);
     }
     text
 }
@@ -120,7 +125,7 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
     if open.is_empty() {
         // Around each of several optima they may do so; which one is right they do not tell. And a search that has not
         // converged tells of no optimum.
-        let clear = outcome.optima.iter().all(|own| own.edge.is_clear());
+        let clear = outcome.optima.iter().all(|optimum| optimum.edge.is_clear());
         let all = !outcome.ambiguous && clear && outcome.end == End::Converged;
         let text = if all {
             "\nThe data determine every parameter.\n"
@@ -161,19 +166,19 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
 
 /// Places where runs failed, and what that leaves open at the optima.
 fn excluded(outcome: &IdentificationOutcome) -> String {
-    let Some(own) = &outcome.excluded else {
+    let Some(excluded) = &outcome.excluded else {
         return String::new();
     };
-    let [starts, lost] = own.starts;
+    let [starts, lost] = excluded.starts;
     let mut text = format!(
         "\nRuns failed at {} of {} places, among them {lost} of {starts} starts, which are spread evenly between the bounds: \
          about {:.0} % of the space is excluded. An optimum may lie there; nothing is known of it.\n  all of them lie within \
          {}; last: {}\n",
-        own.failed,
-        own.asked,
+        excluded.failed,
+        excluded.asked,
         100.0 * lost as f64 / starts.max(1) as f64,
-        words(&own.within),
-        own.message
+        words(&excluded.within),
+        excluded.message
     );
     for (place, optimum) in outcome.optima.iter().enumerate() {
         let name = match outcome.ambiguous {
@@ -203,18 +208,18 @@ fn excluded(outcome: &IdentificationOutcome) -> String {
 /// The lines on the model's discrepancies.
 fn discrepancies(outcome: &IdentificationOutcome) -> String {
     let mut text = String::new();
-    for own in &outcome.discrepancies {
-        let unit = match shown(&own.unit) {
+    for discrepancy in &outcome.discrepancies {
+        let unit = match shown(&discrepancy.unit) {
             "" => String::new(),
             unit => format!(" {unit}"),
         };
-        let (name, deviation) = (&own.quantity, rounded(own.deviation, 3));
-        let sampled = own.sampled.map_or_else(String::new, |(_, ends)| {
+        let (name, deviation) = (&discrepancy.quantity, rounded(discrepancy.deviation, 3));
+        let sampled = discrepancy.sampled.map_or_else(String::new, |(_, ends)| {
             let [low, high] = ends.map(|end| rounded(end, 3));
             format!("; 95 %: {low} .. {high}{unit}")
         });
-        text += &match own.told {
-            _ if !own.settled => format!(
+        text += &match discrepancy.told {
+            _ if !discrepancy.settled => format!(
                 "\nthe discrepancy of the model in {name} is NOT determined: it still changed in the last of {ROUNDS} searches, to \
                  {deviation}{unit}{sampled}\n"
             ),
@@ -328,7 +333,7 @@ fn ends(outcome: &IdentificationOutcome) -> String {
     match &outcome.optima[..] {
         [only] => format!("{} of these to this minimum", only.reached),
         several => {
-            let reached = several.iter().map(|own| own.reached.to_string());
+            let reached = several.iter().map(|optimum| optimum.reached.to_string());
             let reached: Vec<String> = reached.collect();
             format!("of these {} to the optima above", reached.join(", "))
         }

@@ -67,14 +67,14 @@ pub(super) fn probability(
     }
     let (factor, limits) = ordered(correlation, lower, upper);
     let sharp = (0..size).any(|k| factor[k][k].powi(2) < SHARP);
-    let found = if sharp || size > NESTED || roughly && size > FEW {
+    let probability = if sharp || size > NESTED || roughly && size > FEW {
         let accuracy = if roughly { ROUGHLY } else { ON_LATTICE };
         Lattice::new(factor, limits).probability(accuracy)
     } else {
         let cube = Cube { factor, limits };
         cube.inner(&mut Vec::with_capacity(size), &cube.scales(), 1.0)
     };
-    found.clamp(least, most)
+    probability.clamp(least, most)
 }
 
 /// The Cholesky factor of the correlations, and the limits, in the order of the integrals: that in which each number has the least probable interval, if those before it
@@ -93,10 +93,13 @@ fn ordered(
         let given = |i: usize| {
             let row = &rows[i][..k];
             let known: f64 = row.iter().zip(&means).map(|(c, mean)| c * mean).sum();
-            let own = 1.0 - row.iter().map(|c| c * c).sum::<f64>();
+            let variance = 1.0 - row.iter().map(|c| c * c).sum::<f64>();
             // The matrix was accepted in another order: only rounding can get below.
-            let own = own.max(SINGULAR * SINGULAR).sqrt();
-            ([lower[i], upper[i]].map(|limit| (limit - known) / own), own)
+            let deviation = variance.max(SINGULAR * SINGULAR).sqrt();
+            (
+                [lower[i], upper[i]].map(|limit| (limit - known) / deviation),
+                deviation,
+            )
         };
         let chances = rest.iter().map(|&i| {
             let [a, b] = given(i).0;
@@ -228,14 +231,17 @@ mod tests {
                     .sum();
                 let expected = sum * 16.0 / f64::from(steps) / TAU.sqrt();
                 let matrix = equicorrelated(size, correlation);
-                let found = probability(&matrix, &lower[..size], &upper[..size], false);
-                let error = (found - expected).abs();
+                let probability = probability(&matrix, &lower[..size], &upper[..size], false);
+                let error = (probability - expected).abs();
                 let aim = if size > NESTED || correlation > 0.98 {
                     ON_LATTICE
                 } else {
                     ACCURACY
                 };
-                assert!(error < aim, "{size} {correlation}: {found} {expected}");
+                assert!(
+                    error < aim,
+                    "{size} {correlation}: {probability} {expected}"
+                );
             }
         }
     }
@@ -257,7 +263,7 @@ mod tests {
             fine.on_unit_interval().map(scale).collect::<Vec<_>>()
         };
         for trial in 0..60 {
-            let (common, own) = (random.random_range(0.0..2.0), 0.3);
+            let (common, single) = (random.random_range(0.0..2.0), 0.3);
             let directions: Vec<Vec<f64>> = (0..4)
                 .map(|_| {
                     (0..3)
@@ -267,7 +273,7 @@ mod tests {
                 .collect();
             let covariance = |i: usize, j: usize| {
                 let shared: f64 = (0..3).map(|k| directions[i][k] * directions[j][k]).sum();
-                shared + if i == j { own } else { 0.0 }
+                shared + if i == j { single } else { 0.0 }
             };
             let entry = |i, j| covariance(i, j) / f64::sqrt(covariance(i, i) * covariance(j, j));
             let row = |i| (0..4).map(|j| entry(i, j)).collect();
@@ -291,9 +297,9 @@ mod tests {
                     expected += weight_x * weight_y * both;
                 }
             }
-            let found = probability(&matrix, &lower, &upper, false);
-            let error = (found - expected).abs();
-            assert!(error < 2e-5, "{trial}: {found} {expected}");
+            let probability = probability(&matrix, &lower, &upper, false);
+            let error = (probability - expected).abs();
+            assert!(error < 2e-5, "{trial}: {probability} {expected}");
         }
     }
 
@@ -303,13 +309,13 @@ mod tests {
         use rand::{RngExt, SeedableRng, rngs::StdRng};
         use rand_distr::{Distribution, StandardNormal};
         let mut random = StdRng::seed_from_u64(3);
-        for (trial, &own) in own_parts.iter().enumerate() {
+        for (trial, &part) in own_parts.iter().enumerate() {
             let (size, parts) = (3 + trial % 6, 2 + trial % 3);
             let mut rows: Vec<Vec<f64>> = (0..size)
                 .map(|_| (0..parts).map(|_| random.random_range(-1.0..1.0)).collect())
                 .collect();
             for row in &mut rows {
-                let length = (row.iter().map(|x| x * x).sum::<f64>() + own * own).sqrt();
+                let length = (row.iter().map(|x| x * x).sum::<f64>() + part * part).sqrt();
                 row.iter_mut().for_each(|x| *x /= length);
             }
             let rest = |row: &[f64]| (1.0 - row.iter().map(|x| x * x).sum::<f64>()).sqrt();
@@ -339,19 +345,16 @@ mod tests {
                 inside += u32::from(within);
             }
             let expected = f64::from(inside) / f64::from(draws);
-            let found = probability(&matrix, &lower, &upper, false);
+            let fine = probability(&matrix, &lower, &upper, false);
             let chance = (expected * (1.0 - expected) / f64::from(draws)).sqrt();
-            let error = (found - expected).abs();
-            println!("{size} {parts} {own}: {found:.6}, {error:.1e}, by chance {chance:.1e}");
+            let error = (fine - expected).abs();
+            println!("{size} {parts} {part}: {fine:.6}, {error:.1e}, by chance {chance:.1e}");
             assert!(
                 error < 4.0 * chance + accuracy,
-                "{size} {own}: {found} {expected}"
+                "{size} {part}: {fine} {expected}"
             );
             let rough = probability(&matrix, &lower, &upper, true);
-            assert!(
-                (rough - found).abs() < 3e-3,
-                "{size} {own}: {rough} {found}"
-            );
+            assert!((rough - fine).abs() < 3e-3, "{size} {part}: {rough} {fine}");
         }
     }
 
@@ -363,10 +366,10 @@ mod tests {
     #[test]
     #[ignore = "ten million draws for each of 24 matrices; run by scripts/test --long"]
     fn numbers_that_nearly_follow_from_others_agree_with_ten_million_draws() {
-        let own: Vec<f64> = (0..24)
+        let own_parts: Vec<f64> = (0..24)
             .map(|k| 10.0_f64.powf(-0.15 * f64::from(k)))
             .collect();
-        simulated(10_000_000, &own, ON_LATTICE);
+        simulated(10_000_000, &own_parts, ON_LATTICE);
     }
 
     /// The probability of the octant is 1/8 + the sum of the arcsines / (4 pi) (Sheppard 1899).
@@ -375,8 +378,11 @@ mod tests {
         let [a, b, c] = [0.4, -0.3, 0.6_f64];
         let matrix = vec![vec![1.0, a, b], vec![a, 1.0, c], vec![b, c, 1.0]];
         let expected = 0.125 + (a.asin() + b.asin() + c.asin()) / (4.0 * std::f64::consts::PI);
-        let found = probability(&matrix, &[0.0; 3], &[f64::INFINITY; 3], false);
-        assert!((found - expected).abs() < ACCURACY, "{found} {expected}");
+        let probability = probability(&matrix, &[0.0; 3], &[f64::INFINITY; 3], false);
+        assert!(
+            (probability - expected).abs() < ACCURACY,
+            "{probability} {expected}"
+        );
     }
 
     #[test]

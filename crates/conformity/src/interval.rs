@@ -231,9 +231,9 @@ mod tests {
             (0.0, 20.0, [0.0, 0.1684]),
             (1.0, 29.0, [0.0009, 0.1776]),
         ] {
-            let found = clopper_pearson(hits, trials, 0.95);
-            for (found, published) in found.iter().zip(published) {
-                assert!((found - published).abs() < 5.1e-5, "{hits}");
+            let interval = clopper_pearson(hits, trials, 0.95);
+            for (end, published) in interval.iter().zip(published) {
+                assert!((end - published).abs() < 5.1e-5, "{hits}");
             }
         }
         assert_eq!(clopper_pearson(20.0, 20.0, 0.95)[1], 1.0);
@@ -260,10 +260,10 @@ mod tests {
     fn counts_have_clopper_and_pearsons_interval() {
         for hits in [0, 1, 2, 5, 20, 80, 131, 200, 262, 263] {
             let counted = moments((0..263).map(|i| f64::from(u8::from(i < hits))));
-            let found = of_mean(&[counted], 0.95);
+            let interval = of_mean(&[counted], 0.95);
             let expected = clopper_pearson(f64::from(hits), 263.0, 0.95);
             for k in 0..2 {
-                assert!((found[k] - expected[k]).abs() < 1e-12, "{hits}");
+                assert!((interval[k] - expected[k]).abs() < 1e-12, "{hits}");
             }
         }
         assert_eq!(of_mean(&[Moments::default()], 0.95), [0.0, 1.0]);
@@ -301,14 +301,14 @@ mod tests {
     fn complements_and_zeros() {
         let numbers = [0.1, 0.5, 1.0];
         let expected = moments(numbers.map(|x| 1.0 - x));
-        let found = moments(numbers).complement();
-        assert!((found.sum - expected.sum).abs() < 1e-15);
-        assert!((found.squares - expected.squares).abs() < 1e-15);
-        let found = Moments {
+        let complement = moments(numbers).complement();
+        assert!((complement.sum - expected.sum).abs() < 1e-15);
+        assert!((complement.squares - expected.squares).abs() < 1e-15);
+        let with_zeros = Moments {
             count: 5,
             ..moments(numbers)
         };
-        assert_eq!(found, moments([0.1, 0.5, 1.0, 0.0, 0.0]));
+        assert_eq!(with_zeros, moments([0.1, 0.5, 1.0, 0.0, 0.0]));
     }
 
     /// 16 samples whose means are known: Student's interval by hand, and what 16,000 numbers may

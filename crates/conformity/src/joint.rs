@@ -44,8 +44,8 @@ impl JointNormal {
             let all = std::mem::take(&mut block.members);
             let twins = twins(&block.correlation)?;
             let is_own = |i: &usize| twins.iter().all(|(twin, ..)| twin != i);
-            let own: Vec<usize> = (0..all.len()).filter(is_own).collect();
-            let correlation = with_density(part(&block.correlation, &own))?;
+            let originals: Vec<usize> = (0..all.len()).filter(is_own).collect();
+            let correlation = with_density(part(&block.correlation, &originals))?;
             let place =
                 |(twin, original, sign): (usize, usize, f64)| (all[twin], all[original], sign);
             joint.twins.extend(twins.into_iter().map(place));
@@ -53,7 +53,7 @@ impl JointNormal {
                 .for_each(|&i| joint.block_of[i] = joint.blocks.len());
             joint.blocks.push(Block {
                 single: all.len() == 1,
-                members: own.iter().map(|&i| all[i]).collect(),
+                members: originals.iter().map(|&i| all[i]).collect(),
                 common: OneFactor::of(&correlation),
                 correlation,
             });
@@ -264,10 +264,10 @@ mod tests {
                 between(from, to) * (-0.5 * x * x).exp() * width
             };
             let expected: f64 = (0..STEPS).map(given).sum::<f64>() / std::f64::consts::TAU.sqrt();
-            let found = joint.probability(&lower, &upper);
+            let probability = joint.probability(&lower, &upper);
             assert!(
-                (found - expected).abs() < 5e-5,
-                "{lower:?}: {found} {expected}"
+                (probability - expected).abs() < 5e-5,
+                "{lower:?}: {probability} {expected}"
             );
         }
     }
@@ -305,8 +305,11 @@ mod tests {
         let (lower, upper) = ([-1.0; 4], [0.5, 1.0, 2.0, 0.8]);
         let pair = between_both([-1.0, -1.0], [0.5, 0.8], 0.7);
         let expected = pair * between(-1.0, 1.0) * between(-1.0, 2.0);
-        let found = joint.probability(&lower, &upper);
-        assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        let probability = joint.probability(&lower, &upper);
+        assert!(
+            (probability - expected).abs() < 1e-15,
+            "{probability} {expected}"
+        );
     }
 
     /// A chain of errors far apart in a list of many: a matrix of all of them would have 10^10 entries.
@@ -319,8 +322,11 @@ mod tests {
         let chain = JointNormal::new(3, &[(0, 1, 0.5), (1, 2, -0.5)]).unwrap();
         let chain = chain.probability(&[-4.5; 3], &[4.5; 3]);
         let expected = chain * between(-4.5, 4.5).powi(ERRORS as i32 - 3);
-        let found = joint.probability(&lower, &upper);
-        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        let probability = joint.probability(&lower, &upper);
+        assert!(
+            (probability / expected - 1.0).abs() < 1e-9,
+            "{probability} {expected}"
+        );
         let (part, probability) = joint.part_of(400, &lower, &upper);
         assert_eq!((part, probability), (7, chain));
         assert_eq!(joint.parts(&lower, &upper)[7], chain);
@@ -349,9 +355,9 @@ mod tests {
             (2, 3, -1.0),
         ];
         let joint = JointNormal::new(4, &pairs).unwrap();
-        let found = joint.probability(&[-1.0, -1.5, -0.4, -0.5], &[1.0, 0.7, 2.0, 9.0]);
+        let probability = joint.probability(&[-1.0, -1.5, -0.4, -0.5], &[1.0, 0.7, 2.0, 9.0]);
         let expected = between_both([-0.4, -1.5], [0.5, 0.7], r);
-        assert_eq!(found, expected);
+        assert_eq!(probability, expected);
         let unlike = [(0, 1, r), (0, 2, 1.0)];
         assert!(JointNormal::new(3, &unlike).is_err());
     }

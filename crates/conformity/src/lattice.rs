@@ -97,8 +97,8 @@ impl Lattice {
         let (size, of_one) = (self.factor.len(), 1.0 / points as f64);
         let mut product = 1.0;
         for k in 0..size {
-            let own = self.factor[k][k];
-            let [lower, upper] = self.range(k, known, own);
+            let deviation = self.factor[k][k];
+            let [lower, upper] = self.range(k, known, deviation);
             if lower >= upper {
                 return 0.0;
             }
@@ -122,8 +122,8 @@ impl Lattice {
 
     /// Between which scores a number lies within its limits, and those within theirs that nearly follow from it. Without
     /// the latter nearly all points of the lattice would find nothing.
-    fn range(&self, k: usize, known: &[f64], own: f64) -> [f64; 2] {
-        let [mut lower, mut upper] = self.limits[k].map(|limit| (limit - known[k]) / own);
+    fn range(&self, k: usize, known: &[f64], deviation: f64) -> [f64; 2] {
+        let [mut lower, mut upper] = self.limits[k].map(|limit| (limit - known[k]) / deviation);
         for &(j, left) in &self.followers[k] {
             let part = self.factor[j][k];
             let [a, b] = self.limits[j].map(|limit| (limit - known[j]) / part);

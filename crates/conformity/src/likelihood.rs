@@ -67,9 +67,9 @@ mod tests {
     fn correlated_errors_have_the_bivariate_density() {
         let (x, y, r) = (0.8, -1.5, 0.6);
         let values = [10.0 + 0.5 * x, -3.0 + 2.0 * y];
-        let found = likelihood(&[(0, 1, r)]).unwrap().ln(&values);
+        let density = likelihood(&[(0, 1, r)]).unwrap().ln(&values);
         let expected = -(x * x - 2.0 * r * x * y + y * y) / (2.0 * (1.0 - r * r));
-        assert!((found - expected).abs() < 1e-12);
+        assert!((density - expected).abs() < 1e-12);
         let alone = likelihood(&[]).unwrap().ln(&values);
         assert!((alone + 0.5 * (x * x + y * y)).abs() < 1e-12);
     }

@@ -181,14 +181,14 @@ impl Measurement {
         let pairs = || self.criteria.iter().zip(values);
         let told_of = |number: usize| {
             let mut each = told.iter().flat_map(|told| &told.each);
-            let found = each.find(|(criterion, _)| *criterion == number);
-            found.map(|(_, probability)| *probability)
+            let entry = each.find(|(criterion, _)| *criterion == number);
+            entry.map(|(_, probability)| *probability)
         };
         let limits: Vec<Option<[f64; 2]>> = pairs()
             .enumerate()
             .map(|(number, (c, &value))| {
-                let own = c.uncertainty.map(|u| c.limits(value, u));
-                own.or_else(|| told_of(number).map(|_| ANY))
+                let limits = c.uncertainty.map(|u| c.limits(value, u));
+                limits.or_else(|| told_of(number).map(|_| ANY))
             })
             .collect();
         let known: Option<Vec<[f64; 2]>> = limits.iter().copied().collect();
@@ -222,9 +222,9 @@ impl Measurement {
     /// criterion, of the second one, and so on, each with the others as they are.
     pub fn with_other_uncertainty(&self, values: &[f64], part: f64) -> Vec<Assessed> {
         let changed = |c: &Measured| Measured {
-            uncertainty: c.uncertainty.map(|own| Uncertainty {
-                expanded: part * own.expanded,
-                ..own
+            uncertainty: c.uncertainty.map(|uncertainty| Uncertainty {
+                expanded: part * uncertainty.expanded,
+                ..uncertainty
             }),
             ..*c
         };
@@ -297,13 +297,13 @@ mod tests {
     fn one_criterion_has_the_formula_of_jcgm_106() {
         let measurement = Measurement::new(vec![measured(82.0, 0.615, 0.5)], &[]).unwrap();
         for value in [81.0, 81.486, 82.0, 82.615, 83.0] {
-            let found = measurement.assess(&[value]);
+            let conformity = measurement.assess(&[value]);
             let expected = between((81.385 - value) / 0.25, (82.615 - value) / 0.25);
-            let probability = found.criteria[0].probability.unwrap();
+            let probability = conformity.criteria[0].probability.unwrap();
             assert!((probability - expected).abs() < 1e-12);
-            assert_eq!(found.all.probability, Some(probability));
+            assert_eq!(conformity.all.probability, Some(probability));
             let margin = (0.615 - (value - 82.0).abs()) / 0.5;
-            assert!((found.all.margin - margin).abs() < 1e-12);
+            assert!((conformity.all.margin - margin).abs() < 1e-12);
         }
         // Twice the standard uncertainty, 0.15, fits into the tolerance four times.
         let capability = measured(82.0, 1.2, 0.3).capability().unwrap();
@@ -314,10 +314,10 @@ mod tests {
     fn correlated_errors_are_joint() {
         let criteria = vec![measured(10.0, 1.0, 1.0), measured(-3.0, 2.0, 4.0)];
         let measurement = Measurement::new(criteria, &[(0, 1, -0.6)]).unwrap();
-        let found = measurement.assess(&[10.4, -2.0]).all.probability.unwrap();
+        let probability = measurement.assess(&[10.4, -2.0]).all.probability.unwrap();
         // A model above the measured value conforms with errors that lie above it, too.
         let expected = between_both([-1.2, -0.5], [2.8, 1.5], -0.6);
-        assert!((found - expected).abs() < 1e-12);
+        assert!((probability - expected).abs() < 1e-12);
     }
 
     #[test]
@@ -332,18 +332,21 @@ mod tests {
         let pairs = [(0, 1, -0.6), (1, 3, 1.0), (0, 3, -0.6)];
         let measurement = Measurement::new(criteria.clone(), &pairs).unwrap();
         let values = [10.4, -2.0, 0.3, 1.1];
-        let found = measurement.with_other_uncertainty(&values, 0.5);
-        for (k, found) in found.iter().enumerate() {
+        let changed = measurement.with_other_uncertainty(&values, 0.5);
+        for (k, assessed) in changed.iter().enumerate() {
             let mut criteria = criteria.clone();
-            let own = criteria[k].uncertainty.as_mut().unwrap();
-            own.expanded *= 0.5;
+            let uncertainty = criteria[k].uncertainty.as_mut().unwrap();
+            uncertainty.expanded *= 0.5;
             let expected = Measurement::new(criteria, &pairs)
                 .unwrap()
                 .assess(&values)
                 .all;
-            assert_eq!(found.margin, expected.margin, "{k}");
-            let [found, expected] = [*found, expected].map(|one| one.probability.unwrap());
-            assert!((found - expected).abs() < 1e-15, "{k}: {found} {expected}");
+            assert_eq!(assessed.margin, expected.margin, "{k}");
+            let [probability, expected] = [*assessed, expected].map(|one| one.probability.unwrap());
+            assert!(
+                (probability - expected).abs() < 1e-15,
+                "{k}: {probability} {expected}"
+            );
         }
     }
 

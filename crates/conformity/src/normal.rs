@@ -153,8 +153,11 @@ mod tests {
         const FREE: f64 = f64::INFINITY;
         for correlation in [-0.999_999, -0.95, -0.3, 0.0, 0.5, 0.925, 0.99, 0.999_999_9] {
             let expected = 0.25 + f64::asin(correlation) / TAU;
-            let found = between_both([0.0, 0.0], [FREE, FREE], correlation);
-            assert!((found - expected).abs() < 1e-14, "{correlation}: {found}");
+            let probability = between_both([0.0, 0.0], [FREE, FREE], correlation);
+            assert!(
+                (probability - expected).abs() < 1e-14,
+                "{correlation}: {probability}"
+            );
         }
     }
 
@@ -177,8 +180,8 @@ mod tests {
                     (-0.5 * x * x).exp() / TAU.sqrt() * between(limit(lower[1]), limit(upper[1]))
                 };
                 let expected = simpson(integrand, lower[0], upper[0], 20_000);
-                let found = between_both(lower, upper, correlation);
-                let error = (found - expected).abs();
+                let probability = between_both(lower, upper, correlation);
+                let error = (probability - expected).abs();
                 assert!(error < 1e-12, "{lower:?} {upper:?} {correlation}: {error}");
             }
         }
@@ -195,9 +198,9 @@ mod tests {
     fn five_nodes_integrate_the_ninth_power() {
         let rule: Vec<[f64; 2]> = GaussLegendre::new(5).on_unit_interval().collect();
         for power in 0..10 {
-            let found: f64 = rule.iter().map(|[x, weight]| weight * x.powi(power)).sum();
+            let integral: f64 = rule.iter().map(|[x, weight]| weight * x.powi(power)).sum();
             let expected = 1.0 / f64::from(power + 1);
-            assert!((found - expected).abs() < 1e-14, "{power}: {found}");
+            assert!((integral - expected).abs() < 1e-14, "{power}: {integral}");
         }
     }
 

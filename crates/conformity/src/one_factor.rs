@@ -58,7 +58,7 @@ impl OneFactor {
         let (mut from, mut to) = (-FAR, FAR);
         let mut cuts: Vec<f64> = Vec::new();
         for (&loading, (&lower, &upper)) in numbers() {
-            let width = own(loading) / loading.abs();
+            let width = deviation(loading) / loading.abs();
             let [a, b] = [lower / loading, upper / loading];
             from = from.max(a.min(b) - FAR * width);
             to = to.min(a.max(b) + FAR * width);
@@ -72,12 +72,12 @@ impl OneFactor {
         cuts.extend([from, to]);
         cuts.sort_by(f64::total_cmp);
         let given = |common: f64| {
-            let each = numbers().map(|(&loading, (&lower, &upper))| match own(loading) {
+            let each = numbers().map(|(&loading, (&lower, &upper))| match deviation(loading) {
                 // The number is the common part, or its opposite; the cuts lie at its limits.
                 0.0 => 1.0,
-                own => between(
-                    (lower - loading * common) / own,
-                    (upper - loading * common) / own,
+                deviation => between(
+                    (lower - loading * common) / deviation,
+                    (upper - loading * common) / deviation,
                 ),
             });
             each.product::<f64>() * (-0.5 * common * common).exp()
@@ -96,7 +96,7 @@ impl OneFactor {
 }
 
 /// The standard deviation of the independent part of a number.
-fn own(loading: f64) -> f64 {
+fn deviation(loading: f64) -> f64 {
     ((1.0 - loading) * (1.0 + loading)).max(0.0).sqrt()
 }
 
@@ -122,9 +122,9 @@ mod tests {
     #[test]
     fn the_common_part_is_found() {
         let loadings = [0.5, -0.8, 0.3, 0.999, 1.0];
-        let found = OneFactor::of(&matrix(&loadings)).unwrap();
-        for (found, expected) in found.loadings.iter().zip(loadings) {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        let factor = OneFactor::of(&matrix(&loadings)).unwrap();
+        for (loading, expected) in factor.loadings.iter().zip(loadings) {
+            assert!((loading - expected).abs() < 1e-12, "{loading} {expected}");
         }
         for [a, b, c] in [
             [0.5, 0.5, -0.5],
@@ -164,9 +164,12 @@ mod tests {
                     [upper[0], upper[1]],
                     loadings[0] * loadings[1],
                 );
-                let found = numbers.probability(&lower, &upper);
-                let error = (found - expected).abs();
-                assert!(error < 1e-11, "{loadings:?} {lower:?}: {found} {expected}");
+                let probability = numbers.probability(&lower, &upper);
+                let error = (probability - expected).abs();
+                assert!(
+                    error < 1e-11,
+                    "{loadings:?} {lower:?}: {probability} {expected}"
+                );
             }
         }
     }
@@ -176,15 +179,21 @@ mod tests {
     #[test]
     fn octants_have_their_known_probability() {
         let numbers = OneFactor::of(&matrix(&[0.9, -0.7, 0.4])).unwrap();
-        let found = numbers.probability(&[0.0; 3], &[f64::INFINITY; 3]);
+        let probability = numbers.probability(&[0.0; 3], &[f64::INFINITY; 3]);
         let angles = (-0.63_f64).asin() + 0.36_f64.asin() + (-0.28_f64).asin();
         let expected = 0.125 + angles / (2.0 * TAU);
-        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        assert!(
+            (probability - expected).abs() < 1e-12,
+            "{probability} {expected}"
+        );
         for size in 3..=12 {
             let numbers = OneFactor::of(&matrix(&vec![0.5_f64.sqrt(); size])).unwrap();
-            let found = numbers.probability(&vec![0.0; size], &vec![f64::INFINITY; size]);
+            let probability = numbers.probability(&vec![0.0; size], &vec![f64::INFINITY; size]);
             let expected = 1.0 / (size as f64 + 1.0);
-            assert!((found - expected).abs() < 1e-12, "{size}: {found}");
+            assert!(
+                (probability - expected).abs() < 1e-12,
+                "{size}: {probability}"
+            );
         }
     }
 }

@@ -44,13 +44,13 @@ impl Guard {
         criteria.all(|criterion| factor == 0.0 || criterion.margin(criterion.nominal) > factor)
     }
 
-    /// Whether a point with this margin is accepted; `found` is the guard band that limits the risk (see
+    /// Whether a point with this margin is accepted; `band` is the guard band that limits the risk (see
     /// [`Statement::guard`]).
-    pub fn accepts(self, margin: f64, found: Option<f64>) -> bool {
+    pub fn accepts(self, margin: f64, band: Option<f64>) -> bool {
         let from = match self {
             Self::Given(_) => 0,
             // A multiple of the step, but for rounding.
-            Self::Limiting { .. } => match found {
+            Self::Limiting { .. } => match band {
                 Some(factor) => (factor / Self::STEP).round() as usize,
                 None => return false,
             },

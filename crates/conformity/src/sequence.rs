@@ -186,8 +186,8 @@ mod tests {
             let share = f64::from(hits) / f64::from(points);
             let decided = |n: u64| {
                 let hits = (share * n as f64).round();
-                let found = rule.decide(clopper_pearson(hits, n as f64, 0.95));
-                found != Decision::Inconclusive
+                let decision = rule.decide(clopper_pearson(hits, n as f64, 0.95));
+                decision != Decision::Inconclusive
             };
             let needed = points_needed_once(rule, share).unwrap();
             // A rounded count is off by half a point at most, which so many points make up for at the limit.

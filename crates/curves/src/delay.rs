@@ -113,17 +113,17 @@ mod tests {
         for delay in [0.0, 0.137, -0.821, 0.5] {
             let late = |t: f64| (-0.3 * (t - delay)).exp() * (2.0 * (t - delay)).sin();
             let reference = curve(160, 0.1, late).cut([2.0, 14.0]).unwrap();
-            let found = find(&reference, &model, [-1.0, 1.0]).unwrap();
-            assert!((found.delay - delay).abs() < 1e-4, "{delay}: {found:?}");
-            assert!(found.rmse < 1e-5);
+            let fit = find(&reference, &model, [-1.0, 1.0]).unwrap();
+            assert!((fit.delay - delay).abs() < 1e-4, "{delay}: {fit:?}");
+            assert!(fit.rmse < 1e-5);
         }
     }
 
     #[test]
     fn without_a_difference_the_smallest_delay_counts() {
         let flat = |count| curve(count, 0.1, |_| 1.0);
-        let found = find(&flat(100).cut([2.0, 4.0]).unwrap(), &flat(100), [-1.0, 1.0]).unwrap();
-        assert_eq!((found.delay, found.rmse), (0.0, 0.0));
+        let fit = find(&flat(100).cut([2.0, 4.0]).unwrap(), &flat(100), [-1.0, 1.0]).unwrap();
+        assert_eq!((fit.delay, fit.rmse), (0.0, 0.0));
     }
 
     #[test]
@@ -131,9 +131,6 @@ mod tests {
         let line = curve(11, 1.0, |t| t);
         assert_eq!(find(&line, &line, [0.0, 1.0]), Err(-1.0));
         assert_eq!(find(&line, &line, [-2.0, 0.0]), Err(12.0));
-        assert_eq!(
-            find(&line, &line, [0.0, 0.0]).map(|found| found.rmse),
-            Ok(0.0)
-        );
+        assert_eq!(find(&line, &line, [0.0, 0.0]).map(|fit| fit.rmse), Ok(0.0));
     }
 }

@@ -165,8 +165,8 @@ mod tests {
             // Sorted: -1 1 2 4 and -3 1.5 2 4.25.
             (Metric::Area, 2.75 / 4.0),
         ] {
-            let found = metric.compare(&pair());
-            assert!((found - expected).abs() < 1e-15, "{metric:?}: {found}");
+            let value = metric.compare(&pair());
+            assert!((value - expected).abs() < 1e-15, "{metric:?}: {value}");
         }
     }
 
@@ -175,7 +175,7 @@ mod tests {
         let wave: Vec<f64> = (0..50).map(|k| (0.3 * f64::from(k)).sin()).collect();
         let band = vec![0.0; wave.len()];
         for &metric in Metric::ALL {
-            let found = metric.compare(&Pair {
+            let value = metric.compare(&Pair {
                 band: &band,
                 ..Pair::new(&wave, &wave)
             });
@@ -184,7 +184,7 @@ mod tests {
             } else {
                 0.0
             };
-            assert_eq!(found, expected, "{metric:?}");
+            assert_eq!(value, expected, "{metric:?}");
         }
     }
 

@@ -122,12 +122,12 @@ impl PointTable {
     /// Adds the points of another table with the same parameters and criteria.
     pub fn extend(&mut self, other: &Self) {
         self.ids.extend(&other.ids);
-        for (own, more) in self.parameters.iter_mut().zip(&other.parameters) {
-            own.values.extend(&more.values);
+        for (column, more) in self.parameters.iter_mut().zip(&other.parameters) {
+            column.values.extend(&more.values);
         }
-        for (own, more) in self.criteria.iter_mut().zip(&other.criteria) {
-            own.values.extend(&more.values);
-            own.ok.extend(&more.ok);
+        for (criterion, more) in self.criteria.iter_mut().zip(&other.criteria) {
+            criterion.values.extend(&more.values);
+            criterion.ok.extend(&more.ok);
         }
         self.verified.extend(&other.verified);
         self.status.extend(other.status.iter().cloned());

@@ -181,9 +181,9 @@ impl<'a> Case<'a> {
 
     /// By how much a curve is late, s.
     fn late(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> f64 {
-        let found = curve.delay.map_or(0.0, |delay| delay.value - frame.lag);
+        let late = curve.delay.map_or(0.0, |delay| delay.value - frame.lag);
         // As it is written.
-        (found * 1e7).round() / 1e7
+        (late * 1e7).round() / 1e7
     }
 
     fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
@@ -210,8 +210,8 @@ impl<'a> Case<'a> {
             Accuracy::Relative(part) => stated(format!("{:.4} %", 100.0 * part * expanded)),
         };
         let late = self.late(curve, frame);
-        let delay = curve.delay.map_or_else(String::new, |found| {
-            let [value, low, high] = [found.value, found.low, found.high].map(|delay| 1e3 * delay);
+        let delay = curve.delay.map_or_else(String::new, |delay| {
+            let [value, low, high] = [delay.value, delay.low, delay.high].map(|delay| 1e3 * delay);
             let whose = match frame.lag {
                 0.0 => "all of which is taken for the sensor's".to_owned(),
                 lag => format!("of which {:.3} ms are the rig's own", 1e3 * lag),

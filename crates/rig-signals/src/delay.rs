@@ -83,19 +83,19 @@ pub fn find(pair: Pair<'_>, longest: f64, turn: Option<f64>) -> Result<Delay, Si
     width = width.max(LEAST_WIDTH);
     // A kernel of a tenth of a turn still lets the turn itself through.
     let widest = 8.0 * width;
-    let mut found = None;
+    let mut last = None;
     while let Some(search) = Search::new(pair, width, reach, least) {
         let (delay, half) = search.delay(step);
-        found = Some(delay);
+        last = Some(delay);
         if half <= 0.3 * width || width >= widest {
             break;
         }
         width *= 2.0;
     }
     let usable = pair.load.values.len();
-    found.ok_or(SignalError::TooShort {
+    last.ok_or(SignalError::TooShort {
         name: "load".into(),
-        found: usable,
+        usable,
         needed: LEAST_BLOCKS * least + 2 * (reach + 20.0 * LEAST_WIDTH).ceil() as usize,
     })
 }
@@ -171,13 +171,13 @@ impl<'a> Search<'a> {
     /// The sums of all blocks with the torque `lag` samples later; `whole` is the lag by which its bad samples are known.
     fn sums(&self, torque: &[f64], whole: isize) -> Vec<Sums> {
         let block = |b: usize| {
-            let own = b * self.length..(b + 1) * self.length;
+            let samples = b * self.length..(b + 1) * self.length;
             let good = |k: &usize| {
                 let place = self.first + k;
                 let late = (place as isize + whole) as usize;
                 self.pair.load_good[place] && self.pair.torque_good[late]
             };
-            sums(own.filter(good).map(|k| (self.load[k], torque[k])))
+            sums(samples.filter(good).map(|k| (self.load[k], torque[k])))
         };
         (0..self.blocks).map(block).collect()
     }

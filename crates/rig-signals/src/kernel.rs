@@ -45,11 +45,11 @@ mod tests {
         for place in [-3.7, 0.25, 0.5, 7.49] {
             let (whole, weights) = kernel.at(place);
             let reach = kernel.reach() as isize;
-            let found: f64 = (whole - reach..)
+            let centre: f64 = (whole - reach..)
                 .zip(&weights)
                 .map(|(sample, w)| sample as f64 * w)
                 .sum();
-            assert!((found - place).abs() < 1e-6, "{place}: {found}");
+            assert!((centre - place).abs() < 1e-6, "{place}: {centre}");
             assert!(
                 (noise(&weights) / noise(&middle) - 1.0).abs() < 1e-5,
                 "{place}"

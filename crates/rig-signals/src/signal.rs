@@ -7,13 +7,13 @@ use thiserror::Error;
 pub enum SignalError {
     /// Fewer samples than needed.
     #[error(
-        "signal '{name}' has {found} usable samples, {needed} are needed: record a longer window"
+        "signal '{name}' has {usable} usable samples, {needed} are needed: record a longer window"
     )]
     TooShort {
         /// The signal.
         name: String,
         /// Finite samples.
-        found: usize,
+        usable: usize,
         /// Samples needed.
         needed: usize,
     },
@@ -69,7 +69,7 @@ impl Spline {
         if time.len() < LEAST {
             return Err(SignalError::TooShort {
                 name: name.into(),
-                found: time.len(),
+                usable: time.len(),
                 needed: LEAST,
             });
         }

@@ -198,9 +198,9 @@ mod tests {
             .collect()
     }
 
-    fn close(found: &[f64], places: [usize; 4], expected: [f64; 4], tolerance: f64) {
+    fn close(values: &[f64], places: [usize; 4], expected: [f64; 4], tolerance: f64) {
         for (p, e) in places.into_iter().zip(expected) {
-            assert!((found[p] - e).abs() < tolerance, "{p}: {} {e}", found[p]);
+            assert!((values[p] - e).abs() < tolerance, "{p}: {} {e}", values[p]);
         }
     }
 

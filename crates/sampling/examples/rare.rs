@@ -160,8 +160,8 @@ fn bands(name: &'static str, criteria: usize, dimensions: usize, scales: &'stati
         let v = reflected(u);
         let bend = BEND * (v[0] * v[0] - 1.0);
         let deviation = |k: usize| {
-            let own = if k == 0 { v[0] } else { v[k] + bend };
-            (own - PLACE).abs() / (tolerance * of(k))
+            let value = if k == 0 { v[0] } else { v[k] + bend };
+            (value - PLACE).abs() / (tolerance * of(k))
         };
         (0..criteria).map(deviation).fold(0.0, f64::max) - 1.0
     })

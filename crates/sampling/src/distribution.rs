@@ -382,8 +382,11 @@ mod tests {
             // 0.0228 is cut away below and 0.1587 above; the score of 0.4321 is -0.1711.
             (&both, 0.5, 2.0 - 0.5 * 0.171_164),
         ] {
-            let found = distribution.quantile(u);
-            assert!((found - expected).abs() < 1e-5, "{distribution:?}: {found}");
+            let quantile = distribution.quantile(u);
+            assert!(
+                (quantile - expected).abs() < 1e-5,
+                "{distribution:?}: {quantile}"
+            );
         }
         assert_eq!(triangular.median(), triangular.quantile(0.5));
         assert!(triangular.varies() && !fixed.varies());
@@ -392,9 +395,12 @@ mod tests {
     #[test]
     fn a_score_gives_the_quantile_of_the_probability_below_it() {
         for distribution in all() {
-            let found = distribution.at_score(1.0);
+            let quantile = distribution.at_score(1.0);
             let expected = distribution.quantile(0.841_344_746_068_543);
-            assert!((found - expected).abs() < 1e-9, "{distribution:?}: {found}");
+            assert!(
+                (quantile - expected).abs() < 1e-9,
+                "{distribution:?}: {quantile}"
+            );
             // Scores at which the probability is 0 or 1 in floating point.
             let [low, high] = [-60.0, 60.0].map(|score| distribution.at_score(score));
             assert!(

@@ -11,7 +11,7 @@ use crate::random::{Purpose, bits, pair};
 #[derive(Clone, Debug)]
 pub struct RowErrors {
     seed: u64,
-    own: f64,
+    deviation: f64,
     /// The errors that all rows share, by replicate.
     common: Vec<f64>,
 }
@@ -35,7 +35,7 @@ impl RowErrors {
             .map(|slice| correlation.sqrt() * normal_quantile(middle(slice)));
         Self {
             seed,
-            own: (1.0 - correlation).sqrt(),
+            deviation: (1.0 - correlation).sqrt(),
             common: common.collect(),
         }
     }
@@ -47,7 +47,7 @@ impl RowErrors {
 
     /// Whether rows have errors of their own.
     pub fn has_own(&self) -> bool {
-        self.own > 0.0
+        self.deviation > 0.0
     }
 
     /// The parts of a replicate's errors that rows have of their own, from the row `first` on.
@@ -56,7 +56,7 @@ impl RowErrors {
         let draw = move |number: u64| {
             let [u, v] = pair(self.seed, Purpose::Row, number, replicate as u32);
             // Box and Muller (1958), "A note on the generation of random normal deviates".
-            let radius = self.own * (-2.0 * u.ln()).sqrt();
+            let radius = self.deviation * (-2.0 * u.ln()).sqrt();
             let (sine, cosine) = (std::f64::consts::TAU * v).sin_cos();
             [
                 (2 * number, radius * cosine),
@@ -76,8 +76,8 @@ mod tests {
 
     fn errors(errors: &RowErrors, replicate: usize, first: u64, rows: usize) -> Vec<f64> {
         let common = errors.common(replicate);
-        let own = errors.own(replicate, first, rows);
-        own.map(|own| common + own).collect()
+        let parts = errors.own(replicate, first, rows);
+        parts.map(|part| common + part).collect()
     }
 
     /// Variance 1, and the stated correlation between rows: over 256 replicates of 40 rows.

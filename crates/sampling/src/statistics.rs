@@ -281,8 +281,8 @@ mod tests {
                 collector.result(10.0) / unit
             };
             for unit in [1e160, -1e308, f64::MAX] {
-                let (expected, found) = (of(unit.signum()), of(unit));
-                assert!((found - expected).abs() < 1e-12, "{statistic:?}: {found}");
+                let (expected, value) = (of(unit.signum()), of(unit));
+                assert!((value - expected).abs() < 1e-12, "{statistic:?}: {value}");
             }
             assert!(of(f64::NAN).is_nan());
         }

@@ -13,10 +13,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = |x: &[f64]| 4.0 * x[3] * x[7] + 2.0 * x[11] + 0.01 * x.iter().sum::<f64>();
     let values: Vec<f64> = points.iter().map(|point| model(point)).collect();
 
-    let found = effects(&points, &values).ok_or("too few trajectories")?;
+    let effects = effects(&points, &values).ok_or("too few trajectories")?;
     println!("{} runs", points.len());
     println!("parameter   mu*     sigma (0: linear, without interaction)");
-    for (parameter, effect) in found.iter().enumerate() {
+    for (parameter, effect) in effects.iter().enumerate() {
         let mark = if effect.mu_star.low > 0.1 {
             "matters"
         } else {

@@ -181,8 +181,8 @@ mod tests {
                     // The ends of the range are the most telling values.
                     *value = random.random_range(-0.5..1.5_f64).clamp(0.0, 1.0);
                 }
-                let found = share(&filled);
-                (low, high) = (low.min(found), high.max(found));
+                let share = share(&filled);
+                (low, high) = (low.min(share), high.max(share));
             }
             assert!(least <= low && high <= most, "{least} {low} {high} {most}");
             assert!(

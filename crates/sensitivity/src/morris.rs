@@ -242,10 +242,13 @@ mod tests {
     /// negative: the lower end would be -0.226.
     #[test]
     fn the_interval_of_skewed_numbers_leans_to_where_the_rare_ones_are() {
-        let found = with_interval(&[0.0, 1.0, 2.0, 3.0, 10.0]);
-        assert_eq!(found.value, 3.2);
-        assert_eq!(found.low, 0.0);
-        assert!((found.high - 21.079_664_441).abs() < 1e-8, "{found:?}");
+        let estimate = with_interval(&[0.0, 1.0, 2.0, 3.0, 10.0]);
+        assert_eq!(estimate.value, 3.2);
+        assert_eq!(estimate.low, 0.0);
+        assert!(
+            (estimate.high - 21.079_664_441).abs() < 1e-8,
+            "{estimate:?}"
+        );
         // The same turned round, above 0.
         let turned = with_interval(&[30.0, 29.0, 28.0, 27.0, 20.0]);
         assert!(
@@ -265,10 +268,16 @@ mod tests {
         let rows = design(1, 10, 4, 3);
         let mut outputs = vec![0.0; 20];
         outputs[7] = 1.0;
-        let found = effects(&rows, &outputs).unwrap()[0].mu_star;
-        assert!((found.value - 0.15).abs() < 1e-12);
-        assert!((found.low - 1.5 * 0.002_528_579).abs() < 1e-8, "{found:?}");
-        assert!((found.high - 1.5 * 0.445_016_117).abs() < 1e-8, "{found:?}");
+        let mu_star = effects(&rows, &outputs).unwrap()[0].mu_star;
+        assert!((mu_star.value - 0.15).abs() < 1e-12);
+        assert!(
+            (mu_star.low - 1.5 * 0.002_528_579).abs() < 1e-8,
+            "{mu_star:?}"
+        );
+        assert!(
+            (mu_star.high - 1.5 * 0.445_016_117).abs() < 1e-8,
+            "{mu_star:?}"
+        );
     }
 
     /// The trajectories of a seed, for all time: their places and orders by a program of its own in Python.
@@ -408,16 +417,16 @@ mod tests {
         ]
         .concat();
         let rows = vec![vec![vec![0.0], vec![2.0 / 3.0]]; 7].concat();
-        let [found] = effects(&rows, &outputs).unwrap()[..] else {
+        let [effect] = effects(&rows, &outputs).unwrap()[..] else {
             panic!("one parameter")
         };
-        near([found.mu, found.sigma], [1.3125, 2.478_028_450_2]);
-        holds(found.mu_star, [2.0625, 0.232_513_114_2, 11.373_761_519_1]);
+        near([effect.mu, effect.sigma], [1.3125, 2.478_028_450_2]);
+        holds(effect.mu_star, [2.0625, 0.232_513_114_2, 11.373_761_519_1]);
         near(
-            found.mu_star_bounds.unwrap(),
+            effect.mu_star_bounds.unwrap(),
             [0.100_806_883_9, 5.051_168_154_0],
         );
-        assert_eq!(found.used, 4);
+        assert_eq!(effect.used, 4);
     }
 
     /// An output of two values, 2 and 5: the size of an effect is 3 over the step. One of three effects is not 0, and a
@@ -431,14 +440,14 @@ mod tests {
         outputs[1] = 5.0;
         outputs[2] = 5.0;
         outputs[9] = f64::NAN;
-        let found = effects(&rows, &outputs).unwrap()[1];
+        let effect = effects(&rows, &outputs).unwrap()[1];
         holds(
-            found.mu_star,
+            effect.mu_star,
             [1.5, 4.5 * 0.008_403_758_66, 4.5 * 0.905_700_675_95],
         );
         let least = 4.5 * 0.006_309_463_2;
         let most = 4.5 * 0.932_414_013_7;
-        near(found.mu_star_bounds.unwrap(), [least, most]);
+        near(effect.mu_star_bounds.unwrap(), [least, most]);
         // One that is the same everywhere has none.
         let none = effects(&rows, &[5.0; 12]).unwrap();
         none.iter()

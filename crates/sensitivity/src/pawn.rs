@@ -22,15 +22,15 @@ pub struct Slices;
 
 impl FromPoints for Slices {
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told {
-        let found = pawn(columns, values, SLICES, RESAMPLES, seed);
-        Told::from_iter([("pawn".to_owned(), json!(found))])
+        let pawn = pawn(columns, values, SLICES, RESAMPLES, seed);
+        Told::from_iter([("pawn".to_owned(), json!(pawn))])
     }
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
-        let found: Option<Pawn> = read(told, "pawn");
-        let measure = found.map(|found| Measure {
-            chance: Some(found.threshold),
-            ..Measure::drawn("PAWN", found.median)
+        let pawn: Option<Pawn> = read(told, "pawn");
+        let measure = pawn.map(|pawn| Measure {
+            chance: Some(pawn.threshold),
+            ..Measure::drawn("PAWN", pawn.median)
         });
         measure.into_iter().collect()
     }
@@ -76,8 +76,8 @@ pub fn pawn(
     };
     for parameter in parameters {
         let x: Vec<f64> = kept.iter().map(|&j| parameter[j]).collect();
-        let found = distances(&x, &y, slices);
-        let value = quantile(&found, 0.5);
+        let by_slice = distances(&x, &y, slices);
+        let value = quantile(&by_slice, 0.5);
         let again = (0..resamples).map(|_| {
             let picks = (0..y.len()).map(|_| random.below(y.len()));
             let (x, y): (Vec<f64>, Vec<f64>) = picks.map(|j| (x[j], y[j])).unzip();
@@ -91,7 +91,7 @@ pub fn pawn(
             low: (quantile(&again, 0.025) - bias).clamp(0.0, value),
             high: (quantile(&again, 0.975) - bias).clamp(value, 1.0),
         });
-        let largest = found.last().expect("some slice holds a point");
+        let largest = by_slice.last().expect("some slice holds a point");
         result.max.push(*largest);
     }
     let mut shuffled: Vec<f64> = (0..y.len()).map(|k| k as f64).collect();
@@ -176,10 +176,10 @@ mod tests {
     #[test]
     fn distances_are_those_of_others() {
         let (x, y) = waves(60);
-        let found = pawn(&[&x[0], &x[1]], &y, 6, 20, 1).unwrap();
-        let values: Vec<f64> = found.median.iter().map(|e| e.value).collect();
+        let estimates = pawn(&[&x[0], &x[1]], &y, 6, 20, 1).unwrap();
+        let values: Vec<f64> = estimates.median.iter().map(|e| e.value).collect();
         near(values.try_into().unwrap(), [0.558_333_333_3, 0.225]);
-        near(found.max.try_into().unwrap(), [0.8, 1.0 / 3.0]);
+        near(estimates.max.try_into().unwrap(), [0.8, 1.0 / 3.0]);
         assert!(pawn(&[&x[0]], &y, 0, 20, 1).is_none());
         assert!(pawn(&[&x[0]], &y[..12], 6, 20, 1).is_some());
         assert!(pawn(&[&x[0]], &y[..11], 6, 20, 1).is_none());
@@ -190,8 +190,8 @@ mod tests {
     #[test]
     fn intervals_lie_evenly_about_the_estimate() {
         let (x, y) = waves(400);
-        let found = pawn(&[&x[0], &x[1]], &y, 40, 200, 1).unwrap();
-        for estimate in found.median {
+        let pawn = pawn(&[&x[0], &x[1]], &y, 40, 200, 1).unwrap();
+        for estimate in pawn.median {
             let below = estimate.value - estimate.low;
             let above = estimate.high - estimate.value;
             assert!(0.4 * below < above && above < 2.5 * below, "{estimate:?}");
@@ -204,13 +204,13 @@ mod tests {
     fn what_is_shown_is_what_was_found() {
         let (x, y) = waves(100);
         let columns: [&[f64]; 2] = [&x[0], &x[1]];
-        let found = pawn(&columns, &y, SLICES, RESAMPLES, 3).unwrap();
+        let pawn = pawn(&columns, &y, SLICES, RESAMPLES, 3).unwrap();
         let [shown] = &Slices.shown(&Slices.tell(&columns, &y, 3))[..] else {
             panic!("one measure")
         };
         assert_eq!((shown.name, shown.drawn), ("PAWN", true));
-        assert_eq!(shown.estimates, found.median);
-        assert_eq!(shown.chance, Some(found.threshold));
+        assert_eq!(shown.estimates, pawn.median);
+        assert_eq!(shown.chance, Some(pawn.threshold));
         assert_eq!(Slices.shown(&Slices.tell(&columns, &[0.0; 3], 3)), []);
     }
 }

@@ -26,13 +26,13 @@ pub struct Ranks;
 
 impl FromPoints for Ranks {
     fn tell(&self, columns: &[&[f64]], values: &[f64], _: u64) -> Told {
-        let found = correlations(columns, values);
-        Told::from_iter([("ranks".to_owned(), json!(found))])
+        let correlations = correlations(columns, values);
+        Told::from_iter([("ranks".to_owned(), json!(correlations))])
     }
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
-        let found: Option<Correlations> = read(told, "ranks");
-        let partial = found.map(|found| found.partial);
+        let correlations: Option<Correlations> = read(told, "ranks");
+        let partial = correlations.map(|correlations| correlations.partial);
         let measure = partial.filter(|partial| !partial.is_empty());
         let measure = measure.map(|partial| Measure::listed("PRCC", partial));
         measure.into_iter().collect()
@@ -66,10 +66,10 @@ pub fn correlations(parameters: &[&[f64]], output: &[f64]) -> Option<Correlation
     let columns = parameters.iter().copied().chain([output]).map(values);
     let columns: Vec<(Vec<usize>, Vec<f64>)> =
         columns.map(|column| (ascending(&column), column)).collect();
-    let found = |left_out: Option<usize>| found(&columns, points, left_out);
-    let all = found(None);
+    let coefficients = |left_out: Option<usize>| coefficients(&columns, points, left_out);
+    let all = coefficients(None);
     let groups = GROUPS.min(points);
-    let without: Vec<Found> = (0..groups).map(|group| found(Some(group))).collect();
+    let without: Vec<Coefficients> = (0..groups).map(|group| coefficients(Some(group))).collect();
     let freedom = points as f64 - 3.0 - (parameters.len() as f64 - 1.0);
     let partial_of_all = without
         .iter()
@@ -85,13 +85,17 @@ pub fn correlations(parameters: &[&[f64]], output: &[f64]) -> Option<Correlation
 }
 
 /// Correlations of some points.
-struct Found {
+struct Coefficients {
     spearman: Vec<f64>,
     partial: Vec<f64>,
 }
 
 /// From columns with their places in ascending order; every tenth point may be left out, from one of the first ten on.
-fn found(columns: &[(Vec<usize>, Vec<f64>)], points: usize, left_out: Option<usize>) -> Found {
+fn coefficients(
+    columns: &[(Vec<usize>, Vec<f64>)],
+    points: usize,
+    left_out: Option<usize>,
+) -> Coefficients {
     let keep = |place: &usize| left_out.is_none_or(|group| place % GROUPS != group);
     let ranked = |(order, values): &(Vec<usize>, Vec<f64>)| -> Vec<f64> {
         let order: Vec<usize> = order.iter().copied().filter(keep).collect();
@@ -107,7 +111,7 @@ fn found(columns: &[(Vec<usize>, Vec<f64>)], points: usize, left_out: Option<usi
             matrix[(b, a)] = matrix[(a, b)];
         }
     }
-    Found {
+    Coefficients {
         spearman: (0..d).map(|i| matrix[(i, d)]).collect(),
         partial: partial(matrix),
     }
@@ -213,28 +217,31 @@ mod tests {
             .map(|u| 2.0 * u[0] - u[1] + 3.0 * (u[2] - 0.5).powi(2))
             .collect();
         let told = Ranks.tell(&[&x, &y, &z], &output, 1);
-        let found: Correlations = read(&told, "ranks").unwrap();
+        let correlations: Correlations = read(&told, "ranks").unwrap();
         holds(
-            found.spearman[0],
+            correlations.spearman[0],
             [0.958_041_958_0, 0.828_963_333_1, 0.990_227_516_7],
         );
         holds(
-            found.spearman[1],
+            correlations.spearman[1],
             [-0.188_811_188_8, -0.743_867_951_7, 0.520_390_868_7],
         );
         holds(
-            found.partial[0],
+            correlations.partial[0],
             [0.981_365_007_6, 0.870_997_751_1, 0.997_437_413_0],
         );
         holds(
-            found.partial[1],
+            correlations.partial[1],
             [-0.769_974_808_1, -0.994_273_198_7, 0.709_366_301_4],
         );
         holds(
-            found.partial[2],
+            correlations.partial[2],
             [0.049_631_871_8, -0.932_510_280_2, 0.944_333_205_6],
         );
-        assert_eq!(Ranks.shown(&told), [Measure::listed("PRCC", found.partial)]);
+        assert_eq!(
+            Ranks.shown(&told),
+            [Measure::listed("PRCC", correlations.partial)]
+        );
     }
 
     /// Four points have a rank correlation. A partial one needs more of them, the more parameters there are.
@@ -245,14 +252,14 @@ mod tests {
             [2.0, 5.0, 1.0, 4.0, 3.0, 6.0],
         ];
         let output = [1.0, 3.0, 2.0, 5.0, 6.0, 4.0];
-        let found = |points: usize| {
+        let told = |points: usize| {
             let columns: Vec<&[f64]> = columns.iter().map(|c| &c[..points]).collect();
             Ranks.tell(&columns, &output[..points], 1)
         };
-        let four: Correlations = read(&found(4), "ranks").unwrap();
+        let four: Correlations = read(&told(4), "ranks").unwrap();
         assert_eq!((four.spearman.len(), four.partial.len()), (2, 0));
-        assert_eq!(Ranks.shown(&found(4)), []);
-        assert_eq!(Ranks.shown(&found(6))[0].estimates.len(), 2);
-        assert_eq!(Ranks.shown(&found(3)), []);
+        assert_eq!(Ranks.shown(&told(4)), []);
+        assert_eq!(Ranks.shown(&told(6))[0].estimates.len(), 2);
+        assert_eq!(Ranks.shown(&told(3)), []);
     }
 }

@@ -62,13 +62,13 @@ mod tests {
         (ends[3][0], ends[60][1]) = (1.0, 1.0);
         let narrow = Estimate::around(-0.01, 0.005);
         let none = || (0..100).map(|_| [0.0; 2]);
-        let found = widened(narrow, &ends, none);
+        let interval = widened(narrow, &ends, none);
         // Clopper and Pearson: 1 - 0.025^(1/100) = 0.0362 of the pairs at most.
         let p: f64 = 0.01;
         let most = (0.036_217 - p * p) / (p * (1.0 - p));
         assert!(
-            most > 1.0 && found.high == 1.0 && found.low < -0.0149,
-            "{found:?}"
+            most > 1.0 && interval.high == 1.0 && interval.low < -0.0149,
+            "{interval:?}"
         );
         // Many pairs tell by themselves, and so do values of other kinds.
         let many = || (0..100).map(|k| [f64::from(u8::from(k < 5)); 2]);
@@ -86,15 +86,21 @@ mod tests {
             *pair = [1.0; 2];
         }
         let one = || (0..100).map(|k| [f64::from(u8::from(k == 0)); 2]);
-        let found = widened(Estimate::around(-0.3, 0.01), &ends, one);
+        let interval = widened(Estimate::around(-0.3, 0.01), &ends, one);
         let index = |q: f64| (q - 0.09) / 0.21;
-        assert!((found.low - index(0.000_253_146)).abs() < 1e-6, "{found:?}");
-        assert!((found.high - index(0.054_459_4)).abs() < 1e-6, "{found:?}");
-        assert_eq!(found.value, -0.3);
+        assert!(
+            (interval.low - index(0.000_253_146)).abs() < 1e-6,
+            "{interval:?}"
+        );
+        assert!(
+            (interval.high - index(0.054_459_4)).abs() < 1e-6,
+            "{interval:?}"
+        );
+        assert_eq!(interval.value, -0.3);
         // Whether the rare value comes first does not matter, nor do ends that the scatter sets wider.
         ends.reverse();
         let turned = widened(Estimate::around(-0.3, 0.01), &ends, one);
-        holds(turned, [-0.3, found.low, found.high]);
+        holds(turned, [-0.3, interval.low, interval.high]);
         let wide = Estimate::around(-0.3, 0.9);
         assert_eq!(widened(wide, &ends, one), wide);
     }

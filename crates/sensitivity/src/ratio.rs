@@ -189,10 +189,10 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
         let pairs = terms.iter().zip(under.means());
         pairs.map(|(term, v)| term - ratio * v).collect()
     };
-    let (own, other) = (deviations(first), deviations(second));
+    let (one, other) = (deviations(first), deviations(second));
     // The products whose sums give the weight, a point each.
-    let pairs = own.iter().zip(&other);
-    let products = pairs.map(|(own, other)| [own * (own - other), (other - own).powi(2)]);
+    let pairs = one.iter().zip(&other);
+    let products = pairs.map(|(one, other)| [one * (one - other), (other - one).powi(2)]);
     let products: Vec<[f64; 2]> = products.collect();
     let points = products.len();
     let fold = |j: usize| j * FOLDS / points;
@@ -231,9 +231,9 @@ mod tests {
         let numbers = 0..64_u32;
         let over = Parts::of(numbers.clone().map(|k| f64::from(k * k % 7)));
         let under = Parts::of(numbers.map(|k| f64::from(1 + k % 3)));
-        let found = estimate(&over, &under, 0.0).unwrap();
-        assert!((found.value - 0.992_125_984).abs() < 1e-9);
-        let half = found.high - found.value;
+        let estimate = estimate(&over, &under, 0.0).unwrap();
+        assert!((estimate.value - 0.992_125_984).abs() < 1e-9);
+        let half = estimate.high - estimate.value;
         assert!((half - 0.204_155_408_9).abs() < 1e-9, "{half}");
     }
 
@@ -241,26 +241,29 @@ mod tests {
     /// degrees of freedom. The numbers of each block are nearly the same, as those of a net are.
     #[test]
     fn many_points_have_the_interval_of_blocks() {
-        let found = |points: u32, lost: &[u32]| {
+        let of_points = |points: u32, lost: &[u32]| {
             let over = (0..points).map(|k| match lost.contains(&k) {
                 true => f64::NAN,
                 false => f64::from(5 * k % 16) + f64::from(k * k % 7) / 10.0,
             });
             let under = (0..points).map(|k| 1.0 + f64::from(k % 16) / 8.0);
             let over = Parts::of(over);
-            let found = estimate(&over, &Parts::of(under), 0.0).unwrap();
-            (over.used(), [found.value, found.high - found.value])
+            let estimate = estimate(&over, &Parts::of(under), 0.0).unwrap();
+            (
+                over.used(),
+                [estimate.value, estimate.high - estimate.value],
+            )
         };
-        let (used, all) = found(256, &[]);
+        let (used, all) = of_points(256, &[]);
         assert_eq!(used, 256);
         near(all, [3.973_991_935_5, 0.003_684_983_2]);
-        near(found(255, &[]).1, [3.974_448_669_2, 0.321_390_852_0]);
+        near(of_points(255, &[]).1, [3.974_448_669_2, 0.321_390_852_0]);
         // A block without any term is none; a point without one leaves its variance.
         let lost: Vec<u32> = (32..48).chain([100]).collect();
-        let (used, fewer) = found(256, &lost);
+        let (used, fewer) = of_points(256, &lost);
         assert_eq!(used, 239);
         near(fewer, [3.980_672_155_5, 0.016_325_666_7]);
-        near(found(64, &[5]).1, [3.958_627_752_2, 0.656_308_657_4]);
+        near(of_points(64, &[5]).1, [3.958_627_752_2, 0.656_308_657_4]);
     }
 
     /// Where all terms lie in one of the sixteen blocks, or there is one only, nothing shows how they scatter.
@@ -315,9 +318,9 @@ mod tests {
     #[test]
     fn estimators_that_scatter_alike_have_the_same_weight() {
         let under = Parts::of([1.0; 4]);
-        let found = combined(&[1.0, 3.0, 3.0, 1.0], &[3.0, 5.0, 5.0, 3.0], &under);
-        assert_eq!(found.terms, [2.0, 4.0, 4.0, 2.0]);
-        assert_eq!(found.crosswise, found.terms);
+        let both = combined(&[1.0, 3.0, 3.0, 1.0], &[3.0, 5.0, 5.0, 3.0], &under);
+        assert_eq!(both.terms, [2.0, 4.0, 4.0, 2.0]);
+        assert_eq!(both.crosswise, both.terms);
         // No weight is negative, nor above 1: the better one is taken alone.
         let (wide, narrow) = ([1.0, 7.0, 1.0, 7.0], [3.0, 5.0, 3.0, 5.0]);
         assert_eq!(combined(&wide, &narrow, &under).terms, narrow);
@@ -331,12 +334,12 @@ mod tests {
         let first = [1.0, 3.0, 2.0, 5.0, 4.0, 4.0, 1.0, 2.0];
         let second = [2.0, 2.0, 4.0, 4.0, 2.0, 5.0, 3.0, 1.0];
         let under = Parts::of([1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0]);
-        let found = combined(&first, &second, &under);
+        let both = combined(&first, &second, &under);
         let of_others = [0.339_310, 0.315_789, 0.071_307, 0.444_822];
         for j in 0..8 {
             let with = |weight: f64| first[j] + weight * (second[j] - first[j]);
-            assert!((found.terms[j] - with(0.295_345)).abs() < 1e-5);
-            assert!((found.crosswise[j] - with(of_others[j / 2])).abs() < 1e-5);
+            assert!((both.terms[j] - with(0.295_345)).abs() < 1e-5);
+            assert!((both.crosswise[j] - with(of_others[j / 2])).abs() < 1e-5);
         }
     }
 }

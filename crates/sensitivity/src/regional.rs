@@ -78,10 +78,10 @@ mod tests {
             f64::NAN,
         ];
         let pass = [1, 1, 0, 1, 1, 0, 0, 1, 0, 1, 0].map(|pass| pass == 1);
-        let found = split(&[&values], &pass).unwrap()[0];
-        near([found.distance], [0.55]);
-        assert_eq!((found.passing, found.failing), (4.0, 6.5));
-        assert!(found.chance > 0.3, "{found:?}");
+        let sides = split(&[&values], &pass).unwrap()[0];
+        near([sides.distance], [0.55]);
+        assert_eq!((sides.passing, sides.failing), (4.0, 6.5));
+        assert!(sides.chance > 0.3, "{sides:?}");
         assert_eq!(split(&[&values[..2]], &[false; 2]), None);
     }
 }

@@ -59,14 +59,14 @@ impl FromRuns for Shapley {
 
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
         let parameters = design.first().map_or(0, Vec::len);
-        let found = effects(values, parameters, settled);
-        Told::from_iter([("shapley".to_owned(), json!(found))])
+        let effects = effects(values, parameters, settled);
+        Told::from_iter([("shapley".to_owned(), json!(effects))])
     }
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
-        let found: Option<Effects> = read(told, "shapley");
-        let measure = found.map(|found| {
-            Measure::drawn("Shapley effect", found.effects).within(found.effects_bounds)
+        let effects: Option<Effects> = read(told, "shapley");
+        let measure = effects.map(|effects| {
+            Measure::drawn("Shapley effect", effects.effects).within(effects.effects_bounds)
         });
         measure.into_iter().collect()
     }
@@ -116,16 +116,16 @@ fn beginning(order: &[usize], count: usize) -> Vec<usize> {
 
 /// The distinct beginnings of some orders, but for the empty one and the whole.
 fn beginnings(orders: &[Vec<usize>]) -> Vec<Vec<usize>> {
-    let mut found: Vec<Vec<usize>> = Vec::new();
+    let mut sets: Vec<Vec<usize>> = Vec::new();
     for order in orders {
         for count in 1..order.len() {
             let set = beginning(order, count);
-            if !found.contains(&set) {
-                found.push(set);
+            if !sets.contains(&set) {
+                sets.push(set);
             }
         }
     }
-    found
+    sets
 }
 
 /// The rows of the design in the unit cube, for every pair in the order A, B, mixed points.
@@ -236,7 +236,7 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     let mean = |steps: &Vec<[f64; 4]>| steps.iter().map(of).sum::<f64>() / steps.len() as f64;
     let variance = ratio::paired_variance(&ends);
     let failed = outputs.iter().filter(|v| !v.is_finite()).count();
-    let mut found = Effects {
+    let mut result = Effects {
         effects: vec![],
         effects_bounds: None,
         used: vec![],
@@ -244,16 +244,16 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     };
     for steps in &terms {
         let over = Parts::of(steps.iter().map(mean));
-        found.used.push(over.used());
-        found.effects.push(ratio::estimate(&over, &variance, 0.0)?);
+        result.used.push(over.used());
+        result.effects.push(ratio::estimate(&over, &variance, 0.0)?);
     }
     if failed > 0 {
         let bounds = terms
             .iter()
             .map(|steps| bounds(steps, &ends, correlated, outputs));
-        found.effects_bounds = bounds.collect();
+        result.effects_bounds = bounds.collect();
     }
-    Some(found)
+    Some(result)
 }
 
 /// For each parameter the outputs before and after it is added in each order, and those of A and B.
@@ -367,22 +367,22 @@ mod tests {
         })
     }
 
-    fn sum(found: &Effects) -> f64 {
-        found.effects.iter().map(|e| e.value).sum()
+    fn sum(shapley: &Effects) -> f64 {
+        shapley.effects.iter().map(|e| e.value).sum()
     }
 
     /// Independent: half of first-order and total indices, since Ishigami's function has interactions of two only.
     #[test]
     fn effects_of_independent_parameters_are_those_of_their_interactions() {
-        let found = run(3, None, &settled(4096, 3), ishigami);
+        let shapley = run(3, None, &settled(4096, 3), ishigami);
         let (first, total) = ishigami_indices();
-        for ((found, first), total) in found.effects.iter().zip(first).zip(total) {
+        for ((effect, first), total) in shapley.effects.iter().zip(first).zip(total) {
             assert!(
-                (found.value - (first + total) / 2.0).abs() < 0.02,
-                "{found:?}"
+                (effect.value - (first + total) / 2.0).abs() < 0.02,
+                "{effect:?}"
             );
         }
-        assert!((sum(&found) - 1.0).abs() < 1e-12);
+        assert!((sum(&shapley) - 1.0).abs() < 1e-12);
     }
 
     /// z1 z2 + z1 with the correlation r: V = 2 + r^2, of which z1 explains 1 + 2 r^2 and z2 3 r^2.
@@ -393,13 +393,13 @@ mod tests {
             let z = scores(u);
             z[0] * z[1] + z[0]
         };
-        let found = run(2, Some(&chain(2, r)), &settled(8192, 1), function);
+        let shapley = run(2, Some(&chain(2, r)), &settled(8192, 1), function);
         let variance = 2.0 + r * r;
         let exact = [1.5 / variance, (0.5 + r * r) / variance];
-        for (found, exact) in found.effects.iter().zip(exact) {
-            assert!((found.value - exact).abs() < 0.02, "{found:?} {exact}");
+        for (effect, exact) in shapley.effects.iter().zip(exact) {
+            assert!((effect.value - exact).abs() < 0.02, "{effect:?} {exact}");
         }
-        assert!((sum(&found) - 1.0).abs() < 1e-12);
+        assert!((sum(&shapley) - 1.0).abs() < 1e-12);
     }
 
     /// Owen & Prieur (2017), section 4.2: a linear function of normal numbers; z5 and z6 are correlated, the others free, so
@@ -410,20 +410,20 @@ mod tests {
         let mut matrix = DMatrix::identity(6, 6);
         (matrix[(4, 5)], matrix[(5, 4)]) = (r, r);
         let function = |u: &[f64]| scores(u).iter().zip(weights).map(|(z, w)| z * w).sum();
-        let found = run(6, Some(&matrix), &settled(4096, 2), function);
+        let shapley = run(6, Some(&matrix), &settled(4096, 2), function);
         let [a, b]: [f64; 2] = [2.0, 1.0];
         let rest = (1.0 - r * r) * (a * a - b * b) / 2.0;
         let joint = a * a + b * b + 2.0 * r * a * b;
         let variance = 6.0 + joint;
         let exact = [1.0, 4.0, 0.0, 1.0, joint / 2.0 + rest, joint / 2.0 - rest];
-        for (found, exact) in found.effects.iter().zip(exact) {
+        for (effect, exact) in shapley.effects.iter().zip(exact) {
             assert!(
-                (found.value - exact / variance).abs() < 0.015,
-                "{found:?} {}",
+                (effect.value - exact / variance).abs() < 0.015,
+                "{effect:?} {}",
                 exact / variance
             );
         }
-        assert!((sum(&found) - 1.0).abs() < 1e-12);
+        assert!((sum(&shapley) - 1.0).abs() < 1e-12);
     }
 
     /// Points whose scores in a set are given have the distribution of all: the means and products of scores tell.
@@ -458,9 +458,9 @@ mod tests {
             true => f64::NAN,
             false => u[0] + 2.0 * u[1] + 3.0 * u[2],
         };
-        let found = run(3, None, &settled(512, 4), hole);
-        assert!(found.failed > 10 && found.used.iter().all(|&used| used < 512));
-        let bounds = found.effects_bounds.unwrap();
+        let shapley = run(3, None, &settled(512, 4), hole);
+        assert!(shapley.failed > 10 && shapley.used.iter().all(|&used| used < 512));
+        let bounds = shapley.effects_bounds.unwrap();
         for (bounds, exact) in bounds.iter().zip(exact) {
             assert!(
                 bounds[0] <= exact && exact <= bounds[1],
@@ -472,8 +472,13 @@ mod tests {
 
     #[test]
     fn a_constant_output_depends_on_nothing() {
-        let found = run(3, None, &settled(64, 1), |_| 7.1);
-        assert!(found.effects.iter().all(|e| e.value == 0.0 && e.low == 0.0));
+        let shapley = run(3, None, &settled(64, 1), |_| 7.1);
+        assert!(
+            shapley
+                .effects
+                .iter()
+                .all(|e| e.value == 0.0 && e.low == 0.0)
+        );
         assert_eq!(effects(&[1.0; 65], 3, &settled(64, 1)), None);
         assert_eq!(effects(&[], 0, &settled(0, 1)), None);
     }
@@ -496,9 +501,9 @@ mod tests {
         }
         let outputs: Vec<f64> = rows.iter().map(|u| ishigami(u)).collect();
         let told = Shapley.tell(&rows, &outputs, &settled);
-        let found = effects(&outputs, 3, &settled).unwrap();
-        assert_eq!((found.failed, &found.effects_bounds), (0, &None));
-        let shown = Measure::drawn("Shapley effect", found.effects);
+        let shapley = effects(&outputs, 3, &settled).unwrap();
+        assert_eq!((shapley.failed, &shapley.effects_bounds), (0, &None));
+        let shown = Measure::drawn("Shapley effect", shapley.effects);
         assert_eq!(Shapley.shown(&told), [shown]);
         let failed = Shapley.tell(&rows, &[f64::NAN; 128], &settled);
         assert_eq!(Shapley.shown(&failed), []);
@@ -535,17 +540,17 @@ mod tests {
         for (point, run) in [(3, 2), (17, 0), (40, 1)] {
             outputs[4 * point + run] = f64::NAN;
         }
-        let found = effects(&outputs, 2, &settled(64, 1)).unwrap();
-        assert_eq!((found.failed, &found.used), (3, &vec![61, 61]));
+        let shapley = effects(&outputs, 2, &settled(64, 1)).unwrap();
+        assert_eq!((shapley.failed, &shapley.used), (3, &vec![61, 61]));
         holds(
-            found.effects[0],
+            shapley.effects[0],
             [0.638_470_768_5, 0.624_475_505_1, 0.652_466_032_0],
         );
         holds(
-            found.effects[1],
+            shapley.effects[1],
             [0.370_226_265_5, 0.359_609_159_2, 0.380_843_371_8],
         );
-        let bounds = found.effects_bounds.unwrap();
+        let bounds = shapley.effects_bounds.unwrap();
         near(bounds[0], [0.303_047_251_1, 1.0]);
         near(bounds[1], [0.065_551_986_2, 0.628_511_745_3]);
     }
@@ -556,10 +561,10 @@ mod tests {
         let settled = settled(32, 1);
         let mut outputs = vec![1.0; 32 * 4];
         outputs[6] = f64::NAN;
-        let found = effects(&outputs, 3, &settled).unwrap();
-        assert_eq!(found.effects_bounds, Some(vec![[0.0; 2]; 3]));
+        let shapley = effects(&outputs, 3, &settled).unwrap();
+        assert_eq!(shapley.effects_bounds, Some(vec![[0.0; 2]; 3]));
         let told = Shapley.tell(&[vec![0.5; 3]], &outputs, &settled);
-        assert_eq!(Shapley.shown(&told)[0].estimates, found.effects);
+        assert_eq!(Shapley.shown(&told)[0].estimates, shapley.effects);
     }
 
     /// A normal score of the ends of the cube would be infinite. Scores that are as far as numbers tell stand for them.

@@ -49,22 +49,22 @@ impl FromRuns for Sobol {
 
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
         let parameters = design.first().map_or(0, Vec::len);
-        let found = indices(values, parameters, settled.estimator);
+        let indices = indices(values, parameters, settled.estimator);
         let growing = convergence(values, parameters, settled.estimator);
         let totals = |s: Indices| s.total.iter().map(|e| e.value).collect::<Vec<f64>>();
         let growing: Vec<_> = growing.into_iter().map(|(n, s)| (n, totals(s))).collect();
         Told::from_iter([
-            ("sobol".to_owned(), json!(found)),
+            ("sobol".to_owned(), json!(indices)),
             ("convergence".to_owned(), json!(growing)),
         ])
     }
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
-        let found: Option<Indices> = read(told, "sobol");
-        found.map_or_else(Vec::new, |found| {
+        let indices: Option<Indices> = read(told, "sobol");
+        indices.map_or_else(Vec::new, |indices| {
             vec![
-                Measure::drawn("total", found.total).within(found.total_bounds),
-                Measure::drawn("first order", found.first).within(found.first_bounds),
+                Measure::drawn("total", indices.total).within(indices.total_bounds),
+                Measure::drawn("first order", indices.first).within(indices.first_bounds),
             ]
         })
     }
@@ -157,8 +157,8 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
             FirstOrder::Combined => {
                 let whole = variance.means().zip(jansen());
                 let jansen: Vec<f64> = whole.map(|(variance, rest)| variance + rest).collect();
-                let found = ratio::combined(&saltelli(), &jansen, &variance);
-                let [terms, crosswise] = [found.terms, found.crosswise].map(Parts::of);
+                let combined = ratio::combined(&saltelli(), &jansen, &variance);
+                let [terms, crosswise] = [combined.terms, combined.crosswise].map(Parts::of);
                 ratio::scattering(&terms, &crosswise, &variance, 0.0)?
             }
             FirstOrder::Saltelli => ratio::estimate(&Parts::of(saltelli()), &variance, 0.0)?,
@@ -209,9 +209,9 @@ pub fn convergence(
     let n = outputs.len() / width;
     let halves = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2));
     let of_part = |m| Some((m, indices(&outputs[..m * width], parameters, estimator)?));
-    let mut found: Vec<(usize, Indices)> = halves.filter_map(of_part).collect();
-    found.reverse();
-    found
+    let mut parts: Vec<(usize, Indices)> = halves.filter_map(of_part).collect();
+    parts.reverse();
+    parts
 }
 
 #[cfg(test)]
@@ -271,10 +271,10 @@ mod tests {
             FirstOrder::Jansen,
         ] {
             let s = indices(&y, 3, estimator).unwrap();
-            for (found, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
+            for (index, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
                 assert!(
-                    (found.value - exact).abs() < 0.03,
-                    "{estimator:?} {found:?} {exact}"
+                    (index.value - exact).abs() < 0.03,
+                    "{estimator:?} {index:?} {exact}"
                 );
             }
         }
@@ -292,7 +292,7 @@ mod tests {
         let count = |s: &Indices, first: &[f64], total: &[f64]| {
             let pairs = s.first.iter().zip(first).chain(s.total.iter().zip(total));
             pairs
-                .filter(|(found, exact)| found.contains(**exact))
+                .filter(|(index, exact)| index.contains(**exact))
                 .count() as f64
         };
         for estimator in [
@@ -351,8 +351,8 @@ mod tests {
         let s = indices(&y, 3, FirstOrder::Saltelli).unwrap();
         assert_eq!(s.failed, failed);
         assert!(s.used.iter().all(|&u| u < 20_000 && u > 19_000));
-        for (found, exact) in s.first.iter().zip(first) {
-            assert!((found.value - exact).abs() < 0.04, "{found:?} {exact}");
+        for (index, exact) in s.first.iter().zip(first) {
+            assert!((index.value - exact).abs() < 0.04, "{index:?} {exact}");
         }
     }
 
@@ -395,8 +395,11 @@ mod tests {
         }
         let outputs: Vec<f64> = rows.iter().map(|u| u[0] + 3.0 * u[1]).collect();
         let told = Sobol.tell(&rows, &outputs, &settled(64, 5));
-        let found = indices(&outputs, 2, FirstOrder::Combined).unwrap();
-        assert_eq!((&found.first_bounds, &found.total_bounds), (&None, &None));
+        let indices = indices(&outputs, 2, FirstOrder::Combined).unwrap();
+        assert_eq!(
+            (&indices.first_bounds, &indices.total_bounds),
+            (&None, &None)
+        );
         let [total, first] = &Sobol.shown(&told)[..] else {
             panic!("two measures")
         };
@@ -404,7 +407,7 @@ mod tests {
         assert_eq!((first.name, first.drawn), ("first order", true));
         assert_eq!(
             (&total.estimates, &first.estimates),
-            (&found.total, &found.first)
+            (&indices.total, &indices.first)
         );
         let growing: Vec<(usize, Vec<f64>)> = read(&told, "convergence").unwrap();
         assert_eq!(
@@ -413,7 +416,7 @@ mod tests {
         );
         near(
             growing[1].1.clone().try_into().unwrap(),
-            [0, 1].map(|i| found.total[i].value),
+            [0, 1].map(|i| indices.total[i].value),
         );
         assert_eq!(
             Sobol.shown(&Sobol.tell(&rows, &[f64::NAN; 256], &settled(64, 5))),
@@ -427,9 +430,12 @@ mod tests {
     fn bounds_of_an_output_that_never_varied_are_0() {
         let mut outputs = vec![300.0; 32 * 4];
         outputs[5] = f64::NAN;
-        let found = indices(&outputs, 2, FirstOrder::Combined).unwrap();
+        let indices = indices(&outputs, 2, FirstOrder::Combined).unwrap();
         let zeros = Some(vec![[0.0; 2]; 2]);
-        assert_eq!((&found.first_bounds, &found.total_bounds), (&zeros, &zeros));
+        assert_eq!(
+            (&indices.first_bounds, &indices.total_bounds),
+            (&zeros, &zeros)
+        );
     }
 
     #[test]
@@ -438,8 +444,8 @@ mod tests {
         let (row, width) = (20 * 4, 4);
         let [a, lost, b] = [row, row + 1, row + width - 1];
         outputs[lost] = f64::NAN;
-        let found = indices(&outputs, 2, FirstOrder::Combined).unwrap();
-        assert_eq!((found.failed, &found.used), (1, &vec![255, 256]));
+        let holed = indices(&outputs, 2, FirstOrder::Combined).unwrap();
+        assert_eq!((holed.failed, &holed.used), (1, &vec![255, 256]));
         let known = || outputs.iter().copied().filter(|v| v.is_finite());
         let [low, high] =
             [f64::min as fn(f64, f64) -> f64, f64::max].map(|end| known().fold(outputs[0], end));
@@ -450,7 +456,7 @@ mod tests {
         };
         let farthest = |from: f64| if high - from > from - low { high } else { low };
         let [total, first] =
-            [&found.total_bounds, &found.first_bounds].map(|b| b.as_ref().unwrap());
+            [&holed.total_bounds, &holed.first_bounds].map(|b| b.as_ref().unwrap());
         near(
             total[0],
             [
@@ -466,8 +472,8 @@ mod tests {
             ],
         );
         // The other parameter's runs are all there.
-        near(total[1], [found.total[1].low, found.total[1].high]);
-        near(first[1], [found.first[1].low, found.first[1].high]);
+        near(total[1], [holed.total[1].low, holed.total[1].high]);
+        near(first[1], [holed.first[1].low, holed.first[1].high]);
         let ends = [total[0], first[0], total[1], first[1]].concat();
         assert!(ends.iter().all(|end| 0.0 < *end && *end < 1.0), "{ends:?}");
     }
@@ -478,12 +484,12 @@ mod tests {
     fn rare_pairs_of_a_verdict_leave_a_wide_interval() {
         let rare = |u: &[f64]| f64::from(u8::from(u[0] + 0.3 * u[1] > 1.05));
         let outputs = evaluate(&lattice(40, 4), rare);
-        let found = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
+        let indices = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
         holds(
-            found.first[0],
+            indices.first[0],
             [0.722_222_222_2, 0.320_174_401_8, 1.124_270_042_6],
         );
-        holds(found.first[1], [0.166_666_666_7, -0.378_558_159_7, 1.0]);
+        holds(indices.first[1], [0.166_666_666_7, -0.378_558_159_7, 1.0]);
     }
 
     #[test]

@@ -27,17 +27,17 @@ pub(crate) fn lattice(points: usize, dimensions: usize) -> Vec<Vec<f64>> {
 
 /// Asserts that numbers are these, but for rounding.
 #[track_caller]
-pub(crate) fn near<const N: usize>(found: [f64; N], exact: [f64; N]) {
-    let off = |(found, exact): (f64, f64)| (found - exact).abs();
-    let most = found.into_iter().zip(exact).map(off);
+pub(crate) fn near<const N: usize>(values: [f64; N], exact: [f64; N]) {
+    let off = |(value, exact): (f64, f64)| (value - exact).abs();
+    let most = values.into_iter().zip(exact).map(off);
     assert!(
         most.into_iter().all(|off| off < 1e-8),
-        "{found:?} {exact:?}"
+        "{values:?} {exact:?}"
     );
 }
 
 /// Asserts that an estimate and the ends of its interval are these, but for rounding.
 #[track_caller]
-pub(crate) fn holds(found: Estimate, exact: [f64; 3]) {
-    near([found.value, found.low, found.high], exact);
+pub(crate) fn holds(estimate: Estimate, exact: [f64; 3]) {
+    near([estimate.value, estimate.low, estimate.high], exact);
 }

@@ -97,7 +97,7 @@ fn predicted(whole: &Whole<'_>, case: usize, mut told: HeldOut) -> Result<HeldOu
     told.end = Some(minimum.end);
     told.free = whole.problem.free_values(places);
     forecast(whole, case, &mut told)?;
-    own(whole, case, places, &mut told)?;
+    own_latents(whole, case, places, &mut told)?;
     Ok(told)
 }
 
@@ -153,7 +153,9 @@ fn forecast(whole: &Whole<'_>, case: usize, told: &mut HeldOut) -> Result<(), No
         Query {
             case,
             free: told.free.clone(),
-            latents: pairs.map(|(own, place)| own.value(place)).collect(),
+            latents: pairs
+                .map(|(interval, place)| interval.value(place))
+                .collect(),
         }
     };
     let queries: Vec<Query> = lattice(intervals.len()).into_iter().map(query).collect();
@@ -194,7 +196,7 @@ fn lattice(dimensions: usize) -> Vec<Vec<f64>> {
 }
 
 /// The latent parameters of a case, from the free ones given as places.
-fn own(
+fn own_latents(
     whole: &Whole<'_>,
     case: usize,
     free: &[f64],
@@ -212,20 +214,22 @@ fn own(
         data.norm_squared()
     }));
     let predicted = within.misfit.predicted.into_iter().flatten();
-    for (result, own) in told.results.iter_mut().zip(predicted) {
-        result.own = Some(own);
+    for (result, value) in told.results.iter_mut().zip(predicted) {
+        result.own = Some(value);
     }
     let known = whole.problem.latents.iter().zip(&alone.latents);
     let values = wide.iter().zip(&needed.places[free.len()..]);
-    let needed = known.zip(values).map(|((latent, known), (own, &place))| {
-        let (Interval { min, max }, value) = (*known, own.value(place));
-        Needed {
-            name: latent.name.clone(),
-            interval: [min, max],
-            value,
-            outside: !(min..=max).contains(&value),
-        }
-    });
+    let needed = known
+        .zip(values)
+        .map(|((latent, known), (interval, &place))| {
+            let (Interval { min, max }, value) = (*known, interval.value(place));
+            Needed {
+                name: latent.name.clone(),
+                interval: [min, max],
+                value,
+                outside: !(min..=max).contains(&value),
+            }
+        });
     told.latents = needed.collect();
     Ok(())
 }

@@ -44,8 +44,8 @@ fn predicted(rows: &[Vec<f64>], y: &[f64], left_out: usize) -> Option<f64> {
     let factors = matrix.svd(true, true);
     let least = RANK * factors.singular_values.amax();
     let solution = factors.solve(&right, least).ok()?;
-    let own = rows[left_out].iter().zip(&solution);
-    Some(own.map(|(value, coefficient)| value * coefficient).sum())
+    let pairs = rows[left_out].iter().zip(&solution);
+    Some(pairs.map(|(value, coefficient)| value * coefficient).sum())
 }
 
 #[cfg(test)]
@@ -76,9 +76,9 @@ mod tests {
 
     #[test]
     fn without_columns_it_is_the_mean_of_the_others() {
-        let found = leave_one_out(&[vec![], vec![], vec![]], &[1.0, 2.0, 6.0]);
-        for (found, expected) in found.iter().zip([4.0, 3.5, 1.5]) {
-            assert!((found.unwrap() - expected).abs() < 1e-12);
+        let means = leave_one_out(&[vec![], vec![], vec![]], &[1.0, 2.0, 6.0]);
+        for (mean, expected) in means.iter().zip([4.0, 3.5, 1.5]) {
+            assert!((mean.unwrap() - expected).abs() < 1e-12);
         }
     }
 

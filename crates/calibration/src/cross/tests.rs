@@ -73,7 +73,7 @@ fn known() -> Vec<Vec<f64>> {
 #[test]
 fn a_line_is_predicted_as_the_hat_matrix_says() {
     // A linear model's errors are e / (1 - h) with the leverages h (Allen 1974, Technometrics 16, 125-127).
-    let found = validated(&straight(), &line, &known());
+    let told = validated(&straight(), &line, &known());
     let n = X.len() as f64;
     let (mx, my) = (X.iter().sum::<f64>() / n, Y.iter().sum::<f64>() / n);
     let xx: f64 = X.iter().map(|x| (x - mx).powi(2)).sum();
@@ -84,7 +84,7 @@ fn a_line_is_predicted_as_the_hat_matrix_says() {
         .sum::<f64>()
         / xx;
     let mut squares = [0.0; 2];
-    for ((x, y), case) in X.iter().zip(Y).zip(&found.cases) {
+    for ((x, y), case) in X.iter().zip(Y).zip(&told.cases) {
         let residual = my + slope * (x - mx) - y;
         let leverage = 1.0 / n + (x - mx).powi(2) / xx;
         let error = residual / (1.0 - leverage);
@@ -94,19 +94,19 @@ fn a_line_is_predicted_as_the_hat_matrix_says() {
             assert!((predicted.unwrap() - y - error).abs() < 1e-4, "{result:?}");
         }
         // The mean of the others misses by n / (n - 1) times the distance from the mean of all.
-        let beside = (my - y) * n / (n - 1.0);
-        assert!((result.mean.unwrap() - y - beside).abs() < 1e-12);
+        let distance = (my - y) * n / (n - 1.0);
+        assert!((result.mean.unwrap() - y - distance).abs() < 1e-12);
         assert_eq!((result.spread, result.own), (Some(0.0), None));
         squares[0] += residual * residual;
         squares[1] += error * error;
     }
-    let own = &found.quantities[0];
-    let sizes = [&own.fitted, &own.predicted].map(|size| size.as_ref().unwrap().rms);
+    let quantity = &told.quantities[0];
+    let sizes = [&quantity.fitted, &quantity.predicted].map(|size| size.as_ref().unwrap().rms);
     for (size, squares) in sizes.iter().zip(squares) {
         assert!((size - (squares / n).sqrt()).abs() < 1e-4);
     }
     assert!(sizes[1] > 1.2 * sizes[0]);
-    assert!(own.own.is_none());
+    assert!(quantity.own.is_none());
 }
 
 #[test]
@@ -119,13 +119,13 @@ fn a_model_that_is_right_beats_a_line() {
         .collect();
     let unknown = vec![free("a", 1.0, 20.0), free("b", 0.05, 2.0)];
     let problem = problem(unknown, &exact);
-    let found = validated(&problem, &curve, &known());
-    let own = &found.quantities[0];
+    let told = validated(&problem, &curve, &known());
+    let quantity = &told.quantities[0];
     let rms = |size: &Option<super::outcome::ErrorSize>| size.as_ref().unwrap().rms;
-    assert!(rms(&own.predicted) < 1e-3, "{own:?}");
-    assert!(rms(&own.linear) > 0.5, "{own:?}");
-    assert!(rms(&own.mean) > rms(&own.linear), "{own:?}");
-    for moves in &found.free {
+    assert!(rms(&quantity.predicted) < 1e-3, "{quantity:?}");
+    assert!(rms(&quantity.linear) > 0.5, "{quantity:?}");
+    assert!(rms(&quantity.mean) > rms(&quantity.linear), "{quantity:?}");
+    for moves in &told.free {
         for end in [&moves.least, &moves.greatest] {
             assert!((end.as_ref().unwrap().0 - moves.value).abs() < 1e-3);
         }
@@ -151,8 +151,8 @@ fn an_unknown_of_the_case_left_out_is_averaged_over_its_interval() {
     }
     let model = |_: usize, p: &[f64], latent: &[f64]| Ok(vec![p[0] / latent[0], latent[0]]);
     let known = vec![Vec::new(); gaps.len()];
-    let found = validated(&problem, &model, &known);
-    for (case, (middle, gap)) in found.cases.iter().zip(middles.iter().zip(gaps)) {
+    let told = validated(&problem, &model, &known);
+    for (case, (middle, gap)) in told.cases.iter().zip(middles.iter().zip(gaps)) {
         let result = &case.results[0];
         let a = case.free[0];
         // The mean of a / gap over the interval; 16 midpoints integrate it within 2e-4.
@@ -172,10 +172,10 @@ fn an_unknown_of_the_case_left_out_is_averaged_over_its_interval() {
         let missed = (result.own.unwrap() - result.measured).abs();
         assert_eq!(missed > 0.05, latent.outside, "{result:?}");
     }
-    let last = found.cases.last().unwrap();
+    let last = told.cases.last().unwrap();
     let [within, needed] = last.squares.unwrap();
     assert!(needed < 1.0 && within > 1000.0, "{within} {needed}");
-    let text = text::summary(&found);
+    let text = text::summary(&told);
     assert!(
         text.contains("case r5: its results need gap = ") && text.contains("outside of 4.5 .. 5.5"),
         "{text}"
@@ -193,17 +193,17 @@ fn a_case_that_cannot_be_simulated_is_named_and_left_out_of_the_sums() {
             line(case, p, latent)
         }
     };
-    let found = validated(&straight(), &fragile, &known());
-    let last = &found.cases[5];
+    let told = validated(&straight(), &fragile, &known());
+    let last = &told.cases[5];
     assert_eq!(last.failure.as_deref(), Some("too steep"));
     assert_eq!(last.results[0].predicted, None);
-    let rms = found.quantities[0].predicted.as_ref().unwrap().rms;
-    let errors = found.cases[..5].iter().map(|case| {
+    let rms = told.quantities[0].predicted.as_ref().unwrap().rms;
+    let errors = told.cases[..5].iter().map(|case| {
         let result = &case.results[0];
         (result.predicted.unwrap() - result.measured).powi(2)
     });
     assert!((rms - (errors.sum::<f64>() / 5.0).sqrt()).abs() < 1e-12);
-    assert!(text::summary(&found).contains("case r5 could not be predicted: too steep"));
+    assert!(text::summary(&told).contains("case r5 could not be predicted: too steep"));
 }
 
 #[test]

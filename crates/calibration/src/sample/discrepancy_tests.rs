@@ -89,21 +89,21 @@ fn record(setting: &Setting, random: &mut StdRng, seed: u64) -> Record {
         starts: &starts,
         effort: effort(8, 40),
     };
-    let found = searched(&task, &model, &|_| ()).unwrap();
-    let outcome = found.outcome();
-    let known = [(unknown[0], found.discrepancies[0].deviation)];
+    let searched = searched(&task, &model, &|_| ()).unwrap();
+    let outcome = searched.outcome();
+    let known = [(unknown[0], searched.discrepancies[0].deviation)];
     let settings = Settings {
         discrepancies: &known,
         ..testing::settings(400, seed)
     };
     let objective = Objective::new(&problem, &model, 1e-4);
-    let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
+    let sample = sample(&objective, &searched.optima, &settings, &|_, _| ()).unwrap();
     Record {
         truth,
         discrepancy,
-        told: found.discrepancies[0].told,
+        told: searched.discrepancies[0].told,
         normal: [0, 1].map(|k| outcome.free[k].interval),
-        posterior: PosteriorOutcome::new(&objective, &found.optima, &sample),
+        posterior: PosteriorOutcome::new(&objective, &searched.optima, &sample),
         sampled: PosteriorOutcome::discrepancy(&problem, &sample, &unknown[0], 0),
         values,
     }
@@ -136,21 +136,23 @@ fn on_a_grid(values: &[f64]) -> [[f64; 2]; 2] {
         scale: ACCURACY,
     };
     let variances = (0..CELLS[2]).map(|k| prior.deviation(middle(k, 2)).powi(2));
-    let variances: Vec<f64> = variances.map(|own| own + ACCURACY * ACCURACY).collect();
+    let variances: Vec<f64> = variances
+        .map(|variance| variance + ACCURACY * ACCURACY)
+        .collect();
     let mut sums = [[0.0; 3]; 2];
     for i in 0..CELLS[0] {
         for j in 0..CELLS[1] {
             let p = problem(&[]).free_values(&[middle(i, 0), middle(j, 1)]);
             let misfits = values.iter().enumerate();
             let misfits = misfits.map(|(case, value)| decay(&p, time(case, values.len())) - value);
-            let squares: f64 = misfits.map(|own| own * own).sum();
+            let squares: f64 = misfits.map(|misfit| misfit * misfit).sum();
             let density = |variance: &f64| {
                 (-0.5 * squares / variance).exp() * variance.powf(-0.5 * values.len() as f64)
             };
             let density: f64 = variances.iter().map(density).sum();
-            for (sums, own) in sums.iter_mut().zip(p) {
+            for (sums, value) in sums.iter_mut().zip(p) {
                 for (power, sum) in sums.iter_mut().enumerate() {
-                    *sum += density * own.powi(power as i32);
+                    *sum += density * value.powi(power as i32);
                 }
             }
         }
@@ -174,15 +176,15 @@ fn the_sample_is_the_posterior_on_a_grid() {
         let record = record(&setting, &mut random, number);
         let exact = on_a_grid(&record.values);
         let draws = record.posterior.effective;
-        for (own, [mean, deviation]) in record.posterior.free.iter().zip(exact) {
-            let off = (own.mean - mean) / deviation * draws.sqrt();
-            assert!(off.abs() < 4.0, "record {number}, {}: {off}", own.name);
+        for (marginal, [mean, deviation]) in record.posterior.free.iter().zip(exact) {
+            let off = (marginal.mean - mean) / deviation * draws.sqrt();
+            assert!(off.abs() < 4.0, "record {number}, {}: {off}", marginal.name);
             // A standard deviation of so many draws scatters by about 4 %.
-            let ratio = own.deviation / deviation;
+            let ratio = marginal.deviation / deviation;
             assert!(
                 (0.82..1.22).contains(&ratio),
                 "record {number}, {}: {ratio}",
-                own.name
+                marginal.name
             );
         }
     }

@@ -257,7 +257,11 @@ impl<'a> Walk<'a> {
         for (index, particle) in walk.particles.iter_mut().enumerate() {
             particle.ancestor = index;
         }
-        match walk.particles.iter().any(|own| own.log_ratio().is_finite()) {
+        match walk
+            .particles
+            .iter()
+            .any(|particle| particle.log_ratio().is_finite())
+        {
             true => Ok(walk),
             false => Err(SampleError::NoStart(walk.particles.len())),
         }
@@ -333,7 +337,10 @@ impl<'a> Walk<'a> {
         for (mover, (particles, weights)) in self.movers.iter_mut().zip(parts) {
             let all: f64 = weights.iter().sum();
             let weights: Vec<f64> = weights.iter().map(|weight| weight / all).collect();
-            let places: Vec<&[f64]> = particles.iter().map(|own| &own.places[..]).collect();
+            let places: Vec<&[f64]> = particles
+                .iter()
+                .map(|particle| &particle.places[..])
+                .collect();
             if all > 0.0 {
                 let fitted = Mixture::fitted(&places, &weights, &mut self.random);
                 mover.mixture = fitted.or(mover.mixture.take());
@@ -363,7 +370,10 @@ impl<'a> Walk<'a> {
         for (particles, mover) in parts {
             proposals.extend(mover.propose(particles, &mut self.random));
         }
-        let places = proposals.iter().map(|own| own.places.clone()).collect();
+        let places = proposals
+            .iter()
+            .map(|proposal| proposal.places.clone())
+            .collect();
         let there = self.weighed(places)?;
         let mut taken = Vec::with_capacity(there.len());
         let parts = self.particles.chunks_mut(size).zip(&mut self.movers);
@@ -392,7 +402,11 @@ impl<'a> Walk<'a> {
             }
             moves += 1;
         }
-        let mut ancestors: Vec<usize> = self.particles.iter().map(|own| own.ancestor).collect();
+        let mut ancestors: Vec<usize> = self
+            .particles
+            .iter()
+            .map(|particle| particle.ancestor)
+            .collect();
         ancestors.sort_unstable();
         ancestors.dedup();
         let after = self.target.objective.failures();
@@ -415,20 +429,24 @@ fn seeds(optima: &[Optimum], discrepancies: &[(Unknown, f64)]) -> Option<Mixture
     const ROUGH: f64 = 0.2;
     // Their weights are estimates: none should start with next to nothing.
     const LEAST: f64 = 0.05;
-    let parts = optima.iter().map(|own| {
-        let known = own.minimum.places.len();
-        let mut mean = own.minimum.places.clone();
+    let parts = optima.iter().map(|optimum| {
+        let known = optimum.minimum.places.len();
+        let mut mean = optimum.minimum.places.clone();
         mean.extend(
             discrepancies
                 .iter()
-                .map(|(unknown, own)| unknown.place(*own)),
+                .map(|(unknown, deviation)| unknown.place(*deviation)),
         );
         let covariance = DMatrix::from_fn(mean.len(), mean.len(), |i, j| match (i, j) {
-            (i, j) if i < known && j < known => own.posterior.covariance[(i, j)] * WIDER,
+            (i, j) if i < known && j < known => optimum.posterior.covariance[(i, j)] * WIDER,
             (i, j) if i == j => ROUGH * ROUGH,
             _ => 0.0,
         });
-        (own.weight.max(LEAST), DVector::from_vec(mean), covariance)
+        (
+            optimum.weight.max(LEAST),
+            DVector::from_vec(mean),
+            covariance,
+        )
     });
     Mixture::new(parts.collect())
 }

@@ -48,11 +48,11 @@ impl Mover {
 
     /// A place to move to for each particle.
     pub(super) fn propose(&self, particles: &[Particle], random: &mut Random) -> Vec<Proposal> {
-        let proposals = particles.iter().map(|own| match &self.mixture {
-            Some(mixture) => self.proposal(mixture, &own.places, random),
+        let proposals = particles.iter().map(|particle| match &self.mixture {
+            Some(mixture) => self.proposal(mixture, &particle.places, random),
             // Nothing could be fitted: the particles stay.
             None => Proposal {
-                places: own.places.clone(),
+                places: particle.places.clone(),
                 leap: false,
                 back: 0.0,
             },
@@ -85,17 +85,18 @@ impl Mover {
         // Accepted and all, of walks and of leaps.
         let mut counts = [[0.0_f64; 2]; 2];
         let mut taken = Vec::with_capacity(particles.len());
-        for ((own, there), proposal) in particles.iter_mut().zip(there).zip(proposals) {
+        for ((particle, there), proposal) in particles.iter_mut().zip(there).zip(proposals) {
             let level = random.unit();
-            let log = log_density(there, exponent) - log_density(own, exponent) + proposal.back;
+            let log =
+                log_density(there, exponent) - log_density(particle, exponent) + proposal.back;
             // A particle outside of the posterior waits to be resampled, and so does one that would go there.
             let accepted = there.log_ratio().is_finite() && level.ln() < log;
             let [yes, all] = &mut counts[usize::from(proposal.leap)];
             *all += 1.0;
             if accepted {
                 *yes += 1.0;
-                let ancestor = own.ancestor;
-                *own = Particle {
+                let ancestor = particle.ancestor;
+                *particle = Particle {
                     ancestor,
                     ..there.clone()
                 };

@@ -133,8 +133,8 @@ impl<'a> Groups<'a> {
         let means: Vec<f64> = self.groups.iter().map(mean).collect();
         let pairs = self.parts.iter().zip(&means);
         let pairs = pairs.filter(|(part, _)| **part > 0.0);
-        let mean: f64 = pairs.clone().map(|(part, own)| part * own).sum();
-        let squares = pairs.map(|(part, own)| (part * (own - mean)).powi(2));
+        let mean: f64 = pairs.clone().map(|(part, of_group)| part * of_group).sum();
+        let squares = pairs.map(|(part, of_group)| (part * (of_group - mean)).powi(2));
         let squares: f64 = squares.sum();
         let count = GROUPS as f64;
         Estimate {
@@ -212,12 +212,12 @@ impl PosteriorOutcome {
             }),
         ];
         let optima = self.optima.iter();
-        let missed = optima.filter(|own| own.within == 0.0 && own.approximation > SEEN);
-        let missed = missed.map(|own| {
+        let missed = optima.filter(|share| share.within == 0.0 && share.approximation > SEEN);
+        let missed = missed.map(|share| {
             format!(
                 "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
-                own.optimum,
-                100.0 * own.approximation
+                share.optimum,
+                100.0 * share.approximation
             )
         });
         doubts.into_iter().flatten().chain(missed).collect()
@@ -249,7 +249,10 @@ impl PosteriorOutcome {
                 100.0 * (1.0 - self.approximated)
             ));
         }
-        let all = sample.particles.first().map_or(0, |own| own.places.len());
+        let all = sample
+            .particles
+            .first()
+            .map_or(0, |particle| particle.places.len());
         if all > objective.problem.unknowns() {
             // The search took the discrepancies as known, so its densities are others.
             return notes;
@@ -257,10 +260,12 @@ impl PosteriorOutcome {
         // A place of so much higher density is no place that the search was at.
         const HIGHER: f64 = 0.5;
         let target = Target::new(objective, Vec::new());
-        let known = optima.iter().map(|own| target.log_density(&own.minimum));
+        let known = optima
+            .iter()
+            .map(|optimum| target.log_density(&optimum.minimum));
         let known = known.fold(f64::NEG_INFINITY, f64::max);
         let particles = sample.particles.iter();
-        let sampled = particles.map(|own| own.log_prior + own.log_likelihood);
+        let sampled = particles.map(|particle| particle.log_prior + particle.log_likelihood);
         let higher = sampled.fold(f64::NEG_INFINITY, f64::max) - known;
         if known.is_finite() && higher > HIGHER {
             notes.push(format!(
@@ -280,7 +285,10 @@ impl PosteriorOutcome {
         index: usize,
     ) -> (f64, [f64; 2]) {
         let place = problem.unknowns() + index;
-        let places = sample.particles.iter().map(|own| own.places[place]);
+        let places = sample
+            .particles
+            .iter()
+            .map(|particle| particle.places[place]);
         let places = sorted(places.collect());
         let at = |part| unknown.deviation(quantile(&places, part));
         (at(0.5), [at(0.025), at(0.975)])
@@ -295,17 +303,20 @@ impl PosteriorOutcome {
 /// How many independent particles the sample is worth, for the means and variances of all unknowns together. The groups
 /// are few, so the estimate for a single one would scatter too much.
 fn effective(groups: &Groups<'_>, sample: &Sample) -> f64 {
-    let unknowns = sample.particles.first().map_or(0, |own| own.places.len());
+    let unknowns = sample
+        .particles
+        .first()
+        .map_or(0, |particle| particle.places.len());
     let mut ratios = Vec::new();
     for k in 0..unknowns {
-        let mean = groups.estimate(&|own| own.places[k]);
-        let square = |own: &Particle| (own.places[k] - mean.mean).powi(2);
+        let mean = groups.estimate(&|particle| particle.places[k]);
+        let square = |particle: &Particle| (particle.places[k] - mean.mean).powi(2);
         let variance = groups.estimate(&square);
         if variance.mean <= 0.0 {
             continue;
         }
         ratios.push(mean.error.powi(2) / variance.mean);
-        let spread = groups.estimate(&|own| (square(own) - variance.mean).powi(2));
+        let spread = groups.estimate(&|particle| (square(particle) - variance.mean).powi(2));
         if spread.mean > 0.0 {
             ratios.push(variance.error.powi(2) / spread.mean);
         }
@@ -326,7 +337,8 @@ fn evidence(sample: &Sample) -> (f64, f64) {
 }
 
 fn distinct(particles: &[Particle]) -> usize {
-    let bits = |own: &Particle| -> Vec<u64> { own.places.iter().map(|p| p.to_bits()).collect() };
+    let bits =
+        |particle: &Particle| -> Vec<u64> { particle.places.iter().map(|p| p.to_bits()).collect() };
     let mut all: Vec<Vec<u64>> = particles.iter().map(bits).collect();
     all.sort_unstable();
     all.dedup();
@@ -346,17 +358,17 @@ impl<'a> Near<'a> {
         Self { optima, limit }
     }
 
-    fn distance(optimum: &Optimum, own: &Particle) -> f64 {
+    fn distance(optimum: &Optimum, particle: &Particle) -> f64 {
         let centre = &optimum.minimum.places;
-        optimum.posterior.distance(centre, &own.places)
+        optimum.posterior.distance(centre, &particle.places)
     }
 
     /// The optimum that is nearest to a particle.
-    fn nearest(&self, own: &Particle) -> Option<usize> {
+    fn nearest(&self, particle: &Particle) -> Option<usize> {
         let distances = self
             .optima
             .iter()
-            .map(|optimum| Self::distance(optimum, own));
+            .map(|optimum| Self::distance(optimum, particle));
         let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
         least.map(|(index, _)| index)
     }
@@ -364,8 +376,9 @@ impl<'a> Near<'a> {
     fn shares(&self, groups: &Groups<'_>) -> Vec<Share> {
         let one_or_none = |is: bool| f64::from(u8::from(is));
         let share = |(index, optimum): (usize, &Optimum)| {
-            let nearest = |own: &Particle| one_or_none(self.nearest(own) == Some(index));
-            let within = |own: &Particle| one_or_none(Self::distance(optimum, own) <= self.limit);
+            let nearest = |particle: &Particle| one_or_none(self.nearest(particle) == Some(index));
+            let within =
+                |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
             let Estimate { mean, error } = groups.estimate(&nearest);
             Share {
                 optimum: index + 1,
@@ -379,8 +392,8 @@ impl<'a> Near<'a> {
     }
 
     fn approximated(&self, groups: &Groups<'_>) -> f64 {
-        let any = |own: &Particle| {
-            let within = |optimum: &Optimum| Self::distance(optimum, own) <= self.limit;
+        let any = |particle: &Particle| {
+            let within = |optimum: &Optimum| Self::distance(optimum, particle) <= self.limit;
             f64::from(u8::from(self.optima.iter().any(within)))
         };
         groups.estimate(&any).mean
@@ -394,7 +407,10 @@ fn marginal(
     (name, unit, scale): (&str, &Option<String>, Spacing),
     value: &dyn Fn(f64) -> f64,
 ) -> Marginal {
-    let places = sample.particles.iter().map(|own| own.places[unknown]);
+    let places = sample
+        .particles
+        .iter()
+        .map(|particle| particle.places[unknown]);
     let places = sorted(places.collect());
     let values: Vec<f64> = places.iter().map(|&place| value(place)).collect();
     let intervals = regions(&places).into_iter();
@@ -410,9 +426,9 @@ fn marginal(
 }
 
 fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
-    let marginal = |(unknown, own): (usize, &Free)| {
-        let named = (&own.name[..], &own.unit, own.scale);
-        marginal(sample, unknown, named, &|place| own.value(place))
+    let marginal = |(unknown, free): (usize, &Free)| {
+        let named = (&free.name[..], &free.unit, free.scale);
+        marginal(sample, unknown, named, &|place| free.value(place))
     };
     problem.free.iter().enumerate().map(marginal).collect()
 }
@@ -421,8 +437,8 @@ fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
     let of_case = |case: usize| {
         let pairs = problem.latents.iter().zip(&problem.cases[case].latents);
         let latents = problem.latents_of(case).zip(pairs);
-        let marginals = latents.map(|(unknown, (own, interval))| {
-            let named = (&own.name[..], &own.unit, Spacing::Linear);
+        let marginals = latents.map(|(unknown, (latent, interval))| {
+            let named = (&latent.name[..], &latent.unit, Spacing::Linear);
             marginal(sample, unknown, named, &|place| interval.value(place))
         });
         marginals.collect()
@@ -433,7 +449,7 @@ fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
 /// The correlations of the free parameters' values.
 fn correlations(problem: &Problem, sample: &Sample) -> Vec<Vec<f64>> {
     let particles = sample.particles.iter();
-    let rows = particles.map(|own| problem.free_values(&own.places));
+    let rows = particles.map(|particle| problem.free_values(&particle.places));
     let rows: Vec<Vec<f64>> = rows.collect();
     let column = |k: usize| rows.iter().map(|row| row[k]).collect();
     let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(column).collect();

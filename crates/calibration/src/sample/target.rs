@@ -38,13 +38,17 @@ impl<'a> Target<'a> {
     /// A place from the prior.
     pub(super) fn draw(&self, random: &mut Random) -> Vec<f64> {
         let before = self.before.iter();
-        before.map(|own| own.quantile(random.unit())).collect()
+        before
+            .map(|distribution| distribution.quantile(random.unit()))
+            .collect()
     }
 
     /// The logarithm of the prior density: minus infinity outside of the bounds.
     pub(super) fn log_prior(&self, places: &[f64]) -> f64 {
         let pairs = self.before.iter().zip(places);
-        pairs.map(|(own, &place)| own.ln_density(place)).sum()
+        pairs
+            .map(|(distribution, &place)| distribution.ln_density(place))
+            .sum()
     }
 
     /// The logarithms of the likelihood, all in one batch of runs: minus infinity outside of the bounds, where nothing

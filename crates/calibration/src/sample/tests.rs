@@ -102,17 +102,17 @@ fn a_linear_models_posterior_is_the_exact_one() {
         for k in 0..3 {
             // Four standard errors of as many independent draws as the sample says that it is worth.
             let deviation = covariance[(k, k)].sqrt();
-            let own = &outcome.free[k];
-            let error = (own.mean - mean[k]) / deviation * n.sqrt();
+            let marginal = &outcome.free[k];
+            let error = (marginal.mean - mean[k]) / deviation * n.sqrt();
             assert!(error.abs() < 4.0, "{k}: {error}");
-            let ratio = (own.deviation / deviation - 1.0) * (2.0 * n).sqrt();
+            let ratio = (marginal.deviation / deviation - 1.0) * (2.0 * n).sqrt();
             assert!(ratio.abs() < 4.0, "{k}: {ratio}");
             for l in 0..k {
                 let exact = covariance[(k, l)] / (deviation * covariance[(l, l)].sqrt());
                 let error = (outcome.correlations[k][l] - exact) / (1.0 - exact * exact) * n.sqrt();
                 assert!(error.abs() < 4.0, "{k} {l}: {error}");
             }
-            assert_eq!(own.intervals.len(), 1);
+            assert_eq!(marginal.intervals.len(), 1);
         }
         let error = (outcome.log_evidence - evidence) / outcome.log_evidence_error;
         assert!(error.abs() < 4.0, "{error}");
@@ -149,8 +149,8 @@ fn six_modes_have_their_parts_and_an_interval_each() {
         let (sample, outcome) = sampled(&problem, &model, &starts, 2);
         assert!(outcome.trusted, "{:?}", outcome.doubts);
         let mut counts = [0.0; 6];
-        for own in &sample.particles {
-            counts[part(0.1 + 3.0 * own.places[0])] += 1.0;
+        for particle in &sample.particles {
+            counts[part(0.1 + 3.0 * particle.places[0])] += 1.0;
         }
         let n = sample.particles.len() as f64;
         for (count, exact) in counts.iter().zip(parts) {
@@ -166,7 +166,7 @@ fn six_modes_have_their_parts_and_an_interval_each() {
                 "{low} {high}"
             );
         }
-        let shares: f64 = outcome.optima.iter().map(|own| own.share).sum();
+        let shares: f64 = outcome.optima.iter().map(|optimum| optimum.share).sum();
         assert!(starts.is_empty() || (shares - 1.0).abs() < 1e-9);
     }
 }
@@ -197,13 +197,13 @@ fn a_curved_valley_has_its_moments() {
         let (_, outcome) = sampled(&problem, &model, &starts, 3);
         assert!(outcome.trusted, "{:?}", outcome.doubts);
         for k in 0..2 {
-            let own = &outcome.free[k];
+            let marginal = &outcome.free[k];
             let deviation = (moment(k + 3) - moment(k + 1).powi(2)).sqrt();
-            let error = (own.mean - moment(k + 1)) / deviation * outcome.effective.sqrt();
+            let error = (marginal.mean - moment(k + 1)) / deviation * outcome.effective.sqrt();
             assert!(error.abs() < 4.0, "{k}: {error} {outcome:?}");
             assert!(
-                (own.deviation / deviation - 1.0).abs() < 0.12,
-                "{k}: {own:?} {deviation}"
+                (marginal.deviation / deviation - 1.0).abs() < 0.12,
+                "{k}: {marginal:?} {deviation}"
             );
         }
     }
@@ -219,16 +219,20 @@ fn latent_unknowns_are_sampled_within_their_intervals() {
     let (sample, outcome) = sampled(&problem, &model, &[vec![0.5, 0.5]], 4);
     assert!(outcome.trusted, "{:?}", outcome.doubts);
     let uniform = 1.0 / 12.0_f64.sqrt();
-    for own in [&outcome.free[0], &outcome.latents[0][0]] {
-        assert!((own.deviation / uniform - 1.0).abs() < 0.1, "{own:?}");
+    for marginal in [&outcome.free[0], &outcome.latents[0][0]] {
+        assert!(
+            (marginal.deviation / uniform - 1.0).abs() < 0.1,
+            "{marginal:?}"
+        );
     }
     let [low, high] = outcome.latents[0][0].intervals[0];
     assert!(
         (low - 2.025).abs() < 0.02 && (high - 2.975).abs() < 0.02,
         "{low} {high}"
     );
-    for own in &sample.particles {
-        let sum = problem.free_values(&own.places)[0] + problem.latent_values(0, &own.places)[0];
+    for particle in &sample.particles {
+        let sum = problem.free_values(&particle.places)[0]
+            + problem.latent_values(0, &particle.places)[0];
         assert!((sum - 7.0).abs() < 0.05);
     }
 }
@@ -246,7 +250,12 @@ fn failed_runs_count_as_impossible_and_are_counted() {
     };
     let (sample, outcome) = sampled(&problem, &model, &[], 5);
     assert!(outcome.trusted, "{:?}", outcome.doubts);
-    assert!(sample.particles.iter().all(|own| own.places[0] <= 0.5));
+    assert!(
+        sample
+            .particles
+            .iter()
+            .all(|particle| particle.places[0] <= 0.5)
+    );
     // The mean of half a normal distribution is sqrt(2 / pi) deviations from its edge.
     let exact = 0.5 - 0.1 * (2.0 / std::f64::consts::PI).sqrt();
     assert!((outcome.free[0].mean - exact).abs() < 0.01, "{outcome:?}");
@@ -259,7 +268,7 @@ fn failed_runs_count_as_impossible_and_are_counted() {
 }
 
 fn sample_of(objective: &Objective<'_>, settings: &Settings<'_>) -> Result<usize, SampleError> {
-    sample(objective, &[], settings, &|_, _| ()).map(|own| own.particles.len())
+    sample(objective, &[], settings, &|_, _| ()).map(|sample| sample.particles.len())
 }
 
 /// Three particles in 10,000 of the prior come near a peak beside a broad hill. The search knows it; a sample from the
@@ -274,7 +283,7 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
             distances.chain([(2.0 * less).sqrt()]).collect()
         };
         let [hill, peak] = [about(0.3, 0.3, 12.7), about(0.85, 0.03, 0.0)];
-        let squares = |all: &[f64]| all.iter().map(|own| own * own).sum::<f64>();
+        let squares = |all: &[f64]| all.iter().map(|x| x * x).sum::<f64>();
         Ok(if squares(&hill) < squares(&peak) {
             hill
         } else {
@@ -293,7 +302,10 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
     for (seeds, from_optima) in [(&optima[..], true), (&[][..], false)] {
         let sample = sample(&objective, seeds, &settings(1000, 1), &|_, _| ()).unwrap();
         let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
-        let near = sample.particles.iter().filter(|own| own.places[0] > 0.7);
+        let near = sample
+            .particles
+            .iter()
+            .filter(|particle| particle.places[0] > 0.7);
         let share = near.count() as f64 / sample.particles.len() as f64;
         println!(
             "{share} {part} {} {:?} {:?}",
@@ -321,9 +333,9 @@ fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
     let optima = optima(&objective, &[vec![0.5]]);
     let unknown = Unknown::of(&problem, 0);
     let predicted = vec![vec![4.96]; 12];
-    let found = Discrepancy::estimate(&unknown, &problem, &predicted, 1);
-    assert!(found.told);
-    let discrepancies = [(unknown, found.deviation)];
+    let discrepancy = Discrepancy::estimate(&unknown, &problem, &predicted, 1);
+    assert!(discrepancy.told);
+    let discrepancies = [(unknown, discrepancy.deviation)];
     let settings = Settings {
         discrepancies: &discrepancies,
         ..settings(2000, 6)
@@ -335,34 +347,34 @@ fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
     let (mut sums, mut below) = ([0.0; 3], Vec::new());
     for i in 1..2000 {
         let deviation = f64::from(i) * 0.002;
-        let mut own = 0.0;
+        let mut integral = 0.0;
         for j in 0..400 {
             let x = 3.0 + 0.01 * f64::from(j);
             let variance: f64 = 0.04 + deviation * deviation;
             let logs = values.map(|v| -0.5 * ((v - x).powi(2) / variance + variance.ln()));
             let density = logs.iter().sum::<f64>().exp() / (1.0 + (deviation / 0.2).powi(2));
-            own += density;
+            integral += density;
             for (sum, f) in sums.iter_mut().zip([1.0, x, x * x]) {
                 *sum += density * f;
             }
         }
-        below.push((deviation, own));
+        below.push((deviation, integral));
     }
     let mean = sums[1] / sums[0];
     let deviation = (sums[2] / sums[0] - mean * mean).sqrt();
     let quantile = |part: f64| {
         let mut sum = 0.0;
-        let found = below.iter().find(|(_, own)| {
-            sum += own / sums[0];
+        let median = below.iter().find(|(_, integral)| {
+            sum += integral / sums[0];
             sum >= part
         });
-        found.unwrap().0
+        median.unwrap().0
     };
-    let own = &outcome.free[0];
-    assert!((own.mean - mean).abs() < 4.0 * deviation / outcome.effective.sqrt());
+    let marginal = &outcome.free[0];
+    assert!((marginal.mean - mean).abs() < 4.0 * deviation / outcome.effective.sqrt());
     assert!(
-        (own.deviation / deviation - 1.0).abs() < 0.1,
-        "{own:?} {deviation}"
+        (marginal.deviation / deviation - 1.0).abs() < 0.1,
+        "{marginal:?} {deviation}"
     );
     let (median, [low, high]) = PosteriorOutcome::discrepancy(&problem, &sample, &unknown, 0);
     assert!(

@@ -28,12 +28,12 @@ pub fn summary(outcome: &PosteriorOutcome) -> String {
     );
     text += &marginals(&outcome.free);
     // A single optimum has all.
-    for own in outcome.optima.iter().filter(|_| outcome.optima.len() > 1) {
+    for optimum in outcome.optima.iter().filter(|_| outcome.optima.len() > 1) {
         let [share, error, approximation] =
-            [own.share, own.error, own.approximation].map(|part| 100.0 * part);
+            [optimum.share, optimum.error, optimum.approximation].map(|part| 100.0 * part);
         text += &format!(
             "near optimum {}: {share:.1} +- {error:.1} % of the sample ({approximation:.1} % by its normal approximation)\n",
-            own.optimum
+            optimum.optimum
         );
     }
     let [low, high] = outcome.holds.map(|part| 100.0 * part);
@@ -57,27 +57,31 @@ pub fn summary(outcome: &PosteriorOutcome) -> String {
 }
 
 fn marginals(free: &[Marginal]) -> String {
-    let width = free.iter().map(|own| own.name.len()).max().unwrap_or(0);
+    let width = free
+        .iter()
+        .map(|marginal| marginal.name.len())
+        .max()
+        .unwrap_or(0);
     let mut text = format!(
         "{:width$}  {:>11} {:>11} {:>11}  95 % of it\n",
         "parameter", "mean", "deviation", "median"
     );
-    for own in free {
-        let parts = own.intervals.iter().take(NAMED);
+    for marginal in free {
+        let parts = marginal.intervals.iter().take(NAMED);
         let parts = parts.map(|ends| ends.map(digits).join(" .. "));
         let parts: Vec<String> = parts.collect();
-        let more = match own.intervals.len().saturating_sub(NAMED) {
+        let more = match marginal.intervals.len().saturating_sub(NAMED) {
             0 => String::new(),
             more => format!(" or {more} more"),
         };
         text += &format!(
             "{:width$}  {:>11} {:>11} {:>11}  {} {}{more}\n",
-            own.name,
-            digits(own.mean),
-            rounded(own.deviation, 3),
-            digits(own.median),
+            marginal.name,
+            digits(marginal.mean),
+            rounded(marginal.deviation, 3),
+            digits(marginal.median),
             parts.join(" or "),
-            shown(&own.unit)
+            shown(&marginal.unit)
         );
     }
     text
@@ -90,8 +94,8 @@ pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
         let latents = problem.latents.iter();
         latents.map(|latent| format!("{}/{}", case.label, latent.name))
     });
-    let discrepancies = unknown.iter().map(|own| {
-        let name = &problem.quantities[own.quantity].name;
+    let discrepancies = unknown.iter().map(|unknown| {
+        let name = &problem.quantities[unknown.quantity].name;
         format!("{name}.discrepancy")
     });
     ["point".to_owned()]
@@ -105,8 +109,11 @@ pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
 
 /// The units of the table's columns, as a comment.
 pub fn units(problem: &Problem) -> String {
-    let free = problem.free.iter().map(|own| (&own.name, &own.unit));
-    let latents = problem.latents.iter().map(|own| (&own.name, &own.unit));
+    let free = problem.free.iter().map(|free| (&free.name, &free.unit));
+    let latents = problem
+        .latents
+        .iter()
+        .map(|latent| (&latent.name, &latent.unit));
     let units = free.chain(latents).map(|(name, unit)| {
         let unit = unit.as_deref().unwrap_or("1");
         format!("{name} in {unit}")
@@ -124,17 +131,17 @@ pub fn rows<'a>(
         .particles
         .iter()
         .enumerate()
-        .map(move |(index, own)| {
-            let free = problem.free_values(&own.places).into_iter();
-            let latents =
-                (0..problem.cases.len()).flat_map(|case| problem.latent_values(case, &own.places));
-            let places = own.places.iter().skip(problem.unknowns());
+        .map(move |(index, particle)| {
+            let free = problem.free_values(&particle.places).into_iter();
+            let latents = (0..problem.cases.len())
+                .flat_map(|case| problem.latent_values(case, &particle.places));
+            let places = particle.places.iter().skip(problem.unknowns());
             let deviations = unknown.iter().zip(places);
             let deviations = deviations.map(|(unknown, &place)| unknown.deviation(place));
             let numbers = free
                 .chain(latents)
                 .chain(deviations)
-                .chain([own.log_likelihood]);
+                .chain([particle.log_likelihood]);
             let label = (index + 1).to_string();
             [label]
                 .into_iter()

@@ -40,7 +40,7 @@ impl Layer {
         let within = |run: &&Run| run.predicted.is_ok() && within(&run.places, &region);
         let runs: Vec<&Run> = runs.iter().filter(within).collect();
         let value = |case: usize, quantity: usize| -> Option<Surrogate> {
-            let inputs = runs.iter().map(|run| own(problem, case, &run.places));
+            let inputs = runs.iter().map(|run| of_case(problem, case, &run.places));
             let ended = runs.iter().filter_map(|run| run.predicted.as_ref().ok());
             let outputs = ended.map(|predicted| predicted[case][quantity]);
             let (inputs, outputs): (Vec<_>, Vec<_>) = (inputs.collect(), outputs.collect());
@@ -64,17 +64,19 @@ impl Layer {
 
     /// Root mean square and largest leave-one-out error of each measured value, case by case.
     pub(super) fn errors(&self) -> Vec<Vec<[f64; 2]>> {
-        let own = |fit: &Surrogate| {
+        let errors = |fit: &Surrogate| {
             let largest = fit.errors.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
             [fit.quality.error, largest]
         };
         let cases = self.fits.iter();
-        cases.map(|fits| fits.iter().map(own).collect()).collect()
+        cases
+            .map(|fits| fits.iter().map(errors).collect())
+            .collect()
     }
 }
 
 /// Of something for each unknown that for those which a case depends on: the free parameters and its own latent ones.
-fn own<T: Copy>(problem: &Problem, case: usize, all: &[T]) -> Vec<T> {
+fn of_case<T: Copy>(problem: &Problem, case: usize, all: &[T]) -> Vec<T> {
     let free = &all[..problem.free.len()];
     [free, &all[problem.latents_of(case)]].concat()
 }
@@ -144,7 +146,8 @@ impl Surrogates {
         let free = free.map(|(free, value)| free.place(*value));
         let intervals = self.problem.cases[query.case].latents.iter();
         let latents = intervals.zip(&query.latents);
-        let latents = latents.map(|(own, value)| (value - own.min) / (own.max - own.min));
+        let latents =
+            latents.map(|(interval, value)| (value - interval.min) / (interval.max - interval.min));
         free.chain(latents).collect()
     }
 
@@ -154,11 +157,11 @@ impl Surrogates {
             return None;
         }
         let square = |other: &[f64]| -> f64 {
-            let other = own(&self.problem, case, other);
+            let other = of_case(&self.problem, case, other);
             let pairs = places.iter().zip(&other);
             pairs.map(|(a, b)| (a - b).powi(2)).sum()
         };
-        let ended = self.ended.iter().map(|own| (square(&own.0), &own.1));
+        let ended = self.ended.iter().map(|run| (square(&run.0), &run.1));
         let nearest = ended.min_by(|a, b| a.0.total_cmp(&b.0));
         nearest.and_then(|(_, reason)| reason.clone())
     }
@@ -169,7 +172,7 @@ impl Surrogates {
             return Err(reason);
         }
         let inside = |layer: &&Layer| {
-            let region = own(&self.problem, query.case, &layer.region);
+            let region = of_case(&self.problem, query.case, &layer.region);
             within(&places, &region)
         };
         let layer = self.layers.iter().rev().find(inside);

@@ -217,7 +217,10 @@ impl Work<'_> {
             ..self.task.search
         };
         let searched = searched(&search, &self.surrogates, &|_| ())?;
-        let deviations = searched.discrepancies.iter().map(|own| own.deviation);
+        let deviations = searched
+            .discrepancies
+            .iter()
+            .map(|discrepancy| discrepancy.deviation);
         let discrepancies: Vec<(Unknown, f64)> =
             search.unknown.iter().copied().zip(deviations).collect();
         let unknowns = (problem.unknowns() + search.unknown.len()) as u64;
@@ -230,11 +233,11 @@ impl Work<'_> {
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
         let sample = sample(&objective, &searched.optima, &settings, &|_, _| ())?;
         let particles = sample.particles.into_iter();
-        let own = particles.map(|mut own| {
-            own.places.truncate(problem.unknowns());
-            own.places
+        let places = particles.map(|mut particle| {
+            particle.places.truncate(problem.unknowns());
+            particle.places
         });
-        Ok(own.collect())
+        Ok(places.collect())
     }
 
     /// The next places: half of them spread over the box, half at particles.
@@ -286,7 +289,7 @@ impl Work<'_> {
 fn around(particles: &[Vec<f64>]) -> Bounds {
     let unknowns = particles.first().map_or(0, Vec::len);
     let side = |k: usize| {
-        let places = particles.iter().map(|own| own[k]);
+        let places = particles.iter().map(|particle| particle[k]);
         let low = places.clone().fold(f64::INFINITY, f64::min);
         let high = places.fold(f64::NEG_INFINITY, f64::max);
         let room = BEYOND * (high - low);

@@ -79,7 +79,7 @@ impl SurrogateOutcome {
         let value = |case: usize, quantity: usize| {
             let [leave_one_out, _] = fits[case][quantity];
             let held_out = held_out(case * problem.quantities.len() + quantity);
-            let larger = held_out.map_or(leave_one_out, |own| own.max(leave_one_out));
+            let larger = held_out.map_or(leave_one_out, |error| error.max(leave_one_out));
             ValueError {
                 quantity: problem.quantities[quantity].name.clone(),
                 leave_one_out,

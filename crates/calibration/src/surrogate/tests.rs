@@ -78,14 +78,14 @@ fn held(trial: &Trial, records: u64, seed: u64) -> (Vec<u32>, f64) {
             asked.set(asked.get() + 1);
             Ok((trial.model)(p))
         };
-        let own = made(&problem, &model, trial.runs, record).unwrap();
+        let replaced = made(&problem, &model, trial.runs, record).unwrap();
         let starts = cube(unknowns, 64, record, 1).unwrap();
-        let task = search(&own.problem, &starts);
-        let found = searched(&task, &own.model, &|_| ()).unwrap();
-        let objective = Objective::new(&own.problem, &own.model, 1e-3);
+        let task = search(&replaced.problem, &starts);
+        let searched = searched(&task, &replaced.model, &|_| ()).unwrap();
+        let objective = Objective::new(&replaced.problem, &replaced.model, 1e-3);
         let settings = settings(400, record);
-        let sample = sample(&objective, &found.optima, &settings, &|_, _| ()).unwrap();
-        let posterior = PosteriorOutcome::new(&objective, &found.optima, &sample);
+        let sample = sample(&objective, &searched.optima, &settings, &|_, _| ()).unwrap();
+        let posterior = PosteriorOutcome::new(&objective, &searched.optima, &sample);
         for k in 0..unknowns {
             let inside = |[low, high]: &[f64; 2]| (*low..=*high).contains(&truth[k]);
             held[k] += u32::from(posterior.free[k].intervals.iter().any(inside));
@@ -167,13 +167,13 @@ fn the_error_counted_is_that_of_the_posterior() {
     let truth = [1.2, 0.7];
     let problem = problem(unknown_decay(), vec![measured(&decay(&truth), 0.02)]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(decay(p));
-    let own = made(&problem, &model, 100, 5).unwrap();
+    let replaced = made(&problem, &model, 100, 5).unwrap();
     assert!(
-        own.told.rounds > 1 && own.told.checked > 10,
+        replaced.told.rounds > 1 && replaced.told.checked > 10,
         "{:?}",
-        own.told
+        replaced.told
     );
-    assert!(own.told.largest < 0.2, "{:?}", own.told);
+    assert!(replaced.told.largest < 0.2, "{:?}", replaced.told);
     // Places near the truth, about two deviations wide.
     let mut random = StdRng::seed_from_u64(3);
     let mut squares = [0.0; 6];
@@ -186,12 +186,17 @@ fn the_error_counted_is_that_of_the_posterior() {
             free: free.clone(),
             latents: Vec::new(),
         };
-        let ours = own.model.simulate(&[query]).unwrap().remove(0).unwrap();
+        let ours = replaced
+            .model
+            .simulate(&[query])
+            .unwrap()
+            .remove(0)
+            .unwrap();
         for (square, (a, b)) in squares.iter_mut().zip(ours.iter().zip(decay(&free))) {
             *square += (a - b).powi(2) / 200.0;
         }
     }
-    for (square, stated) in squares.iter().zip(&own.told.errors[0]) {
+    for (square, stated) in squares.iter().zip(&replaced.told.errors[0]) {
         assert!(
             square.sqrt() <= 2.0 * stated.counted,
             "{} {stated:?}",
@@ -206,9 +211,9 @@ fn what_cannot_be_followed_is_said() {
     let wave = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(20.0 * p[0]).sin()]);
     let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0)];
     let problem = problem(unknown, vec![measured(&[0.3], 0.02)]);
-    let own = made(&problem, &wave, 24, 1).unwrap();
-    assert!(own.told.largest > 5.0, "{:?}", own.told);
-    assert!(text::summary(&own.told).contains("--surrogate 48"));
+    let replaced = made(&problem, &wave, 24, 1).unwrap();
+    assert!(replaced.told.largest > 5.0, "{:?}", replaced.told);
+    assert!(text::summary(&replaced.told).contains("--surrogate 48"));
 }
 
 #[test]
@@ -217,11 +222,11 @@ fn errors_that_go_together_count_more() {
     let bent = |_: usize, p: &[f64], _: &[f64]| Ok(vec![(9.0 * p[0]).sin() + p[0]; 6]);
     let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0)];
     let problem = problem(unknown, vec![measured(&[0.3; 6], 0.5)]);
-    let own = made(&problem, &bent, 24, 1).unwrap();
+    let replaced = made(&problem, &bent, 24, 1).unwrap();
     assert!(
-        (own.told.together - 6.0).abs() < 1e-6,
+        (replaced.told.together - 6.0).abs() < 1e-6,
         "{}",
-        own.told.together
+        replaced.told.together
     );
 }
 
@@ -239,12 +244,12 @@ fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
     for case in &mut problem.cases {
         case.latents = vec![Interval { min: 0.8, max: 1.2 }];
     }
-    let own = made(&problem, &model, 80, 2).unwrap();
+    let replaced = made(&problem, &model, 80, 2).unwrap();
     // The rounds ended before the runs were spent, so the errors left out widen no accuracy by more than `SMALL`.
-    assert!(own.told.runs < 80, "{:?}", own.told);
+    assert!(replaced.told.runs < 80, "{:?}", replaced.told);
     let part = ((1.0 + SMALL).powi(2) - 1.0).sqrt();
-    for error in own.told.errors.iter().flatten() {
-        let left_out = own.told.together.sqrt() * error.leave_one_out;
+    for error in replaced.told.errors.iter().flatten() {
+        let left_out = replaced.told.together.sqrt() * error.leave_one_out;
         assert!(left_out <= part * error.accuracy, "{error:?}");
         // The root mean square of twelve fresh runs scatters by a fifth about the true one.
         assert!(error.counted <= 2.0 * part * error.accuracy, "{error:?}");
@@ -254,9 +259,14 @@ fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
         free: vec![2.0],
         latents: vec![1.1],
     };
-    let predicted = own.model.simulate(&[query]).unwrap().remove(0).unwrap();
+    let predicted = replaced
+        .model
+        .simulate(&[query])
+        .unwrap()
+        .remove(0)
+        .unwrap();
     let pairs = predicted.iter().zip([6.0 / 1.1, 2.2]);
-    for ((predicted, exact), error) in pairs.zip(&own.told.errors[2]) {
+    for ((predicted, exact), error) in pairs.zip(&replaced.told.errors[2]) {
         let off = (predicted - exact).abs();
         assert!(off <= 4.0 * error.counted, "{off} {error:?}");
     }
@@ -291,18 +301,18 @@ fn where_the_nearest_run_failed_there_is_no_surrogate() {
         free("y", Spacing::Linear, 0.0, 1.0),
     ];
     let problem = problem(unknown, vec![measured(&[1.0], 0.05)]);
-    let own = made(&problem, &holed, 80, 1).unwrap();
+    let replaced = made(&problem, &holed, 80, 1).unwrap();
     let at = |x: f64, y: f64| {
         let query = Query {
             case: 0,
             free: vec![x, y],
             latents: Vec::new(),
         };
-        own.model.simulate(&[query]).unwrap().remove(0)
+        replaced.model.simulate(&[query]).unwrap().remove(0)
     };
     assert_eq!(at(2.8, 0.9), Err("too thin".to_owned()));
     assert!((at(0.5, 0.5).unwrap()[0] - 1.0).abs() < 1e-6);
-    assert!(own.failures.failed > 0 && own.screened.iter().any(|ended| !ended));
+    assert!(replaced.failures.failed > 0 && replaced.screened.iter().any(|ended| !ended));
     let never = |_: usize, _: &[f64], _: &[f64]| Err("too thin".to_owned());
     let error = made(&problem, &never, 80, 1).err().unwrap().to_string();
     assert!(

@@ -22,12 +22,12 @@ pub fn summary(told: &SurrogateOutcome) -> String {
     let (checked, more) = (told.checked, 2 * told.runs);
     let all = told.errors.iter().flatten();
     if let Some(worst) = all.max_by(|a, b| a.part().total_cmp(&b.part())) {
-        let held_out = worst.held_out.map_or_else(String::new, |own| {
-            let own = rounded(own, 2);
-            format!(", at {checked} fresh runs in the posterior {own}")
+        let held_out = worst.held_out.map_or_else(String::new, |error| {
+            let error = rounded(error, 2);
+            format!(", at {checked} fresh runs in the posterior {error}")
         });
         let [leave_one_out, counted, accuracy] =
-            [worst.leave_one_out, worst.counted, worst.accuracy].map(|own| rounded(own, 2));
+            [worst.leave_one_out, worst.counted, worst.accuracy].map(|error| rounded(error, 2));
         text += &format!(
             "  its error is largest in {}: leave-one-out {leave_one_out}{held_out}; counted as {counted} beside the accuracy of \
              {accuracy} ({:.0} %)\n",
@@ -52,17 +52,17 @@ pub fn summary(told: &SurrogateOutcome) -> String {
             told.check_failed + checked
         );
     }
-    for (place, own) in told.optima.iter().enumerate() {
+    for (place, optimum) in told.optima.iter().enumerate() {
         let name = match told.optima.len() {
             1 => "the optimum".to_owned(),
             _ => format!("optimum {}", place + 1),
         };
-        text += &match own.model {
+        text += &match optimum.model {
             Some(model) => format!(
                 "  {name} run again in the model: sum of squares {}, by the surrogate {}{}\n",
                 rounded(model, 4),
-                rounded(own.surrogate, 4),
-                match (model - own.surrogate).abs() > DIFFERENT {
+                rounded(optimum.surrogate, 4),
+                match (model - optimum.surrogate).abs() > DIFFERENT {
                     true => "; the surrogate is too rough to tell its place",
                     false => "",
                 }

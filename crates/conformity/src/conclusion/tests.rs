@@ -30,19 +30,19 @@ fn once(rule: Rule) -> Ruling {
 
 #[test]
 fn one_point_is_enough_without_a_rule() {
-    let found = Conclusion::new(None, &statement(1), 10_000);
-    assert_eq!(found.verdict, Decision::Verified);
+    let conclusion = Conclusion::new(None, &statement(1), 10_000);
+    assert_eq!(conclusion.verdict, Decision::Verified);
     assert_eq!(
-        found.verdict_words,
+        conclusion.verdict_words,
         "verified by the one-point rule: 1 of 10,000 points"
     );
-    let found = Conclusion::new(None, &statement(0), 50);
-    assert_eq!(found.verdict, Decision::NotVerified);
+    let conclusion = Conclusion::new(None, &statement(0), 50);
+    assert_eq!(conclusion.verdict, Decision::NotVerified);
     assert_eq!(
-        found.verdict_words,
+        conclusion.verdict_words,
         "not verified by the one-point rule: 0 of 50 points"
     );
-    let [least, most] = found.other_verdict_interval.unwrap();
+    let [least, most] = conclusion.other_verdict_interval.unwrap();
     assert!(
         least == 0.0 && (most - 0.975).abs() < 1e-9,
         "{least} {most}"
@@ -56,15 +56,15 @@ fn a_verdict_that_was_waited_for_has_an_interval_of_its_own() {
         share: 0.05,
         confidence: 0.95,
     };
-    let found = |way| {
+    let concluded = |way| {
         let ruling = Ruling {
             looks: History::default().awaiting(way),
             ..once(rule)
         };
         Conclusion::new(Some(ruling), &statement(11), 100)
     };
-    assert_eq!(found(Way::Once).verdict, Decision::Verified);
-    let waited = found(Way::EveryPoint);
+    assert_eq!(concluded(Way::Once).verdict, Decision::Verified);
+    let waited = concluded(Way::EveryPoint);
     assert_eq!(waited.verdict, Decision::Inconclusive);
     let required = waited.required.unwrap();
     assert!(required.interval.unwrap()[0] < 0.05 && required.method.contains("sequence"));
@@ -81,10 +81,10 @@ fn a_share_is_decided_by_its_interval() {
         (6, Decision::Inconclusive),
         (0, Decision::NotVerified),
     ] {
-        let found = Conclusion::new(rule, &statement(accepted), 100);
-        assert_eq!(found.verdict, verdict);
+        let conclusion = Conclusion::new(rule, &statement(accepted), 100);
+        assert_eq!(conclusion.verdict, verdict);
         assert!(
-            found
+            conclusion
                 .verdict_words
                 .starts_with(&format!("{verdict}: required are 5 %"))
         );
@@ -110,7 +110,7 @@ fn a_share_is_decided_for_all_guard_bands_that_may_be_right() {
         confidence: 0.95,
     });
     let given = Conclusion::new(Some(rule), &statement(30), 100);
-    let found = Statement {
+    let statement = Statement {
         bands: Bands {
             factors: [0.4, f64::INFINITY],
             accepted_at_least: vec![0],
@@ -118,18 +118,18 @@ fn a_share_is_decided_for_all_guard_bands_that_may_be_right() {
         },
         ..statement(30)
     };
-    let found = Conclusion::new(Some(rule), &found, 100);
+    let banded = Conclusion::new(Some(rule), &statement, 100);
     assert_eq!(given.verdict, Decision::Verified);
-    assert_eq!(found.verdict, Decision::Inconclusive);
-    let [given, found] = [given, found].map(|conclusion| conclusion.required.unwrap());
-    let [low, high] = found.interval.unwrap();
+    assert_eq!(banded.verdict, Decision::Inconclusive);
+    let [given, banded] = [given, banded].map(|conclusion| conclusion.required.unwrap());
+    let [low, high] = banded.interval.unwrap();
     assert!(low == 0.0 && (0.55..0.56).contains(&high), "{low} {high}");
-    assert_eq!(found.guard_bands, Some([Some(0.4), None]));
+    assert_eq!(banded.guard_bands, Some([Some(0.4), None]));
     assert_eq!(given.guard_bands, None);
     assert_eq!(given.points_needed, None);
     let open = |required: Requirement| required.points_needed.unwrap();
     let alone = points_needed_once(rule.rule, 0.3).unwrap();
-    assert!(open(found) > 8 * alone);
+    assert!(open(banded) > 8 * alone);
 }
 
 /// Of 100 points within all tolerances none can be accepted: that tells nothing of a required share of 5 %, and
@@ -151,14 +151,14 @@ fn a_measurement_that_cannot_decide_contradicts_no_model() {
         limit: 0.05,
         least: 0.32,
     };
-    let found = Conclusion::new(rule, &unfit(92, risk), 100);
-    assert_eq!(found.verdict, Decision::Inconclusive);
+    let conclusion = Conclusion::new(rule, &unfit(92, risk), 100);
+    assert_eq!(conclusion.verdict, Decision::Inconclusive);
     assert_eq!(
-        found.verdict_words,
+        conclusion.verdict_words,
         "inconclusive: the measurement cannot decide: whatever the guard band, at best 68.0 % of the accepted \
          points would conform, 95 % are required"
     );
-    let required = found.required.unwrap();
+    let required = conclusion.required.unwrap();
     assert_eq!((required.interval, required.points_needed), (None, None));
     let guard = Conclusion::new(rule, &unfit(92, Unfit::Guard), 100);
     assert!(guard.verdict_words.contains("as wide as a tolerance"));

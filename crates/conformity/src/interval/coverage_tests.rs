@@ -101,9 +101,9 @@ impl Population {
         let exact = self.exact();
         let mut held = [0_u64; 4];
         for _ in 0..studies {
-            let found = self.intervals(&draw());
+            let intervals = self.intervals(&draw());
             for k in 0..4 {
-                held[k] += u64::from(found[k][0] <= exact[k] && exact[k] <= found[k][1]);
+                held[k] += u64::from(intervals[k][0] <= exact[k] && exact[k] <= intervals[k][1]);
             }
         }
         let least = Binomial::new(0.95, u64::from(studies))

@@ -90,13 +90,13 @@ fn going_on_after_a_fixed_number_leaves_half_of_the_doubt() {
     }
     assert_eq!(left(none.awaiting(Way::EveryPoint)), 0.95);
     // Half of the doubt is a confidence of its own in the interval, too.
-    let found = fixed.awaiting(Way::EveryPoint).interval(&[87], 400, 0.95);
+    let interval = fixed.awaiting(Way::EveryPoint).interval(&[87], 400, 0.95);
     let sequence = ConfidenceSequence { confidence: 0.975 };
     let expected = sequence.interval(87, 400);
     for k in 0..2 {
         assert!(
-            (found[k] - expected[k]).abs() < 1e-12,
-            "{found:?} {expected:?}"
+            (interval[k] - expected[k]).abs() < 1e-12,
+            "{interval:?} {expected:?}"
         );
     }
 }
@@ -127,8 +127,8 @@ fn decisions_are_those_of_the_interval() {
         for points in [0, 1, 5, 40, 300] {
             for hits in 0..=points {
                 let interval = looks.interval(&[hits], points, rule.confidence);
-                let found = looks.decide(rule, &[hits], points);
-                assert_eq!(found, rule.decide(interval), "{hits} of {points}");
+                let decision = looks.decide(rule, &[hits], points);
+                assert_eq!(decision, rule.decide(interval), "{hits} of {points}");
             }
         }
     }
@@ -179,12 +179,12 @@ fn every_look_at_replicates_spends_a_part_of_its_own() {
     };
     let accepted = |points: u64| -> Vec<u64> { (0..16).map(|k| points / 64 + k % 5).collect() };
     let used = |history: &History, points: u64| {
-        let found = history
+        let interval = history
             .at(points, 16)
             .interval(&accepted(points), points, 0.95);
         let look = |look: &u32| {
             let confidence = 1.0 - 0.05 * spent(*look);
-            randomised(&accepted(points), points, confidence) == found
+            randomised(&accepted(points), points, confidence) == interval
         };
         (0..20).find(look)
     };
@@ -246,14 +246,14 @@ fn resumed(studies: u32, samples: &[usize]) {
         .inverse_cdf(0.95);
     for numbers in [&twenty, &doubled] {
         for &nets in samples {
-            let found = wrong(studies, numbers, nets, |history, points| {
+            let counts = wrong(studies, numbers, nets, |history, points| {
                 history.at(points, nets)
             });
             println!(
-                "{} looks, {nets} samples: {found:?} of {studies}",
+                "{} looks, {nets} samples: {counts:?} of {studies}",
                 numbers.len()
             );
-            for wrong in found {
+            for wrong in counts {
                 assert!(u64::from(wrong) <= most, "{nets}: {wrong} of {studies}");
             }
         }

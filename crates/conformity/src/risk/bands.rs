@@ -102,11 +102,11 @@ fn enough(sets: &[Accepted], limit: f64, confidence: f64) -> Option<(usize, &Acc
     const FIRST: f64 = 10.0;
     let first = (FIRST / limit).ceil() as u64;
     let many = sets.last().is_some_and(|all| all.count() >= first);
-    let mut found = None;
+    let mut narrowest = None;
     for set in sets {
         let certain = set.worst.map(|worst| worst <= limit);
         if certain[1] {
-            found = Some((set.steps[1], set));
+            narrowest = Some((set.steps[1], set));
         }
         if !certain[0] {
             if many && set.count() < first {
@@ -116,9 +116,9 @@ fn enough(sets: &[Accepted], limit: f64, confidence: f64) -> Option<(usize, &Acc
                 break;
             }
         }
-        found = Some((set.steps[0], set));
+        narrowest = Some((set.steps[0], set));
     }
-    found
+    narrowest
 }
 
 /// The sets of points that guard bands accept, from the widest band to none.

@@ -121,12 +121,12 @@ fn wrong(population: &Population, studies: u32, nets: usize, numbers: &[usize]) 
             }
             drawn = points;
             let looks = history.at(points as u64, nets);
-            let found = tally.sum.statement_at(looks.band_confidence(0.95));
+            let statement = tally.sum.statement_at(looks.band_confidence(0.95));
             for (k, share) in [share, share + 1e-9].into_iter().enumerate() {
                 let wrong = [Decision::NotVerified, Decision::Verified][k];
                 let points = points as u64;
-                let by_bands = looks.decide_by_bands(rule(share), &found.bands, points);
-                let as_given = looks.decide(rule(share), &found.accepted_by_sample, points);
+                let by_bands = looks.decide_by_bands(rule(share), &statement.bands, points);
+                let as_given = looks.decide(rule(share), &statement.accepted_by_sample, points);
                 ever[0][k] |= by_bands == wrong;
                 ever[1][k] |= as_given == wrong;
             }
@@ -165,8 +165,8 @@ const fn population(shape: Shape, standard: f64, risk: f64, points: usize) -> Po
 fn a_guard_band_from_the_same_points_decides_rightly() {
     const STUDIES: u32 = 1000;
     let peaks = population(Shape::Peaks(0.5), 0.2, 0.05, 100);
-    let [found, as_given] = wrong(&peaks, STUDIES, 1, &[peaks.points]);
-    assert!(found.iter().all(|&n| n <= STUDIES / 20), "{found:?}");
+    let [by_bands, as_given] = wrong(&peaks, STUDIES, 1, &[peaks.points]);
+    assert!(by_bands.iter().all(|&n| n <= STUDIES / 20), "{by_bands:?}");
     assert!(as_given.iter().any(|&n| n > STUDIES / 12), "{as_given:?}");
 }
 
@@ -199,9 +199,9 @@ fn guard_bands_from_the_same_points_decide_rightly_whatever_the_population() {
             ways.extend([(1, looks.clone()), (16, looks)]);
         }
         for (nets, numbers) in ways {
-            let [found, as_given] = wrong(&population, STUDIES, nets, &numbers);
-            println!("{population:?} {nets} {numbers:?}: {found:?}, as given {as_given:?}");
-            assert!(found.iter().all(|&n| n <= STUDIES / 20), "{found:?}");
+            let [by_bands, as_given] = wrong(&population, STUDIES, nets, &numbers);
+            println!("{population:?} {nets} {numbers:?}: {by_bands:?}, as given {as_given:?}");
+            assert!(by_bands.iter().all(|&n| n <= STUDIES / 20), "{by_bands:?}");
         }
     }
 }
@@ -216,10 +216,13 @@ fn bands_that_are_certain_cost_nothing() {
         let measurement = certain.measurement();
         let mut tally = certain.tally(&measurement, 1);
         values.iter().for_each(|&value| tally.add(&[value]));
-        let found = tally.sum.statement();
+        let statement = tally.sum.statement();
         let points = values.len() as u64;
-        let plain = looks.interval(&found.accepted_by_sample, points, 0.95);
-        (plain, looks.interval_of_bands(&found.bands, points, 0.95))
+        let plain = looks.interval(&statement.accepted_by_sample, points, 0.95);
+        (
+            plain,
+            looks.interval_of_bands(&statement.bands, points, 0.95),
+        )
     };
     // At 0.6 the probability not to conform is 2.3 %, at 1.5 nobody asks.
     let values: Vec<f64> = (0..50).map(|i| if i < 20 { 0.6 } else { 1.5 }).collect();
@@ -247,10 +250,10 @@ fn the_worst_point_of_a_band_is_the_one_at_its_limit() {
         (5.0, 5.733e-7),
         (9.0, 5.733e-7),
     ] {
-        let found = criterion.most_not_conforming(margin).unwrap();
+        let most = criterion.most_not_conforming(margin).unwrap();
         assert!(
-            (found - expected).abs() < 1e-4 * expected,
-            "{margin}: {found}"
+            (most - expected).abs() < 1e-4 * expected,
+            "{margin}: {most}"
         );
     }
     let unknown = Measured {

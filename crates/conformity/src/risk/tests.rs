@@ -244,12 +244,12 @@ fn a_guard_band_as_wide_as_the_tolerance_decides_nothing() {
         (2.0, Some(Unfit::Guard)),
         (2.5, Some(Unfit::Guard)),
     ] {
-        let found = three_points(Guard::Given(band), &[0.1, 0.2, 1.5]);
+        let statement = three_points(Guard::Given(band), &[0.1, 0.2, 1.5]);
         assert_eq!(
-            (found.unfit, found.accepted),
+            (statement.unfit, statement.accepted),
             (unfit, if band < 2.0 { 2 } else { 0 })
         );
-        assert_eq!(found.within_by_sample, [2]);
+        assert_eq!(statement.within_by_sample, [2]);
     }
     // Where no point is within the tolerance, the guard band changes nothing.
     assert_eq!(three_points(Guard::Given(2.5), &[1.5]).unfit, None);
@@ -259,12 +259,12 @@ fn a_guard_band_as_wide_as_the_tolerance_decides_nothing() {
 
 #[test]
 fn points_that_are_no_sample_have_no_intervals() {
-    let found = three_points(Guard::Given(0.0), &[0.1, 1.5]);
-    assert!(found.all.clone().unwrap().intervals.is_some());
-    let grid = found.clone().without_intervals();
+    let statement = three_points(Guard::Given(0.0), &[0.1, 1.5]);
+    assert!(statement.all.clone().unwrap().intervals.is_some());
+    let grid = statement.clone().without_intervals();
     assert!(grid.all.unwrap().intervals.is_none());
     assert!(grid.criteria[0].clone().unwrap().intervals.is_none());
-    assert_eq!(grid.accepted, found.accepted);
+    assert_eq!(grid.accepted, statement.accepted);
 }
 
 /// Model values of two criteria, independent; their measured values' errors correlated. All four

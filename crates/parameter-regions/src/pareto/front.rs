@@ -148,10 +148,10 @@ mod tests {
     proptest! {
         #[test]
         fn exactly_the_points_that_nothing_dominates(points in points()) {
-            let found = front(&points);
+            let indices = front(&points);
             let unbeaten = |i: &usize| !points.iter().any(|p| dominates(p, &points[*i]));
             let expected: Vec<usize> = (0..points.len()).filter(unbeaten).collect();
-            prop_assert_eq!(found, expected);
+            prop_assert_eq!(indices, expected);
         }
     }
 }

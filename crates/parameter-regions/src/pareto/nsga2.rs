@@ -43,14 +43,14 @@ pub fn minimise<E>(
 ) -> Result<Vec<Solution>, E> {
     let mut random = Random::new(settings.seed, Purpose::Evolution, 0);
     let mut evaluate = |points: Vec<Vec<f64>>| -> Result<Vec<Solution>, E> {
-        let found = objectives(&points)?;
-        assert_eq!(found.len(), points.len(), "each point has its objectives");
+        let rows = objectives(&points)?;
+        assert_eq!(rows.len(), points.len(), "each point has its objectives");
         let bounded = |v: f64| if v.is_finite() { v } else { f64::MAX };
         let solution = |(x, values): (Vec<f64>, Vec<f64>)| Solution {
             x,
             objectives: values.into_iter().map(bounded).collect(),
         };
-        Ok(points.into_iter().zip(found).map(solution).collect())
+        Ok(points.into_iter().zip(rows).map(solution).collect())
     };
     let size = settings.population.max(4);
     let first = (0..size).map(|_| {
@@ -232,10 +232,10 @@ mod tests {
             generations: 250,
             seed: 3,
         };
-        let found = minimise(&[[0.0, 1.0]; 30], settings, |points| {
+        let solutions = minimise(&[[0.0, 1.0]; 30], settings, |points| {
             Ok::<_, Infallible>(points.iter().map(|x| zdt(kind, x)).collect())
         });
-        let Ok(found) = found;
+        let Ok(solutions) = solutions;
         let exact: Vec<Vec<f64>> = (0..=500)
             .map(|k| f64::from(k) / 500.0)
             .map(|f| vec![f, shape(kind, f, 1.0)])
@@ -243,7 +243,7 @@ mod tests {
         let exact: Vec<&Vec<f64>> = front(&exact).into_iter().map(|i| &exact[i]).collect();
         let nearest = |e: &[f64]| {
             let distance = |s: &Solution| (s.objectives[0] - e[0]).hypot(s.objectives[1] - e[1]);
-            found.iter().map(distance).fold(f64::INFINITY, f64::min)
+            solutions.iter().map(distance).fold(f64::INFINITY, f64::min)
         };
         exact.iter().map(|e| nearest(e)).sum::<f64>() / exact.len() as f64
     }
@@ -270,9 +270,9 @@ mod tests {
                 vec![x[0], 1.0 - x[0] + x[1]]
             }
         };
-        let Ok(found) = minimise(&[[0.0, 1.0]; 2], settings, |points| {
+        let Ok(solutions) = minimise(&[[0.0, 1.0]; 2], settings, |points| {
             Ok::<_, Infallible>(points.iter().map(objectives).collect())
         });
-        assert!(found.iter().all(|s| s.x[0] >= 0.5));
+        assert!(solutions.iter().all(|s| s.x[0] >= 0.5));
     }
 }

@@ -95,7 +95,7 @@ impl Answer {
                 Self::Refuted
             }
             (Self::Found, Some(fresh)) if fresh.points > 0 => Self::Confirmed,
-            (own, _) => own,
+            (answer, _) => answer,
         }
     }
 

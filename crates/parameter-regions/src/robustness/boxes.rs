@@ -141,9 +141,9 @@ fn seeds(sample: &Sample<'_>, scale: &Scale, level: f64) -> Vec<Seed> {
 }
 
 fn seed(sample: &Sample<'_>, scale: &Scale, ranks: &[Vec<f64>], point: usize) -> Seed {
-    let own = &ranks[point];
+    let of_point = &ranks[point];
     let distance = |other: &Vec<f64>| {
-        let sides = own.iter().zip(other).map(|(a, b)| (a - b).abs());
+        let sides = of_point.iter().zip(other).map(|(a, b)| (a - b).abs());
         sides.fold(0.0, f64::max)
     };
     let mut near: Vec<(f64, usize)> = ranks.iter().map(distance).zip(0..).collect();
@@ -155,9 +155,9 @@ fn seed(sample: &Sample<'_>, scale: &Scale, ranks: &[Vec<f64>], point: usize) ->
         |(k, rank): (usize, &f64)| [rank - radius, rank + radius].map(|rank| scale.limit(k, rank));
     Seed {
         point,
-        cube: own.iter().enumerate().map(side).collect(),
+        cube: of_point.iter().enumerate().map(side).collect(),
         mean: sample.mean(&inside),
-        ranks: own.clone(),
+        ranks: of_point.clone(),
     }
 }
 

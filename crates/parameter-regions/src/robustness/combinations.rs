@@ -109,7 +109,7 @@ impl Slices {
 pub(super) fn combinations(
     stand: &Stand,
     cloud: &Sample<'_>,
-    own: &[Vec<f64>],
+    points: &[Vec<f64>],
     verified: &[bool],
 ) -> Vec<Combination> {
     let Some(d) = cloud.points.first().map(Vec::len) else {
@@ -117,7 +117,7 @@ pub(super) fn combinations(
     };
     let slices = Slices::new(cloud.points, d);
     let all: Vec<usize> = (0..cloud.points.len()).collect();
-    let mut found: Vec<Combination> = (0..d)
+    let mut listed: Vec<Combination> = (0..d)
         .flat_map(|k| [[(k, true)], [(k, false)]])
         .filter_map(|side| corner(cloud, &slices, &all, &side))
         .map(|bounds| finish(bounds, stand, cloud, &all))
@@ -125,25 +125,25 @@ pub(super) fn combinations(
     let open: Vec<usize> = all
         .iter()
         .copied()
-        .filter(|&j| !found.iter().any(|c| c.contains(&cloud.points[j])))
+        .filter(|&j| !listed.iter().any(|c| c.contains(&cloud.points[j])))
         .collect();
     for (x, y) in (0..d).flat_map(|x| (x + 1..d).map(move |y| (x, y))) {
         for (x_below, y_below) in [(true, true), (true, false), (false, true), (false, false)] {
             let sides = [(x, x_below), (y, y_below)];
             if let Some(bounds) = corner(cloud, &slices, &open, &sides) {
-                found.push(finish(bounds, stand, cloud, &open));
+                listed.push(finish(bounds, stand, cloud, &open));
             }
         }
     }
-    found.retain(|c| c.share >= LEAST_SHARE);
-    found.sort_by(|a, b| b.share.total_cmp(&a.share));
-    found.truncate(MOST_LISTED);
-    for combination in &mut found {
-        let inside = own.iter().zip(verified);
+    listed.retain(|c| c.share >= LEAST_SHARE);
+    listed.sort_by(|a, b| b.share.total_cmp(&a.share));
+    listed.truncate(MOST_LISTED);
+    for combination in &mut listed {
+        let inside = points.iter().zip(verified);
         let inside = inside.filter(|(x, _)| combination.contains(x));
         combination.confirmed = Confirmed::count(inside.map(|(_, v)| *v));
     }
-    found
+    listed
 }
 
 /// The unsafe corner of two parameters that holds most of the points; of one parameter the range from one of its ends.

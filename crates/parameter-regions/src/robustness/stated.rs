@@ -90,14 +90,14 @@ mod tests {
 
     /// What is stated of the lower half, whose forecasts all say 0.95, where one in `wrong` of the study's points is not verified.
     fn stated(points: usize, wrong: usize) -> Statement {
-        let (sample, own) = (line(4000), line(points));
+        let (sample, studied) = (line(4000), line(points));
         let verified: Vec<bool> = (0..points).map(|k| k % wrong != wrong - 1).collect();
         let evidence = Evidence {
             unseen: Sample {
                 points: &sample,
                 verdicts: &vec![0.95; sample.len()],
             },
-            points: &own,
+            points: &studied,
             verified: &verified,
             foretold: &vec![0.95; points],
         };
@@ -106,21 +106,21 @@ mod tests {
 
     #[test]
     fn points_correct_what_surrogates_promise() {
-        let found = stated(400, 5);
-        assert!((found.share - 0.5).abs() < 1e-12, "{found:?}");
-        assert!((found.probability - 0.8).abs() < 1e-12, "{found:?}");
+        let statement = stated(400, 5);
+        assert!((statement.share - 0.5).abs() < 1e-12, "{statement:?}");
+        assert!((statement.probability - 0.8).abs() < 1e-12, "{statement:?}");
         // No narrower than Student's interval of 200 points, 1.972 sqrt(0.8 * 0.2 / 199), and hardly wider.
-        let half = (found.interval[1] - found.interval[0]) / 2.0;
-        assert!(half > 0.0559 && half < 0.061, "{found:?}");
+        let half = (statement.interval[1] - statement.interval[0]) / 2.0;
+        assert!(half > 0.0559 && half < 0.061, "{statement:?}");
     }
 
     #[test]
     fn few_points_that_agree_show_little() {
         // All of ten are verified: no more than the forecasts admit, 0.95 +- 2.262 sqrt(0.95 * 0.05 / 10) at the least.
-        let found = stated(20, usize::MAX);
+        let statement = stated(20, usize::MAX);
         assert!(
-            found.interval[0] < 0.85 && found.interval[1] >= 0.99,
-            "{found:?}"
+            statement.interval[0] < 0.85 && statement.interval[1] >= 0.99,
+            "{statement:?}"
         );
         assert_eq!(stated(2, 1).interval, [0.0, 1.0]);
     }

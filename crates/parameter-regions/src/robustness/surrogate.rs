@@ -210,15 +210,15 @@ fn hermite(z: f64, degree: usize) -> Vec<f64> {
 /// All combinations of degrees within the hyperbolic norm.
 fn terms(d: usize, degree: usize) -> Vec<Vec<u8>> {
     let limit = (degree as f64).powf(NORM) + 1e-9;
-    let mut found = vec![vec![]];
+    let mut terms = vec![vec![]];
     for _ in 0..d {
-        found = found
+        terms = terms
             .iter()
             .flat_map(|head: &Vec<u8>| (0..=degree as u8).map(|p| [&head[..], &[p]].concat()))
             .filter(|t| t.iter().map(|p| f64::from(*p).powf(NORM)).sum::<f64>() <= limit)
             .collect();
     }
-    found
+    terms
 }
 
 #[cfg(test)]

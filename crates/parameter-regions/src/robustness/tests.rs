@@ -125,8 +125,8 @@ fn unsafe_ranges_and_corners_are_found_and_others_are_not() {
     let r = robustness(&t, &sample(20_000, 7), 0.9).unwrap();
     assert!(!r.unsafe_combinations.is_empty());
     for c in &r.unsafe_combinations {
-        let own = c.confirmed;
-        assert!(own.verified * 50 <= own.points, "{c:?}");
+        let confirmed = c.confirmed;
+        assert!(confirmed.verified * 50 <= confirmed.points, "{c:?}");
         assert!(c.bounds.iter().all(|b| b.parameter != 2), "{c:?}");
     }
     let fresh = sample(100_000, 99);

@@ -191,8 +191,8 @@ impl Problem {
 
     /// The point at such numbers, with distributions that were scaled before.
     fn point(&self, scaled: &[Distribution], place: &[f64]) -> Vec<f64> {
-        let (own, rows) = place.split_at(scaled.len());
-        let quantiles = scaled.iter().zip(own);
+        let (parameters, rows) = place.split_at(scaled.len());
+        let quantiles = scaled.iter().zip(parameters);
         let quantiles =
             quantiles.map(|(distribution, u)| distribution.quantile(u.clamp(1e-12, 1.0 - 1e-12)));
         let rows = self.samples.iter().zip(rows);
@@ -233,9 +233,9 @@ impl Problem {
         while !self.holds_anywhere(sample) {
             let widest = self.longest(sample, &ones);
             let most = self.most(sample, &ones);
-            let grows = most.is_some_and(|(scales, found)| {
+            let grows = most.is_some_and(|(scales, estimate)| {
                 let reach = scales.iter().copied().fold(0.0, f64::max);
-                found.share > 0.0 && reach > SHRINK * widest
+                estimate.share > 0.0 && reach > SHRINK * widest
             });
             if !grows || widest >= 0.999 * self.limit {
                 break;
@@ -252,8 +252,8 @@ impl Problem {
     /// Whether the share holds at any tolerances in the proportions of the study's that the points tell of.
     fn holds_anywhere(&self, sample: &Sample) -> bool {
         let ones = vec![1.0; self.distributions.len()];
-        let found = sample.estimate(&self.along(sample, &ones));
-        is_known(found) && found.share >= self.target
+        let estimate = sample.estimate(&self.along(sample, &ones));
+        is_known(estimate) && estimate.share >= self.target
     }
 
     /// The tolerances in given proportions at which the share is largest, of those that the points tell of.
@@ -262,12 +262,12 @@ impl Problem {
         let mut most: Option<(Vec<f64>, Estimate)> = None;
         loop {
             let scales = self.at(sample, proportions, length);
-            let found = sample.estimate(&scales);
+            let estimate = sample.estimate(&scales);
             let best = most.as_ref().map(|(_, best)| best.share);
-            let is_larger = best.is_none_or(|best| found.share > best);
+            let is_larger = best.is_none_or(|best| estimate.share > best);
             let is_narrowest = scales.iter().all(|scale| *scale <= NARROWEST);
-            if is_known(found) && is_larger {
-                most = Some((scales, found));
+            if is_known(estimate) && is_larger {
+                most = Some((scales, estimate));
             }
             if is_narrowest {
                 return most;
@@ -428,7 +428,9 @@ impl Problem {
 
 fn scaled(distributions: &[Distribution], scales: &[f64]) -> Vec<Distribution> {
     let pairs = distributions.iter().zip(scales);
-    pairs.map(|(own, &scale)| own.scaled(scale)).collect()
+    pairs
+        .map(|(distribution, &scale)| distribution.scaled(scale))
+        .collect()
 }
 
 /// Whether the points tell enough about the tolerances of an estimate to search there.

@@ -114,5 +114,7 @@ impl Sample {
 
 fn ln_density(scaled: &[Distribution], point: &[f64]) -> f64 {
     let pairs = scaled.iter().zip(point);
-    pairs.map(|(own, &x)| own.ln_density(x)).sum()
+    pairs
+        .map(|(distribution, &x)| distribution.ln_density(x))
+        .sum()
 }

@@ -52,7 +52,7 @@ fn a_linear_model_has_the_known_answer_within_one_per_cent() {
     for (a, costs, tolerance) in [([2.0, 0.5], [1.0, 1.0], 1.5), ([1.0, 1.0], [1.0, 4.0], 1.5)] {
         let mut problem = problem(vec![UNIT; 2], 0.9, 1 << 15);
         problem.costs = costs.to_vec();
-        let found = solve(&problem, |x| {
+        let solution = solve(&problem, |x| {
             within((a[0] * x[0] + a[1] * x[1]).abs() <= tolerance)
         });
         let shape = [0, 1].map(|k: usize| (costs[k] / (a[k] * a[k])).cbrt());
@@ -61,12 +61,12 @@ fn a_linear_model_has_the_known_answer_within_one_per_cent() {
         for (k, shape) in shape.iter().enumerate() {
             let known = length * shape;
             assert!(
-                (found.scales[k] / known - 1.0).abs() < 0.01,
-                "{a:?}: {found:?}, {known}"
+                (solution.scales[k] / known - 1.0).abs() < 0.01,
+                "{a:?}: {solution:?}, {known}"
             );
             assert!(
-                found.safe[k] <= found.scales[k] && found.safe[k] > 0.9 * known,
-                "{found:?}"
+                solution.safe[k] <= solution.scales[k] && solution.safe[k] > 0.9 * known,
+                "{solution:?}"
             );
         }
     }
@@ -78,25 +78,28 @@ fn a_parameter_without_influence_becomes_as_wide_as_allowed() {
         min: -1.0,
         max: 1.0,
     };
-    let found = solve(&problem(vec![uniform, UNIT], 0.95, 2048), |x| {
+    let solution = solve(&problem(vec![uniform, UNIT], 0.95, 2048), |x| {
         within(x[0].abs() <= 0.5)
     });
     // 0.5 / 0.95 of the half width, since the share is 0.5 / s.
     assert!(
-        (found.scales[0] * 0.95 / 0.5 - 1.0).abs() < 0.02,
-        "{found:?}"
+        (solution.scales[0] * 0.95 / 0.5 - 1.0).abs() < 0.02,
+        "{solution:?}"
     );
-    assert!(found.scales[1] > 2.9, "{found:?}");
+    assert!(solution.scales[1] > 2.9, "{solution:?}");
 }
 
 /// The conformance probability of a normal error: a smooth measure instead of yes or no.
 #[test]
 fn a_smooth_measure_needs_fewer_points() {
     // The mean of exp(-x^2 / 2) over a normal number of deviation s is 1 / sqrt(1 + s^2).
-    let found = solve(&problem(vec![UNIT], 0.8, 1024), |x| {
+    let solution = solve(&problem(vec![UNIT], 0.8, 1024), |x| {
         (-0.5 * x[0] * x[0]).exp()
     });
-    assert!((found.scales[0] / 0.75 - 1.0).abs() < 0.01, "{found:?}");
+    assert!(
+        (solution.scales[0] / 0.75 - 1.0).abs() < 0.01,
+        "{solution:?}"
+    );
 }
 
 #[test]
@@ -104,12 +107,12 @@ fn a_share_far_below_the_first_one_is_found_in_rounds() {
     // Of five parameters: the first points tell nothing about tolerances of a fifteenth.
     let mut problem = problem(vec![UNIT; 5], 0.9, 512);
     problem.limit = 1.0;
-    let (found, sample) = searched(&problem, |x| within(x.iter().sum::<f64>().abs() <= 0.25));
+    let (solution, sample) = searched(&problem, |x| within(x.iter().sum::<f64>().abs() <= 0.25));
     let known = 0.25 / 1.644_853_6 / 5_f64.sqrt();
-    let mean = found.scales.iter().sum::<f64>() / 5.0;
+    let mean = solution.scales.iter().sum::<f64>() / 5.0;
     assert!(
         sample.rounds() > 1 && (mean / known - 1.0).abs() < 0.1,
-        "{found:?} {known}"
+        "{solution:?} {known}"
     );
 }
 
@@ -150,10 +153,10 @@ fn fresh_runs_confirm_what_is_stated() {
         };
         let target = random.random_range(0.3..0.97);
         let problem = problem(distributions, target, 2048);
-        let found = solve(&problem, good);
+        let solution = solve(&problem, good);
         let accepted: f64 = (0..problem.confirm)
             .map(|_| {
-                let pairs = problem.distributions.iter().zip(&found.safe);
+                let pairs = problem.distributions.iter().zip(&solution.safe);
                 let point: Vec<f64> = pairs
                     .map(|(d, &s)| d.scaled(s).quantile(random.random_range(1e-12..1.0)))
                     .collect();
@@ -161,8 +164,11 @@ fn fresh_runs_confirm_what_is_stated() {
             })
             .sum();
         let share = accepted / problem.confirm as f64;
-        let [low, high] = found.at_safe.interval;
-        assert!((low..=high).contains(&share), "{seed}: {share} {found:?}");
+        let [low, high] = solution.at_safe.interval;
+        assert!(
+            (low..=high).contains(&share),
+            "{seed}: {share} {solution:?}"
+        );
         held += u32::from(wilson(share, problem.confirm as f64, 0.95)[0] >= target);
     }
     // The fresh runs show at the required confidence that the share holds.
@@ -181,22 +187,22 @@ fn narrower_is_not_better_where_the_nominal_value_is_off() {
     // What 5,000 runs may show of 40.7 % reaches below 40 %, and no other tolerances give more.
     for (target, is_expected) in [(0.4, false), (0.37, true), (0.3, true)] {
         let problem = problem(vec![off.clone()], target, 1 << 14);
-        let found = solve(&problem, good);
-        assert_eq!(found.is_expected, is_expected, "{target}: {found:?}");
+        let solution = solve(&problem, good);
+        assert_eq!(solution.is_expected, is_expected, "{target}: {solution:?}");
         if is_expected {
             let share = |s: f64| cdf(-0.2 / s) - cdf(-2.2 / s);
-            let expected = share(found.safe[0]);
-            assert!(expected > target, "{target}: {found:?}, {expected}");
-            let [low, high] = found.at_safe.interval;
+            let expected = share(solution.safe[0]);
+            assert!(expected > target, "{target}: {solution:?}, {expected}");
+            let [low, high] = solution.at_safe.interval;
             assert!((low..=high).contains(&expected));
         }
     }
     let problem = problem(vec![off.clone()], 0.4, 1 << 14);
     let points = problem.draw(&[1.5], 3);
     let goods = points.iter().map(|x| good(x)).collect();
-    let own = problem.draw(&[1.0], 2);
-    let own_goods = own.iter().map(|x| good(x)).collect();
-    let mut sample = Sample::new(&[off], own, own_goods);
+    let narrow = problem.draw(&[1.0], 2);
+    let own_goods = narrow.iter().map(|x| good(x)).collect();
+    let mut sample = Sample::new(&[off], narrow, own_goods);
     sample.extend(&[1.5], points, goods);
     let (scales, most) = problem.most(&sample, &[1.0]).unwrap();
     assert!((most.share - 0.407).abs() < 0.01, "{most:?}");

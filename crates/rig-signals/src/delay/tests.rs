@@ -61,7 +61,7 @@ fn record(load: Load, [rate, seconds]: [f64; 2], delay: f64, noise: f64, seed: u
     }
 }
 
-fn found(record: &Record, turn: Option<f64>) -> Delay {
+fn delay_of(record: &Record, turn: Option<f64>) -> Delay {
     let good = vec![true; record.load.values.len()];
     let pair = Pair {
         load: &record.load,
@@ -118,11 +118,11 @@ fn trial(load: Load, shape: [f64; 2], noise: f64, faults: Faults, seeds: u64) ->
             load_good: &load_good,
             torque_good: &torque_good,
         };
-        let found = find(pair, 0.05, Some(0.2)).unwrap().delay.unwrap();
-        let off = found.value - delay(seed);
+        let estimate = find(pair, 0.05, Some(0.2)).unwrap().delay.unwrap();
+        let off = estimate.value - delay(seed);
         sum += off;
         squares += off * off;
-        held += f64::from(u8::from(found.contains(delay(seed))));
+        held += f64::from(u8::from(estimate.contains(delay(seed))));
     }
     let n = seeds as f64;
     [sum / n, (squares / n).sqrt(), held / n]
@@ -152,16 +152,16 @@ fn related(one: Load, other: Load, shape: [f64; 2], seeds: u64) -> u64 {
         load: record(one, shape, 0.0, 0.05, seed).load,
         torque: record(other, shape, 0.0, 0.05, 10_000 + seed).torque,
     };
-    let is = |seed: &u64| found(&pair(*seed), Some(0.2)).delay.is_some();
+    let is = |seed: &u64| delay_of(&pair(*seed), Some(0.2)).delay.is_some();
     (0..seeds).filter(is).count() as u64
 }
 
 #[test]
 fn unrelated_signals_get_no_delay() {
     for other in [Load::Random(40.0), Load::Other] {
-        let found = related(Load::Turns(0.64), other, [200.0, 10.0], 30);
+        let count = related(Load::Turns(0.64), other, [200.0, 10.0], 30);
         // 3 of 30 have a chance of 1 in 300 where 1 % is taken for related.
-        assert!(found <= 2, "{other:?}: {found}");
+        assert!(count <= 2, "{other:?}: {count}");
     }
 }
 
@@ -169,18 +169,18 @@ fn unrelated_signals_get_no_delay() {
 fn a_constant_is_related_to_nothing() {
     let mut record = record(Load::Turns(0.64), [200.0, 10.0], 0.0, 0.05, 1);
     record.torque.values.fill(0.4);
-    let found = found(&record, None);
-    assert_eq!((found.delay, found.shift()), (None, 0.0));
+    let delay = delay_of(&record, None);
+    assert_eq!((delay.delay, delay.shift()), (None, 0.0));
 }
 
 #[test]
 fn a_delay_to_the_other_side_and_one_outside_of_the_range() {
     let turns = Load::Turns(0.64);
     let early = record(turns, [1000.0, 10.0], -0.003_37, 0.02, 1);
-    let value = found(&early, Some(0.2)).shift();
+    let value = delay_of(&early, Some(0.2)).shift();
     assert!((value + 0.003_37).abs() < 1e-4, "{value}");
     let late = record(turns, [1000.0, 10.0], 0.065, 0.02, 1);
-    assert!(found(&late, Some(0.2)).at_edge);
+    assert!(delay_of(&late, Some(0.2)).at_edge);
 }
 
 /// Clipped peaks are left out: the delay keeps its accuracy.
@@ -270,11 +270,11 @@ fn share_of_unrelated() {
         (Load::Random(40.0), Load::Random(40.0)),
         (Load::Random(3.0), Load::Random(3.0)),
     ] {
-        let found = related(one, other, [200.0, 10.0], 500);
-        println!("| {one:?} | {other:?} | {found} of 500 |");
+        let count = related(one, other, [200.0, 10.0], 500);
+        println!("| {one:?} | {other:?} | {count} of 500 |");
         assert!(
-            found <= 20 || matches!(one, Load::Random(..10.0)),
-            "{found}"
+            count <= 20 || matches!(one, Load::Random(..10.0)),
+            "{count}"
         );
     }
 }

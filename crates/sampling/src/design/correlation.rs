@@ -102,10 +102,10 @@ mod tests {
     #[test]
     fn the_coefficients_of_some_inputs_are_those_given() {
         let mixed = Correlation::new(4, &[(0, 1, 0.6), (1, 3, -0.3), (0, 3, 0.2)]).unwrap();
-        let found = mixed.among(&[0, 1, 3]);
+        let coefficients = mixed.among(&[0, 1, 3]);
         let expected =
             DMatrix::from_row_slice(3, 3, &[1.0, 0.6, 0.2, 0.6, 1.0, -0.3, 0.2, -0.3, 1.0]);
-        assert!((found - expected).amax() < 1e-12);
+        assert!((coefficients - expected).amax() < 1e-12);
     }
 
     #[test]
@@ -134,11 +134,11 @@ mod tests {
             deviation: 2.0,
         };
         let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
-        let found = mixed.ln_density(&[3.0, 0.0], &[normal.clone(), normal.clone()]);
+        let density = mixed.ln_density(&[3.0, 0.0], &[normal.clone(), normal.clone()]);
         let (x, y, r) = (1.0, -0.5, 0.6_f64);
         let square = (x * x - 2.0 * r * x * y + y * y) / (1.0 - r * r);
         let expected = -0.5 * (square - x * x - y * y) - 0.5 * (1.0 - r * r).ln();
-        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        assert!((density - expected).abs() < 1e-9, "{density} {expected}");
     }
 
     /// At the end of its range a quantity counts as far out as numbers below 1 tell: its score is 8.209536.
@@ -146,9 +146,9 @@ mod tests {
     fn the_density_at_an_end_of_the_range_is_finite() {
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
-        let found = mixed.ln_density(&[1.0, 0.5], &[unit.clone(), unit]);
+        let density = mixed.ln_density(&[1.0, 0.5], &[unit.clone(), unit]);
         let expected = -0.5 * 8.209_536_f64.powi(2) * 0.36 / 0.64 - 0.5 * 0.64_f64.ln();
-        assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+        assert!((density - expected).abs() < 1e-5, "{density} {expected}");
     }
 
     #[test]

@@ -71,13 +71,13 @@ impl Discrepancy {
 
     /// Computes the products of a point from its coordinates.
     fn set_products(&mut self, point: usize) {
-        let own = point * self.row..point * self.row + self.points;
-        self.pairs[own.clone()].fill(1.0);
+        let range = point * self.row..point * self.row + self.points;
+        self.pairs[range.clone()].fill(1.0);
         self.ones[point] = 1.0;
         for column in &self.columns {
             let x = column[point];
             self.ones[point] *= one(x);
-            for (product, y) in self.pairs[own.clone()].iter_mut().zip(column) {
+            for (product, y) in self.pairs[range.clone()].iter_mut().zip(column) {
                 *product *= two(x, *y);
             }
         }
@@ -124,9 +124,10 @@ impl Discrepancy {
         // The pair of `a` and `b` itself does not change, and each point's product with itself counts once.
         let pair = change(x, of_a[a], of_b[a]) + change(y, of_a[b], of_b[b]);
         let swapped = |product: f64, from: f64, to: f64| product * (to / from - 1.0);
-        let own = swapped(of_a[a], two(x, x), two(y, y)) + swapped(of_b[b], two(y, y), two(x, x));
+        let squares =
+            swapped(of_a[a], two(x, x), two(y, y)) + swapped(of_b[b], two(y, y), two(x, x));
         let single = swapped(self.ones[a], one(x), one(y)) + swapped(self.ones[b], one(y), one(x));
-        [single, own + 2.0 * (sums.iter().sum::<f64>() - pair)]
+        [single, squares + 2.0 * (sums.iter().sum::<f64>() - pair)]
     }
 
     /// Exchanges the coordinates of two points in one input.
@@ -189,8 +190,8 @@ mod tests {
         assert!((two - (13.0 / 12.0 - 2.0 * 1.09375 + 1.125)).abs() < 1e-15);
         for count in [5, 8, 13] {
             let points = points(count);
-            let found = Discrepancy::new(&points).square();
-            assert!((found - written_out(&points)).abs() < 1e-14, "{count}");
+            let square = Discrepancy::new(&points).square();
+            assert!((square - written_out(&points)).abs() < 1e-14, "{count}");
         }
     }
 
@@ -203,9 +204,9 @@ mod tests {
             for (a, b) in (0..10).flat_map(|a| (0..10).map(move |b| (a, b))) {
                 let mut changed = start.clone();
                 changed[dimension].swap(a, b);
-                let found = state.square_after(Exchange { dimension, a, b });
+                let square = state.square_after(Exchange { dimension, a, b });
                 let expected = written_out(&changed);
-                assert!((found - expected).abs() < 1e-14, "{dimension} {a} {b}");
+                assert!((square - expected).abs() < 1e-14, "{dimension} {a} {b}");
             }
         }
         assert!((state.square() - written_out(&start)).abs() < 1e-14);
@@ -220,7 +221,7 @@ mod tests {
             state.make(Exchange { dimension, a, b });
             expected[dimension].swap(a, b);
         }
-        let (found, expected) = (state.square(), written_out(&expected));
-        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        let (square, expected) = (state.square(), written_out(&expected));
+        assert!((square - expected).abs() < 1e-12, "{square} {expected}");
     }
 }

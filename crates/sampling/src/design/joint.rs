@@ -26,9 +26,9 @@ impl Joint {
             return Err("a sample needs a column and a row".to_owned());
         }
         if let Some(row) = rows.iter().find(|row| row.len() != inputs.len()) {
-            let (found, wanted) = (row.len(), inputs.len());
+            let (count, wanted) = (row.len(), inputs.len());
             return Err(format!(
-                "a row of the sample has {found} numbers, not {wanted}"
+                "a row of the sample has {count} numbers, not {wanted}"
             ));
         }
         let rows = Arc::new(sorted(rows));
@@ -153,10 +153,10 @@ mod tests {
             vec![1003.0 + x, 5.0 + 0.01 * y, 7000.0 + 1000.0 * apart[k]]
         };
         let mixed = [5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec();
-        let found = sorted(mixed);
+        let rows = sorted(mixed);
         let expected: Vec<Vec<f64>> = (0..8).map(row).collect();
         let reversed: Vec<Vec<f64>> = expected.iter().rev().cloned().collect();
-        assert!(found == expected || found == reversed, "{found:?}");
+        assert!(rows == expected || rows == reversed, "{rows:?}");
     }
 
     /// Where one column rises and the other falls, the rows go along the difference. The means, both positive, would
@@ -165,8 +165,8 @@ mod tests {
     fn the_main_direction_is_not_that_of_the_means() {
         let zigzag = [0.3, -0.3, 0.3, -0.3, 0.3, -0.3, 0.3, -0.3];
         let row = |k: u8| vec![f64::from(k), 7.0 - f64::from(k) + zigzag[usize::from(k)]];
-        let found = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
-        let firsts: Vec<f64> = found.iter().map(|row| row[0]).collect();
+        let rows = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
+        let firsts: Vec<f64> = rows.iter().map(|row| row[0]).collect();
         assert!(
             firsts.is_sorted() || firsts.is_sorted_by(|a, b| a >= b),
             "{firsts:?}"
@@ -190,9 +190,9 @@ mod tests {
                     row.rotate_right(leading);
                     row
                 };
-                let found = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
-                let (first, last) = (found[0][leading], found[7][leading]);
-                assert!(first < last, "{leading} {signs:?}: {found:?}");
+                let rows = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
+                let (first, last) = (rows[0][leading], rows[7][leading]);
+                assert!(first < last, "{leading} {signs:?}: {rows:?}");
             }
         }
     }

@@ -165,8 +165,8 @@ fn the_points_of_a_seed_never_change() {
             replicates,
         };
         let design = Design::new(&sampling, vec![UNIT; 4]).unwrap();
-        let found = [0, 1, 19].map(|index| design.point(index));
-        assert_eq!(found, expected, "{method:?}");
+        let points = [0, 1, 19].map(|index| design.point(index));
+        assert_eq!(points, expected, "{method:?}");
     }
 }
 

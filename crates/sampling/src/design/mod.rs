@@ -278,10 +278,10 @@ mod tests {
             let shrunk = (3.0 / std::f64::consts::PI).sqrt();
             for (a, b, expected) in [(0, 1, 0.8), (0, 3, -0.5 * shrunk), (0, 4, 0.0)] {
                 let error = 4.0 * (1.0 - expected * expected) / (N as f64).sqrt();
-                let found = pearson(a, b);
+                let coefficient = pearson(a, b);
                 assert!(
-                    (found - expected).abs() < error,
-                    "{method:?}: {found} for {expected}"
+                    (coefficient - expected).abs() < error,
+                    "{method:?}: {coefficient} for {expected}"
                 );
             }
             assert!(
@@ -361,8 +361,8 @@ mod tests {
     #[test]
     fn random_points_can_be_extended_and_others_cannot() {
         let extensible = |method: Method| method.is_extensible();
-        let own = [Method::MonteCarlo, Method::Sobol, Method::Halton];
-        assert!(own.into_iter().all(extensible));
+        let random = [Method::MonteCarlo, Method::Sobol, Method::Halton];
+        assert!(random.into_iter().all(extensible));
         let whole = [
             Method::LatinHypercube,
             Method::OptimisedLatinHypercube,

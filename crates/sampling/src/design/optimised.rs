@@ -166,8 +166,8 @@ mod tests {
     fn points_are_spread_better_than_scipy_spreads_them_and_in_slices() {
         for (points, most) in [(50, 1.019e-2), (200, 1.693e-3)] {
             let columns = Spread::of(3, 7, points).unwrap().0.columns().to_vec();
-            let found = discrepancy(3, &columns);
-            assert!(found < 0.9 * most, "{points}: {found}");
+            let discrepancy = discrepancy(3, &columns);
+            assert!(discrepancy < 0.9 * most, "{points}: {discrepancy}");
             for mut column in columns {
                 column.sort_unstable();
                 assert!(column.into_iter().map(u64::from).eq(0..points));
@@ -185,8 +185,8 @@ mod tests {
                 .collect()
         };
         let points: Vec<Vec<f64>> = (0..3).map(column).collect();
-        let found = discrepancy(3, spread.0.columns());
-        assert_eq!(found, Discrepancy::new(&points).square());
+        let discrepancy = discrepancy(3, spread.0.columns());
+        assert_eq!(discrepancy, Discrepancy::new(&points).square());
     }
 
     #[test]
@@ -224,8 +224,11 @@ mod tests {
             let values = pairings.iter().map(|columns| discrepancy(seed, columns));
             let least = values.fold(f64::INFINITY, f64::min);
             let spread = Spread::of(seed, pairings[0].len(), 3).unwrap();
-            let found = discrepancy(seed, spread.0.columns());
-            assert!((found - least).abs() < 1e-12, "{seed}: {found} {least}");
+            let discrepancy = discrepancy(seed, spread.0.columns());
+            assert!(
+                (discrepancy - least).abs() < 1e-12,
+                "{seed}: {discrepancy} {least}"
+            );
         }
     }
 

@@ -153,8 +153,8 @@ mod tests {
             let whole = (0..)
                 .zip(all)
                 .map(|(k, direction)| direction >> (BITS - 1 - k));
-            let found: Vec<u32> = whole.take(initial.len() + expected.len()).collect();
-            assert_eq!(found, [initial, expected].concat(), "{coefficients:b}");
+            let numbers: Vec<u32> = whole.take(initial.len() + expected.len()).collect();
+            assert_eq!(numbers, [initial, expected].concat(), "{coefficients:b}");
         }
     }
 

@@ -65,10 +65,10 @@ fn paired(start: DMatrix<f64>, slices: &DMatrix<f64>, factor: &DMatrix<f64>) -> 
     // The scores of few points may depend on each other linearly: these are mixed as they are.
     let mut best = (f64::INFINITY, ranked(&(&scores * factor.transpose())));
     for _ in 0..ROUNDS {
-        let Some(own) = coefficients(&scores).cholesky() else {
+        let Some(cholesky) = coefficients(&scores).cholesky() else {
             break;
         };
-        let Some(free) = own.l().try_inverse() else {
+        let Some(free) = cholesky.l().try_inverse() else {
             break;
         };
         let ranks = ranked(&(&scores * (factor * free).transpose()));
@@ -175,15 +175,15 @@ mod tests {
             for (a, b) in INPUTS {
                 let r = wanted(a, b);
                 let [x, y] = [a, b].map(|input| column(&points, input, normal_quantile));
-                let found = coefficient(x, y);
+                let of_scores = coefficient(x, y);
                 assert!(
-                    (found - r).abs() < most,
-                    "{method:?} {count} {a} {b}: {found}"
+                    (of_scores - r).abs() < most,
+                    "{method:?} {count} {a} {b}: {of_scores}"
                 );
                 let slice = |u: f64| (u * count as f64).floor();
                 let [x, y] = [a, b].map(|input| column(&points, input, slice));
-                let found = coefficient(x, y);
-                let off = found - 6.0 / std::f64::consts::PI * (r / 2.0).asin();
+                let of_slices = coefficient(x, y);
+                let off = of_slices - 6.0 / std::f64::consts::PI * (r / 2.0).asin();
                 assert!(
                     off.abs() < most_of_ranks,
                     "{method:?} {count} {a} {b}: {off}"
@@ -207,7 +207,7 @@ mod tests {
     /// Three points of four inputs: their scores depend on each other linearly.
     #[test]
     fn few_points_are_mixed_as_they_are() {
-        let found = points(Method::LatinHypercube, 3, 9);
+        let points = points(Method::LatinHypercube, 3, 9);
         let free = {
             let sampling = Sampling {
                 method: Method::LatinHypercube,
@@ -222,7 +222,7 @@ mod tests {
             .iter()
             .map(|p| 0.8 * normal_quantile(p[0]) + 0.6 * normal_quantile(p[1]))
             .collect();
-        let slices: Vec<u32> = found.iter().map(|p| (3.0 * p[1]) as u32).collect();
+        let slices: Vec<u32> = points.iter().map(|p| (3.0 * p[1]) as u32).collect();
         assert_eq!(slices, ranks(&mixed));
     }
 

@@ -188,8 +188,8 @@ mod tests {
     fn probabilities_are_the_inverse_of_quantiles() {
         for distribution in all() {
             for u in [0.01, 0.2, 0.5, 0.9, 0.999] {
-                let found = distribution.below(distribution.quantile(u));
-                assert!((found - u).abs() < 1e-9, "{distribution:?}: {found}");
+                let below = distribution.below(distribution.quantile(u));
+                assert!((below - u).abs() < 1e-9, "{distribution:?}: {below}");
             }
             assert_eq!(distribution.below(-100.0), 0.0);
             assert!((distribution.below(100.0) - 1.0).abs() < 1e-12);
@@ -207,10 +207,10 @@ mod tests {
                 for u in [0.05, 0.3, 0.6, 0.95] {
                     let (value, h) = (scaled.quantile(u), 1e-5);
                     let slope = (scaled.below(value + h) - scaled.below(value - h)) / (2.0 * h);
-                    let found = scaled.ln_density(value).exp();
+                    let density = scaled.ln_density(value).exp();
                     assert!(
-                        (found / slope - 1.0).abs() < 1e-5,
-                        "{scaled:?}: {found} {slope}"
+                        (density / slope - 1.0).abs() < 1e-5,
+                        "{scaled:?}: {density} {slope}"
                     );
                 }
             }
@@ -232,9 +232,9 @@ mod tests {
             assert_eq!(rising.below(1.0 - x), 1.0 - below, "{x}");
         }
         for (x, density) in [(-0.1, 0.0), (0.0, 2.0), (0.75, 0.5), (1.0, 0.0), (1.1, 0.0)] {
-            let found = [falling.ln_density(x), rising.ln_density(1.0 - x)];
-            for found in found.map(f64::exp) {
-                assert!((found - density).abs() < 1e-12, "{x}: {found}");
+            let logs = [falling.ln_density(x), rising.ln_density(1.0 - x)];
+            for value in logs.map(f64::exp) {
+                assert!((value - density).abs() < 1e-12, "{x}: {value}");
             }
         }
     }
@@ -252,8 +252,8 @@ mod tests {
                 assert!(distribution.ln_density(end).is_finite(), "{distribution:?}");
             }
             for beyond in [min - 1e-9, max + 1e-9] {
-                let found = distribution.ln_density(beyond);
-                assert_eq!(found, f64::NEG_INFINITY, "{distribution:?}");
+                let ln_density = distribution.ln_density(beyond);
+                assert_eq!(ln_density, f64::NEG_INFINITY, "{distribution:?}");
             }
         }
         for value in [0.0, -1.0] {

@@ -168,11 +168,11 @@ impl Population {
             return vec![self];
         }
         let part = |number: usize| {
-            let own: Vec<usize> = (0..parts.len()).filter(|&i| parts[i] == number).collect();
+            let members: Vec<usize> = (0..parts.len()).filter(|&i| parts[i] == number).collect();
             Self {
-                points: own.iter().map(|&i| self.points[i].clone()).collect(),
-                levels: own.iter().map(|&i| self.levels[i]).collect(),
-                share: self.share * own.len() as f64 / parts.len() as f64,
+                points: members.iter().map(|&i| self.points[i].clone()).collect(),
+                levels: members.iter().map(|&i| self.levels[i]).collect(),
+                share: self.share * members.len() as f64 / parts.len() as f64,
                 reached: self.reached,
                 width: self.width,
                 change: self.change,

@@ -100,12 +100,12 @@ impl Mixture {
         };
         let mut best = (one.criterion(points, weights), one);
         for count in 2..=most {
-            let Some(found) = Self::of(count, points, weights, random) else {
+            let Some(mixture) = Self::of(count, points, weights, random) else {
                 continue;
             };
-            let criterion = found.criterion(points, weights);
+            let criterion = mixture.criterion(points, weights);
             if criterion < best.0 {
-                best = (criterion, found);
+                best = (criterion, mixture);
             }
         }
         best.1
@@ -232,9 +232,9 @@ impl Mixture {
     /// The mixture with a part of it drawn wider, so that no weight becomes large where its own tails are too light.
     pub(super) fn defended(&self) -> Self {
         const WIDER: [(f64, f64); 2] = [(0.2, 1.7), (0.05, 3.0)];
-        let own = 1.0 - WIDER.iter().map(|(share, _)| share).sum::<f64>();
+        let rest = 1.0 - WIDER.iter().map(|(share, _)| share).sum::<f64>();
         let mut all = Self::default();
-        for (share, factor) in [(own, 1.0)].into_iter().chain(WIDER) {
+        for (share, factor) in [(rest, 1.0)].into_iter().chain(WIDER) {
             all.parts.extend(self.parts.iter().map(|p| p.wider(factor)));
             all.weights.extend(self.weights.iter().map(|w| share * w));
             all.regions.extend(&self.regions);

@@ -26,8 +26,8 @@ pub(super) fn parts<E>(
     let clusters = Mixture::fit(points, &weights, MOST_CLUSTERS, random);
     let nearest: Vec<usize> = points.iter().map(|p| clusters.nearest(p)).collect();
     let members = |cluster: usize| -> Vec<usize> {
-        let own = (0..points.len()).filter(|&i| nearest[i] == cluster);
-        own.collect()
+        let of_cluster = (0..points.len()).filter(|&i| nearest[i] == cluster);
+        of_cluster.collect()
     };
     let groups: Vec<Vec<usize>> = (0..clusters.len()).map(members).collect();
     let mut owner: Vec<usize> = (0..groups.len()).collect();
@@ -40,7 +40,7 @@ pub(super) fn parts<E>(
             let flat: Vec<Vec<f64>> = ways.concat();
             let levels = runs.levels(&flat)?;
             let mut each = levels.chunks(PLACES.len());
-            if each.any(|way| way.iter().all(|own| *own <= level)) {
+            if each.any(|way| way.iter().all(|at_place| *at_place <= level)) {
                 let (from, to) = (owner[b], owner[a]);
                 owner.iter_mut().for_each(|o| {
                     if *o == from {

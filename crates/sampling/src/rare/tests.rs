@@ -41,16 +41,16 @@ const LIMIT: f64 = 5.997_807_015_007_686;
 fn the_tail_of_a_normal_number_is_told_with_its_interval() {
     for seed in 1..=3 {
         let (answer, _) = asked(&search(7, 30_000, seed), |u| LIMIT - u[3]);
-        let found = answer.share.unwrap();
-        assert_eq!(found.method, Method::Weighted);
-        let [low, high] = found.interval.unwrap();
+        let share = answer.share.unwrap();
+        assert_eq!(share.method, Method::Weighted);
+        let [low, high] = share.interval.unwrap();
         // Twice the interval of 95 %: 1 of 10,000 right estimates is outside.
-        let wide = [low * low / found.value, high * high / found.value];
-        assert!(wide[0] < 1e-9 && 1e-9 < wide[1], "{found:?}");
-        assert!(found.error < 0.05, "{found:?}");
+        let wide = [low * low / share.value, high * high / share.value];
+        assert!(wide[0] < 1e-9 && 1e-9 < wide[1], "{share:?}");
+        assert!(share.error < 0.05, "{share:?}");
         assert!(answer.runs <= 30_000);
         let sum: f64 = answer.sample.iter().map(|point| point.weight).sum();
-        assert!((sum / found.value - 1.0).abs() < 1e-9);
+        assert!((sum / share.value - 1.0).abs() < 1e-9);
         assert_eq!(answer.regions.len(), 1);
         // The mean of what lies beyond the limit is a little beyond it; the others stay at 0. The nearest point is a
         // random one, here of some thousand in seven dimensions.
@@ -70,8 +70,8 @@ fn both_of_two_regions_are_found_and_told_apart() {
     for seed in 1..=3 {
         let (answer, _) = asked(&search(2, 60_000, seed), |u| LIMIT - u[0].abs());
         assert_eq!(answer.regions.len(), 2);
-        let found = answer.share.unwrap();
-        assert!((found.value / 2e-9 - 1.0).abs() < 0.2, "{found:?}");
+        let share = answer.share.unwrap();
+        assert!((share.value / 2e-9 - 1.0).abs() < 0.2, "{share:?}");
         for region in &answer.regions {
             assert!((region.share / 1e-9 - 1.0).abs() < 0.3, "{region:?}");
         }
@@ -82,9 +82,9 @@ fn both_of_two_regions_are_found_and_told_apart() {
 #[test]
 fn what_is_frequent_is_counted() {
     let (answer, _) = asked(&search(2, 20_000, 1), |u| 0.25 - u[0]);
-    let found = answer.share.unwrap();
-    assert_eq!((found.method, found.interval), (Method::Counted, None));
-    assert!((found.value - 0.4013).abs() < 0.1);
+    let share = answer.share.unwrap();
+    assert_eq!((share.method, share.interval), (Method::Counted, None));
+    assert!((share.value - 0.4013).abs() < 0.1);
     let rare = asked(&search(2, 20_000, 1), |u| 3.5 - u[0])
         .0
         .share
@@ -101,8 +101,8 @@ fn an_event_that_runs_only_say_yes_or_no_to_is_found_by_wider_draws() {
             ..search(4, 60_000, seed)
         };
         let (answer, _) = asked(&binary, |u| LIMIT - u[1]);
-        let found = answer.share.clone().unwrap();
-        assert!((found.value / 1e-9 - 1.0).abs() < 0.25, "{found:?}");
+        let share = answer.share.clone().unwrap();
+        assert!((share.value / 1e-9 - 1.0).abs() < 0.25, "{share:?}");
         assert!(answer.wider.met > 0 && answer.plain.met == 0);
     }
 }
@@ -143,9 +143,9 @@ fn failed_runs_are_counted_apart() {
     let (answer, _) = asked(&search(2, 30_000, 1), |u| {
         if u[1] > 1.0 { f64::NAN } else { LIMIT - u[0] }
     });
-    let found = answer.share.unwrap();
+    let share = answer.share.unwrap();
     // The other parameter is below 1 in 84.13 %.
-    assert!((found.value / 0.8413e-9 - 1.0).abs() < 0.2, "{found:?}");
+    assert!((share.value / 0.8413e-9 - 1.0).abs() < 0.2, "{share:?}");
     let failed = answer.plain.failed as f64 / answer.plain.runs as f64;
     assert!((failed - 0.1587).abs() < 0.06, "{failed}");
 }

@@ -107,15 +107,15 @@ mod tests {
 
     #[test]
     fn searches_that_agree_are_averaged_and_their_intervals_united() {
-        let found = joined(
+        let joined = joined(
             answer(1e-6, [8e-7, 1.3e-6], 100.0),
             answer(2e-6, [1.2e-6, 3e-6], 300.0),
         );
-        let share = found.share.unwrap();
+        let share = joined.share.unwrap();
         assert!((share.value - 1.75e-6).abs() < 1e-18);
         assert_eq!(share.interval, Some([8e-7, 3e-6]));
-        assert_eq!((share.effective, found.runs), (400.0, 20));
-        let weights: f64 = found.sample.iter().map(|point| point.weight).sum();
+        assert_eq!((share.effective, joined.runs), (400.0, 20));
+        let weights: f64 = joined.sample.iter().map(|point| point.weight).sum();
         assert!(
             (weights - share.value).abs() < 1e-18,
             "all points stand for the share"
@@ -124,18 +124,18 @@ mod tests {
 
     #[test]
     fn searches_that_disagree_tell_nothing_but_that() {
-        let found = joined(
+        let joined = joined(
             answer(1e-6, [8e-7, 1.3e-6], 100.0),
             answer(2e-6, [1.4e-6, 3e-6], 300.0),
         );
-        assert_eq!((found.share, found.disagree), (None, Some([1e-6, 2e-6])));
-        assert!(found.sample.is_empty() && found.regions.is_empty());
+        assert_eq!((joined.share, joined.disagree), (None, Some([1e-6, 2e-6])));
+        assert!(joined.sample.is_empty() && joined.regions.is_empty());
     }
 
     #[test]
     fn what_only_one_search_reaches_is_rough() {
-        let found = joined(answer(1e-6, [8e-7, 1.3e-6], 100.0), Answer::default());
-        assert_eq!((found.share, found.rough), (None, Some(1e-6)));
-        assert!(found.sample.is_empty());
+        let joined = joined(answer(1e-6, [8e-7, 1.3e-6], 100.0), Answer::default());
+        assert_eq!((joined.share, joined.rough), (None, Some(1e-6)));
+        assert!(joined.sample.is_empty());
     }
 }

@@ -100,8 +100,8 @@ pub(super) fn propose<E>(
     let mut mixture = Mixture::default();
     for (number, region) in regions.iter().enumerate() {
         let ones = vec![1.0; region.points.len()];
-        let own = Mixture::fit(&region.points, &ones, MOST_PARTS, random);
-        mixture.add(own, (region.share / all).max(least), number);
+        let of_region = Mixture::fit(&region.points, &ones, MOST_PARTS, random);
+        mixture.add(of_region, (region.share / all).max(least), number);
     }
     mixture.normalise();
     for number in 1..=TRIALS {
@@ -185,17 +185,17 @@ impl Proposal {
     fn regions(&self, points: &[Vec<f64>], weights: &[f64]) -> Vec<RegionShare> {
         let of: Vec<usize> = points.iter().map(|p| self.mixture.region(p)).collect();
         let region = |number: usize| {
-            let own = || (0..points.len()).filter(|&k| of[k] == number);
-            let share: f64 = own().map(|k| weights[k]).sum();
+            let members = || (0..points.len()).filter(|&k| of[k] == number);
+            let share: f64 = members().map(|k| weights[k]).sum();
             let mean =
-                |axis: usize| own().map(|k| weights[k] * points[k][axis]).sum::<f64>() / share;
+                |axis: usize| members().map(|k| weights[k] * points[k][axis]).sum::<f64>() / share;
             let mean: Vec<f64> = (0..points.first()?.len()).map(mean).collect();
             // The mean of a curved region may lie outside of it.
             let apart = |&k: &usize| -> f64 {
                 let pairs = points[k].iter().zip(&mean);
                 pairs.map(|(x, m)| (x - m).powi(2)).sum()
             };
-            let middle = own().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+            let middle = members().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
             let centre = points[middle].clone();
             Some(RegionShare { share, centre })
         };

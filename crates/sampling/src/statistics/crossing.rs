@@ -41,7 +41,7 @@ pub struct Crossing {
     /// Time since the first value.
     time: f64,
     /// When it came there; not a number where a value up to then was none, or infinite.
-    found: Option<f64>,
+    passed: Option<f64>,
 }
 
 impl Crossing {
@@ -62,15 +62,15 @@ impl Collect for Crossing {
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         for (elapsed, value) in values {
-            if self.found.is_some() {
+            if self.passed.is_some() {
                 return;
             }
             let before = *self.last.get_or_insert(value);
             if !value.is_finite() {
-                self.found = Some(f64::NAN);
+                self.passed = Some(f64::NAN);
             } else if self.direction.passes(self.level, before, value) {
                 let share = (self.level - before) / (value - before);
-                self.found = Some(self.time + share * elapsed);
+                self.passed = Some(self.time + share * elapsed);
             }
             self.last = Some(value);
             self.time += elapsed;
@@ -79,6 +79,6 @@ impl Collect for Crossing {
 
     /// The time since the first value; not a number where the signal does not come to the level.
     fn result(&self, _: f64) -> f64 {
-        self.found.unwrap_or(f64::NAN)
+        self.passed.unwrap_or(f64::NAN)
     }
 }

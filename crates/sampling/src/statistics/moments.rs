@@ -147,8 +147,11 @@ mod tests {
         const FAR: f64 = 1e10;
         let a = [1.0, 2.0, 4.0, 5.0, 9.0].map(|v| v + FAR);
         let b = [2.0, -1.0, 4.0, 3.0, 7.0].map(|v| v + FAR);
-        for found in [pearson(&a, &b), pearson(&b, &a)] {
-            assert!((found - 0.8535055952315547).abs() < 1e-9, "{found}");
+        for coefficient in [pearson(&a, &b), pearson(&b, &a)] {
+            assert!(
+                (coefficient - 0.8535055952315547).abs() < 1e-9,
+                "{coefficient}"
+            );
         }
     }
 
@@ -209,8 +212,8 @@ mod tests {
             (1.358, 0.05),
             (1.628, 0.01),
         ] {
-            let found = ks_probability(l / corrected, 30, 70);
-            assert!((found - probability).abs() < 1e-4, "{l}: {found}");
+            let chance = ks_probability(l / corrected, 30, 70);
+            assert!((chance - probability).abs() < 1e-4, "{l}: {chance}");
         }
     }
 
@@ -222,8 +225,8 @@ mod tests {
         // Where the series begins, the other form of the distribution is 1 - sqrt(2 pi) / l exp(-(pi / l)^2 / 8).
         let (l, corrected) = (0.2, 21_f64.sqrt() + 0.12 + 0.11 / 21_f64.sqrt());
         assert_eq!(l / corrected * corrected, l);
-        let found = ks_probability(l / corrected, 30, 70);
-        assert!((1.0 - found - 5.05e-13).abs() < 1e-15, "{found}");
+        let chance = ks_probability(l / corrected, 30, 70);
+        assert!((1.0 - chance - 5.05e-13).abs() < 1e-15, "{chance}");
     }
 
     proptest! {

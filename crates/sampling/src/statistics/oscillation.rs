@@ -209,10 +209,10 @@ fn peak(spectrum: &[f64], spacing: f64, span: f64) -> Option<usize> {
     let is_peak = |&k: &usize| spectrum[k] > spectrum[k - 1] && spectrum[k] >= spectrum[k + 1];
     let peaks = (lines(PERIODS).max(1)..last).filter(is_peak);
     let highest = peaks.max_by(|&a, &b| spectrum[a].total_cmp(&spectrum[b]))?;
-    let beside = [highest.abs_diff(lines(2.0)), highest + lines(2.0)];
+    let sides = [highest.abs_diff(lines(2.0)), highest + lines(2.0)];
     // Beyond half the rate the spectrum goes on as in a mirror.
-    let beside = beside.map(|k| spectrum[k.min(2 * last - k)]);
-    (beside[0].max(beside[1]) < 0.5 * spectrum[highest]).then_some(highest)
+    let heights = sides.map(|k| spectrum[k.min(2 * last - k)]);
+    (heights[0].max(heights[1]) < 0.5 * spectrum[highest]).then_some(highest)
 }
 
 #[cfg(test)]
@@ -252,14 +252,14 @@ mod tests {
             let span: f64 = steps.iter().sum();
             let frequency = periods / span;
             let signal = |t: f64| 1e3 - 5.0 * t + 0.3 * (TAU * frequency * t + 1.1).cos();
-            let found = recording(signal, steps).strongest().unwrap();
+            let strongest = recording(signal, steps).strongest().unwrap();
             assert!(
-                (found.frequency / frequency - 1.0).abs() < 1e-6,
-                "{periods}: {found:?}"
+                (strongest.frequency / frequency - 1.0).abs() < 1e-6,
+                "{periods}: {strongest:?}"
             );
             assert!(
-                (found.amplitude / 0.3 - 1.0).abs() < 1e-6,
-                "{periods}: {found:?}"
+                (strongest.amplitude / 0.3 - 1.0).abs() < 1e-6,
+                "{periods}: {strongest:?}"
             );
         }
     }
@@ -269,13 +269,13 @@ mod tests {
     fn every_frequency_is_found() {
         for k in 0..120 {
             let frequency = 3.25 + 0.25 * f64::from(k);
-            let found = recording(|t| (TAU * frequency * t).cos(), &[1.0 / 64.0; 128]);
-            let found = found.strongest().map(|oscillation| oscillation.frequency);
+            let cosine = recording(|t| (TAU * frequency * t).cos(), &[1.0 / 64.0; 128]);
+            let strongest = cosine.strongest().map(|oscillation| oscillation.frequency);
             if frequency < 31.0 {
-                let found = found.unwrap();
+                let strongest = strongest.unwrap();
                 assert!(
-                    (found / frequency - 1.0).abs() < 1e-6,
-                    "{frequency}: {found}"
+                    (strongest / frequency - 1.0).abs() < 1e-6,
+                    "{frequency}: {strongest}"
                 );
             }
         }
@@ -285,9 +285,9 @@ mod tests {
     fn the_stronger_one_of_two_is_found() {
         let steps = vec![0.01; 1000];
         let signal = |t: f64| 0.5 * (TAU * 3.02 * t).sin() + 0.8 * (TAU * 7.77 * t).cos();
-        let found = recording(signal, &steps).strongest().unwrap();
-        assert!((found.frequency - 7.77).abs() < 1e-4, "{found:?}");
-        assert!((found.amplitude - 0.8).abs() < 1e-3, "{found:?}");
+        let strongest = recording(signal, &steps).strongest().unwrap();
+        assert!((strongest.frequency - 7.77).abs() < 1e-4, "{strongest:?}");
+        assert!((strongest.amplitude - 0.8).abs() < 1e-3, "{strongest:?}");
     }
 
     #[test]
@@ -317,9 +317,9 @@ mod tests {
         for steps in 0..=6 {
             assert_eq!(sine(steps), None, "{steps}");
         }
-        let found = sine(10).unwrap();
-        assert!((found.frequency - 0.34).abs() < 1e-6, "{found:?}");
-        assert!((found.amplitude - 1.0).abs() < 1e-6, "{found:?}");
+        let strongest = sine(10).unwrap();
+        assert!((strongest.frequency - 0.34).abs() < 1e-6, "{strongest:?}");
+        assert!((strongest.amplitude - 1.0).abs() < 1e-6, "{strongest:?}");
     }
 
     /// A constant but for the last place of its numbers, which swings.
@@ -371,7 +371,7 @@ mod tests {
     fn weights_are_those_of_the_window() {
         let values = of(&[(0.0, 5.0), (1.0, 5.0), (2.0, 5.0), (1.0, 5.0)]);
         let expected = [0.0, 0.75, 0.75, 0.0];
-        let close = |(found, expected): (&f64, f64)| (found - expected).abs() < 1e-15;
+        let close = |(weight, expected): (&f64, f64)| (weight - expected).abs() < 1e-15;
         let weights = values.weights();
         assert!(weights.iter().zip(expected).all(close), "{weights:?}");
         assert_eq!((values.span(), values.even_step()), (4.0, 4.0 / 3.0));
@@ -421,8 +421,11 @@ mod tests {
             0.5 * phase.cos(),
             -0.5 * phase.sin(),
         ];
-        for (found, expected) in fit.coefficients.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        for (coefficient, expected) in fit.coefficients.iter().zip(expected) {
+            assert!(
+                (coefficient - expected).abs() < 1e-9,
+                "{coefficient} {expected}"
+            );
         }
         // It explains all of the sum of squares.
         let square = |(value, weight): (&f64, &f64)| weight * (value - values.values[0]).powi(2);
@@ -463,15 +466,18 @@ mod tests {
                 rest * (1.0 - (TAU * t / 3.5).cos())
             })
             .collect();
-        let (found, spacing) = values.spectrum(&weights).unwrap();
-        assert_eq!((found.len(), spacing), (33, 1.0 / (0.4375 * 64.0)));
-        for (k, found) in found.iter().enumerate() {
+        let (spectrum, spacing) = values.spectrum(&weights).unwrap();
+        assert_eq!((spectrum.len(), spacing), (33, 1.0 / (0.4375 * 64.0)));
+        for (k, amplitude) in spectrum.iter().enumerate() {
             let sum = |part: fn(f64) -> f64| -> f64 {
                 let term = |(n, slot): (usize, &f64)| slot * part(TAU * (k * n) as f64 / 64.0);
                 slots.iter().enumerate().map(term).sum()
             };
             let expected = sum(f64::cos).hypot(sum(f64::sin));
-            assert!((found - expected).abs() < 1e-12, "{k}: {found} {expected}");
+            assert!(
+                (amplitude - expected).abs() < 1e-12,
+                "{k}: {amplitude} {expected}"
+            );
         }
     }
 

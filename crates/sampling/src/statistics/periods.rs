@@ -90,8 +90,8 @@ mod tests {
     fn the_part_of_a_period_does_not_count() {
         for (periods, phase) in [(3.7, 0.0), (9.2, 1.3), (2.9, 4.0)] {
             let value = |t: f64| 5.0 + (TAU * t).cos() + 0.5 * (2.0 * TAU * t).sin();
-            let found = mean(periods, value, |t| 7.0 + 2.0 * (TAU * t + phase).sin());
-            assert!((found - 5.0).abs() < 1e-6, "{periods}: {found}");
+            let mean = mean(periods, value, |t| 7.0 + 2.0 * (TAU * t + phase).sin());
+            assert!((mean - 5.0).abs() < 1e-6, "{periods}: {mean}");
         }
     }
 
@@ -99,8 +99,8 @@ mod tests {
     /// rise on these are at 1 and 4.
     #[test]
     fn a_line_has_its_value_in_the_middle() {
-        let found = mean(4.6, |t| 3.0 * t, |t| (TAU * (t - 1e-9)).sin());
-        assert!((found - 7.5).abs() < 1e-6, "{found}");
+        let mean = mean(4.6, |t| 3.0 * t, |t| (TAU * (t - 1e-9)).sin());
+        assert!((mean - 7.5).abs() < 1e-6, "{mean}");
     }
 
     /// A signal of few rows, with 30 in its middle, 15 a quarter above its least value and 45 a quarter below its most.
@@ -147,8 +147,8 @@ mod tests {
     fn small_waves_are_no_periods() {
         let noise = |t: f64| 0.1 * ((7919.0 * t).sin() * 43_758.5).fract();
         let signal = |t: f64| (TAU * t).sin() + 0.4 * (3.0 * TAU * t).sin() + noise(t);
-        let found = mean(6.3, |t| (TAU * t).sin(), signal);
-        assert!(found.abs() < 5e-3, "{found}");
+        let mean = mean(6.3, |t| (TAU * t).sin(), signal);
+        assert!(mean.abs() < 5e-3, "{mean}");
     }
 
     #[test]

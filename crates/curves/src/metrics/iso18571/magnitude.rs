@@ -97,14 +97,14 @@ mod tests {
         let reference: Vec<f64> = (0..12).map(|k| (0.5 * f64::from(k)).sin()).collect();
         let model: Vec<f64> = (0..12).map(|k| (0.5 * f64::from(k) - 0.5).sin()).collect();
         let squares = path(&reference, &model).map(|(m, r)| (model[m] - reference[r]).powi(2));
-        let found: f64 = squares.sum();
+        let length: f64 = squares.sum();
         let expected = least(&reference, &model, (11, 11), 1);
-        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        assert!((length - expected).abs() < 1e-12, "{length} {expected}");
         let straight: f64 = model
             .iter()
             .zip(&reference)
             .map(|(m, r)| (m - r).powi(2))
             .sum();
-        assert!(found < 0.5 * straight);
+        assert!(length < 0.5 * straight);
     }
 }

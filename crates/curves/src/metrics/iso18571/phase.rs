@@ -18,9 +18,9 @@ pub(super) fn shift(reference: &[f64], model: &[f64]) -> isize {
     let (mut best, mut largest) = (0, correlate(0));
     for distance in 1..=most {
         for shift in [distance, -distance] {
-            let found = correlate(shift);
-            if found > largest {
-                (best, largest) = (shift, found);
+            let correlation = correlate(shift);
+            if correlation > largest {
+                (best, largest) = (shift, correlation);
             }
         }
     }
