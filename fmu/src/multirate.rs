@@ -176,9 +176,9 @@ pub fn network(model: &impl TwoScales, at: &Departure, flows: &Flows) -> Matrix4
     let here = rates(&t);
     let mut jacobian = Matrix4::zeros();
     for column in 0..4 {
-        let mut beside = t;
-        beside[column] += NUDGE;
-        jacobian.set_column(column, &((rates(&beside) - here) / NUDGE));
+        let mut nudged = t;
+        nudged[column] += NUDGE;
+        jacobian.set_column(column, &((rates(&nudged) - here) / NUDGE));
     }
     jacobian
 }
@@ -266,22 +266,22 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         let at_here = self.rates_under(t, self.worn, &here);
         let mut jacobian = Matrix4::zeros();
         for column in 0..4 {
-            let mut beside = *t;
-            beside[column] += self.nudge;
-            let changed = if self.follows(column, &beside, clearance) {
-                self.flows(&beside, self.worn)?
+            let mut nudged = *t;
+            nudged[column] += self.nudge;
+            let changed = if self.follows(column, &nudged, clearance) {
+                self.flows(&nudged, self.worn)?
             } else {
                 here
             };
-            let change = self.rates_under(&beside, self.worn, &changed) - at_here;
+            let change = self.rates_under(&nudged, self.worn, &changed) - at_here;
             jacobian.set_column(column, &(change / self.nudge));
         }
         Ok((at_here, jacobian))
     }
 
     /// Whether the orbit follows this temperature: the film's, or one that has changed the clearance, m.
-    fn follows(&self, column: usize, beside: &Vector4, clearance: f64) -> bool {
-        column == 0 || self.clearance(beside, self.worn) != clearance
+    fn follows(&self, column: usize, nudged: &Vector4, clearance: f64) -> bool {
+        column == 0 || self.clearance(nudged, self.worn) != clearance
     }
 
     /// Ends the way where the clearance closes.
@@ -357,9 +357,9 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         let mut jacobian = SMatrix::<f64, 5, 5>::zeros();
         for column in 0..5 {
             let nudge = if column < 4 { self.nudge } else { WEAR_NUDGE };
-            let mut beside = *y;
-            beside[column] += nudge;
-            jacobian.set_column(column, &((self.wearing(&beside)? - here) / nudge));
+            let mut nudged = *y;
+            nudged[column] += nudge;
+            jacobian.set_column(column, &((self.wearing(&nudged)? - here) / nudge));
         }
         Ok((here, jacobian))
     }

@@ -348,9 +348,9 @@ fn cases(study: &Study) -> Vec<JudgedCase> {
     let cases = study.cases.iter().enumerate();
     cases
         .map(|(number, case)| {
-            let own = study.criteria.values();
-            let own = own.filter(|text| text.case == Some(number)).count();
-            let members = first..first + own;
+            let criteria = study.criteria.values();
+            let count = criteria.filter(|text| text.case == Some(number)).count();
+            let members = first..first + count;
             first = members.end;
             JudgedCase {
                 name: case.name.as_ref().clone(),

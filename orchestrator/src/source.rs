@@ -82,7 +82,7 @@ impl Source {
         match self {
             Self::Design(design) => (1..=design.len()).contains(&label).then(|| label - 1),
             Self::Table(table) => {
-                let place = table.labels.iter().position(|&own| own == label);
+                let place = table.labels.iter().position(|&known| known == label);
                 place.map(|place| place as u64)
             }
         }

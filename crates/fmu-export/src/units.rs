@@ -158,8 +158,8 @@ mod tests {
             .iter()
             .filter(|unit| unit.name.contains(['/', '.', '2', '3']))
         {
-            let found = unit.base.named().map(|(_, exponent)| exponent);
-            assert_eq!(found, product(unit.name), "{}", unit.name);
+            let exponents = unit.base.named().map(|(_, exponent)| exponent);
+            assert_eq!(exponents, product(unit.name), "{}", unit.name);
         }
         let named = |unit: Unit| unit.base.named().map(|(_, exponent)| exponent);
         for (unit, same) in [

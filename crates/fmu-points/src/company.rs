@@ -178,10 +178,10 @@ mod tests {
         }
     }
 
-    /// Points below `own` fail, and others below `crowded` while others run.
-    fn answer(index: u64, own: u64, crowded: u64) -> Event {
+    /// Points below `failing` fail, and others below `crowded` while others run.
+    fn answer(index: u64, failing: u64, crowded: u64) -> Event {
         let answer = match index {
-            index if index < own => Err(Failure::Error(format!("{index} is too large"))),
+            index if index < failing => Err(Failure::Error(format!("{index} is too large"))),
             index if index < crowded => Err(Failure::Error(format!("port {index} in use"))),
             _ => Ok(vec![1.0].into()),
         };
@@ -189,20 +189,20 @@ mod tests {
     }
 
     /// How many points came again, and how many of them passed.
-    fn repeated(own: u64, crowded: u64) -> (usize, usize) {
-        let again = settled(own, crowded, &[]);
+    fn repeated(failing: u64, crowded: u64) -> (usize, usize) {
+        let again = settled(failing, crowded, &[]);
         let passed = again.iter().filter(|(_, failure)| failure.is_none());
         (again.len(), passed.count())
     }
 
     /// The points that come again, in their order, and why they fail alone; an earlier part of the run has repeated some.
-    fn settled(own: u64, crowded: u64, before: &[Again]) -> Vec<Again> {
+    fn settled(failing: u64, crowded: u64, before: &[Again]) -> Vec<Again> {
         let mut company = Company::default();
-        (0..crowded + 10).for_each(|index| company.heed(&answer(index, own, crowded)));
+        (0..crowded + 10).for_each(|index| company.heed(&answer(index, failing, crowded)));
         for (index, failure) in before {
             company.recall(*index, failure.as_ref());
         }
-        let mut workers: Vec<Box<dyn Worker>> = vec![Box::new(Shy(own))];
+        let mut workers: Vec<Box<dyn Worker>> = vec![Box::new(Shy(failing))];
         let job = |index| Job {
             index,
             values: Vec::new(),
@@ -217,7 +217,7 @@ mod tests {
         });
         assert!(!over.unwrap() && company.is_settled());
         // What is known of a kind is not tried again.
-        company.heed(&answer(0, own, crowded));
+        company.heed(&answer(0, failing, crowded));
         assert!(company.is_settled());
         again
     }
@@ -225,11 +225,15 @@ mod tests {
     /// Wherever the repetition was interrupted, what follows is what would have followed.
     #[test]
     fn what_was_repeated_before_does_not_come_again() {
-        for (own, crowded) in [(0, 30), (30, 30), (10, 40)] {
-            let whole = settled(own, crowded, &[]);
+        for (failing, crowded) in [(0, 30), (30, 30), (10, 40)] {
+            let whole = settled(failing, crowded, &[]);
             for begun in 0..=whole.len() {
                 let (before, after) = whole.split_at(begun);
-                assert_eq!(settled(own, crowded, before), after, "{own} {crowded}");
+                assert_eq!(
+                    settled(failing, crowded, before),
+                    after,
+                    "{failing} {crowded}"
+                );
             }
         }
     }

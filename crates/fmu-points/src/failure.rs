@@ -117,7 +117,7 @@ impl Failure {
     pub fn cause(&self) -> &Self {
         match self {
             Self::InCase(of) => of.failure.cause(),
-            own => own,
+            failure => failure,
         }
     }
 

@@ -294,10 +294,10 @@ impl Policy {
     }
 
     /// Notes what a probe found and how long it took.
-    pub(crate) fn probed(&mut self, found: Probed, took: Duration) {
+    pub(crate) fn probed(&mut self, outcome: Probed, took: Duration) {
         self.probing = false;
         self.probe_time += took;
-        match found {
+        match outcome {
             Probed::Nothing => {}
             Probed::Different => self.give_up_reproducing(),
             Probed::NoForks => self.alone = Some(self.strictest()),
@@ -411,14 +411,14 @@ impl Policy {
 
     /// Notes what a trial found: how instances are used again where points came out the same, or why they are not; nothing
     /// where it was interrupted.
-    pub(crate) fn tried(&mut self, found: Option<Result<Reuse, Reason>>) {
+    pub(crate) fn tried(&mut self, outcome: Option<Result<Reuse, Reason>>) {
         if self.sharing == Sharing::OnTrial {
-            self.sharing = match found {
+            self.sharing = match outcome {
                 None => Sharing::Untried,
                 Some(Ok(reuse)) => Sharing::Earned(reuse),
                 Some(Err(reason)) => Sharing::Refused(reason),
             };
-            if found.is_some() {
+            if outcome.is_some() {
                 self.proof = Vec::new();
             }
         }

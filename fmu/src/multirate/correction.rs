@@ -79,12 +79,12 @@ mod tests {
         let correction = known(&[0.03, 0.008]);
         for viscosity in [0.009, 0.015, 0.025] {
             let [fast, slow] = films(viscosity);
-            let found = correction.apply(viscosity, &fast);
+            let corrected = correction.apply(viscosity, &fast);
             assert!(
-                (heat(&found) / heat(&slow) - 1.0).abs() < 1e-3,
-                "{viscosity}: {found:?} {slow:?}"
+                (heat(&corrected) / heat(&slow) - 1.0).abs() < 1e-3,
+                "{viscosity}: {corrected:?} {slow:?}"
             );
-            assert!((found.side_flow / slow.side_flow - 1.0).abs() < 1e-6);
+            assert!((corrected.side_flow / slow.side_flow - 1.0).abs() < 1e-6);
         }
     }
 
@@ -99,8 +99,8 @@ mod tests {
         let mut correction = known(&[0.03, 0.008]);
         let [fast, _] = films(0.008);
         correction.learn(0.00801, &fast, &fast);
-        let found = correction.apply(0.00801, &fast);
-        assert!((heat(&found) / heat(&fast) - 1.0).abs() < 1e-12);
+        let corrected = correction.apply(0.00801, &fast);
+        assert!((heat(&corrected) / heat(&fast) - 1.0).abs() < 1e-12);
         assert_eq!(correction.nodes.len(), 2);
     }
 

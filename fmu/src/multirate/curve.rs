@@ -135,7 +135,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// The same at another clearance, m, with an orbit at a viscosity that begins near `guess`.
-    pub(super) fn beside(
+    pub(super) fn with_orbit(
         &self,
         clearance: f64,
         viscosity: f64,
@@ -187,9 +187,9 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             } else {
                 piece.nearest.place()
             };
-            let found = self.search(missing.exp(), guess, Aim::Heat)?;
+            let orbit = self.search(missing.exp(), guess, Aim::Heat)?;
             let index = self.nodes.partition_point(|(node, _)| *node <= missing);
-            self.nodes.insert(index, (missing, found));
+            self.nodes.insert(index, (missing, orbit));
             self.latest = missing;
             self.piece = None;
         }

@@ -149,7 +149,9 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         if curve.clearance() == clearance {
             return curve.place(viscosity);
         }
-        curve.beside(clearance, viscosity, near)?.place(viscosity)
+        curve
+            .with_orbit(clearance, viscosity, near)?
+            .place(viscosity)
     }
 
     /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
@@ -170,7 +172,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
                     .min_by_key(|(known, _)| known.abs_diff(number));
                 let (_, neighbour) = nearest.expect("the departure's curve is there");
                 let guess = neighbour.at(viscosity)?.place();
-                let curve = neighbour.beside(clearance, viscosity, guess)?;
+                let curve = neighbour.with_orbit(clearance, viscosity, guess)?;
                 self.curves.push((number, curve));
                 self.curves.len() - 1
             }
@@ -255,7 +257,7 @@ mod tests {
     #[test]
     fn parabolas_find_the_equilibrium_of_cubics_with_fewer_orbits() {
         let mut looks = Vec::new();
-        let mut found = Vec::new();
+        let mut rises = Vec::new();
         for across in [Across::Parabolas, Across::Cubics] {
             let model = Widening::default();
             let from = Departure {
@@ -275,10 +277,10 @@ mod tests {
             looks.push(model.looks.get());
             let rise = t.bush - 300.0;
             assert!((t.film - t.bush - rise).abs() < 1e-5, "{across:?} {t:?}");
-            found.push(rise);
+            rises.push(rise);
         }
-        assert!((found[0] - found[1]).abs() < 0.02, "{found:?}");
-        assert!(found[0] > 5.0, "{found:?}");
+        assert!((rises[0] - rises[1]).abs() < 0.02, "{rises:?}");
+        assert!(rises[0] > 5.0, "{rises:?}");
         assert!(3 * looks[0] < 2 * looks[1], "{looks:?}");
     }
 }

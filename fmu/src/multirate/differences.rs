@@ -37,11 +37,11 @@ impl<'a, M: TwoScales> Differences<'a, M> {
         let x = viscosity.ln();
         let known = match (self.nodes.first(), self.nodes.last()) {
             (Some((first, _)), Some((last, _))) => {
-                let found = self.line(x);
+                let line = self.line(x);
                 if (first - x).max(x - last) <= REACH {
-                    return Ok(found);
+                    return Ok(line);
                 }
-                found
+                line
             }
             _ => guess(),
         };
@@ -51,10 +51,10 @@ impl<'a, M: TwoScales> Differences<'a, M> {
         } else {
             departure.place()
         };
-        let found = self.curve.orbit(viscosity, near)?.0 - departure.0;
+        let difference = self.curve.orbit(viscosity, near)?.0 - departure.0;
         let index = self.nodes.partition_point(|(node, _)| *node <= x);
-        self.nodes.insert(index, (x, found));
-        Ok(found)
+        self.nodes.insert(index, (x, difference));
+        Ok(difference)
     }
 
     /// On the line through the two nodes next to `x`, or at the only one.

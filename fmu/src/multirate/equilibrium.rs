@@ -115,8 +115,8 @@ pub fn equilibrium(
         let time_constant = slowest_time_constant(&drift);
         let distance = newton(&rates, &drift).map_or(f64::INFINITY, |step| step.amax());
         if distance < NEAR && time_constant > 0.0 {
-            if let Some(found) = finish(&mean, t)? {
-                return Ok(found);
+            if let Some(equilibrium) = finish(&mean, t)? {
+                return Ok(equilibrium);
             }
         } else if distance < ON_THE_RIDGE {
             return Err(NoEquilibrium::Unstable {
@@ -200,10 +200,10 @@ fn settled<M: TwoScales>(
     let clearance = mean.clearance(t, mean.worn);
     let mut shift = SMatrix::<f64, 2, 4>::zeros();
     for column in 0..4 {
-        let mut beside = *t;
-        beside[column] += mean.nudge;
-        if mean.follows(column, &beside, clearance) {
-            let ahead = mean.orbit(&beside, mean.worn)?.place();
+        let mut nudged = *t;
+        nudged[column] += mean.nudge;
+        if mean.follows(column, &nudged, clearance) {
+            let ahead = mean.orbit(&nudged, mean.worn)?.place();
             shift.set_column(column, &((ahead - here.place()) / mean.nudge));
         }
     }
@@ -328,22 +328,22 @@ mod tests {
             (340.2, 370.0),
             (400.0, 370.0),
         ] {
-            let found = equilibrium(&THREE, 1e-7, Across::Cubics, &from(begin)).unwrap();
+            let equilibrium = equilibrium(&THREE, 1e-7, Across::Cubics, &from(begin)).unwrap();
             assert!(
-                (found.temperatures.film - end).abs() < 1e-3,
-                "{begin}: {found:?}"
+                (equilibrium.temperatures.film - end).abs() < 1e-3,
+                "{begin}: {equilibrium:?}"
             );
             // The derivative at either end is -30*60/1000 W/K over 10 J/K.
-            let slowest = slowest_time_constant(&found.drift);
+            let slowest = slowest_time_constant(&equilibrium.drift);
             assert!((slowest - 10.0 / 1.8).abs() < 0.01, "{slowest}");
         }
     }
 
     #[test]
     fn an_unstable_equilibrium_is_refused() {
-        let found = equilibrium(&THREE, 1e-7, Across::Cubics, &from(340.0));
-        let Err(NoEquilibrium::Unstable { film, growth }) = found else {
-            unreachable!("{found:?}");
+        let result = equilibrium(&THREE, 1e-7, Across::Cubics, &from(340.0));
+        let Err(NoEquilibrium::Unstable { film, growth }) = result else {
+            unreachable!("{result:?}");
         };
         assert!(
             (film - 340.0).abs() < 1e-3 && (growth - 10.0 / 0.9).abs() < 0.1,
@@ -353,15 +353,15 @@ mod tests {
 
     #[test]
     fn a_runaway_is_refused() {
-        let found = equilibrium(
+        let result = equilibrium(
             &Toy(|t| 1.1 * (t - 300.0) + 1.0),
             1e-6,
             Across::Cubics,
             &from(300.0),
         );
         assert!(
-            matches!(found, Err(NoEquilibrium::Runaway { node: "film", .. })),
-            "{found:?}"
+            matches!(result, Err(NoEquilibrium::Runaway { node: "film", .. })),
+            "{result:?}"
         );
     }
 

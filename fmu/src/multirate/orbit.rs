@@ -135,8 +135,8 @@ mod tests {
         for gap in 0..=nodes.len() {
             let piece = Piece::new(&nodes, gap);
             for x in [-1.2, -0.5, 0.0, 0.7] {
-                let (found, _) = piece.at(x);
-                assert!((found.0 - orbit(x).0).norm() < 1e-10, "{gap} {x}");
+                let (value, _) = piece.at(x);
+                assert!((value.0 - orbit(x).0).norm() < 1e-10, "{gap} {x}");
             }
         }
     }

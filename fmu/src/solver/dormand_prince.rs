@@ -300,10 +300,10 @@ mod tests {
             assert_eq!(from, start);
             assert_eq!(ends, [integrand(from), integrand(to)]);
             for share in [0.0, 0.3, 0.8, 1.0] {
-                let found = passage.until(share);
+                let parts = passage.until(share);
                 let expected = between(from, from + share * (to - from));
-                for (found, expected) in found.iter().zip(expected) {
-                    assert!((found - expected).abs() < 1e-13, "{passage:?} {share}");
+                for (part, expected) in parts.iter().zip(expected) {
+                    assert!((part - expected).abs() < 1e-13, "{passage:?} {share}");
                 }
             }
             start = to;
@@ -407,11 +407,11 @@ mod tests {
     }
 
     #[track_caller]
-    fn assert_close(found: &[f64], expected: &[f64]) {
-        let same = found.len() == expected.len();
-        let mut pairs = found.iter().zip(expected);
+    fn assert_close(values: &[f64], expected: &[f64]) {
+        let same = values.len() == expected.len();
+        let mut pairs = values.iter().zip(expected);
         let close = same && pairs.all(|(a, b)| (a - b).abs() <= 1e-12 * b);
-        assert!(close, "{found:?}, expected {expected:?}");
+        assert!(close, "{values:?}, expected {expected:?}");
     }
 
     #[test]

@@ -309,16 +309,16 @@ impl Scout {
 
 impl Stand {
     /// How far flows are from those that were expected, as a share of the heat.
-    fn surprise(&self, expected: &Flows, found: &Flows, at: &Temperatures) -> f64 {
+    fn surprise(&self, expected: &Flows, flows: &Flows, at: &Temperatures) -> f64 {
         let oil = &self.fluid;
         let carried = |flows: &Flows| {
             let heat = oil.density(at.film) * oil.heat_capacity(at.film) * (at.film - at.oil);
             self.thermal.fresh_oil * flows.side_flow * heat
         };
-        let change = (found.viscous - expected.viscous).abs()
-            + (found.boundary - expected.boundary).abs()
-            + (carried(found) - carried(expected)).abs();
-        change / found.heat()
+        let change = (flows.viscous - expected.viscous).abs()
+            + (flows.boundary - expected.boundary).abs()
+            + (carried(flows) - carried(expected)).abs();
+        change / flows.heat()
     }
 }
 

@@ -108,14 +108,14 @@ impl Stand {
         from: &Departure,
     ) -> Result<(Matrix4, usize), Fault> {
         let fast = self.clone().with_a_fast_film()?;
-        let found = multirate::equilibrium(&fast, AVERAGED, across, from)
+        let equilibrium = multirate::equilibrium(&fast, AVERAGED, across, from)
             .map_err(|why| self.refuse(&why))?;
         let turns = if self.film.is_transient() {
-            self.refine_transient(&fast, &found)?
+            self.refine_transient(&fast, &equilibrium)?
         } else {
-            self.refine(&found)?
+            self.refine(&equilibrium)?
         };
-        Ok((found.drift, turns))
+        Ok((equilibrium.drift, turns))
     }
 
     /// Refuses what has no steady state: there must be a turn that repeats, and heat must be able to leave.
@@ -157,13 +157,13 @@ impl Stand {
     }
 
     /// Newton's method on resolved turns. Returns their number.
-    fn refine(&mut self, found: &Equilibrium) -> Result<usize, Fault> {
-        self.state.eccentricity = found.eccentricity;
-        self.state.temperatures = found.temperatures;
+    fn refine(&mut self, equilibrium: &Equilibrium) -> Result<usize, Fault> {
+        self.state.eccentricity = equilibrium.eccentricity;
+        self.state.temperatures = equilibrium.temperatures;
         let period = self.period();
-        let slow = vector(&found.temperatures);
-        let quick = (0.0..QUICK).contains(&multirate::slowest_time_constant(&found.drift));
-        let mut newton = Newton::new(found, period, self.thermal.isothermal);
+        let slow = vector(&equilibrium.temperatures);
+        let quick = (0.0..QUICK).contains(&multirate::slowest_time_constant(&equilibrium.drift));
+        let mut newton = Newton::new(equilibrium, period, self.thermal.isothermal);
         let mut step = period / 100.0;
         let mut slack = if quick { ROUGH } else { 1.0 };
         for turn in 1..=TURNS {
@@ -203,9 +203,9 @@ impl Stand {
     /// The same for a film that takes steps of its own. Its oil and its journal settle by themselves from turn to turn;
     /// only the temperatures are set. `fast` is the same stand with the mobility film, whose heat changes over the
     /// temperature in nearly the same way.
-    fn refine_transient(&mut self, fast: &Self, found: &Equilibrium) -> Result<usize, Fault> {
+    fn refine_transient(&mut self, fast: &Self, equilibrium: &Equilibrium) -> Result<usize, Fault> {
         let begin = self.state;
-        let mut t = vector(&found.temperatures);
+        let mut t = vector(&equilibrium.temperatures);
         for turn in 1..=FILM_TURNS {
             let start = self.state.eccentricity;
             self.state = State {

@@ -73,11 +73,11 @@ impl Stand {
         let mut jacobian = Jacobian::zeros();
         for column in 0..8 {
             let scale = SCALES.get(column).unwrap_or(&1.0);
-            let mut beside = *x;
+            let mut nudged = *x;
             // The journal is moved towards the middle, as there may be no room towards the bush.
-            beside[column] -= (NUDGE * scale).copysign(x[column]);
-            let change = self.extended_rates(&beside, oil) - here;
-            jacobian.set_column(column, &(change / (beside[column] - x[column])));
+            nudged[column] -= (NUDGE * scale).copysign(x[column]);
+            let change = self.extended_rates(&nudged, oil) - here;
+            jacobian.set_column(column, &(change / (nudged[column] - x[column])));
         }
         (here, jacobian)
     }

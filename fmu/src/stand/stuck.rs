@@ -125,10 +125,10 @@ impl Stand {
         let (here, _) = self.course_at(at.tau, &at.y, &mut oil);
         let mut fastest = ("nothing", 0.0_f64);
         for i in at.among.clone() {
-            let mut beside = at.y;
-            beside[i] += NUDGE * SCALES[i];
-            let (there, _) = self.course_at(at.tau, &beside, &mut oil);
-            let pace = ((there[i] - here[i]) / (beside[i] - at.y[i])).abs();
+            let mut nudged = at.y;
+            nudged[i] += NUDGE * SCALES[i];
+            let (there, _) = self.course_at(at.tau, &nudged, &mut oil);
+            let pace = ((there[i] - here[i]) / (nudged[i] - at.y[i])).abs();
             if !pace.is_finite() {
                 return None;
             }
@@ -142,7 +142,7 @@ impl Stand {
     /// The parameter or input whose default would slow the fastest unknown down most.
     fn cause(&self, at: &Place, pace: f64) -> Option<Cause> {
         let mut slowest = pace / TELLING;
-        let mut found = None;
+        let mut culprit = None;
         for (cause, set) in self.changed() {
             let mut other = self.clone();
             set(&mut other, &cause.default);
@@ -152,10 +152,10 @@ impl Stand {
             };
             if pace < slowest {
                 slowest = pace;
-                found = Some(cause);
+                culprit = Some(cause);
             }
         }
-        found
+        culprit
     }
 
     /// Which parameter or input to look at, where nothing more is known.

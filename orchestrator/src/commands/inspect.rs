@@ -138,17 +138,17 @@ fn value(fmu: &Description, variable: &Variable) -> String {
                 let parts = [value.map(rounded).map(number), unit.map(str::to_owned)];
                 parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
             };
-            let own = with(*start, unit.as_deref());
+            let text = with(*start, unit.as_deref());
             let shown = variable
                 .display_unit()
                 .filter(|shown| unit.as_deref() != Some(shown));
             let conversion = shown.and_then(|shown| fmu.conversion(shown, variable).ok());
             match conversion.map(Conversion::inverse) {
                 Some(way) => format!(
-                    "{own} ({})",
+                    "{text} ({})",
                     with(start.map(|start| way.value(start)), shown)
                 ),
-                None => own,
+                None => text,
             }
         }
         Kind::Integer { start, .. } => start.map_or("Integer".to_owned(), |v| v.to_string()),

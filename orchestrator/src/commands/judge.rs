@@ -131,11 +131,11 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
         let in_case = criterion.case.is_some();
         let mapped = criterion.column.clone();
         let mapped = mapped.filter(|column| !(in_case && is_shared(column)));
-        let own = [name.as_ref().clone(), criterion.variable.as_ref().clone()];
+        let usual = [name.as_ref().clone(), criterion.variable.as_ref().clone()];
         // A table has no room for curves: its column holds the metric's value, not the variable's.
         let only_named = criterion.reference.is_some() || in_case;
-        let own = own.into_iter().take(if only_named { 1 } else { 2 });
-        let names = mapped.into_iter().chain(own).collect();
+        let usual = usual.into_iter().take(if only_named { 1 } else { 2 });
+        let names = mapped.into_iter().chain(usual).collect();
         (names, format!("the criterion {}", name.as_ref()))
     });
     names.collect()
@@ -158,9 +158,9 @@ fn conversions(
             _ => Ok(Scale::alone(unit)),
         };
         let conversion = scale.and_then(|scale| scale.from(column_unit));
-        let conversion = conversion.map(|found| match text.reference {
-            Some(_) => found.of_differences(),
-            None => found,
+        let conversion = conversion.map(|conversion| match text.reference {
+            Some(_) => conversion.of_differences(),
+            None => conversion,
         });
         conversion.map_err(|message| study.error_at(name, message).into())
     };

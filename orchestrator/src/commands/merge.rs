@@ -43,8 +43,8 @@ fn shard_in(folder: &Path) -> Result<PathBuf, Error> {
         return Ok(folder.to_owned());
     }
     let candidates = methods::NAMES.iter().map(|name| folder.join(name));
-    let found: Vec<PathBuf> = candidates.filter(|inner| Request::is_in(inner)).collect();
-    match &found[..] {
+    let shards: Vec<PathBuf> = candidates.filter(|inner| Request::is_in(inner)).collect();
+    match &shards[..] {
         [] => Err(Error::Missing(folder.to_owned())),
         [only] => Ok(only.clone()),
         [one, ..] => Err(Error::Refused(format!(

@@ -105,5 +105,10 @@ fn left_out(what: &str, error: &dyn std::error::Error) {
 }
 
 fn verdict(summary: &Summary) -> ExitCode {
-    exit_code(summary.conclusion.as_ref().map(|found| found.verdict))
+    exit_code(
+        summary
+            .conclusion
+            .as_ref()
+            .map(|conclusion| conclusion.verdict),
+    )
 }

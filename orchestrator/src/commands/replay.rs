@@ -109,7 +109,7 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
         Some(_) if names.is_empty() => {
             return wrong("case", "the study has no cases; leave it out".to_owned());
         }
-        Some(name) => match names.iter().position(|own| own == name) {
+        Some(name) => match names.iter().position(|known| known == name) {
             Some(case) => Some(case),
             None => {
                 let suggestion = did_you_mean(nearest(name, names.iter().copied()));
@@ -126,7 +126,7 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
         true => format!("point-{point}.csv"),
         false => format!("point-{point}-case-{}.csv", case + 1),
     };
-    let own = chosen.map_or(0..cases.len(), |case| case..case + 1);
+    let numbers = chosen.map_or(0..cases.len(), |case| case..case + 1);
     let file = |case| {
         let given = options.output.clone();
         (
@@ -134,7 +134,7 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
             given.unwrap_or_else(|| options.folder.join(usual(case))),
         )
     };
-    Ok(own.map(file).collect())
+    Ok(numbers.map(file).collect())
 }
 
 /// Whether the study's guard band lets a point pass; none where no guard band acts, or the study has not found it yet.
@@ -142,7 +142,7 @@ fn accepted(folder: &Path, judge: &Judge, values: Option<&[f64]>) -> Option<bool
     if !judge.is_guarded() {
         return None;
     }
-    let found = table::summary(folder).ok()?.conclusion?.guard_band;
+    let band = table::summary(folder).ok()?.conclusion?.guard_band;
     let margin = values.map_or(f64::NEG_INFINITY, |values| judge.measurement.margin(values));
-    Some(judge.guard.accepts(margin, found))
+    Some(judge.guard.accepts(margin, band))
 }

@@ -39,7 +39,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
         None => Vec::new(),
     };
     // The command line overrides the file.
-    let own = |(reference, value): &(u32, Value)| {
+    let kept = |(reference, value): &(u32, Value)| {
         !set.iter()
             .any(|(other, new)| other == reference && new.content() == value.content())
     };
@@ -48,7 +48,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
         schedule,
         fixed: from
             .into_iter()
-            .filter(own)
+            .filter(kept)
             .chain(set.iter().cloned())
             .collect(),
         varied: Vec::new(),

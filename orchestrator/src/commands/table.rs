@@ -72,7 +72,7 @@ fn counts(summary: &Summary) -> String {
     };
     // Where a share is required, points within the tolerances need neither be accepted nor verify the model.
     let conclusion = summary.conclusion.as_ref();
-    let met = match conclusion.and_then(|found| found.required.as_ref()) {
+    let met = match conclusion.and_then(|conclusion| conclusion.required.as_ref()) {
         Some(_) => "within all tolerances",
         None => "all criteria: verified",
     };

@@ -296,8 +296,8 @@ mod tests {
             };
             for text in ["ink", "soft", "in", "part", "mark", "good", "bad"] {
                 for ground in ["paper", "card", "faint"] {
-                    let found = contrast(colour(text), colour(ground));
-                    assert!(found >= 4.5, "{text} on {ground}: {found:.2}");
+                    let ratio = contrast(colour(text), colour(ground));
+                    assert!(ratio >= 4.5, "{text} on {ground}: {ratio:.2}");
                 }
             }
         }

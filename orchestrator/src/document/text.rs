@@ -23,7 +23,7 @@ fn block(block: &Block) -> String {
         Block::Sentence(words) => format!("{words}\n"),
         Block::Warning(words) => format!("warning: {words}\n"),
         Block::List(sentences) => sentences.iter().map(|one| format!("  {one}\n")).collect(),
-        Block::Table(own) => table(own),
+        Block::Table(content) => table(content),
         Block::Figures(_, figures) => figures.iter().map(figure).collect(),
         Block::Hint(_) | Block::Legend(_) | Block::Folded(..) => String::new(),
     }

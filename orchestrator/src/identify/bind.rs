@@ -175,11 +175,11 @@ impl Binder<'_> {
         let known = self.settings.known.keys();
         let free = self.settings.free.keys();
         let latent = self.settings.latent.keys();
-        let own = known
+        let names = known
             .map(|name| (name, "[identify.known]"))
             .chain(free.map(|name| (name, "[identify.free]")))
             .chain(latent.map(|name| (name, "[identify.latent]")));
-        self.study.once(self.fmu, self.study.set().chain(own))
+        self.study.once(self.fmu, self.study.set().chain(names))
     }
 
     fn at(&self, name: &Name) -> impl Fn(String) -> FileError {
@@ -368,8 +368,8 @@ fn interval(
     scale: &Scale<'_>,
 ) -> Result<Interval, String> {
     let distance = |side: Option<&Text>| {
-        let own = exception.and_then(|e| e.within.as_ref());
-        let distance = scale.number(side.or(own).unwrap_or(&text.within), Sense::Difference)?;
+        let within = exception.and_then(|e| e.within.as_ref());
+        let distance = scale.number(side.or(within).unwrap_or(&text.within), Sense::Difference)?;
         if distance > 0.0 {
             Ok(distance)
         } else {

@@ -108,18 +108,18 @@ struct Datum {
 
 /// Refuses other data beside the cases, and errors that identification would take for independent.
 fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
-    let beside = "the cases of the study are the data of identify; remove";
+    let advice = "the cases of the study are the data of identify; remove";
     if let Some(table) = &settings.cases {
         return Err(study.error_at(
             table,
-            format!("{beside} `cases` from [identify], or [[cases]]"),
+            format!("{advice} `cases` from [identify], or [[cases]]"),
         ));
     }
     let measured = settings.measured.keys().map(|name| (name, "measured"));
     let known = settings.known.keys().map(|name| (name, "known"));
     let latent = settings.latent.keys().map(|name| (name, "latent"));
     if let Some((name, section)) = measured.chain(known).chain(latent).next() {
-        return Err(study.error_at(name, format!("{beside} [identify.{section}]")));
+        return Err(study.error_at(name, format!("{advice} [identify.{section}]")));
     }
     check_difference(study, settings)?;
     if let Some(pair) = study.uncertainty_correlations.first() {
@@ -258,8 +258,8 @@ impl Unknowns<'_> {
             let others = study.set();
             let others =
                 others.filter(|(name, section)| *section != "[parameters]" || !is_free(name));
-            let own = free().map(|name| (name, "[identify.free]"));
-            self.study.once(self.fmu, others.chain(own))?;
+            let names = free().map(|name| (name, "[identify.free]"));
+            self.study.once(self.fmu, others.chain(names))?;
         }
         Ok(())
     }

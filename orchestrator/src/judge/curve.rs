@@ -191,11 +191,11 @@ tolerance = 0.05
             let judge = judge(&[("[criteria.M]", &text)])?;
             Ok::<_, String>(judge.variants[0].tolerances.clone())
         };
-        let close = |found: Vec<f64>, expected: [f64; 3]| {
-            assert_eq!(found.len(), 3);
-            let pairs = found.iter().zip(expected);
-            for (found, expected) in pairs {
-                assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
+        let close = |limits: Vec<f64>, expected: [f64; 3]| {
+            assert_eq!(limits.len(), 3);
+            let pairs = limits.iter().zip(expected);
+            for (limit, expected) in pairs {
+                assert!((limit - expected).abs() < 1e-12, "{limit}, not {expected}");
             }
         };
         // The other criteria keep their own.

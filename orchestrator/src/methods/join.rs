@@ -120,8 +120,8 @@ impl Shards<'_> {
             };
             match same_part.difference(&then) {
                 None => Ok(then.shard.unwrap_or_else(|| "1/1".to_owned())),
-                Some((what, then, own)) => Err(Error::Refused(format!(
-                    "{} has another {what} ({then}) than {} ({own}); leave it out",
+                Some((what, then, now)) => Err(Error::Refused(format!(
+                    "{} has another {what} ({then}) than {} ({now}); leave it out",
                     folder.display(),
                     self.folders[0].display(),
                 ))),

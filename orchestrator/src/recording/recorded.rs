@@ -111,8 +111,8 @@ impl RecordedTable {
 
     /// A column by its name.
     pub(super) fn column(&self, name: &str) -> Result<&Column, FileError> {
-        let found = self.columns.iter().find(|column| column.name == name);
-        found.ok_or_else(|| {
+        let column = self.columns.iter().find(|column| column.name == name);
+        column.ok_or_else(|| {
             let names = self.columns.iter().map(|column| column.name.as_str());
             let suggestion = did_you_mean(nearest(name, names));
             self.wrong(format!("there is no column `{name}`{suggestion}"))

@@ -185,12 +185,12 @@ impl Settings {
             let name = signal.name.clone().unwrap_or_else(|| name.to_owned());
             Some((name, signal.tolerance.as_ref()?.to_string()))
         };
-        let own = [named(&self.load, "F_N"), named(&self.torque, "M")];
+        let both = [named(&self.load, "F_N"), named(&self.torque, "M")];
         let others = self
             .signals
             .iter()
             .map(|(name, signal)| named(signal, name));
-        own.into_iter().chain(others).flatten().collect()
+        both.into_iter().chain(others).flatten().collect()
     }
 
     /// Refuses what no case can be called, and tolerances that are no errors of a curve.
@@ -325,8 +325,8 @@ const SPEED: &[(&str, f64)] = &[
 
 /// The factor from a unit to SI.
 fn scale(unit: &str, known: &[(&str, f64)]) -> Result<f64, String> {
-    let found = known.iter().find(|(name, _)| *name == unit);
-    found.map(|(_, factor)| *factor).ok_or_else(|| {
+    let entry = known.iter().find(|(name, _)| *name == unit);
+    entry.map(|(_, factor)| *factor).ok_or_else(|| {
         let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
         format!("unit `{unit}` does not fit; use {}", names.join(", "))
     })
@@ -339,9 +339,9 @@ fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, St
         }
         Some("%") => Ok(Accuracy::Relative(quantity.number / 100.0)),
         None => Ok(Accuracy::Absolute(quantity.number * factor)),
-        Some(own) if own == unit => Ok(Accuracy::Absolute(quantity.number * factor)),
-        Some(own) => Err(format!(
-            "the accuracy `{quantity}` must be in {unit} or %, not in {own}"
+        Some(given) if given == unit => Ok(Accuracy::Absolute(quantity.number * factor)),
+        Some(given) => Err(format!(
+            "the accuracy `{quantity}` must be in {unit} or %, not in {given}"
         )),
     }
 }

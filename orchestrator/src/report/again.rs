@@ -68,18 +68,18 @@ mod tests {
 
     #[test]
     fn paths_are_those_below_the_common_folder() {
-        let found = |a: &str, b: &str| {
+        let paths = |a: &str, b: &str| {
             below_common_folder(Path::new(a), Path::new(b)).map(|path| quoted(&path))
         };
         let expected = ["studies/a.toml", "results/a"].map(String::from);
         assert_eq!(
-            found("/home/x/studies/a.toml", "/home/x/results/a"),
+            paths("/home/x/studies/a.toml", "/home/x/results/a"),
             expected
         );
         assert_eq!(
-            found("/x/a.toml", "/x/a"),
+            paths("/x/a.toml", "/x/a"),
             ["a.toml", "a"].map(String::from)
         );
-        assert_eq!(found("/x/my study.toml", "/x/o")[0], "'my study.toml'");
+        assert_eq!(paths("/x/my study.toml", "/x/o")[0], "'my study.toml'");
     }
 }

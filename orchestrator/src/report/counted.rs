@@ -132,7 +132,9 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
     let intervals = summary.verified_interval.is_some();
     let mut criteria: Vec<&str> = Vec::new();
     for name in summary.criteria.keys() {
-        let short = name.split_once(SEPARATOR).map_or(&**name, |(_, own)| own);
+        let short = name
+            .split_once(SEPARATOR)
+            .map_or(&**name, |(_, short)| short);
         if !criteria.contains(&short) {
             criteria.push(short);
         }
@@ -179,9 +181,9 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
     }
     let intervals = summary.verified_interval.is_some();
     let row = |(name, variant): (&String, &VariantCount)| {
-        let own = |name: &String| summary.criteria.get(name).map(|own| own.count.passed);
+        let usual = |name: &String| summary.criteria.get(name).map(|c| c.count.passed);
         let changed = variant.criteria.iter();
-        let changed = changed.filter(|(name, count)| own(name) != Some(count.passed));
+        let changed = changed.filter(|(name, count)| usual(name) != Some(count.passed));
         let changed = changed.map(|(name, of)| format!("{name} {}", count(of.passed as usize)));
         let changed: Vec<String> = changed.collect();
         let mut cells = vec![name.clone(), count(variant.verified.passed as usize)];

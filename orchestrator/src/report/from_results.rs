@@ -49,13 +49,14 @@ impl Report {
 
 /// The study's documents beside its verdict.
 fn documents(folder: &Path, summary: &Summary, table: &PointTable) -> Vec<Document> {
-    let own = [comparison(summary), improvements(summary)];
+    let general = [comparison(summary), improvements(summary)];
     let study = Finished {
         folder,
         summary,
         table,
     };
-    own.into_iter()
+    general
+        .into_iter()
         .flatten()
         .chain(methods::shown(&study))
         .collect()

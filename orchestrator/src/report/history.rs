@@ -58,8 +58,8 @@ pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Ser
     };
     let mut all = Vec::new();
     for (time, signals) in trajectories(folder) {
-        let own = signals.into_iter();
-        all.extend(own.filter_map(|signal| series(&time, signal)));
+        let signals = signals.into_iter();
+        all.extend(signals.filter_map(|signal| series(&time, signal)));
     }
     all
 }

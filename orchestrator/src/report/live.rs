@@ -141,7 +141,7 @@ impl Live {
                 })
                 .collect(),
             cases: (0..plan.cases.len()).map(scene).collect(),
-            own: own(table)?,
+            own: compared(table)?,
         })
     }
 }
@@ -237,7 +237,7 @@ fn seen(probe: &Probe, schedule: &Schedule) -> [u64; 2] {
 }
 
 /// Some of the points that came to their end, evenly chosen.
-fn own(table: &PointTable) -> Result<Vec<Own>, String> {
+fn compared(table: &PointTable) -> Result<Vec<Own>, String> {
     let completed: Vec<usize> = (0..table.len()).filter(|&i| table.completed(i)).collect();
     if completed.is_empty() {
         let none = "no point of the study came to its end, with which the page could compare the module's results";

@@ -9,11 +9,11 @@ use conformity::validation::Comparison;
 /// The model's own error, where the study tells it.
 pub fn comparison(summary: &Summary) -> Option<Document> {
     let mut told = Document::new("comparison", "Model's error", "The model's own error");
-    let row = |(name, found): (&String, &Comparison)| {
+    let row = |(name, comparison): (&String, &Comparison)| {
         let criterion = summary.criteria.get(name);
         let unit = criterion.and_then(|c| c.criterion.unit.as_ref());
         let name = unit.map_or_else(|| name.clone(), |unit| format!("{name} ({unit})"));
-        let numbers = compared(found).into_iter();
+        let numbers = compared(comparison).into_iter();
         std::iter::once(name).chain(numbers).collect()
     };
     told.table(Table {
@@ -31,14 +31,14 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
         ],
         rows: summary.validation.iter().map(row).collect(),
     });
-    let note = |(name, found): (&String, &Comparison)| {
-        let bound = match found.complete {
+    let note = |(name, comparison): (&String, &Comparison)| {
+        let bound = match comparison.complete {
             true => "",
             false => "; since not all uncertainties are known, E ± 2 u_{val} is wider than stated",
         };
         format!(
             " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
-            found.dominant, found.u_num_note
+            comparison.dominant, comparison.u_num_note
         )
     };
     let notes: String = summary.validation.iter().map(note).collect();
@@ -58,18 +58,18 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     (!summary.validation.is_empty()).then_some(told)
 }
 
-fn compared(found: &Comparison) -> [String; 7] {
+fn compared(comparison: &Comparison) -> [String; 7] {
     let known = |u: Option<f64>| u.map_or_else(|| "not known".to_owned(), |u| number(u, 3));
-    let least = if found.complete { "" } else { "at least " };
-    let [low, high] = found.model_error.map(|limit| number(limit, 3));
+    let least = if comparison.complete { "" } else { "at least " };
+    let [low, high] = comparison.model_error.map(|limit| number(limit, 3));
     [
-        number(found.error, 3),
-        known(found.u_num),
-        number(found.u_input, 3),
-        known(found.u_d),
-        format!("{least}{}", number(found.u_val, 3)),
+        number(comparison.error, 3),
+        known(comparison.u_num),
+        number(comparison.u_input, 3),
+        known(comparison.u_d),
+        format!("{least}{}", number(comparison.u_val, 3)),
         format!("{least}{low} … {high}"),
-        found.dominant.clone(),
+        comparison.dominant.clone(),
     ]
 }
 
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_not_shown_as_0() {
-        let found = Comparison {
+        let comparison = Comparison {
             model: 81.0,
             error: -1.0,
             u_num: None,
@@ -215,7 +215,7 @@ mod tests {
             model_error: [-2.0, 0.0],
             dominant: "input".into(),
         };
-        let row = compared(&found);
+        let row = compared(&comparison);
         assert_eq!(
             [&row[1][..], &row[3], &row[4]],
             ["not known", "not known", "at least 0.5"]

@@ -69,7 +69,7 @@ pub fn write(
         let path = plots.join(format!("{}.svg", figure.file));
         write_file(&path, &crate::document::svg::standalone(&figure.svg))?;
     }
-    let found = delay.delay.as_ref();
+    let interval = delay.delay.as_ref();
     let friction = &result.mean_friction;
     let diameter = number(1e3 * recording.diameter, 6);
     let longest = milliseconds(recording.longest_delay);
@@ -79,7 +79,7 @@ pub fn write(
             include_str!("assets/plot.css"),
             include_str!("assets/report.css")
         ),
-        delay => found.map(|d| [d.value, d.low, d.high].map(milliseconds).to_vec()),
+        delay => interval.map(|d| [d.value, d.low, d.high].map(milliseconds).to_vec()),
         before => per_cent(result.friction_scatter[0]),
         after => per_cent(result.friction_scatter[1]),
         friction => vec![number(friction.value, 4), number(friction.expanded(), 2)],
@@ -214,12 +214,12 @@ fn search(result: &Synchronised) -> Option<Figure> {
         values: &scatter,
     };
     let marks = |frame: &Frame| {
-        let Some(found) = &result.delay.delay else {
+        let Some(interval) = &result.delay.delay else {
             return String::new();
         };
         let at = |s: f64| frame.x.clamped(1e3 * s);
-        let (low, high) = (at(found.low), at(found.high));
-        let (top, bottom, delay) = (frame.y.to, frame.y.from, at(found.value));
+        let (low, high) = (at(interval.low), at(interval.high));
+        let (top, bottom, delay) = (frame.y.to, frame.y.from, at(interval.value));
         area("accept", [low, high], [top, bottom])
             + &path("nominal", format_args!("M{delay:.2},{top:.1}V{bottom:.1}"))
     };

@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn without_any_result_nothing_is_shown() {
         let none = Fraction::wilson(0, 3);
-        let found = Shown::new(Decision::Inconclusive, &judgement(true), &none, 3);
-        assert!(found.shown.starts_with("nothing"));
+        let result = Shown::new(Decision::Inconclusive, &judgement(true), &none, 3);
+        assert!(result.shown.starts_with("nothing"));
     }
 }

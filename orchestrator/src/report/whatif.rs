@@ -130,15 +130,15 @@ impl WhatIf {
 }
 
 fn criterion((name, count): (&String, &CriterionCount)) -> Criterion {
-    let own = &count.criterion;
+    let criterion = &count.criterion;
     Criterion {
         name: name.clone(),
-        unit: own.unit.clone().unwrap_or_default(),
-        nominal: own.nominal,
-        tolerance: own.tolerance,
-        uncertainty: own.uncertainty,
-        group: own.group.clone(),
-        curve: own.metric.is_some(),
+        unit: criterion.unit.clone().unwrap_or_default(),
+        nominal: criterion.nominal,
+        tolerance: criterion.tolerance,
+        uncertainty: criterion.uncertainty,
+        group: criterion.group.clone(),
+        curve: criterion.metric.is_some(),
     }
 }
 

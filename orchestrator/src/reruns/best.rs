@@ -43,7 +43,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
     let budget = reruns.budget.part(0.5);
     for (number, case) in plan.cases.iter().enumerate() {
         let file = history::file(case.name.as_ref().map(|_| number));
-        let own = budget.part(1.0 / (cases - number as f64));
+        let share = budget.part(1.0 / (cases - number as f64));
         let mut tries = vec![for_a_plot(case.task.schedule), case.task.schedule];
         tries.dedup();
         let coarsest = tries.len();
@@ -53,11 +53,11 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
                 schedule,
                 ..case.task.clone()
             };
-            let own = match place + 1 < coarsest {
-                true => own.part(0.5),
+            let share = match place + 1 < coarsest {
+                true => share.part(0.5),
                 // Rather than no picture, nothing else is run again.
-                false if reruns.usual > own.left() => reruns.budget,
-                false => own,
+                false if reruns.usual > share.left() => reruns.budget,
+                false => share,
             };
             match write_case(
                 reruns,
@@ -65,7 +65,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
                 &task,
                 &values,
                 &shown,
-                &own,
+                &share,
                 &folder.join(&file),
             ) {
                 Ok(kept) => {

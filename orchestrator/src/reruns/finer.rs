@@ -68,7 +68,7 @@ pub(super) fn refined_case(case: &Case, by: Refined, times: i32) -> Case {
     let schedule = &mut case.task.schedule;
     match by {
         Refined::Step => schedule.step *= factor,
-        Refined::Tolerance => schedule.tolerance = schedule.tolerance.map(|own| factor * own),
+        Refined::Tolerance => schedule.tolerance = schedule.tolerance.map(|given| factor * given),
     }
     case
 }

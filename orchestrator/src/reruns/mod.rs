@@ -193,9 +193,9 @@ impl<'a> Reruns<'a> {
             return run(&self.fmu);
         }
         let again = Package::open(self.verification.session.package.path());
-        let own = again.and_then(|mut again| again.unpack_anew(self.scratch.path()));
-        let own = own.map_err(|error| Failure::Unloadable(error.to_string()))?;
-        run(own.path())
+        let copy = again.and_then(|mut again| again.unpack_anew(self.scratch.path()));
+        let copy = copy.map_err(|error| Failure::Unloadable(error.to_string()))?;
+        run(copy.path())
     }
 
     /// Runs a point as the study does.

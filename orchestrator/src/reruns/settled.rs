@@ -31,7 +31,7 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
     let mut settled = summary
         .settled
         .take()
-        .filter(|own| !own.points.is_empty())?;
+        .filter(|settled| !settled.points.is_empty())?;
     let most = reruns.wish.most.min(settled.points.len());
     let plan = reruns.plan();
     let (mut step, mut until, mut late) = (0.0_f64, 0.0_f64, false);
@@ -68,8 +68,8 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
     for (k, count) in summary.criteria.values().enumerate() {
         let mut moved = Moved::default();
         for (point, moves) in &runs {
-            let own = moves.iter().filter(|(criterion, _)| *criterion == k);
-            own.for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
+            let motions = moves.iter().filter(|(criterion, _)| *criterion == k);
+            motions.for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
         }
         let without_runs = settled.observed.is_empty();
         summary
@@ -146,13 +146,13 @@ fn one(
     let values = reruns
         .values(point)
         .ok_or_else(|| failed("the study has no such point any more"))?;
-    let own = &plan.cases[case].task;
+    let task = &plan.cases[case].task;
     let signals = reruns.signals(case, |_| true);
-    let finer = golden(&own.schedule)
+    let finer = golden(&task.schedule)
         .filter(|finer| (finer.steps() * (1 + signals.criteria.len() as u64)) < MOST_NUMBERS)
         .ok_or_else(|| failed("the study's communication steps are too many to be made finer"))?;
     // After the end of a recording its last value would hold for ever.
-    let ends = match own.inputs.is_empty() {
+    let ends = match task.inputs.is_empty() {
         true => vec![longer(&finer), finer],
         false => vec![finer],
     };
@@ -160,7 +160,7 @@ fn one(
     for (place, schedule) in ends.into_iter().enumerate() {
         let task = Task {
             schedule,
-            ..own.clone()
+            ..task.clone()
         };
         let mut later = None;
         let recording = match place {
@@ -354,16 +354,16 @@ mod tests {
             concerns(&criterion(statistic), &moved, false)
         };
         assert!(of(Statistic::Final, 0.05, 0.2).is_empty());
-        let found = of(Statistic::Final, 0.07, -0.4);
+        let doubts = of(Statistic::Final, 0.07, -0.4);
         assert!(
-            found[0].text.starts_with("T: its signal swings by 0.07"),
-            "{found:?}"
+            doubts[0].text.starts_with("T: its signal swings by 0.07"),
+            "{doubts:?}"
         );
         assert!(
-            found[1]
+            doubts[1]
                 .text
                 .contains("0.4 degC in a time as long as the run at point 7"),
-            "{found:?}"
+            "{doubts:?}"
         );
         assert_eq!(of(Statistic::Mean, 0.07, -0.4).len(), 1);
         assert!(of(Statistic::Amplitude, 0.07, 0.2).is_empty());

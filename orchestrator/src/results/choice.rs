@@ -107,7 +107,7 @@ mod tests {
         let rows = best.into_rows();
         assert_eq!(rows.len(), BEST);
         assert!(rows.is_sorted_by_key(|(row, _)| *row));
-        assert!(rows.iter().all(|(row, own)| *own == record(*row)));
+        assert!(rows.iter().all(|(row, kept)| *kept == record(*row)));
         // The verified one, though it is far, and the 999 nearest.
         let far = |row: &u64| *row != 5000 && row * 7919 % 10_000 >= 999;
         assert!(rows.iter().any(|(row, _)| *row == 5000));

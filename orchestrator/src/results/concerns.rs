@@ -108,11 +108,11 @@ fn mistaken_unit(criterion: &Criterion, [low, high]: [f64; 2]) -> Option<&'stati
     let outside = |value: f64| (low - value).max(value - high).max(0.0);
     // The model need not be right to tell by its order of magnitude which unit its numbers have.
     let room = |value: f64, factor: f64, offset: f64| {
-        let own = (factor * criterion.tolerance).max(high - low);
+        let width = (factor * criterion.tolerance).max(high - low);
         if offset == 0.0 {
-            own.max(0.3 * value.abs())
+            width.max(0.3 * value.abs())
         } else {
-            3.0 * own.max(10.0)
+            3.0 * width.max(10.0)
         }
     };
     let far = outside(criterion.nominal);
@@ -206,16 +206,16 @@ mod tests {
     fn rows_that_repeat_others_are_named() {
         assert_eq!(repeated(0, 5), None);
         assert_eq!(repeated(9, 100), None);
-        let found = repeated(999, 1000).unwrap();
-        assert!(found.starts_with("999 of 1000 rows have the same values"));
+        let warning = repeated(999, 1000).unwrap();
+        assert!(warning.starts_with("999 of 1000 rows have the same values"));
         assert!(repeated(1, 3).is_some());
     }
 
     #[test]
     fn a_value_that_is_the_same_at_all_points_is_warned_of() {
         let t = criterion(82.0, 0.6);
-        let found = unmoved(&t, [81.8, 81.8], 10).unwrap();
-        assert!(found.starts_with("T: the value is 81.800 at all 10 points"));
+        let warning = unmoved(&t, [81.8, 81.8], 10).unwrap();
+        assert!(warning.starts_with("T: the value is 81.800 at all 10 points"));
         assert!(unmoved(&t, [0.0, 0.0], 10).is_some());
         assert_eq!(unmoved(&t, [81.8, 81.8], 9), None);
         assert_eq!(unmoved(&t, [81.8, 81.8 + 1e-9], 10), None);
@@ -226,8 +226,8 @@ mod tests {
     #[test]
     fn zero_has_no_mistaken_unit() {
         for reached in [[0.0, 0.0], [2e-16, 5e-16]] {
-            let found = out_of_reach(&criterion(1.0, 0.5), reached, 50).unwrap();
-            assert!(found.contains("widen the parameters"), "{found}");
+            let warning = out_of_reach(&criterion(1.0, 0.5), reached, 50).unwrap();
+            assert!(warning.contains("widen the parameters"), "{warning}");
         }
     }
 
@@ -241,8 +241,9 @@ mod tests {
             (0.02, 0.001, [19.0, 20.5], "such as m and mm"),
         ] {
             for points in [3, 50] {
-                let found = out_of_reach(&criterion(nominal, tolerance), reached, points).unwrap();
-                assert!(found.contains(units), "{nominal}: {found}");
+                let warning =
+                    out_of_reach(&criterion(nominal, tolerance), reached, points).unwrap();
+                assert!(warning.contains(units), "{nominal}: {warning}");
             }
         }
     }

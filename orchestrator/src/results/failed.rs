@@ -46,12 +46,12 @@ fn place(plan: &Plan, points: &[Row]) -> Option<String> {
     const CLEAR: f64 = 0.5;
     let of = |k: usize| {
         let values = |failed: bool| {
-            let own = points
+            let rows = points
                 .iter()
                 .filter(|(_, values)| values.is_none() == failed);
-            let mut own: Vec<f64> = own.map(|(parameters, _)| parameters[k]).collect();
-            own.sort_by(f64::total_cmp);
-            own
+            let mut sorted: Vec<f64> = rows.map(|(parameters, _)| parameters[k]).collect();
+            sorted.sort_by(f64::total_cmp);
+            sorted
         };
         let [failed, others] = [values(true), values(false)];
         (distance(&failed, &others), k, failed, others)

@@ -42,8 +42,10 @@ impl Origin {
 
     /// Whether a finding came from these results.
     pub fn fits(&self, summary: &Summary) -> bool {
-        let own = Self::of_points(summary);
-        let same_points = self.points.is_none() || self.points == own.points;
-        self.study_sha256 == own.study_sha256 && self.fmu_sha256 == own.fmu_sha256 && same_points
+        let current = Self::of_points(summary);
+        let same_points = self.points.is_none() || self.points == current.points;
+        self.study_sha256 == current.study_sha256
+            && self.fmu_sha256 == current.fmu_sha256
+            && same_points
     }
 }

@@ -44,8 +44,8 @@ pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Erro
             .map(|c| c.values[i].is_finite())
             .collect();
         let whole = |case: &Option<String>| {
-            let mut own = cases.iter().zip(&known).filter(|(other, _)| *other == case);
-            case.is_some() && own.all(|(_, known)| *known)
+            let mut members = cases.iter().zip(&known).filter(|(other, _)| *other == case);
+            case.is_some() && members.all(|(_, known)| *known)
         };
         for (criterion, case) in table.criteria.iter_mut().zip(&cases) {
             if !whole(case) {

@@ -132,15 +132,15 @@ impl Verification {
     /// # Errors
     /// When the table cannot be read any more.
     pub fn extends(&self, then: &Header) -> Result<bool, Error> {
-        let mut own = self.header.clone();
+        let mut header = self.header.clone();
         let path = self.session.request.points_from.as_ref();
         if let (Some(path), Some(table)) = (path, &then.table) {
             let bytes = fs::read(path).map_err(Error::io(path))?;
             if begins_with(&bytes, table, then.points.unwrap_or(0)) {
-                own.table.clone_from(&then.table);
+                header.table.clone_from(&then.table);
             }
         }
-        Ok(own.extends(then))
+        Ok(header.extends(then))
     }
 
     /// A point to run.
@@ -193,8 +193,8 @@ mod tests {
             (head.replace("1,2", "1,5"), 2, false),
             (head.replace("2,3", "2,"), 2, false),
         ] {
-            let found = begins_with(grown.as_bytes(), &digest(then.as_bytes()), rows);
-            assert_eq!(found, expected, "{then}");
+            let grows = begins_with(grown.as_bytes(), &digest(then.as_bytes()), rows);
+            assert_eq!(grows, expected, "{then}");
         }
     }
 }

@@ -172,11 +172,11 @@ impl Binder<'_> {
         }
         match detail {
             Some(Detail::Level(number, direction)) => {
-                let own = text
+                let unit = text
                     .level
                     .as_ref()
                     .and_then(|level| level.as_ref().unit.as_deref());
-                let scale = Scale::new(own, self.fmu, variable).map_err(named)?;
+                let scale = Scale::new(unit, self.fmu, variable).map_err(named)?;
                 let level = scale.conversion.value(number);
                 Ok(Some(Detail::Level(level, direction)))
             }

@@ -95,12 +95,12 @@ impl Study {
             .criteria
             .retain(|_, criterion| criterion.case == Some(number));
         // What the case gives takes the place of what the study gives, be that a value or a recording.
-        let own = |key: &Name| {
+        let is_given = |key: &Name| {
             let key = key.as_ref().as_str();
             case.fixed.contains_key(key) || case.inputs.contains_key(key)
         };
-        study.fixed.retain(|key, _| !own(key));
-        study.inputs.retain(|key, _| !own(key));
+        study.fixed.retain(|key, _| !is_given(key));
+        study.inputs.retain(|key, _| !is_given(key));
         study.fixed.extend(case.fixed.clone());
         study.inputs.extend(case.inputs.clone());
         study
@@ -141,8 +141,8 @@ impl Simulation {
     /// These settings, and those of `general` where there are none.
     pub fn or(&self, general: &Self) -> Self {
         // Warm-up and window say the same in two ways.
-        let own = self.warm_up.is_some() || self.window.is_some();
-        let seen = if own { self } else { general };
+        let is_stated = self.warm_up.is_some() || self.window.is_some();
+        let seen = if is_stated { self } else { general };
         Self {
             start: self.start.or(general.start),
             stop: self.stop.or(general.stop),
@@ -160,10 +160,10 @@ fn criteria<'a>(
     common: &'a IndexMap<Name, CriterionText>,
     case: &'a CaseText,
 ) -> Vec<(&'a Name, &'a CriterionText)> {
-    let own = |name: &Name| case.criteria.get_key_value(name.as_ref().as_str());
+    let of_case = |name: &Name| case.criteria.get_key_value(name.as_ref().as_str());
     let common_ones = common
         .iter()
-        .map(|(name, text)| own(name).unwrap_or((name, text)));
+        .map(|(name, text)| of_case(name).unwrap_or((name, text)));
     let further = case
         .criteria
         .iter()

@@ -19,7 +19,7 @@ impl CriterionText {
     ) -> Result<Scale<'a>, String> {
         let unit = self.unit.as_deref();
         match (self.statistic.and_then(Statistic::unit), of) {
-            (Some(own), _) => Scale::own(unit, own),
+            (Some(si_unit), _) => Scale::in_si(unit, si_unit),
             (None, Some((fmu, variable))) => Scale::new(unit, fmu, variable),
             (None, None) => Ok(Scale::alone(unit)),
         }
@@ -157,8 +157,8 @@ mod tests {
         };
         let shown = |text: &str| Some(text.to_owned());
         assert_eq!(event("level = 50", Some("N")), shown("at 50 N"));
-        let own = "level = \"0.05 kN\"\ndirection = \"rising\"";
-        assert_eq!(event(own, Some("N")), shown("rising to 0.05 kN"));
+        let keys = "level = \"0.05 kN\"\ndirection = \"rising\"";
+        assert_eq!(event(keys, Some("N")), shown("rising to 0.05 kN"));
         assert_eq!(
             event("level = 50\ndirection = \"falling\"", None),
             shown("falling to 50")
@@ -205,8 +205,8 @@ mod tests {
                 "beside `reference`",
             ),
         ] {
-            let found = detail(keys).unwrap_err();
-            assert!(found.contains(message), "{keys}: {found}");
+            let error = detail(keys).unwrap_err();
+            assert!(error.contains(message), "{keys}: {error}");
         }
     }
 }

@@ -471,8 +471,8 @@ impl Study {
 
     /// The path of a file that the study names, as seen from here.
     pub fn path_of(&self, file: &Path) -> PathBuf {
-        let own = self.path.parent().unwrap_or(Path::new(""));
-        self.base.as_deref().unwrap_or(own).join(file)
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        self.base.as_deref().unwrap_or(folder).join(file)
     }
 
     /// The same, in one spelling: two names of one file, such as `a.csv` and `./a.csv`, have one path.
@@ -483,7 +483,7 @@ impl Study {
 
     /// Whether a sample gives several parameters, which are drawn together.
     pub fn binds_by_samples(&self) -> bool {
-        let files = self.parameters.values().filter_map(|own| own.file.as_ref());
+        let files = self.parameters.values().filter_map(|p| p.file.as_ref());
         let mut files: Vec<PathBuf> = files.map(|file| self.one_path(file.as_ref())).collect();
         files.sort_unstable();
         files.windows(2).any(|pair| pair[0] == pair[1])

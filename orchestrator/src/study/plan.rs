@@ -55,8 +55,8 @@ impl Plan {
         for (case, study) in study.by_case() {
             study.once(fmu, study.set())?;
             let binder = Binder { study: &study, fmu };
-            let (own, task, doubts) = binder.task(case, varied.clone())?;
-            outputs.extend(own);
+            let (further, task, doubts) = binder.task(case, varied.clone())?;
+            outputs.extend(further);
             of_inputs.extend(doubts.into_iter().map(|doubt| match case {
                 Some(case) => Concern {
                     text: format!("case {}: {}", case.name.as_ref(), doubt.text),
@@ -211,11 +211,11 @@ impl Plan {
     pub fn concerns(&self) -> Vec<Concern> {
         const LARGE: f64 = 0.05;
         let concern = |(input, slot): (&Input, &Slot)| {
-            let own = input.conversion.inverse();
+            let inverse = input.conversion.inverse();
             let below = |limit: f64| match limit {
                 f64::INFINITY => 1.0,
                 f64::NEG_INFINITY => 0.0,
-                limit => input.distribution.below(own.value(limit)),
+                limit => input.distribution.below(inverse.value(limit)),
             };
             let allowed = slot.allowed().into_iter();
             let inside: f64 = allowed.map(|[low, high]| below(high) - below(low)).sum();
@@ -226,7 +226,7 @@ impl Plan {
                      fail and count as not verified: cut the distribution there (`truncated-normal`), or correct it",
                     input.name,
                     100.0 * (1.0 - inside),
-                    slot.allowed_text(|limit| own.value(limit)),
+                    slot.allowed_text(|limit| inverse.value(limit)),
                 );
                 Concern::new(Code::RefusedDistribution, text)
             })

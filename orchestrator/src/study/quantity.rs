@@ -88,8 +88,8 @@ enum Base<'a> {
 }
 
 /// From a unit of time to seconds, or from one of frequency to hertz.
-pub(super) fn to_own(unit: &str, own: &'static str) -> Result<Conversion, String> {
-    let factor = match (own, unit) {
+pub(super) fn to_own(unit: &str, si_unit: &'static str) -> Result<Conversion, String> {
+    let factor = match (si_unit, unit) {
         ("s", "s") | ("Hz", "Hz" | "1/s") => 1.0,
         ("s", "ms") => 1e-3,
         ("s", "min") => 60.0,
@@ -139,16 +139,16 @@ impl<'a> Scale<'a> {
         })
     }
 
-    /// The scale of a time or a frequency, whatever the FMU's variable is measured in; `own` is "s" or "Hz".
+    /// The scale of a time or a frequency, whatever the FMU's variable is measured in; `si_unit` is "s" or "Hz".
     ///
     /// # Errors
     /// When the unit is none of time, or none of frequency.
-    pub fn own(unit: Option<&str>, own: &'static str) -> Result<Self, String> {
+    pub fn in_si(unit: Option<&str>, si_unit: &'static str) -> Result<Self, String> {
         Ok(Self {
-            unit: Some(unit.unwrap_or(own).to_owned()),
+            unit: Some(unit.unwrap_or(si_unit).to_owned()),
             is_stated: unit.is_some(),
-            conversion: unit.map_or(Ok(Conversion::IDENTITY), |unit| to_own(unit, own))?,
-            base: Base::Own(own),
+            conversion: unit.map_or(Ok(Conversion::IDENTITY), |unit| to_own(unit, si_unit))?,
+            base: Base::Own(si_unit),
         })
     }
 
@@ -185,17 +185,17 @@ impl<'a> Scale<'a> {
     /// be one of either number.
     pub fn part(&self, part: f64, of: &Quantity) -> Result<f64, String> {
         let amount = part * of.number.abs();
-        let Some(own) = &of.unit else {
+        let Some(of_unit) = &of.unit else {
             return Ok(amount);
         };
-        let conversion = self.from(own)?;
+        let conversion = self.from(of_unit)?;
         if self.is_stated && conversion.value(0.0) != 0.0 {
             let unit = self.unit.as_deref().unwrap_or_default();
             let converted = conversion.value(of.number);
             let percent = 100.0 * part;
             return Err(format!(
                 "{percent} % could be that of {of} or of {converted:.6} {unit}; give it with a unit, such as \
-                 \"{amount:.6} {own}\" or \"{:.6} {unit}\"",
+                 \"{amount:.6} {of_unit}\" or \"{:.6} {unit}\"",
                 part * converted.abs()
             ));
         }
@@ -214,11 +214,11 @@ impl<'a> Scale<'a> {
             Base::Variable(fmu, variable) => fmu
                 .conversion(unit, variable)
                 .map_err(|error| error.to_string())?,
-            Base::Own(own) => to_own(unit, own)?,
+            Base::Own(si_unit) => to_own(unit, si_unit)?,
             Base::Unknown => {
-                let own = self.unit.as_deref().unwrap_or("no unit");
+                let target = self.unit.as_deref().unwrap_or("no unit");
                 return Err(format!(
-                    "unit `{unit}` cannot be converted to {own} without the FMU, which is missing"
+                    "unit `{unit}` cannot be converted to {target} without the FMU, which is missing"
                 ));
             }
         };

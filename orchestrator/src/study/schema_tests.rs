@@ -136,10 +136,10 @@ fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> 
     if *schema == Value::Bool(false) {
         return vec![format!("{at} has no place here")];
     }
-    let mut found = Vec::new();
+    let mut wrong = Vec::new();
     if let Some(name) = schema["$ref"].as_str() {
         let target = root.pointer(name.trim_start_matches('#')).unwrap();
-        found.extend(faults(root, target, value, at));
+        wrong.extend(faults(root, target, value, at));
     }
     let is = |kind: &str| match kind {
         "object" => value.is_object(),
@@ -156,44 +156,44 @@ fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> 
         _ => true,
     };
     if !typed {
-        found.push(format!("{at} is no {}", schema["type"]));
+        wrong.push(format!("{at} is no {}", schema["type"]));
     }
     let words = schema["enum"].as_array();
     if words.is_some_and(|words| !words.contains(value))
         || schema.get("const").is_some_and(|word| word != value)
     {
-        found.push(format!("{at} is {value}"));
+        wrong.push(format!("{at} is {value}"));
     }
     for bound in ["minimum", "exclusiveMinimum"] {
         if let (Some(min), Some(number)) = (schema[bound].as_f64(), value.as_f64())
             && (number < min || bound != "minimum" && number == min)
         {
-            found.push(format!("{at} is {number}"));
+            wrong.push(format!("{at} is {number}"));
         }
     }
     for part in schema["allOf"].as_array().into_iter().flatten() {
         if faults(root, &part["if"], value, at).is_empty() {
-            found.extend(faults(root, &part["then"], value, at));
+            wrong.extend(faults(root, &part["then"], value, at));
         }
     }
     for item in value.as_array().into_iter().flatten() {
-        found.extend(faults(root, &schema["items"], item, at));
+        wrong.extend(faults(root, &schema["items"], item, at));
     }
     let Some(table) = value.as_object() else {
-        return found;
+        return wrong;
     };
     for name in schema["required"].as_array().into_iter().flatten() {
         if !table.contains_key(name.as_str().unwrap()) {
-            found.push(format!("{at} lacks {name}"));
+            wrong.push(format!("{at} lacks {name}"));
         }
     }
     for (key, value) in table {
-        let own = schema["properties"].get(key);
-        if let Some(schema) = own.or(schema.get("additionalProperties")) {
-            found.extend(faults(root, schema, value, &format!("{at}.{key}")));
+        let property = schema["properties"].get(key);
+        if let Some(schema) = property.or(schema.get("additionalProperties")) {
+            wrong.extend(faults(root, schema, value, &format!("{at}.{key}")));
         }
     }
-    found
+    wrong
 }
 
 fn faults_of(text: &str) -> Vec<String> {
@@ -251,10 +251,10 @@ fn the_schema_refuses_what_the_reader_refuses() {
         ),
     ];
     for (text, words) in mistakes {
-        let found = faults_of(text);
+        let faults = faults_of(text);
         assert!(
-            found.iter().any(|fault| fault.starts_with(words)),
-            "{text}: {found:?}"
+            faults.iter().any(|fault| fault.starts_with(words)),
+            "{text}: {faults:?}"
         );
     }
 }

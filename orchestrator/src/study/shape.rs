@@ -32,7 +32,7 @@ impl ParameterText {
                 "deviation" => Sense::Difference,
                 _ => Sense::Value,
             };
-            let (_, number) = self.numbers().into_iter().find(|(own, _)| *own == key)?;
+            let (_, number) = self.numbers().into_iter().find(|(name, _)| *name == key)?;
             number.as_ref().map(|number| scale.number(number, sense))
         };
         let need = |key: &str| {

@@ -140,7 +140,7 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
     let mut counts = [(b',', 0), (b'\t', 0), (b';', 0)];
     for &byte in &line {
         quoted ^= byte == b'"';
-        let count = counts.iter_mut().find(|(own, _)| *own == byte && !quoted);
+        let count = counts.iter_mut().find(|(mark, _)| *mark == byte && !quoted);
         count.into_iter().for_each(|(_, count)| *count += 1);
     }
     // A tie goes to the last one: names hold commas more often than semicolons.
@@ -258,8 +258,8 @@ mod tests {
             ("", b','),
             ("# a;b;c;d\n\na,b", b','),
         ] {
-            let found = separator(&mut header.as_bytes(), Some(b'#')).unwrap();
-            assert_eq!(found, expected, "{header}");
+            let separator = separator(&mut header.as_bytes(), Some(b'#')).unwrap();
+            assert_eq!(separator, expected, "{header}");
         }
     }
 

@@ -30,11 +30,11 @@ const CATEGORIES: &[(&str, &str)] = &[
 
 /// All log categories of an FMU: the boundary's, then the model's own.
 pub fn categories<M: Model>() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let own = |name: &str| CATEGORIES.iter().any(|(category, _)| *category == name);
+    let of_boundary = |name: &str| CATEGORIES.iter().any(|(category, _)| *category == name);
     let models = M::INFO
         .log_categories
         .iter()
-        .filter(move |(name, _)| !own(name));
+        .filter(move |(name, _)| !of_boundary(name));
     CATEGORIES.iter().chain(models).copied()
 }
 

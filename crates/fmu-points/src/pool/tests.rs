@@ -58,7 +58,7 @@ fn every_point_is_answered_once() {
             };
             seen[index as usize] += 1;
             match answer {
-                Ok(found) => assert_eq!(found.values[0], 2.0 * (index as f64 - 3.0)),
+                Ok(outcome) => assert_eq!(outcome.values[0], 2.0 * (index as f64 - 3.0)),
                 Err(_) => assert!(index < 3),
             }
             Ok(ControlFlow::Continue(()))

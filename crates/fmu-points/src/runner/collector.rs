@@ -198,9 +198,9 @@ fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<
     };
     let model = Curve::new(times.to_vec(), values).ok()?;
     let reference = Curve::new(measured.times.clone(), measured.values.clone()).ok()?;
-    let found = delay::find(&reference, &model, range).ok()?;
+    let shift = delay::find(&reference, &model, range).ok()?;
     let [first, last] = model.span();
-    let place = |time: &f64| model.at((time - found.delay).clamp(first, last));
+    let place = |time: &f64| model.at((time - shift.delay).clamp(first, last));
     measured.times.iter().map(place).collect()
 }
 
@@ -287,8 +287,8 @@ mod tests {
     #[test]
     fn a_delay_is_found() {
         // The deviations 0, 0, -1 have the mean -1/3: the model is a 30th of a second late.
-        let found = error(&probe(Delay::Within([-0.5, 0.5])), 4);
-        assert!((found - 2.0 / 3.0).abs() < 1e-6, "{found}");
+        let deviation = error(&probe(Delay::Within([-0.5, 0.5])), 4);
+        assert!((deviation - 2.0 / 3.0).abs() < 1e-6, "{deviation}");
         assert!(error(&probe(Delay::Within([-0.5, 0.5])), 3).is_nan());
     }
 }

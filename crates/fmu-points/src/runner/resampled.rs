@@ -11,7 +11,7 @@ pub(super) struct Draws {
     resampling: Resampling,
     errors: RowErrors,
     /// The errors of single rows in standard deviations, replicate by replicate; made when they are needed first.
-    own: Option<Vec<f32>>,
+    table: Option<Vec<f32>>,
 }
 
 impl Draws {
@@ -19,7 +19,7 @@ impl Draws {
         Self {
             errors: RowErrors::new(resampling.seed, resampling.correlation),
             resampling: resampling.clone(),
-            own: None,
+            table: None,
         }
     }
 
@@ -33,9 +33,9 @@ impl Draws {
         if !self.errors.has_own() && matches!(metric, Metric::Rmse | Metric::Nrmse) {
             return self.by_moments(metric, pair);
         }
-        let own = self.errors.has_own().then(|| {
+        let table = self.errors.has_own().then(|| {
             &**self
-                .own
+                .table
                 .get_or_insert_with(|| table(&self.errors, self.resampling.first, rows))
         });
         let mut conforming = vec![0_u64; RowErrors::REPLICATES / 64];
@@ -43,17 +43,17 @@ impl Draws {
         for replicate in 0..RowErrors::REPLICATES {
             let common = self.errors.common(replicate);
             let known = pair.reference.iter().zip(standard);
-            match own {
+            match table {
                 None => truth
                     .iter_mut()
                     .zip(known)
                     .for_each(|(truth, (value, width))| *truth = value + width * common),
-                Some(own) => truth
+                Some(table) => truth
                     .iter_mut()
                     .zip(known)
-                    .zip(&own[replicate * rows..])
-                    .for_each(|((truth, (value, width)), own)| {
-                        *truth = value + width * (common + f64::from(*own));
+                    .zip(&table[replicate * rows..])
+                    .for_each(|((truth, (value, width)), error)| {
+                        *truth = value + width * (common + f64::from(*error));
                     }),
             }
             let value = metric.compare(&Pair {
@@ -126,8 +126,8 @@ mod tests {
     fn share(resampling: &Resampling, metric: Metric, deviation: f64) -> f64 {
         let reference = vec![1.0; 400];
         let model = vec![1.0 + deviation; 400];
-        let found = Draws::new(resampling).conforming(metric, &Pair::new(&reference, &model));
-        f64::from(found.iter().map(|bits| bits.count_ones()).sum::<u32>()) / 256.0
+        let conforming = Draws::new(resampling).conforming(metric, &Pair::new(&reference, &model));
+        f64::from(conforming.iter().map(|bits| bits.count_ones()).sum::<u32>()) / 256.0
     }
 
     /// A model that is off by a constant, under an error that all rows share, is the one number of JCGM 106:2012, 7.4:
@@ -137,11 +137,11 @@ mod tests {
         for metric in [Metric::Rmse, Metric::MaxError, Metric::Area] {
             for deviation in [0.0, 0.4, 1.0, 1.5, -1.0] {
                 let expected = between((-1.0 - deviation) / 0.5, (1.0 - deviation) / 0.5);
-                let found = share(&resampling(1.0, 1.0), metric, deviation);
+                let share = share(&resampling(1.0, 1.0), metric, deviation);
                 // Whole draws of 256 only.
                 assert!(
-                    (found - expected).abs() < 1.5 / 256.0,
-                    "{deviation}: {found} {expected}"
+                    (share - expected).abs() < 1.5 / 256.0,
+                    "{deviation}: {share} {expected}"
                 );
             }
         }
@@ -156,8 +156,8 @@ mod tests {
         assert!((near(rmse) - 0.5).abs() < 0.1, "{}", near(rmse));
         // The largest of 400 errors is below x with probability (2 Phi(x) - 1)^400.
         let expected = between(-3.0, 3.0).powi(400);
-        let found = share(&resampling(0.0, 1.5), Metric::MaxError, 0.0);
-        assert!((found - expected).abs() < 0.1, "{found} {expected}");
+        let share = share(&resampling(0.0, 1.5), Metric::MaxError, 0.0);
+        assert!((share - expected).abs() < 0.1, "{share} {expected}");
     }
 
     /// The parabola against the metric itself: a hair of correlation less takes the other way.

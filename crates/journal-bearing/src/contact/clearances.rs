@@ -29,7 +29,7 @@ pub struct ContactFamily {
     scale: f64,
     /// The clearance that was given, m, and its own table.
     clearance: f64,
-    own: ContactTable,
+    table: ContactTable,
     /// The number of the first of `tables`, counted from the one at seven roughnesses.
     first: i32,
     tables: Vec<OnceLock<Arc<ContactTable>>>,
@@ -63,9 +63,9 @@ impl ContactFamily {
     /// The contact of a bearing with radial clearance, width and diameter in m, and of others like it with clearances from
     /// a hundredth to the hundredfold of this one.
     pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
-        let own = ContactTable::new(surface, clearance, width, diameter);
+        let table = ContactTable::new(surface, clearance, width, diameter);
         let middle = (clearance / (NO_CONTACT * surface.roughness)).ln() / SPACING;
-        let touches = !own.nodes.is_empty();
+        let touches = !table.nodes.is_empty();
         let bound = |ratio: f64| (middle + ratio.ln() / SPACING).floor();
         // Both sides have room for a whole polynomial, also where the one at seven roughnesses cuts them short.
         let (first, last) = if touches {
@@ -78,7 +78,7 @@ impl ContactFamily {
             roughness: surface.roughness,
             scale: surface.log_force_scale(width, diameter),
             clearance,
-            own,
+            table,
             first: first as i32,
             tables: (0..count).map(|_| OnceLock::new()).collect(),
         }
@@ -88,7 +88,7 @@ impl ContactFamily {
     #[inline]
     pub fn at(&self, eccentricity_ratio: f64, clearance: f64) -> Contact {
         if clearance == self.clearance || self.tables.is_empty() {
-            return self.own.at(eccentricity_ratio);
+            return self.table.at(eccentricity_ratio);
         }
         self.between(eccentricity_ratio, clearance)
     }
@@ -172,14 +172,14 @@ mod tests {
         ] {
             let table = ContactTable::new(&surface, c, WIDTH, DIAMETER);
             for e in [0.0, 1e-3, 0.1, 0.3, 0.6, 0.8, 0.9, 0.97, 0.999] {
-                let (found, expected) = (family.at(e, c), table.at(e));
-                for (found, expected) in [
-                    (found.force, expected.force),
-                    (found.normal, expected.normal),
+                let (contact, expected) = (family.at(e, c), table.at(e));
+                for (value, expected) in [
+                    (contact.force, expected.force),
+                    (contact.normal, expected.normal),
                 ] {
                     assert!(
-                        (found - expected).abs() <= 1e-5 * expected + NOTHING,
-                        "c = {c}, e = {e}: {found} {expected}"
+                        (value - expected).abs() <= 1e-5 * expected + NOTHING,
+                        "c = {c}, e = {e}: {value} {expected}"
                     );
                 }
             }

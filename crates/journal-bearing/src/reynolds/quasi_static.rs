@@ -248,7 +248,7 @@ impl QuasiStatic {
                     if couples { -conductance } else { 0.0 }
                 });
                 let ring = &mut self.ring;
-                ring.own[cell] = if full { leak } else { 1.0 };
+                ring.diagonal[cell] = if full { leak } else { 1.0 };
                 (ring.before[cell], ring.after[cell]) = (before, after);
                 (ring.below[cell], ring.above[cell]) = (below, above);
                 let faced = self.normal[i] * self.grid.zeta_width(j);

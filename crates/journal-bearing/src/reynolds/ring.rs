@@ -25,7 +25,7 @@ pub struct Ring {
     columns: usize,
     rows: usize,
     /// The matrix, row by row of the cells: the diagonal entry.
-    pub own: Vec<f64>,
+    pub diagonal: Vec<f64>,
     /// The entry of the cell in the row below.
     pub below: Vec<f64>,
     /// The entry of the cell in the row above.
@@ -55,7 +55,7 @@ impl Ring {
         Self {
             columns,
             rows,
-            own: vec![1.0; cells],
+            diagonal: vec![1.0; cells],
             below: vec![0.0; cells],
             above: vec![0.0; cells],
             before: vec![0.0; cells],
@@ -100,13 +100,14 @@ impl Ring {
             self.load_block(rows, column);
             let previous = (column + columns - 1) % columns;
             if previous != cut && self.active[previous] {
-                let [own, other] = two_blocks(&mut self.inverse, rows, column, previous);
+                let [block, other] = two_blocks(&mut self.inverse, rows, column, previous);
                 let before = &self.before[column * rows..][..rows];
                 let after = &self.after[previous * rows..][..rows];
                 for (q, &after) in after.iter().enumerate() {
-                    let (own, other) = (&mut own[q * rows..][..rows], &other[q * rows..][..rows]);
+                    let (block, other) =
+                        (&mut block[q * rows..][..rows], &other[q * rows..][..rows]);
                     for j in 0..rows {
-                        own[j] -= before[j] * other[j] * after;
+                        block[j] -= before[j] * other[j] * after;
                     }
                 }
             }
@@ -127,7 +128,7 @@ impl Ring {
         let block = &mut self.inverse[at * rows..][..rows * rows];
         block.fill(0.0);
         for j in 0..rows {
-            block[j * rows + j] = self.own[at + j];
+            block[j * rows + j] = self.diagonal[at + j];
             if j > 0 {
                 block[(j - 1) * rows + j] = self.below[at + j];
             }
@@ -213,7 +214,7 @@ impl Ring {
         let (columns, cut) = (self.columns, self.cut);
         self.load_block(rows, cut);
         let block = rows * rows;
-        let own = &mut self.inverse[cut * block..][..block];
+        let matrix = &mut self.inverse[cut * block..][..block];
         let neighbours = [
             ((cut + columns - 1) % columns, &self.before),
             ((cut + 1) % columns, &self.after),
@@ -226,11 +227,11 @@ impl Ring {
             let spike = &self.spike[neighbour * block..][..block];
             for k in 0..rows {
                 for j in 0..rows {
-                    own[k * rows + j] -= coupling[j] * spike[k * rows + j];
+                    matrix[k * rows + j] -= coupling[j] * spike[k * rows + j];
                 }
             }
         }
-        invert(rows, own, &mut self.scratch);
+        invert(rows, matrix, &mut self.scratch);
     }
 
     /// Forward and backward substitution along the chain, then the cut.
@@ -248,14 +249,14 @@ impl Ring {
             let follows = previous != cut && self.active[previous];
             for x in &mut x {
                 let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
-                let own = &x[column * rows..][..rows];
+                let values = &x[column * rows..][..rows];
                 if follows {
                     let other = &x[previous * rows..][..rows];
                     for j in 0..rows {
-                        source[j] = own[j] - before[j] * other[j];
+                        source[j] = values[j] - before[j] * other[j];
                     }
                 } else {
-                    source.copy_from_slice(own);
+                    source.copy_from_slice(values);
                 }
                 apply(rows, inverse, source, answer);
                 x[column * rows..][..rows].copy_from_slice(answer);
@@ -276,9 +277,9 @@ impl Ring {
                     source[j] = after[j] * other[j];
                 }
                 apply(rows, inverse, source, answer);
-                let own = &mut x[column * rows..][..rows];
+                let values = &mut x[column * rows..][..rows];
                 for j in 0..rows {
-                    own[j] -= answer[j];
+                    values[j] -= answer[j];
                 }
             }
         }
@@ -314,9 +315,9 @@ impl Ring {
             }
             let spike = &self.spike[column * block..][..block];
             apply(rows, spike, answer, source);
-            let own = &mut x[column * rows..][..rows];
+            let values = &mut x[column * rows..][..rows];
             for j in 0..rows {
-                own[j] -= source[j];
+                values[j] -= source[j];
             }
         }
     }

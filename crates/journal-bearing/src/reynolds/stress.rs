@@ -93,13 +93,13 @@ mod tests {
         for ratio in [
             -2.0, -1.0, -0.3, 0.0, 0.5, 1.0, 2.0, 2.999, 3.001, 5.0, 12.0, 29.9,
         ] {
-            let (found, expected) = (thinness(ratio), mean_thinness(ratio));
+            let (mean, expected) = (thinness(ratio), mean_thinness(ratio));
             assert!(
-                (found - expected).abs() < 0.003,
-                "{ratio}: {found} {expected}"
+                (mean - expected).abs() < 0.003,
+                "{ratio}: {mean} {expected}"
             );
             assert!(
-                ratio < 3.0 || (found / expected - 1.0).abs() < 1e-6,
+                ratio < 3.0 || (mean / expected - 1.0).abs() < 1e-6,
                 "{ratio}"
             );
         }

@@ -56,16 +56,19 @@ pub(super) struct Change {
 }
 
 impl Newton {
-    pub(super) fn new(found: &Equilibrium, period: f64, isothermal: bool) -> Self {
-        let lasting = lasting(&found.drift, period);
+    pub(super) fn new(equilibrium: &Equilibrium, period: f64, isothermal: bool) -> Self {
+        let lasting = lasting(&equilibrium.drift, period);
         // A change of the rates warms by as much as is left of it at the turn's end.
-        let gain = found.drift.lu().solve(&(lasting - Matrix4::identity()));
+        let gain = equilibrium
+            .drift
+            .lu()
+            .solve(&(lasting - Matrix4::identity()));
         Self {
             lasting,
             settle: (Matrix4::identity() - lasting).lu(),
-            shift: found.shift,
-            slope: found.slope,
-            warming: gain.map_or(SMatrix::zeros(), |gain| gain * found.heating),
+            shift: equilibrium.shift,
+            slope: equilibrium.slope,
+            warming: gain.map_or(SMatrix::zeros(), |gain| gain * equilibrium.heating),
             isothermal,
             last: None,
         }

@@ -128,13 +128,13 @@ mod tests {
 
     #[test]
     fn commas_within_brackets_belong_to_names() {
-        let found: Vec<&str> = names("a, b[1,2].c,der(x,2) ,,d", |_| false);
-        assert_eq!(found, ["a", "b[1,2].c", "der(x,2)", "d"]);
+        let parts: Vec<&str> = names("a, b[1,2].c,der(x,2) ,,d", |_| false);
+        assert_eq!(parts, ["a", "b[1,2].c", "der(x,2)", "d"]);
     }
 
     #[test]
     fn commas_of_a_variable_belong_to_its_name() {
-        let found = names("u,1, u,v", |name| ["u", "u,1", "v"].contains(&name));
-        assert_eq!(found, ["u,1", "u", "v"]);
+        let parts = names("u,1, u,v", |name| ["u", "u,1", "v"].contains(&name));
+        assert_eq!(parts, ["u,1", "u", "v"]);
     }
 }

@@ -152,8 +152,8 @@ fn of_four(pairs: &[(&str, &str, f64)]) -> Result<Judge, String> {
 #[test]
 fn every_pair_of_values_has_one_correlation() {
     let judge = of_four(&[("T", "F", 0.5), ("T", "G", 0.4), ("H", "F", 0.3)]).unwrap();
-    let found = judge.measurement.correlations();
-    assert_eq!(found, [(0, 1, 0.5), (0, 2, 0.4), (3, 1, 0.3)]);
+    let correlations = judge.measurement.correlations();
+    assert_eq!(correlations, [(0, 1, 0.5), (0, 2, 0.4), (3, 1, 0.3)]);
     for (a, b) in [("T", "F"), ("F", "T")] {
         let error = of_four(&[("T", "F", 0.5), (a, b, 0.4)]).unwrap_err();
         assert!(error.contains("keep one"), "{error}");

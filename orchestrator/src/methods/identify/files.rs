@@ -98,7 +98,7 @@ fn write_cases(
     let Some(path) = &settings.cases else {
         return Ok(());
     };
-    let path = beside(study, path.as_ref());
+    let path = resolve(study, path.as_ref());
     let failed = |error: csv::Error| Error::content(&path, error);
     let mut table = CsvFile::open(&path, Some(b'#'))?;
     let header = table.header()?;
@@ -138,6 +138,6 @@ fn write_cases(
 }
 
 /// A path that the study gives relative to itself.
-pub(super) fn beside(study: &Study, path: &Path) -> PathBuf {
+pub(super) fn resolve(study: &Study, path: &Path) -> PathBuf {
     study.path().parent().unwrap_or("".as_ref()).join(path)
 }

@@ -157,7 +157,7 @@ impl Analysis for Asked {
             study, settings, ..
         } = fit;
         let table = settings.cases.as_ref().map(|path| {
-            let path = files::beside(study, path.as_ref());
+            let path = files::resolve(study, path.as_ref());
             crate::files::digest(&path).map_err(Error::io(&path))
         });
         Ok(PointSet {
@@ -270,16 +270,16 @@ fn find(
         let mut asked: &dyn Simulate = &remembered;
         // Without surrogates: the places of a sample hardly ever come twice, and there are many.
         let mut sampled: &dyn Simulate = &model;
-        if let Some(own) = &replaced {
-            task.problem = &own.problem;
-            (asked, sampled) = (&own.model, &own.model);
+        if let Some(replaced) = &replaced {
+            task.problem = &replaced.problem;
+            (asked, sampled) = (&replaced.model, &replaced.model);
         }
         let mut searched = rounds::searched(&task, asked, &|progress| {
             model.say(so_far(progress));
         })?;
-        let again = replaced.as_ref().map(|own| {
+        let again = replaced.as_ref().map(|replaced| {
             let objective = Objective::new(&searched.problem, &remembered, settings.difference);
-            surrogate::run_again(&objective, own, &mut searched.optima)
+            surrogate::run_again(&objective, replaced, &mut searched.optima)
         });
         let again = again.transpose()?;
         let optima = &searched.optima;
@@ -298,10 +298,10 @@ fn find(
             surrogate: again,
             ..searched.outcome()
         };
-        if let Some(own) = &replaced {
+        if let Some(replaced) = &replaced {
             // Only the model's own runs tell where it fails.
-            let ended = own.screened.iter().copied();
-            outcome.excluded = Excluded::new(&bound.problem, &own.failures, ended);
+            let ended = replaced.screened.iter().copied();
+            outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, ended);
         }
         let objective = Objective::new(task.problem, sampled, settings.difference);
         let sample = posterior::sampled(
@@ -315,8 +315,8 @@ fn find(
         )?;
         Ok((outcome, sample))
     };
-    let found = search();
-    found.map_err(|error: SearchError| match model.halted() {
+    let fitted = search();
+    fitted.map_err(|error: SearchError| match model.halted() {
         Some(halt) => halt,
         None => Error::Search(error.to_string()),
     })

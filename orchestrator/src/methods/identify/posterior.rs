@@ -71,8 +71,8 @@ pub(super) fn sampled(
         PosteriorStart::Optima => optima,
         PosteriorStart::Prior => &[],
     };
-    let found = outcome.discrepancies.iter().map(|found| found.deviation);
-    let discrepancies: Vec<(Unknown, f64)> = unknown.iter().copied().zip(found).collect();
+    let deviations = outcome.discrepancies.iter().map(|discrepancy| discrepancy.deviation);
+    let discrepancies: Vec<(Unknown, f64)> = unknown.iter().copied().zip(deviations).collect();
     let settings = Settings {
         particles: *particles.as_ref(),
         seed: settings.seed,
@@ -88,10 +88,10 @@ pub(super) fn sampled(
         Ok(sample) => {
             outcome.posterior = Some(PosteriorOutcome::new(objective, optima, &sample));
             let pairs = outcome.discrepancies.iter_mut().zip(unknown).enumerate();
-            for (index, (found, unknown)) in pairs {
+            for (index, (discrepancy, unknown)) in pairs {
                 let sampled =
                     PosteriorOutcome::discrepancy(objective.problem, &sample, unknown, index);
-                found.sampled = Some(sampled);
+                discrepancy.sampled = Some(sampled);
             }
             Ok(Some(sample))
         }

@@ -80,7 +80,7 @@ pub(super) fn run_again(
     replaced: &Replaced,
     optima: &mut [Optimum],
 ) -> Result<SurrogateOutcome, SearchError> {
-    let places: Vec<&[f64]> = optima.iter().map(|own| &own.minimum.places[..]).collect();
+    let places: Vec<&[f64]> = optima.iter().map(|optimum| &optimum.minimum.places[..]).collect();
     let misfits = objective.misfits(&places)?;
     let mut told = replaced.told.clone();
     for (Optimum { minimum, .. }, misfit) in optima.iter_mut().zip(misfits) {

@@ -175,8 +175,8 @@ impl Analysis for Asked {
                 result_of(result, asking::origin(session)?)
             }
             Self::Points { ref from } => of_points(from, &session.study, |table| {
-                let own = session.plan.inputs.len() == table.parameters.len();
-                own.then(|| nominal(session, pipeline)).transpose()
+                let same_count = session.plan.inputs.len() == table.parameters.len();
+                same_count.then(|| nominal(session, pipeline)).transpose()
             }),
         }
     }
@@ -216,11 +216,11 @@ fn search(
     let limits = vec![[0.001, 0.999]; session.plan.varied().len()];
     let (mut points, mut outcomes) = (Vec::new(), Vec::new());
     nsga2::minimise(&limits, settings, |cube| {
-        let own: Vec<Vec<f64>> = cube.iter().map(|u| session.plan.from_cube(u)).collect();
-        let found = pipeline.ask(&own)?;
-        let table = asking::table(session, &own, found.clone());
-        points.extend(own);
-        outcomes.extend(found);
+        let asked: Vec<Vec<f64>> = cube.iter().map(|u| session.plan.from_cube(u)).collect();
+        let answers = pipeline.ask(&asked)?;
+        let table = asking::table(session, &asked, answers.clone());
+        points.extend(asked);
+        outcomes.extend(answers);
         Ok::<_, Error>(
             (0..cube.len())
                 .map(|i| Member::of(&table, i).deviations)

@@ -192,13 +192,14 @@ impl Analysis for Rare {
         // The outcomes at points of the event, which go into the table.
         let mut met: HashMap<Vec<u64>, Outcome> = HashMap::new();
         let mut ask = |scores: &[Vec<f64>]| -> Result<Vec<Judged>, Error> {
-            let points: Vec<Vec<f64>> = scores.iter().map(|own| plan.at_scores(own)).collect();
+            let points: Vec<Vec<f64>> =
+                scores.iter().map(|scores| plan.at_scores(scores)).collect();
             let outcomes = pipeline.ask(&points)?;
             let mut results = Vec::with_capacity(outcomes.len());
-            for (own, outcome) in scores.iter().zip(outcomes) {
+            for (scores, outcome) in scores.iter().zip(outcomes) {
                 let judged = self.judge(judge, &outcome);
                 if judged.met {
-                    met.insert(bits(own), outcome);
+                    met.insert(bits(scores), outcome);
                 }
                 results.push(judged);
             }

@@ -267,9 +267,9 @@ mod tests {
 
     #[test]
     fn the_verdict_on_points_that_do_not_conform_counts_failures_as_not_verified() {
-        let found = verified(RareEvent::NotConforming, [1e-6, 2e-6], [0.0, 1e-3]);
-        assert!((found[0] - (1.0 - 2e-6 - 1e-3)).abs() < 1e-15);
-        assert!((found[1] - (1.0 - 1e-6)).abs() < 1e-15);
+        let shares = verified(RareEvent::NotConforming, [1e-6, 2e-6], [0.0, 1e-3]);
+        assert!((shares[0] - (1.0 - 2e-6 - 1e-3)).abs() < 1e-15);
+        assert!((shares[1] - (1.0 - 1e-6)).abs() < 1e-15);
         let rule = Rule {
             share: 0.9,
             confidence: 0.95,

@@ -41,11 +41,11 @@ impl Confirmation<'_, '_> {
         for round in 0..ROUNDS {
             let runs = self.judge(&mut result, round)?;
             let level = result.level;
-            if result.region.as_ref().is_none_or(|own| own.agrees(level))
+            if result.region.as_ref().is_none_or(|region| region.agrees(level))
                 && result
                     .ellipsoid
                     .as_ref()
-                    .is_none_or(|own| own.agrees(level))
+                    .is_none_or(|ellipsoid| ellipsoid.agrees(level))
             {
                 break;
             }
@@ -69,9 +69,9 @@ impl Confirmation<'_, '_> {
             .collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
         let boxed = result.region.as_ref();
-        let boxed = boxed.map(|own| self.inside(2 * round, |x| own.contains(&varying(x))));
+        let boxed = boxed.map(|region| self.inside(2 * round, |x| region.contains(&varying(x))));
         let rounded = result.ellipsoid.as_ref();
-        let rounded = rounded.map(|own| self.inside(2 * round + 1, |x| own.contains(&varying(x))));
+        let rounded = rounded.map(|ellipsoid| self.inside(2 * round + 1, |x| ellipsoid.contains(&varying(x))));
         let [in_box, in_ellipsoid] = [
             boxed.transpose()?.unwrap_or_default(),
             rounded.transpose()?.unwrap_or_default(),

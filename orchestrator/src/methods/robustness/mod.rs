@@ -200,13 +200,13 @@ fn cloud(
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, Error> {
     const SIZE: u64 = 65_536;
-    let own = || table.parameters.iter().map(|p| &p.name);
+    let names = || table.parameters.iter().map(|p| &p.name);
     match plan {
-        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) && !plan.is_independent() => {
+        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) && !plan.is_independent() => {
             let points = joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
             Ok((0..SIZE).map(|index| points.point(index)).collect())
         }
-        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(own()) => {
+        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => {
             let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?;
             Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
         }

@@ -96,8 +96,8 @@ fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
     if surest.iter().any(|estimate| estimate.value.is_nan()) {
         return None;
     }
-    let found = dominant(&surest)?;
-    (surest[found].value != 0.0).then(|| parameters[found].clone())
+    let index = dominant(&surest)?;
+    (surest[index].value != 0.0).then(|| parameters[index].clone())
 }
 
 /// Analyses existing points, whatever their design.

@@ -27,7 +27,7 @@ impl<'a> Goal<'a> {
     pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, Error> {
         const USUAL: f64 = 0.95;
         let said = &study.tolerances;
-        let own = judge.rule.map(|rule| rule.share);
+        let required = judge.rule.map(|rule| rule.share);
         let (wanted, stated) = match (&said.share, &said.conformance) {
             (Some(_), Some(both)) => {
                 let message = "[tolerances] has both share and conformance; keep one";
@@ -48,7 +48,7 @@ impl<'a> Goal<'a> {
                 let message = format!("{} must be more than 0 % and less than 100 %", stated.as_ref());
                 study.error_at(stated, message)
             })?,
-            None => own.ok_or_else(|| {
+            None => required.ok_or_else(|| {
                 study.error(
                     "it does not say what the tolerances must achieve: add `share` under [verdict], or `share` or \
                      `conformance` under [tolerances], such as \"95 %\"",

@@ -202,9 +202,9 @@ impl Asked {
             summary.provenance.method.as_str(),
             "table" | "full-factorial"
         );
-        let own = session.study.digest() == summary.provenance.study_sha256;
-        let own = own && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
-        Ok((drawn && own && !table.is_empty()).then_some(table))
+        let same_files = session.study.digest() == summary.provenance.study_sha256;
+        let same_files = same_files && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
+        Ok((drawn && same_files && !table.is_empty()).then_some(table))
     }
 
     fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, Error> {

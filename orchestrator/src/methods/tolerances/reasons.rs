@@ -13,15 +13,15 @@ pub(super) fn of(
     centres: &[Option<Vec<f64>>],
     points: &[Option<Vec<f64>>],
 ) -> Vec<String> {
-    let mut found = Vec::new();
+    let mut reasons = Vec::new();
     match centres {
         [None] => {
-            found.push("the model fails with all parameters at their nominal values".to_owned())
+            reasons.push("the model fails with all parameters at their nominal values".to_owned())
         }
         [..] => {
-            found.extend(off(judge, goal, centres));
-            if let ([centre], true) = (centres, found.is_empty()) {
-                found.push(format!(
+            reasons.extend(off(judge, goal, centres));
+            if let ([centre], true) = (centres, reasons.is_empty()) {
+                reasons.push(format!(
                     "with all parameters at their nominal values the model meets all criteria, but conforms as wanted \
                      only to {} %: the measured values' uncertainties are too large for it",
                     number(100.0 * goal.good(centre.as_deref()), 3)
@@ -29,8 +29,8 @@ pub(super) fn of(
             }
         }
     }
-    found.extend(contradictions(judge, points));
-    found
+    reasons.extend(contradictions(judge, points));
+    reasons
 }
 
 /// The criteria that the centre of all tolerances misses, a sentence each; with samples, how many of their rows conform.
@@ -94,17 +94,17 @@ fn contradictions(judge: &Judge, points: &[Option<Vec<f64>>]) -> Vec<String> {
         .collect();
     let name = |k: usize| &judge.criteria[k].name;
     let all = completed.len().max(1) as f64;
-    let mut found = Vec::new();
+    let mut sentences = Vec::new();
     for a in 0..alone.len() {
         if alone[a] == 0.0 {
-            found.push(format!("{}: not one of {all} points meets it", name(a)));
+            sentences.push(format!("{}: not one of {all} points meets it", name(a)));
         }
         for b in a + 1..alone.len() {
             // Of independent criteria some points would meet both by chance.
             let expected = alone[a] * alone[b] / all;
             if expected >= EXPECTED && count(&|values| meets(a, values) && meets(b, values)) == 0.0
             {
-                found.push(format!(
+                sentences.push(format!(
                     "{} and {} contradict each other: {} points meet the first, {} the second, and none meets both",
                     name(a),
                     name(b),
@@ -114,5 +114,5 @@ fn contradictions(judge: &Judge, points: &[Option<Vec<f64>>]) -> Vec<String> {
             }
         }
     }
-    found
+    sentences
 }

@@ -23,12 +23,18 @@ fn steady(grid: Grid, e: f64, width: f64, boundary: Boundary) -> [f64; 3] {
 #[test]
 fn raimondi_and_boyd() {
     for [e, s, attitude, friction] in RAIMONDI_BOYD {
-        let found = steady(Grid::clustered(96, 8, e, 1.0), e, 1.0, Boundary::Seam);
-        assert!((found[0] / s - 1.0).abs() < 0.015, "S at {e}: {found:?}");
-        assert!((found[1] - attitude).abs() < 1.0, "angle at {e}: {found:?}");
+        let solution = steady(Grid::clustered(96, 8, e, 1.0), e, 1.0, Boundary::Seam);
         assert!(
-            (found[2] / friction - 1.0).abs() < 0.015,
-            "friction at {e}: {found:?}"
+            (solution[0] / s - 1.0).abs() < 0.015,
+            "S at {e}: {solution:?}"
+        );
+        assert!(
+            (solution[1] - attitude).abs() < 1.0,
+            "angle at {e}: {solution:?}"
+        );
+        assert!(
+            (solution[2] / friction - 1.0).abs() < 0.015,
+            "friction at {e}: {solution:?}"
         );
     }
 }

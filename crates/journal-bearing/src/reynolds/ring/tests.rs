@@ -17,8 +17,8 @@ fn example(columns: usize, rows: usize, idle: &[usize]) -> (Ring, DMatrix<f64>) 
         let (before, after) = ((column + columns - 1) % columns, (column + 1) % columns);
         for j in 0..rows {
             let cell = column * rows + j;
-            ring.own[cell] = 4.0 + 0.1 * j as f64;
-            dense[(cell, cell)] = ring.own[cell];
+            ring.diagonal[cell] = 4.0 + 0.1 * j as f64;
+            dense[(cell, cell)] = ring.diagonal[cell];
             if !idle.contains(&before) {
                 ring.before[cell] = value(cell, 1);
                 dense[(cell, before * rows + j)] = value(cell, 1);

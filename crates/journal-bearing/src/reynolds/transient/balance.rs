@@ -102,29 +102,29 @@ impl Balance {
         field: &Field,
         stage: &Stage<'_>,
     ) {
-        for (own, before) in cells.neighbours() {
-            let (h, share) = (&gap.edge[own.clone()], &cells.share[own.clone()]);
-            let along = &mut self.along[own.clone()];
-            fill(along, [&cells.along[own.clone()], h], at_gap);
+        for (behind, before) in cells.neighbours() {
+            let (h, share) = (&gap.edge[behind.clone()], &cells.share[behind.clone()]);
+            let along = &mut self.along[behind.clone()];
+            fill(along, [&cells.along[behind.clone()], h], at_gap);
             if !liquid.uniform {
-                let ease = [before.clone(), own.clone()].map(|of| &liquid.ease[of]);
+                let ease = [before.clone(), behind.clone()].map(|of| &liquid.ease[of]);
                 change(along, ease, eased);
             }
-            let carried = &mut self.carried[own.clone()];
+            let carried = &mut self.carried[behind.clone()];
             fill(carried, [share, h], |[share, h]| stage.rotation * share * h);
             if stage.shear != 0.0 {
-                let edges = [share, &gap.edge_ratio[own.clone()]];
+                let edges = [share, &gap.edge_ratio[behind.clone()]];
                 change(carried, edges, |carried, [share, ratio]| {
                     carried + stage.shear * share * shear_flow_factor(ratio)
                 });
             }
-            let around = &mut self.around[own.clone()];
-            let p = [before.clone(), own.clone()].map(|of| &field.pressure[of]);
+            let around = &mut self.around[behind.clone()];
+            let p = [before.clone(), behind.clone()].map(|of| &field.pressure[of]);
             fill(around, [along, p[0], p[1]], driven);
             // The oil comes from the cell upstream.
-            let upstream = [carried, &self.fill[before], &self.fill[own]];
-            change(around, upstream, |flux, [carried, before, own]| {
-                flux + carried * if carried > 0.0 { before } else { own }
+            let upstream = [carried, &self.fill[before], &self.fill[behind]];
+            change(around, upstream, |flux, [carried, before, behind]| {
+                flux + carried * if carried > 0.0 { before } else { behind }
             });
         }
     }
@@ -160,17 +160,19 @@ impl Balance {
     /// Adds up the residuals.
     fn add_up(&mut self, cells: &Cells, stage: &Stage<'_>) {
         let rate = 1.0 / stage.duration;
-        for (after, own) in cells.neighbours() {
-            let residual = &mut self.residual[own.clone()];
-            let masses = [&cells.area, stage.mass, &self.mass].map(|of| &of[own.clone()]);
+        for (after, here) in cells.neighbours() {
+            let residual = &mut self.residual[here.clone()];
+            let masses = [&cells.area, stage.mass, &self.mass].map(|of| &of[here.clone()]);
             fill(residual, masses, |[area, start, mass]| {
                 area * rate * (mass - start)
             });
-            let around = [&self.around[own.clone()], &self.around[after]];
+            let around = [&self.around[here.clone()], &self.around[after]];
             add_difference(residual, around);
-            let over = &self.over[own.start..=own.end];
+            let over = &self.over[here.start..=here.end];
             add_difference(residual, [over, &over[1..]]);
-            change(residual, [&self.out[own]], |residual, [out]| residual + out);
+            change(residual, [&self.out[here]], |residual, [out]| {
+                residual + out
+            });
         }
     }
 
@@ -203,13 +205,13 @@ fn at_gap([at_one, h]: [f64; 2]) -> f64 {
 }
 
 /// A conductance at the mean ease of both sides.
-fn eased(conductance: f64, [before, own]: [f64; 2]) -> f64 {
-    conductance * (0.5 * (before + own))
+fn eased(conductance: f64, [before, behind]: [f64; 2]) -> f64 {
+    conductance * (0.5 * (before + behind))
 }
 
 /// The flux that the pressures of both sides drive.
-fn driven([conductance, before, own]: [f64; 3]) -> f64 {
-    conductance * (before - own)
+fn driven([conductance, before, behind]: [f64; 3]) -> f64 {
+    conductance * (before - behind)
 }
 
 /// Flows through the open ends, outwards and inwards.

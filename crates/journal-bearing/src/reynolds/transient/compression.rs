@@ -31,10 +31,10 @@ const LACK: f64 = 1e-9;
 pub fn powers(work: &Workspace, stage: &Stage<'_>, squeeze: impl Fn(usize) -> f64) -> Powers {
     let mut powers = Powers::default();
     let cells = &work.geometry.cells;
-    for (own, before) in cells.neighbours() {
-        for (own, before) in own.zip(before) {
-            powers.flow(work, [before, own], work.balance.along[own]);
-            powers.carry(work, [before, own], work.balance.carried[own]);
+    for (behind, before) in cells.neighbours() {
+        for (behind, before) in behind.zip(before) {
+            powers.flow(work, [before, behind], work.balance.along[behind]);
+            powers.carry(work, [before, behind], work.balance.carried[behind]);
         }
     }
     for cell in 1..cells.count() {
@@ -100,14 +100,14 @@ impl Powers {
 }
 
 /// The mean density on both sides of an edge.
-fn mean_density(work: &Workspace, [before, own]: [usize; 2]) -> f64 {
+fn mean_density(work: &Workspace, [before, behind]: [usize; 2]) -> f64 {
     let density = &work.liquid.density;
-    0.5 * (density[before] + density[own])
+    0.5 * (density[before] + density[behind])
 }
 
 /// The power that a flow over an edge, from the first of its ends to the second, takes to change to their densities.
 fn taken(work: &Workspace, ends: [usize; 2], flow: f64, density: f64) -> f64 {
-    let [before, own] = ends
+    let [before, behind] = ends
         .map(|cell| work.state.field.pressure[cell] * (density / work.liquid.density[cell] - 1.0));
-    flow * (before - own)
+    flow * (before - behind)
 }

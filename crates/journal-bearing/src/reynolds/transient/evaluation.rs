@@ -113,18 +113,18 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
             apart / (h * fluidity)
         })
     };
-    for (own, before) in cells.neighbours() {
-        let p = [&field.pressure[before], &field.pressure[own.clone()]];
-        sums.loss += lost(&balance.along[own.clone()], p);
-        let (share, h) = (&cells.share[own.clone()], &gap.edge[own.clone()]);
-        sums.rise += sum_of([share, h, p[0], p[1]], |[share, h, before, own]| {
-            share * h * (own - before)
+    for (behind, before) in cells.neighbours() {
+        let p = [&field.pressure[before], &field.pressure[behind.clone()]];
+        sums.loss += lost(&balance.along[behind.clone()], p);
+        let (share, h) = (&cells.share[behind.clone()], &gap.edge[behind.clone()]);
+        sums.rise += sum_of([share, h, p[0], p[1]], |[share, h, before, behind]| {
+            share * h * (behind - before)
         });
         if let Some(journal_share) = settings.flow_factors() {
             let excess = roughness * (2.0 * journal_share - 1.0);
-            let of = [share, &gap.edge_ratio[own], p[0], p[1]];
-            let rough = sum_of(of, |[share, ratio, before, own]| {
-                share * shear_flow_factor(ratio) * (own - before)
+            let of = [share, &gap.edge_ratio[behind], p[0], p[1]];
+            let rough = sum_of(of, |[share, ratio, before, behind]| {
+                share * shear_flow_factor(ratio) * (behind - before)
             });
             sums.rough += excess * rough;
         }
@@ -184,12 +184,12 @@ fn sheared<'a>(
     };
     let shares = [before_counts, 1.0 - before_counts];
     let mut sum = 0.0;
-    for (own, before) in work.geometry.cells.neighbours() {
-        let of_both = |of: &'a [f64]| [&of[before.clone()], &of[own.clone()]];
+    for (behind, before) in work.geometry.cells.neighbours() {
+        let of_both = |of: &'a [f64]| [&of[before.clone()], &of[behind.clone()]];
         let ([area, area_own], [fluidity, fluidity_own]) = (of_both(area), of_both(fluidity));
         let ([content, content_own], gap) = (of_both(content), &work.geometry.gap);
         let [h, apart, ratio] =
-            [&gap.edge, &gap.edge_apart, &gap.edge_ratio].map(|of| &of[own.clone()]);
+            [&gap.edge, &gap.edge_apart, &gap.edge_ratio].map(|of| &of[behind.clone()]);
         let of = [
             area,
             area_own,
@@ -211,9 +211,10 @@ fn sheared<'a>(
 
 /// Dissipation by the pressure flow through edges.
 fn lost(conductance: &[f64], p: [&[f64]; 2]) -> f64 {
-    sum_of([conductance, p[0], p[1]], |[conductance, before, own]| {
-        conductance * (before - own).powi(2)
-    })
+    sum_of(
+        [conductance, p[0], p[1]],
+        |[conductance, before, behind]| conductance * (before - behind).powi(2),
+    )
 }
 
 /// Power lost in a column by oil that enters a full cell from a less full one, or fills it up: it arrives without the
@@ -222,11 +223,11 @@ fn filling_loss(work: &Workspace, stage: &Stage<'_>, column: usize, squeeze: f64
     let (cells, gap, field) = (&work.geometry.cells, &work.geometry.gap, &work.state.field);
     let carried = &work.balance.carried;
     let w = cells.stride;
-    let (own, left) = (column * w, cells.before(column) * w);
+    let (first, left) = (column * w, cells.before(column) * w);
     let right = cells.after(column) * w;
     let mut loss = 0.0;
     for k in 0..w {
-        let cell = own + k;
+        let cell = first + k;
         let p = field.pressure[cell];
         if p == 0.0 {
             continue;

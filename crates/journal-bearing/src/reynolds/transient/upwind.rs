@@ -17,12 +17,12 @@ pub struct Edge {
 }
 
 impl Edge {
-    /// The edge between the cells `before` and `own`; `carried` is positive from the first to the second.
-    pub fn new(before: usize, own: usize, carried: f64) -> Self {
+    /// The edge between the cells `before` and `behind`; `carried` is positive from the first to the second.
+    pub fn new(before: usize, behind: usize, carried: f64) -> Self {
         let (upstream, downstream) = if carried > 0.0 {
-            (before, own)
+            (before, behind)
         } else {
-            (own, before)
+            (behind, before)
         };
         Self {
             upstream,
@@ -35,15 +35,15 @@ impl Edge {
 /// All edges between columns, as the cells before and after them.
 pub fn edges(cells: &Cells) -> impl Iterator<Item = (usize, usize)> {
     let pairs = cells.neighbours().into_iter();
-    pairs.flat_map(|(own, before)| before.zip(own))
+    pairs.flat_map(|(behind, before)| before.zip(behind))
 }
 
 /// Corrects the flux over each edge.
 pub fn centre(around: &mut [f64], carried: &[f64], cells: &Cells, liquid: &Liquid, field: &Field) {
-    for (before, own) in edges(cells) {
-        let edge = Edge::new(before, own, carried[own]);
+    for (before, behind) in edges(cells) {
+        let edge = Edge::new(before, behind, carried[behind]);
         let difference = liquid.density[edge.downstream] - liquid.density[edge.upstream];
         let more = edge.half * field.content[edge.upstream] * difference;
-        around[own] += if edge.upstream == before { more } else { -more };
+        around[behind] += if edge.upstream == before { more } else { -more };
     }
 }

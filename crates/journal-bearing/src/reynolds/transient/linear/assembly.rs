@@ -17,27 +17,27 @@ pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &B
     let (full, empty) = (&unknowns.full, &unknowns.empty);
     let (swell, balanced) = (&unknowns.swell, &unknowns.balanced);
     let rate = 1.0 / stage.duration;
-    for (after, own) in cells.neighbours() {
+    for (after, here) in cells.neighbours() {
         // The edges before and after the cells.
-        let along = [own.clone(), after.clone()].map(|of| &balance.along[of]);
-        let carried = [own.clone(), after.clone()].map(|of| &balance.carried[of]);
-        let across = &balance.across[own.start..=own.end];
+        let along = [here.clone(), after.clone()].map(|of| &balance.along[of]);
+        let carried = [here.clone(), after.clone()].map(|of| &balance.carried[of]);
+        let across = &balance.across[here.start..=here.end];
         // Conductance out of a cell in all directions.
-        let diagonal = &mut ring.own[own.clone()];
-        let open = &balance.open[own.clone()];
+        let diagonal = &mut ring.diagonal[here.clone()];
+        let open = &balance.open[here.clone()];
         let edges = [along[0], along[1], across, &across[1..], open];
         fill(diagonal, edges, |[before, after, below, above, open]| {
             (before + after) + (below + above) + open
         });
         // Storage and outward transport per unit of the oil in a cell's gap.
-        let held = &mut held[own.clone()];
-        let [area, h] = [&cells.area, &gap.cell].map(|of| &of[own.clone()]);
+        let held = &mut held[here.clone()];
+        let [area, h] = [&cells.area, &gap.cell].map(|of| &of[here.clone()]);
         let of = [area, h, carried[0], carried[1]];
         fill(held, of, |[area, h, before, after]| {
             area * rate * h + (positive(after) + positive(-before))
         });
         // By the kind of the cell's unknown; one for cells without an unknown.
-        let kind = [full, empty, swell].map(|of| &of[own.clone()]);
+        let kind = [full, empty, swell].map(|of| &of[here.clone()]);
         let of = [kind[0], kind[1], held, kind[2]];
         change(diagonal, of, |leak, [full, empty, held, swell]| {
             full * leak + held * swell + (1.0 - (full + empty))
@@ -50,9 +50,9 @@ pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &B
         let from = [row, kind[0], kind[2], along[1], carried[1]];
         fill(&mut ring.before[after.clone()], from, couple);
         let [full, swell] = [full, swell].map(|of| &of[after.clone()]);
-        let from = [&balanced[own.clone()], full, swell, along[1], carried[1]];
+        let from = [&balanced[here.clone()], full, swell, along[1], carried[1]];
         fill(
-            &mut ring.after[own],
+            &mut ring.after[here],
             from,
             |[balanced, full, swell, along, carried]| {
                 couple([balanced, full, swell, along, -carried])

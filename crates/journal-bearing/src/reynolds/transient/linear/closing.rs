@@ -46,24 +46,24 @@ impl Closing {
             ..
         } = *base;
         let rate = 1.0 / stage.duration;
-        for (after, own) in cells.neighbours() {
+        for (after, here) in cells.neighbours() {
             // Storage, and the flux out of the open ends, per unit of gap.
-            let kept = &mut self.kept[own.clone()];
-            let [area, oil] = [&cells.area, &balance.fill].map(|of| &of[own.clone()]);
+            let kept = &mut self.kept[here.clone()];
+            let [area, oil] = [&cells.area, &balance.fill].map(|of| &of[here.clone()]);
             fill(kept, [area, oil], |[area, oil]| rate * area * oil);
-            let out = [&balance.open, &field.pressure, &gap.cell].map(|of| &of[own.clone()]);
+            let out = [&balance.open, &field.pressure, &gap.cell].map(|of| &of[here.clone()]);
             change(kept, out, |kept, [open, p, h]| {
                 kept + 3.0 * open * (p - stage.side) / h
             });
-            change(kept, [&gap.cell_apart[own.clone()]], product);
-            let over = &self.over[own.start..=own.end];
+            change(kept, [&gap.cell_apart[here.clone()]], product);
+            let over = &self.over[here.start..=here.end];
             add_difference(kept, [over, &over[1..]]);
-            let around = [own.clone(), after.clone()].map(|of| &self.around[of]);
+            let around = [here.clone(), after.clone()].map(|of| &self.around[of]);
             for (derivative, normal) in derivatives.iter_mut().zip(&cells.normal) {
                 // The eccentricity closes the cell and its edges by the components of their normals.
-                let derivative = &mut derivative[own.clone()];
-                let mean = &normal.mean[own.clone()];
-                let edges = [own.clone(), after.clone()].map(|of| &normal.edge[of]);
+                let derivative = &mut derivative[here.clone()];
+                let mean = &normal.mean[here.clone()];
+                let edges = [here.clone(), after.clone()].map(|of| &normal.edge[of]);
                 let of = [edges[0], around[0], edges[1], around[1], mean, kept];
                 fill(
                     derivative,
@@ -72,7 +72,7 @@ impl Closing {
                         before * enters - after * leaves - mean * kept
                     },
                 );
-                change(derivative, [&balanced[own.clone()]], product);
+                change(derivative, [&balanced[here.clone()]], product);
             }
         }
     }
@@ -81,18 +81,18 @@ impl Closing {
     fn open_edges(&mut self, base: &Base<'_>) {
         let (gap, balance) = (base.gap, base.balance);
         let pressure = &base.field.pressure;
-        for (own, before) in base.cells.neighbours() {
+        for (behind, before) in base.cells.neighbours() {
             let [along, carried, h, apart] =
                 [&balance.along, &balance.carried, &gap.edge, &gap.edge_apart]
-                    .map(|of| &of[own.clone()]);
-            let p = [before.clone(), own.clone()].map(|of| &pressure[of]);
-            let oil = [before, own.clone()].map(|of| &balance.fill[of]);
+                    .map(|of| &of[behind.clone()]);
+            let p = [before.clone(), behind.clone()].map(|of| &pressure[of]);
+            let oil = [before, behind.clone()].map(|of| &balance.fill[of]);
             let of = [along, carried, p[0], p[1], oil[0], oil[1], h, apart];
             fill(
-                &mut self.around[own],
+                &mut self.around[behind],
                 of,
-                |[along, carried, p_before, p, before, own, h, apart]| {
-                    let oil = if carried > 0.0 { before } else { own };
+                |[along, carried, p_before, p, before, behind, h, apart]| {
+                    let oil = if carried > 0.0 { before } else { behind };
                     (carried * oil + 3.0 * along * (p_before - p)) * apart / h
                 },
             );

@@ -141,9 +141,10 @@ impl Linear {
 
     /// The sum of the absolute flows that the pressures drive out of the cells.
     pub fn turnover(&self, field: &Field) -> f64 {
-        let own = self.ring.own.iter().zip(&self.unknowns.full);
-        own.zip(&field.pressure)
-            .map(|((own, full), p)| own * full * p.abs())
+        let diagonal = self.ring.diagonal.iter().zip(&self.unknowns.full);
+        diagonal
+            .zip(&field.pressure)
+            .map(|((leak, full), p)| leak * full * p.abs())
             .sum()
     }
 

@@ -33,29 +33,29 @@ pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {
         stage,
         ..
     } = *base;
-    for (own, before) in cells.neighbours() {
-        for (own, before) in own.zip(before) {
-            let ends = [before, own];
-            let gains = gains(balance.along[own], ends, &unknowns.full, liquid, field);
+    for (behind, before) in cells.neighbours() {
+        for (behind, before) in behind.zip(before) {
+            let ends = [before, behind];
+            let gains = gains(balance.along[behind], ends, &unknowns.full, liquid, field);
             let rows = ends.map(|cell| unknowns.balanced[cell]);
-            ring.own[before] += rows[0] * gains[0];
+            ring.diagonal[before] += rows[0] * gains[0];
             ring.after[before] += rows[0] * gains[1];
-            ring.before[own] -= rows[1] * gains[0];
-            ring.own[own] -= rows[1] * gains[1];
+            ring.before[behind] -= rows[1] * gains[0];
+            ring.diagonal[behind] -= rows[1] * gains[1];
         }
     }
-    for own in 1..cells.count() {
-        let below = own - 1;
-        let ends = [below, own];
-        let gains = gains(balance.across[own], ends, &unknowns.full, liquid, field);
+    for cell in 1..cells.count() {
+        let below = cell - 1;
+        let ends = [below, cell];
+        let gains = gains(balance.across[cell], ends, &unknowns.full, liquid, field);
         let rows = ends.map(|cell| unknowns.balanced[cell]);
-        ring.own[below] += rows[0] * gains[0];
+        ring.diagonal[below] += rows[0] * gains[0];
         ring.above[below] += rows[0] * gains[1];
-        ring.below[own] -= rows[1] * gains[0];
-        ring.own[own] -= rows[1] * gains[1];
+        ring.below[cell] -= rows[1] * gains[0];
+        ring.diagonal[cell] -= rows[1] * gains[1];
     }
     for cell in 0..cells.count() {
         let flow = balance.open[cell] * (field.pressure[cell] - stage.side);
-        ring.own[cell] += unknowns.full[cell] * flow * liquid.easing[cell] / liquid.ease[cell];
+        ring.diagonal[cell] += unknowns.full[cell] * flow * liquid.easing[cell] / liquid.ease[cell];
     }
 }

@@ -66,8 +66,8 @@ fn the_reference_is_sommerfelds() {
     };
     let range = (0..10_000).map(|k| p(TAU * f64::from(k) / 1e4));
     let range = range.fold([0.0_f64; 2], |[a, b], p| [a.min(p), b.max(p)]);
-    let found = largest(&wide_bearing(e, 2.0, |_| 1.0));
-    assert!((found / (2.0 * (range[1] - range[0])) - 1.0).abs() < 1e-4);
+    let rise = largest(&wide_bearing(e, 2.0, |_| 1.0));
+    assert!((rise / (2.0 * (range[1] - range[0])) - 1.0).abs() < 1e-4);
 }
 
 /// Compares a bearing seventy times as wide as its diameter, at 280 MPa, with the infinitely wide one at the same
