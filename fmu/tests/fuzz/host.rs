@@ -176,12 +176,12 @@ impl Host {
         let sum: usize = acts().map(|(weight, _)| weight).sum();
         let left = self.random.below(sum);
         let mut reached = 0;
-        let found = acts().find(|(weight, _)| {
+        let chosen = acts().find(|(weight, _)| {
             reached += weight;
             left < reached
         });
         let component = self.component();
-        if let Some((_, act)) = found {
+        if let Some((_, act)) = chosen {
             act(self, component);
         }
     }

@@ -127,10 +127,10 @@ fn bytes(host: &mut Host, component: Component, state: FmuState) -> Vec<u8> {
 /// Bytes that are no saved state.
 fn strange(host: &mut Host, component: Component) {
     static OTHER: [u64; 64] = [0; 64];
-    let own = host.instances.first().copied().unwrap_or(null_mut());
+    let instance = host.instances.first().copied().unwrap_or(null_mut());
     let mut state = host
         .random
-        .one(&[null_mut(), own, (&raw const OTHER).cast_mut().cast()]);
+        .one(&[null_mut(), instance, (&raw const OTHER).cast_mut().cast()]);
     let functions = &host.interface.states;
     let ((frees, free), (sizes, size), mut n) = (functions.free, functions.size, 0);
     // SAFETY of all: NULL, or readable memory that is no state.

@@ -19,19 +19,19 @@ pub fn references(host: &mut Host, fits: Fits) -> Vec<ValueReference> {
     let table = Stand::variables();
     let random = &mut host.random;
     let n = random.one(&[0, 1, 1, 1, 2, 3, 4]);
-    let mut found = Vec::new();
-    while found.len() < n {
+    let mut references = Vec::new();
+    while references.len() < n {
         let any = random.below(table.len() + 2);
         if random.once_in(200) {
             // Also states and their rates, which have references of their own.
             let far = [1_000_000_000, 1_000_000_007, 1_100_000_001, u32::MAX];
             let far = random.one(&far);
-            found.push(random.one(&[any as u32, far, random_like(any)]));
+            references.push(random.one(&[any as u32, far, random_like(any)]));
         } else if table.get(any).is_some_and(fits) {
-            found.push(any as u32);
+            references.push(any as u32);
         }
     }
-    found
+    references
 }
 
 fn random_like(any: usize) -> u32 {

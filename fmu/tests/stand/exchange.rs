@@ -59,9 +59,11 @@ fn integrate(stand: &mut Stand, end: f64, h: f64) {
 
 #[test]
 fn another_solver_comes_to_the_same() {
-    let (mut own, mut other) = (started(1e-12), started(1e-12));
+    let (mut stepped, mut other) = (started(1e-12), started(1e-12));
     for step in 0..5 {
-        own.advance(f64::from(step) * 0.1, 0.1, &mut ()).unwrap();
+        stepped
+            .advance(f64::from(step) * 0.1, 0.1, &mut ())
+            .unwrap();
     }
     integrate(&mut other, 0.5, 1e-5);
     for variable in Stand::variables() {
@@ -69,7 +71,7 @@ fn another_solver_comes_to_the_same() {
         if !real || Stand::without().contains(&variable.name) {
             continue;
         }
-        let (a, b) = (read(&own, variable.name), read(&other, variable.name));
+        let (a, b) = (read(&stepped, variable.name), read(&other, variable.name));
         assert!(
             (a - b).abs() <= 1e-6 * a.abs() + 1e-15,
             "{}: {a} {b}",

@@ -76,7 +76,7 @@ fn run(set: impl Fn(&mut Stand), multirate: bool, span: f64) -> (Readings, Messa
 fn check(set: impl Fn(&mut Stand), span: f64) -> usize {
     let (leapt, log) = run(&set, true, span);
     let (resolved, _) = run(&set, false, span);
-    for (found, expected, bound) in [
+    for (value, expected, bound) in [
         (leapt.oil_temperature, resolved.oil_temperature, 0.005),
         (
             leapt.bearing_temperature,
@@ -87,8 +87,8 @@ fn check(set: impl Fn(&mut Stand), span: f64) -> usize {
         (leapt.friction_power, resolved.friction_power, 0.03),
     ] {
         assert!(
-            (found - expected).abs() < bound,
-            "{found} {expected}: {}",
+            (value - expected).abs() < bound,
+            "{value} {expected}: {}",
             log.0
         );
     }

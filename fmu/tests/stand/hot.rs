@@ -101,10 +101,10 @@ fn both_films_see_the_hot_clearance() {
             ("contact", |r| r.contact_share),
             ("velocity", |r| r.journal_velocity),
         ] {
-            let (found, expected) = (get(&expanded), get(&measured));
+            let (value, expected) = (get(&expanded), get(&measured));
             assert!(
-                (found / expected - 1.0).abs() < 1e-5,
-                "{film:?} {name}: {found} {expected}"
+                (value / expected - 1.0).abs() < 1e-5,
+                "{film:?} {name}: {value} {expected}"
             );
         }
     }
@@ -145,11 +145,11 @@ fn the_steady_start_is_where_resolved_turns_end() {
         }
         let moved = given.readings().hot_radial_clearance - 1.6e-5;
         assert!(moved > 1e-6, "{moved}");
-        let (found, expected) = (means(&mut steady, 0.0), means(&mut given, time));
-        for (found, expected) in found.into_iter().zip(expected) {
+        let (reached, expected) = (means(&mut steady, 0.0), means(&mut given, time));
+        for (mean, expected) in reached.into_iter().zip(expected) {
             assert!(
-                (found - expected).abs() < 1e-3,
-                "{fit:?}: {found} K, {expected} K"
+                (mean - expected).abs() < 1e-3,
+                "{fit:?}: {mean} K, {expected} K"
             );
         }
     }

@@ -45,10 +45,10 @@ fn sampled(stand: &mut Stand, begin: f64, span: f64, parts: usize) -> Sensed {
 }
 
 #[track_caller]
-fn assert_close(found: Sensed, expected: Sensed, bound: f64) {
-    for (found, expected) in found.into_iter().zip(expected) {
-        let apart = (found / expected - 1.0).abs();
-        assert!(apart < bound, "{found} {expected}: {apart:e}");
+fn assert_close(values: Sensed, expected: Sensed, bound: f64) {
+    for (value, expected) in values.into_iter().zip(expected) {
+        let apart = (value / expected - 1.0).abs();
+        assert!(apart < bound, "{value} {expected}: {apart:e}");
     }
 }
 

@@ -106,11 +106,11 @@ fn check_against_resolved_turns(number: usize) {
         time += step;
     }
     let expected = means(&mut given, time, temperatures);
-    let found = means(&mut steady, 0.0, temperatures);
-    for (found, expected) in found.into_iter().zip(expected) {
+    let reached = means(&mut steady, 0.0, temperatures);
+    for (mean, expected) in reached.into_iter().zip(expected) {
         assert!(
-            (found - expected).abs() < 1e-5,
-            "set {number}: {found} K, {expected} K"
+            (mean - expected).abs() < 1e-5,
+            "set {number}: {mean} K, {expected} K"
         );
     }
 }
@@ -171,10 +171,10 @@ fn deviations_decay_with_the_slowest_time_constant() {
         "{time_constant} {deviations:?} {}",
         span / (deviations[2] / deviations[3]).ln()
     );
-    let found = span / (deviations[2] / deviations[3]).ln();
+    let slowest = span / (deviations[2] / deviations[3]).ln();
     assert!(
-        (found / time_constant - 1.0).abs() < 0.02,
-        "{found} {time_constant}"
+        (slowest / time_constant - 1.0).abs() < 0.02,
+        "{slowest} {time_constant}"
     );
 }
 
@@ -204,7 +204,7 @@ fn bistable(celsius: f64) -> Stand {
 /// The reference is a long run from the given temperatures.
 #[test]
 fn of_several_equilibria_the_given_temperatures_choose() {
-    let mut found = Vec::new();
+    let mut temperatures = Vec::new();
     for celsius in [50.0, 80.0, 120.0] {
         let steady = start(bistable(celsius), Initialization::SteadyState);
         let mut given = start(bistable(celsius), Initialization::Given);
@@ -214,10 +214,16 @@ fn of_several_equilibria_the_given_temperatures_choose() {
         let steady = steady.readings().bearing_temperature;
         let expected = given.readings().bearing_temperature;
         assert!((steady - expected).abs() < 0.02, "{steady} {expected}");
-        found.push(steady);
+        temperatures.push(steady);
     }
-    assert!(found[0] < 310.0 && found[1] > 380.0, "{found:?}");
-    assert!((found[1] - found[2]).abs() < 1e-5, "{found:?}");
+    assert!(
+        temperatures[0] < 310.0 && temperatures[1] > 380.0,
+        "{temperatures:?}"
+    );
+    assert!(
+        (temperatures[1] - temperatures[2]).abs() < 1e-5,
+        "{temperatures:?}"
+    );
 }
 
 #[test]

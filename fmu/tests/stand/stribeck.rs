@@ -88,11 +88,11 @@ impl Film {
             for i in 0..COLUMNS {
                 let [before, here, after] = [-0.5, 0.0, 0.5].map(|d| gap(i as f64 + d).powi(3));
                 let wedge = step * (gap(i as f64 + 0.5) - gap(i as f64 - 0.5));
-                let beside = [(i + COLUMNS - 1) % COLUMNS, (i + 1) % COLUMNS];
+                let neighbours = [(i + COLUMNS - 1) % COLUMNS, (i + 1) % COLUMNS];
                 for j in 0..ROWS {
                     let p = &self.pressure;
                     let inner = p[i][if j == 0 { 1 } else { j - 1 }];
-                    let along = before * p[beside[0]][j] + after * p[beside[1]][j];
+                    let along = before * p[neighbours[0]][j] + after * p[neighbours[1]][j];
                     let sum = along + here * across * (inner + p[i][j + 1]) - wedge;
                     let gauss = sum / (before + after + 2.0 * here * across);
                     let old = p[i][j];
@@ -184,16 +184,20 @@ fn the_whole_stribeck_curve_is_the_reference_s() {
 fn follows_the_reference(speeds: &[f64]) {
     println!("| rpm | M, N.m | reference | mu | attitude, deg | reference |");
     for &speed in speeds {
-        let found = at_rest(rig(), rpm(speed));
-        let [torque, attitude] =
-            reference(&rig(), found.load_force, found.film_viscosity, rpm(speed));
-        let [here, there] = [found.attitude_angle, attitude].map(f64::to_degrees);
+        let resting = at_rest(rig(), rpm(speed));
+        let [torque, attitude] = reference(
+            &rig(),
+            resting.load_force,
+            resting.film_viscosity,
+            rpm(speed),
+        );
+        let [here, there] = [resting.attitude_angle, attitude].map(f64::to_degrees);
         println!(
             "| {speed} | {:.5} | {torque:.5} | {:.5} | {here:.2} | {there:.2} |",
-            found.friction_torque, found.friction_coefficient
+            resting.friction_torque, resting.friction_coefficient
         );
-        let apart = (found.friction_torque / torque - 1.0).abs();
-        assert!(apart < 0.01, "{speed} rpm: {found:?}, expected {torque}");
+        let apart = (resting.friction_torque / torque - 1.0).abs();
+        assert!(apart < 0.01, "{speed} rpm: {resting:?}, expected {torque}");
         assert!((here - there).abs() < 0.5, "{speed} rpm: {here}, {there}");
     }
 }
@@ -205,12 +209,16 @@ fn the_reynolds_film_has_the_reference_s_friction() {
         stand.film.model = FilmModel::Reynolds;
         // The reference counts the whole ring as full.
         stand.bearing.resolution.mass_conserving = false;
-        let found = at_rest(stand, rpm(speed));
-        let [torque, attitude] =
-            reference(&rig(), found.load_force, found.film_viscosity, rpm(speed));
-        let apart = (found.friction_torque / torque - 1.0).abs();
-        assert!(apart < 0.01, "{speed} rpm: {found:?}, expected {torque}");
-        let ahead = (found.attitude_angle - attitude).to_degrees();
+        let resting = at_rest(stand, rpm(speed));
+        let [torque, attitude] = reference(
+            &rig(),
+            resting.load_force,
+            resting.film_viscosity,
+            rpm(speed),
+        );
+        let apart = (resting.friction_torque / torque - 1.0).abs();
+        assert!(apart < 0.01, "{speed} rpm: {resting:?}, expected {torque}");
+        let ahead = (resting.attitude_angle - attitude).to_degrees();
         assert!(ahead.abs() < 0.5, "{speed} rpm: {ahead}");
     }
 }
@@ -230,12 +238,15 @@ fn a_dry_journal_climbs_to_the_angle_of_friction() {
         stand.bearing.surface.boundary_friction = friction;
         // Oil that the bath presses in carries some of the load where the cavities are under vacuum.
         stand.bearing.resolution.side_pressure = 0.0;
-        let found = at_rest(stand, speed);
+        let resting = at_rest(stand, speed);
         let climb = -friction.atan().copysign(speed);
-        let apart = (found.attitude_angle - climb).to_degrees();
+        let apart = (resting.attitude_angle - climb).to_degrees();
         assert!(apart.abs() < 0.01, "{film:?} {friction}: {apart} deg");
         let pressed = 1.0 / 1f64.hypot(friction);
-        assert!((found.contact_share - pressed).abs() < 1e-4, "{found:?}");
+        assert!(
+            (resting.contact_share - pressed).abs() < 1e-4,
+            "{resting:?}"
+        );
     }
 }
 
@@ -249,14 +260,14 @@ fn breakaway_is_the_limit_for_a_speed_towards_zero() {
         let mut stand = rig();
         stand.bearing.surface.roughness = roughness;
         stand.oil.viscosity_scale = oil;
-        let found = at_rest(stand.clone(), slowly);
-        let [_, normal] = contact(&stand, found.eccentricity_ratio);
+        let resting = at_rest(stand.clone(), slowly);
+        let [_, normal] = contact(&stand, resting.eccentricity_ratio);
         let level = stand.bearing.surface.boundary_friction * stand.bearing.radius();
         assert!(
-            (found.friction_torque / (level * normal) - 1.0).abs() < 2e-3,
-            "{found:?}"
+            (resting.friction_torque / (level * normal) - 1.0).abs() < 2e-3,
+            "{resting:?}"
         );
-        let ratio = found.friction_torque / (level * found.load_force);
+        let ratio = resting.friction_torque / (level * resting.load_force);
         assert!((ratio - narrow).abs() < 0.005, "{roughness}: {ratio}");
     }
     // A peak at breakaway, which is gone at full speed.
@@ -267,8 +278,8 @@ fn breakaway_is_the_limit_for_a_speed_towards_zero() {
     };
     // The contact carries what friction leaves of the load.
     let expected = 1.5 * 1f64.hypot(0.05) / 1f64.hypot(0.075);
-    let found = peak(1.5, slowly) / peak(1.0, slowly);
-    assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+    let ratio = peak(1.5, slowly) / peak(1.0, slowly);
+    assert!((ratio / expected - 1.0).abs() < 1e-3, "{ratio} {expected}");
     assert_eq!(peak(1.5, rpm(300.0)), peak(1.0, rpm(300.0)));
 }
 

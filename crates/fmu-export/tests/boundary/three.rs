@@ -369,7 +369,7 @@ fn adjoint_derivatives_are_the_transposed_directional_ones() {
     let host = Host::started();
     assert_eq!(host.set("input", 3.0), Ok);
     let (unknowns, knowns) = ([vr("feed"), vr("output")], [vr("input"), vr("gain")]);
-    let mut found = [f64::NAN; 2];
+    let mut adjoint = [f64::NAN; 2];
     // SAFETY: two values each.
     let status = unsafe {
         calls::get_adjoint_derivative::<Lag>(
@@ -380,15 +380,15 @@ fn adjoint_derivatives_are_the_transposed_directional_ones() {
             2,
             [10.0, 1.0].as_ptr(),
             2,
-            found.as_mut_ptr(),
+            adjoint.as_mut_ptr(),
             2,
         )
     };
     assert_eq!(status, Ok);
     // feed = gain input; the output depends on neither at this instant.
     assert!(
-        (found[0] - 20.0).abs() < 1e-7 && (found[1] - 30.0).abs() < 1e-7,
-        "{found:?}"
+        (adjoint[0] - 20.0).abs() < 1e-7 && (adjoint[1] - 30.0).abs() < 1e-7,
+        "{adjoint:?}"
     );
 }
 
