@@ -100,12 +100,14 @@ impl Measured {
             .map(at)
             .collect::<Option<_>>()?;
         let around = Self {
+            time: self.time.clone(),
             values: vec![0.0; self.values.len()],
+            uncertainty: self.uncertainty.clone(),
             verified: [0, 1].map(|side| {
                 let pairs = self.verified[side].iter().zip(&self.values);
                 pairs.map(|(verified, value)| verified - value).collect()
             }),
-            ..self.clone()
+            points: self.points,
         };
         let mut all = around.extremes();
         all.extend(&deviations);
