@@ -35,12 +35,12 @@ fn main() -> Result<(), SearchError> {
             free("final level", 1.0, 100.0),
             free("time constant", 0.1, 100.0),
         ],
-        latents: Vec::new(),
         quantities: vec![Quantity {
             name: "level".into(),
             unit: None,
         }],
         cases: TIMES.iter().zip(&LEVELS).map(case).collect(),
+        ..Problem::default()
     };
     let objective = Objective::new(&problem, &growth, 1e-4);
     let starts: Vec<Vec<f64>> = (1..16)

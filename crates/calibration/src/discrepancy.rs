@@ -9,6 +9,7 @@
 
 use serde::Serialize;
 
+use super::errors::Errors;
 use super::problem::Problem;
 
 /// A quantity whose discrepancy is unknown.
@@ -41,25 +42,6 @@ impl Unknown {
     pub fn place(&self, deviation: f64) -> f64 {
         (deviation / self.scale).atan() / std::f64::consts::FRAC_PI_2
     }
-
-    /// The logarithm of the likelihood of the quantity's values with a discrepancy, where the squares of the misfits are
-    /// larger by a factor.
-    pub fn log_likelihood(
-        &self,
-        problem: &Problem,
-        predicted: &[Vec<f64>],
-        deviation: f64,
-        factor: f64,
-    ) -> f64 {
-        let pairs = problem.cases.iter().zip(predicted);
-        let logs = pairs.map(|(case, predicted)| {
-            let measured = case.measured[self.quantity];
-            let variance = measured.accuracy.powi(2) + deviation * deviation;
-            let square = factor * (predicted[self.quantity] - measured.value).powi(2);
-            -0.5 * (square / variance + (std::f64::consts::TAU * variance).ln())
-        });
-        logs.sum()
-    }
 }
 
 /// An estimate of a model discrepancy.
@@ -91,8 +73,9 @@ const GAIN: f64 = 1.353;
 const PLACES: u32 = 2000;
 
 impl Discrepancy {
-    /// The most probable discrepancy of a quantity, given the predictions of a fit with so many unknowns. A fit follows
-    /// its data, so the squares of its misfits are too small; they count as so many degrees of freedom as they have.
+    /// The most probable discrepancy of a quantity, given the predictions of a fit with so many unknowns; those of other
+    /// quantities are known in the problem. A fit follows its data, so the squares of its misfits are too small; they count
+    /// as so many degrees of freedom as they have.
     pub fn estimate(
         unknown: &Unknown,
         problem: &Problem,
@@ -104,7 +87,13 @@ impl Discrepancy {
             Some(left) if left > 0 => values as f64 / left as f64,
             _ => 1.0,
         };
-        let at = |deviation: f64| unknown.log_likelihood(problem, predicted, deviation, factor);
+        let at = |deviation: f64| {
+            let errors = Errors::with(problem, |_, quantity| match quantity == unknown.quantity {
+                true => deviation,
+                false => 0.0,
+            });
+            errors.log_density(factor * errors.residuals(problem, predicted).norm_squared())
+        };
         // The most probable variance is no larger than the largest square. Steps are even below the accuracy and grow in
         // proportion above it, so that a model that misses by thousands of accuracies is found, too.
         let pairs = problem.cases.iter().zip(predicted);
@@ -133,11 +122,14 @@ impl Discrepancy {
 
 /// The problem with discrepancies added to its accuracies.
 pub fn widened(problem: &Problem, unknown: &[Unknown], deviations: &[f64]) -> Problem {
-    problem.widened(|_, quantity| {
-        let mut pairs = unknown.iter().zip(deviations);
-        let pair = pairs.find(|(unknown, _)| unknown.quantity == quantity);
-        pair.map_or(0.0, |(_, deviation)| *deviation)
-    })
+    problem.widened(|_, quantity| of_quantity(unknown, deviations, quantity))
+}
+
+/// The discrepancy of a quantity: 0 where none is unknown.
+pub(crate) fn of_quantity(unknown: &[Unknown], deviations: &[f64], quantity: usize) -> f64 {
+    let mut pairs = unknown.iter().zip(deviations);
+    let pair = pairs.find(|(unknown, _)| unknown.quantity == quantity);
+    pair.map_or(0.0, |(_, deviation)| *deviation)
 }
 
 #[cfg(test)]

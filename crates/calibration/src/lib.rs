@@ -3,6 +3,7 @@
 pub mod cross;
 mod digits;
 pub mod discrepancy;
+pub mod errors;
 pub mod failures;
 pub mod local;
 pub mod objective;
@@ -18,6 +19,8 @@ pub mod remembered;
 pub mod rounds;
 pub mod sample;
 pub mod search;
+#[cfg(test)]
+mod shared_tests;
 pub mod surrogate;
 #[cfg(test)]
 mod testing;

@@ -10,6 +10,7 @@ use std::cell::RefCell;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::errors::Errors;
 use super::failures::Failures;
 use super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
 
@@ -26,6 +27,8 @@ pub enum Differences {
 pub struct Objective<'a> {
     /// The unknown parameters.
     pub problem: &'a Problem,
+    /// The errors of its measured values.
+    pub(crate) errors: Errors,
     simulate: &'a dyn Simulate,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
     difference: f64,
@@ -37,11 +40,23 @@ pub struct Objective<'a> {
 pub struct Misfit {
     /// Predictions, case by case.
     pub predicted: Vec<Vec<f64>>,
-    /// Misfit over accuracy, case by case, and then the distance from each prior's centre.
+    /// Misfit over accuracy, case by case, without what shared errors explain; then these errors in standard uncertainties;
+    /// then the distance from each prior's centre.
     pub residuals: DVector<f64>,
 }
 
 impl Misfit {
+    /// The shared errors, in standard uncertainties, that explain most of the misfit.
+    pub fn sources(&self, problem: &Problem) -> &[f64] {
+        &self.residuals.as_slice()[problem.values()..][..problem.sources.len()]
+    }
+
+    /// The part of the sum of squares that is the data's, shared errors included.
+    pub fn data_cost(&self, problem: &Problem) -> f64 {
+        let rows = problem.values() + problem.sources.len();
+        self.residuals.rows(0, rows).norm_squared()
+    }
+
     /// The sum of squares.
     pub fn cost(&self) -> f64 {
         self.residuals.norm_squared()
@@ -55,6 +70,8 @@ pub struct Linear {
     pub curvature: DMatrix<f64>,
     /// Half the gradient.
     pub gradient: DVector<f64>,
+    /// How the misfits' derivatives lie along the shared errors: `V'J` (see [`Errors`]), a row a source.
+    pub shared: DMatrix<f64>,
     /// The unknowns without a derivative, as runs fail on both sides: rows and columns above are those of an output that
     /// does not depend on them.
     pub surrounded: Vec<usize>,
@@ -88,6 +105,7 @@ impl<'a> Objective<'a> {
     /// The objective of a problem.
     pub fn new(problem: &'a Problem, simulate: &'a dyn Simulate, difference: f64) -> Self {
         Self {
+            errors: Errors::new(problem),
             problem,
             simulate,
             difference,
@@ -160,11 +178,8 @@ impl<'a> Objective<'a> {
     }
 
     fn of_predicted(&self, places: &[f64], predicted: Vec<Vec<f64>>) -> Misfit {
-        let pairs = self.problem.cases.iter().zip(&predicted);
-        let data = pairs.flat_map(|(case, predicted)| {
-            let pairs = case.measured.iter().zip(predicted);
-            pairs.map(|(measured, predicted)| (predicted - measured.value) / measured.accuracy)
-        });
+        let data = self.errors.residuals(self.problem, &predicted);
+        let data = data.iter().copied();
         let residuals: Vec<f64> = data.chain(self.prior_residuals(places)).collect();
         Misfit {
             predicted,
@@ -196,6 +211,7 @@ impl<'a> Objective<'a> {
         let mut linear = Linear {
             curvature: DMatrix::zeros(n, n),
             gradient: DVector::zeros(n),
+            shared: DMatrix::zeros(self.errors.sources(), n),
             surrounded: surrounded(&jobs, &columns),
         };
         let quantities = self.problem.quantities.len();
@@ -210,10 +226,16 @@ impl<'a> Objective<'a> {
             let known: Vec<(usize, &DVector<f64>)> = known.collect();
             for &(a, first) in &known {
                 linear.gradient[a] += first.dot(&residuals);
+                let mut along = linear.shared.column_mut(a);
+                along += self.errors.onto(case, first.as_slice());
                 for &(b, second) in &known {
                     linear.curvature[(a, b)] += first.dot(second);
                 }
             }
+        }
+        if linear.shared.nrows() > 0 {
+            let along = self.errors.halved(linear.shared.clone());
+            linear.curvature -= along.tr_mul(&along);
         }
         for (index, free) in self.problem.free.iter().enumerate() {
             if let Some((centre, deviation)) = free.prior_place() {
@@ -292,10 +314,10 @@ impl<'a> Objective<'a> {
             (Err(_), Some(Ok(behind))) => (here, &behind[..], distance),
             (Err(_), _) => return None,
         };
-        let measured = &self.problem.cases[job.case].measured;
-        let slopes = ahead.iter().zip(behind).zip(measured);
-        let slopes = slopes.map(|((a, b), measured)| (a - b) / distance / measured.accuracy);
-        Some(DVector::from_iterator(measured.len(), slopes))
+        let slopes = ahead.iter().zip(behind).enumerate();
+        let slopes =
+            slopes.map(|(k, (a, b))| (a - b) / distance / self.errors.accuracy(job.case, k));
+        Some(DVector::from_iterator(here.len(), slopes))
     }
 }
 

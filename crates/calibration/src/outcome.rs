@@ -10,7 +10,7 @@ use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, UNDETERMINED};
-use super::problem::{Problem, Quantity, Spacing};
+use super::problem::{Channel, Problem, Quantity, SharedKind, Spacing};
 use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
 use super::surrogate::outcome::SurrogateOutcome;
@@ -39,6 +39,12 @@ pub struct IdentificationOutcome {
     pub degrees_of_freedom: usize,
     /// The probability of a larger sum, if model and accuracies were right.
     pub probability: Option<f64>,
+    /// The same by a fit without shared errors, about.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probability_without_shared: Option<f64>,
+    /// The shared errors of the measured channels.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shared: Vec<SharedOutcome>,
     /// The free parameters.
     pub free: Vec<FreeOutcome>,
     /// The correlations of the free parameters.
@@ -113,6 +119,50 @@ pub struct FreeOutcome {
     pub surrounded: bool,
 }
 
+/// A shared error of a measured channel, as the data prefer it.
+#[derive(Clone, Debug, Serialize)]
+pub struct SharedOutcome {
+    /// The channel.
+    pub name: String,
+    /// What its values share.
+    pub kind: SharedKind,
+    /// The unit of an offset.
+    pub unit: Option<String>,
+    /// The mean, which a normal approximation has at its most probable value.
+    pub value: f64,
+    /// The interval that holds it with 95 % probability.
+    pub interval: [f64; 2],
+    /// How large it may be, as stated.
+    pub limit: f64,
+    /// The part of its standard uncertainty that the data leave.
+    pub left: f64,
+}
+
+impl SharedOutcome {
+    /// A channel's error with this mean, standard deviation and interval.
+    pub(crate) fn new(channel: &Channel, [value, deviation]: [f64; 2], interval: [f64; 2]) -> Self {
+        Self {
+            name: channel.name.clone(),
+            kind: channel.kind,
+            unit: channel.unit.clone(),
+            value,
+            interval,
+            limit: channel.limit,
+            left: deviation / channel.standard(),
+        }
+    }
+}
+
+/// The channels' shared errors by their normal approximations.
+fn shared(problem: &Problem, known: &[[f64; 2]]) -> Vec<SharedOutcome> {
+    let channels = problem.channels.iter().zip(known);
+    let outcomes = channels.map(|(channel, &[value, deviation])| {
+        let interval = [-1.0, 1.0].map(|side| value + side * NINETY_FIVE * deviation);
+        SharedOutcome::new(channel, [value, deviation], interval)
+    });
+    outcomes.collect()
+}
+
 /// A combination of free parameters.
 #[derive(Clone, Debug, Serialize)]
 pub struct DirectionOutcome {
@@ -160,7 +210,10 @@ pub struct Residual {
     pub predicted: f64,
     /// The prediction minus the measured value.
     pub difference: f64,
-    /// The accuracy of the measurement; a discrepancy of the model is part of it.
+    /// What the shared errors that the data prefer have added to the measured value.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub shared: f64,
+    /// The accuracy of the measurement but for shared errors; a discrepancy of the model is part of it.
     pub accuracy: f64,
 }
 
@@ -195,18 +248,27 @@ impl IdentificationOutcome {
             minimum, posterior, ..
         } = &optima[0];
         let n = problem.free.len();
-        let values = problem.values();
         let cost = minimum.misfit.cost();
-        let data_cost = minimum.misfit.residuals.rows(0, values).norm_squared();
+        let data_cost = minimum.misfit.data_cost(problem);
         let places = minimum.places.iter();
         let inside = places.filter(|&&place| bound(place).is_none()).count();
-        let degrees_of_freedom = minimum.misfit.residuals.len().saturating_sub(inside);
-        let probability = ChiSquared::new(degrees_of_freedom as f64).ok();
+        // A shared error is an unknown with a prior: one square more, and one unknown more.
+        let squares = minimum.misfit.residuals.len() - problem.sources.len();
+        let degrees_of_freedom = squares.saturating_sub(inside);
+        let distribution = ChiSquared::new(degrees_of_freedom as f64).ok();
+        let probability = |cost| {
+            distribution
+                .as_ref()
+                .map(|distribution| distribution.sf(cost))
+        };
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
         let directions = posterior.directions.iter();
         let outcomes: Vec<_> = optima.iter().map(|each| optimum(problem, each)).collect();
         let OptimumOutcome { free, latents, .. } = &outcomes[0];
-        let case = |(index, latents): (usize, &Vec<_>)| case(problem, minimum, latents, index);
+        let shifts = problem.shifts(minimum.misfit.sources(problem));
+        let case = |(index, latents): (usize, &Vec<_>)| {
+            case(problem, minimum, (latents, &shifts[index]), index)
+        };
         let cases: Vec<_> = latents.iter().enumerate().map(case).collect();
         let quantities = problem.quantities.iter().enumerate();
         Self {
@@ -215,7 +277,11 @@ impl IdentificationOutcome {
             cost,
             data_cost,
             degrees_of_freedom,
-            probability: probability.map(|distribution| distribution.sf(cost)),
+            probability: probability(cost),
+            probability_without_shared: (!problem.sources.is_empty())
+                .then(|| probability(posterior.without_shared))
+                .flatten(),
+            shared: shared(problem, &posterior.shared),
             free: free.clone(),
             correlations: (0..n).map(correlation).collect(),
             directions: directions.map(|d| direction(problem, d)).collect(),
@@ -274,7 +340,10 @@ fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
         value: free.value(place),
         deviation: free.spread(deviation),
         scale: free.scale,
-        interval: [-1.0, 1.0].map(|side| free.value(place + side * NINETY_FIVE * deviation)),
+        interval: optimum
+            .posterior
+            .interval(index)
+            .map(|place| free.value(place)),
         bounds: [free.min, free.max],
         at_bound: bound(place),
         left: deviation * optimum.posterior.prior[index].sqrt(),
@@ -297,20 +366,25 @@ fn direction(problem: &Problem, direction: &Direction) -> DirectionOutcome {
     }
 }
 
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
 fn case(
     problem: &Problem,
     minimum: &Minimum,
-    latents: &[LatentOutcome],
+    (latents, shifts): (&[LatentOutcome], &[f64]),
     index: usize,
 ) -> CaseOutcome {
     let case = &problem.cases[index];
     let measured = problem.quantities.iter().zip(&case.measured);
-    let residuals = measured.zip(&minimum.misfit.predicted[index]);
-    let residuals = residuals.map(|((quantity, measured), &predicted)| Residual {
+    let residuals = measured.zip(minimum.misfit.predicted[index].iter().zip(shifts));
+    let residuals = residuals.map(|((quantity, measured), (&predicted, &shared))| Residual {
         quantity: quantity.name.clone(),
         measured: measured.value,
         predicted,
         difference: predicted - measured.value,
+        shared,
         accuracy: measured.accuracy,
     });
     CaseOutcome {

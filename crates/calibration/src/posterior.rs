@@ -8,8 +8,10 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::local::Minimum;
-use super::objective::{Differences, Objective};
+use sampling::distribution::Distribution;
+
+use super::local::{Minimum, bounded_step};
+use super::objective::{Differences, Linear, Objective};
 use super::problem::NoPrediction;
 
 /// The precision of a place of which only the bounds are known: the inverse variance of the uniform
@@ -33,6 +35,14 @@ pub struct Posterior {
     pub prior: Vec<f64>,
     /// Directions in the space of the free parameters, the least determined first.
     pub directions: Vec<Direction>,
+    /// Precision of each unknown's place that stands for its bounds in the covariance.
+    bounds: Vec<f64>,
+    /// Where the unconstrained normal approximation has its mean: elsewhere than the minimum where that is at a bound.
+    centre: Vec<f64>,
+    /// Each channel's shared error: the most probable one and its standard deviation.
+    pub shared: Vec<[f64; 2]>,
+    /// About the least sum of squares of a fit without shared errors.
+    pub without_shared: f64,
 }
 
 /// A combination of free parameters that the data determine apart from all others.
@@ -53,26 +63,32 @@ impl Posterior {
         let linear = objective.linear(&minimum.places, &minimum.misfit, Differences::Central)?;
         let problem = objective.problem;
         let n = problem.free.len();
-        let mut precision = linear.curvature;
+        let without_shared = without_shared(objective, minimum, &linear);
+        let mut precision = linear.curvature.clone();
         let mut prior = vec![UNIFORM; n];
+        let mut bounds = vec![UNIFORM; problem.unknowns()];
         for (index, free) in problem.free.iter().enumerate() {
             if let Some((_, deviation)) = free.prior_place() {
                 // The curvature has it already; where it is wider than the bounds, they count.
                 prior[index] = deviation.powi(-2).max(UNIFORM);
-                precision[(index, index)] += prior[index] - deviation.powi(-2);
-            } else {
-                precision[(index, index)] += UNIFORM;
+                bounds[index] = prior[index] - deviation.powi(-2);
             }
         }
-        for index in n..problem.unknowns() {
-            precision[(index, index)] += UNIFORM;
+        for (index, bounds) in bounds.iter().enumerate() {
+            precision[(index, index)] += bounds;
         }
         let rough = "the curvature at the minimum is not positive: the simulations are too rough";
         let factor =
             Cholesky::new(precision.clone()).ok_or_else(|| NoPrediction::Here(rough.to_owned()))?;
         let covariance = factor.inverse();
         let directions = directions(&covariance, &prior);
+        let away = &covariance * &linear.gradient;
+        let centre = minimum.places.iter().zip(&away);
         Ok(Self {
+            centre: centre.map(|(place, away)| place - away).collect(),
+            shared: shared(objective, minimum, &linear.shared, &covariance),
+            without_shared,
+            bounds,
             log_volume: -factor.l_dirty().diagonal().map(f64::ln).sum(),
             precision,
             covariance,
@@ -84,6 +100,31 @@ impl Posterior {
     /// The standard deviation of an unknown's place.
     pub fn deviation(&self, unknown: usize) -> f64 {
         self.covariance[(unknown, unknown)].sqrt()
+    }
+
+    /// The interval of an unknown's place that holds it with 95 % probability, between the bounds: of the normal
+    /// approximation cut there, in which the bounds of all others count as their variance. Where most of it lies at a bound,
+    /// it begins there (see [`interval`]).
+    pub fn interval(&self, unknown: usize) -> [f64; 2] {
+        // What the data and a normal prior say of it. Next to nothing is as good as nothing.
+        const NEXT_TO_NOTHING: f64 = 1e-3;
+        let precision = self.covariance[(unknown, unknown)].recip() - self.bounds[unknown];
+        let deviation = precision.max(NEXT_TO_NOTHING).powf(-0.5);
+        // The digits of the normal distribution end farther outside.
+        const FAR: f64 = 30.0;
+        let mean = self.centre[unknown].clamp(-FAR * deviation, 1.0 + FAR * deviation);
+        // Quantiles keep their digits in the lower tail alone.
+        let mirrored = mean < 0.5;
+        let distribution = Distribution::TruncatedNormal {
+            mean: if mirrored { 1.0 - mean } else { mean },
+            deviation,
+            min: Some(0.0),
+            max: Some(1.0),
+        };
+        interval([0.0, 1.0], |part| match mirrored {
+            true => 1.0 - distribution.quantile(1.0 - part),
+            false => distribution.quantile(part),
+        })
     }
 
     /// The ends of the axes of the region that holds each combination of free parameters with 95 % probability, about these
@@ -115,6 +156,66 @@ impl Posterior {
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         self.covariance[(a, b)] / (self.deviation(a) * self.deviation(b))
     }
+}
+
+/// The interval that holds a number between bounds with 95 % probability, given its quantiles: from the 2.5 % quantile to the
+/// 97.5 % quantile, or from a bound on where that is clearly shorter, since the number is most probable there: an interval
+/// with two ends inside would never hold a truth at the bound.
+pub fn interval(bounds: [f64; 2], quantile: impl Fn(f64) -> f64) -> [f64; 2] {
+    /// So much shorter is clearly shorter; of what is known by its bounds alone, none is.
+    const SHORTER: f64 = 0.97;
+    let central = [0.025, 0.975].map(&quantile);
+    let sides = [[bounds[0], quantile(0.95)], [quantile(0.05), bounds[1]]];
+    let width = |ends: &[f64; 2]| ends[1] - ends[0];
+    let [lower, upper] = sides;
+    let shortest = if width(&upper) < width(&lower) {
+        upper
+    } else {
+        lower
+    };
+    match width(&shortest) < SHORTER * width(&central) {
+        true => shortest,
+        false => central,
+    }
+}
+
+/// Mean and standard deviation of each channel's shared error, where the unknowns are as uncertain as their covariance says.
+fn shared(
+    objective: &Objective<'_>,
+    minimum: &Minimum,
+    along: &DMatrix<f64>,
+    covariance: &DMatrix<f64>,
+) -> Vec<[f64; 2]> {
+    let (problem, errors) = (objective.problem, &objective.errors);
+    let known = errors.channels(problem, minimum.misfit.sources(problem));
+    let channels = problem.channels.iter().zip(known);
+    let marginal = channels.map(|(channel, [mean, deviation])| {
+        // The sources' values for given unknowns are -M^-1 V'r, with the derivative -M^-1 V'J.
+        let slope = along.tr_mul(&errors.solved(&channel.weights(errors.sources())));
+        let more = (covariance * &slope).dot(&slope);
+        [mean, deviation.hypot(more.max(0.0).sqrt())]
+    });
+    marginal.collect()
+}
+
+/// The sum of squares that a fit without shared errors would reach, by the linearised problem.
+fn without_shared(objective: &Objective<'_>, minimum: &Minimum, linear: &Linear) -> f64 {
+    let (problem, errors, misfit) = (objective.problem, &objective.errors, &minimum.misfit);
+    if errors.sources() == 0 {
+        return misfit.cost();
+    }
+    let sources = DVector::from_column_slice(misfit.sources(problem));
+    let along = errors.halved(linear.shared.clone());
+    let plain = Linear {
+        curvature: &linear.curvature + along.tr_mul(&along),
+        gradient: &linear.gradient - linear.shared.tr_mul(&sources),
+        ..linear.clone()
+    }
+    .damped(1e-12);
+    let here = misfit.cost() - misfit.data_cost(problem)
+        + errors.plain(problem, &misfit.predicted).norm_squared();
+    let step = bounded_step(&plain, &minimum.places, &minimum.surrounded);
+    here - plain.fall(&step)
 }
 
 fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {

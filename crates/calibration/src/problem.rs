@@ -1,5 +1,6 @@
 //! The problem: unknown parameters, and the measurements that determine them.
 
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 /// How a parameter is measured out between its bounds.
@@ -145,7 +146,8 @@ impl Interval {
 pub struct Measured {
     /// The value.
     pub value: f64,
-    /// Its standard uncertainty, in the same unit: one standard deviation. A known discrepancy of the model is part of it.
+    /// The standard uncertainty of its independent error, in the same unit: one standard deviation. A known discrepancy of the
+    /// model is part of it; what it shares with other values is not.
     pub accuracy: f64,
 }
 
@@ -175,6 +177,72 @@ pub struct Case {
     pub measured: Vec<Measured>,
 }
 
+/// An error that several measured values share, such as the zero error of a sensor: a standard normal number before the
+/// measurement, and independent of all others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Source {
+    /// The values that it touches.
+    pub effects: Vec<Effect>,
+}
+
+/// The effect of a shared error on a measured value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Effect {
+    /// The value's case.
+    pub case: usize,
+    /// Its quantity.
+    pub quantity: usize,
+    /// By how much one standard deviation of the source changes the measured value.
+    pub change: f64,
+}
+
+/// What kind of error the values of a channel share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SharedKind {
+    /// The same in each value, in the channel's unit.
+    Offset,
+    /// The same part of each value.
+    Gain,
+    /// The same part of the stated uncertainty of each value.
+    Scaled,
+}
+
+/// A shared error of a measured channel, of which people want to know: a sum of sources.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Channel {
+    /// The channel.
+    pub name: String,
+    /// What its values share.
+    pub kind: SharedKind,
+    /// The unit of an offset.
+    pub unit: Option<String>,
+    /// How large it may be, as stated: the expanded uncertainty, or the limit of error.
+    pub limit: f64,
+    /// The sources, each with what one standard deviation of it adds.
+    pub sources: Vec<(usize, f64)>,
+}
+
+impl Channel {
+    /// What one standard deviation of each of so many sources adds.
+    pub(crate) fn weights(&self, sources: usize) -> DVector<f64> {
+        let mut weights = DVector::zeros(sources);
+        for &(source, weight) in &self.sources {
+            weights[source] += weight;
+        }
+        weights
+    }
+
+    /// The standard uncertainty before the measurement.
+    pub fn standard(&self) -> f64 {
+        self.sources
+            .iter()
+            .map(|(_, weight)| weight * weight)
+            .sum::<f64>()
+            .sqrt()
+    }
+}
+
 /// The problem: unknown parameters, and the measurements that determine them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Problem {
@@ -186,6 +254,10 @@ pub struct Problem {
     pub quantities: Vec<Quantity>,
     /// The measured cases.
     pub cases: Vec<Case>,
+    /// Errors that measured values share, beside the independent ones that their accuracies state.
+    pub sources: Vec<Source>,
+    /// What is told of them.
+    pub channels: Vec<Channel>,
 }
 
 impl Problem {
@@ -218,6 +290,18 @@ impl Problem {
         pairs
             .map(|(interval, &place)| interval.value(place))
             .collect()
+    }
+
+    /// What shared errors of these sizes, in standard uncertainties, add to the measured values, case by case.
+    pub fn shifts(&self, sources: &[f64]) -> Vec<Vec<f64>> {
+        let cases = self.cases.iter();
+        let mut shifts: Vec<Vec<f64>> = cases.map(|case| vec![0.0; case.measured.len()]).collect();
+        for (source, value) in self.sources.iter().zip(sources) {
+            for effect in &source.effects {
+                shifts[effect.case][effect.quantity] += effect.change * value;
+            }
+        }
+        shifts
     }
 
     /// The problem with further standard uncertainties of the values, by case and quantity.

@@ -60,7 +60,7 @@ fn synthetic(seed: u64) -> (Problem, Vec<f64>) {
         ],
         latents: vec![named("clearance")],
         quantities: ["heat", "rise", "gap"].map(named).to_vec(),
-        cases: Vec::new(),
+        ..Problem::default()
     };
     for case in 0..8 {
         let clearance = 0.5 + noise.uniform();

@@ -6,7 +6,10 @@ pub use super::digits::digits;
 use super::digits::{rounded, shown};
 use super::failures::words;
 use super::local::End;
-use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
+use super::outcome::{
+    DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual, SharedOutcome,
+};
+use super::problem::{SharedKind, Spacing};
 use super::rounds::ROUNDS;
 use super::surrogate;
 
@@ -44,6 +47,7 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
     [
         parameters,
         undetermined(outcome),
+        shared(outcome),
         excluded(outcome),
         told.map(surrogate::text::summary).unwrap_or_default(),
         discrepancies(outcome),
@@ -95,44 +99,37 @@ fn parameters(parameters: &[FreeOutcome], on_ridges: &[&str]) -> String {
         let (name, unit) = (&free.name, shown(&free.unit));
         let [value, low, high] = [free.value, free.interval[0], free.interval[1]].map(digits);
         let remark = remark(free, on_ridges.contains(&name.as_str()));
-        text += &format!("{name:width$}  {value:>11}  {low} .. {high} {unit}{remark}\n");
+        let interval = format!("{low} .. {high} {unit}");
+        text += &format!(
+            "{name:width$}  {value:>11}  {}{remark}\n",
+            interval.trim_end()
+        );
     }
     text
 }
 
 fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
-    const LITTLE: f64 = 0.5;
     if free.surrounded {
         let text = "; runs fail next to it on every side, so the interval is that of the prior";
         return text.to_owned();
     }
-    let bound = free.at_bound.map(|side| match on_ridge {
+    let bound = free.at_bound.map_or_else(String::new, |side| match on_ridge {
         false => format!("; at its {side} bound"),
         // All places along the ridge fit alike, and the search has to end at one.
         true => format!(
             "; the search ended at its {side} bound, but the data do not determine it, see below"
         ),
     });
-    let left = 100.0 * free.left;
-    let prior = (free.left > LITTLE)
-        .then(|| format!("; the data leave {left:.0} % of the prior's uncertainty"));
-    [bound, prior].into_iter().flatten().collect()
+    let left = rounded(100.0 * free.left, 2);
+    format!("{bound}; {left} % of the prior's spread is left")
 }
 
+/// What the data leave open, and whether a sample confirms the intervals.
 fn undetermined(outcome: &IdentificationOutcome) -> String {
     let open = outcome.directions.iter().filter(|d| d.undetermined);
     let open: Vec<_> = open.collect();
     if open.is_empty() {
-        // Around each of several optima they may do so; which one is right they do not tell. And a search that has not
-        // converged tells of no optimum.
-        let clear = outcome.optima.iter().all(|optimum| optimum.edge.is_clear());
-        let all = !outcome.ambiguous && clear && outcome.end == End::Converged;
-        let text = if all {
-            "\nThe data determine every parameter.\n"
-        } else {
-            ""
-        };
-        return text.to_owned();
+        return confirmed(outcome);
     }
     let which = if outcome.ambiguous {
         " at optimum 1"
@@ -147,12 +144,12 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
             .collect();
         text += &match &names[..] {
             [name] => format!(
-                "  {}: {left:.0} % of the prior's uncertainty is left\n",
+                "  {}: {left:.0} % of the prior's spread is left\n",
                 &name[2..]
             ),
             names => format!(
                 "  {}: the data tell these parameters only together; where they change by these signs at once, {left:.0} % of \
-                 the prior's uncertainty is left\n",
+                 the prior's spread is left\n",
                 names.join(" ")
             ),
         };
@@ -162,6 +159,103 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
                  samples the posterior\n";
     }
     text
+}
+
+/// Whether a sample of the posterior confirms the intervals of a search that has converged to a single optimum.
+fn confirmed(outcome: &IdentificationOutcome) -> String {
+    let clear = outcome.optima.iter().all(|optimum| optimum.edge.is_clear());
+    if outcome.ambiguous || !clear || outcome.end != End::Converged {
+        return String::new();
+    }
+    let Some(sample) = &outcome.posterior else {
+        return "\nThe intervals are normal approximations; --posterior 1000 checks them.\n"
+            .to_owned();
+    };
+    let pairs = outcome.free.iter().zip(&sample.free);
+    let other: Vec<&str> = pairs
+        .filter(|(free, marginal)| !agree(free, &marginal.intervals))
+        .map(|(free, _)| &free.name[..])
+        .collect();
+    match (sample.trusted, &other[..]) {
+        (false, _) => String::new(),
+        (true, []) => "\nThe data determine every parameter: the sample of the posterior below confirms the intervals.\n".to_owned(),
+        (true, other) => format!(
+            "\nThe normal approximation does not hold for {}: take the intervals of the sample below.\n",
+            other.join(", ")
+        ),
+    }
+}
+
+/// Whether a sample's interval is the same, but for what a finite sample may be off.
+fn agree(free: &FreeOutcome, sampled: &[[f64; 2]]) -> bool {
+    /// Of the sample's width, for each end.
+    const OFF: f64 = 0.15;
+    let place = |value: f64| match free.scale {
+        Spacing::Linear => value,
+        Spacing::Log => value.ln(),
+    };
+    let [interval] = sampled else { return false };
+    let [low, high] = interval.map(place);
+    let ends = free.interval.map(place);
+    (ends[0] - low).abs().max((ends[1] - high).abs()) <= OFF * (high - low)
+}
+
+/// What the shared errors of the measured channels are, by the data.
+fn shared(outcome: &IdentificationOutcome) -> String {
+    // The sample's, where there is one to rely on.
+    let sampled = outcome.posterior.as_ref().filter(|sample| sample.trusted);
+    let all = sampled.map_or(&outcome.shared, |sample| &sample.shared);
+    let lines: Vec<String> = all.iter().map(of_channel).collect();
+    let mut text = lines.concat();
+    if !text.is_empty() {
+        text = format!("\n{text}");
+    }
+    let fits = |probability: Option<f64>| probability.is_some_and(|p| p >= DOUBTFUL);
+    if fits(outcome.probability)
+        && outcome
+            .probability_without_shared
+            .is_some_and(|p| p < DOUBTFUL)
+    {
+        text += "the fit is good only with these shared errors: without them no parameters explain the measured values\n";
+    }
+    text
+}
+
+/// A shared error in a line.
+fn of_channel(error: &SharedOutcome) -> String {
+    /// Where so much of the stated uncertainty is left, the data say nothing.
+    const NOTHING: f64 = 0.9;
+    let (factor, unit, what) = match error.kind {
+        SharedKind::Offset => (1.0, shown(&error.unit), "a zero error"),
+        SharedKind::Gain => (100.0, "%", "a gain error"),
+        SharedKind::Scaled => (
+            1.0,
+            "of the stated uncertainties",
+            "an error that all its values share",
+        ),
+    };
+    let number = |value: f64| rounded(factor * value, 3);
+    let limit = format!("{} {unit}", number(error.limit));
+    let limit = limit.trim_end();
+    if error.left > NOTHING {
+        return format!(
+            "{}: the data do not tell {what}, which may be +-{limit}\n",
+            error.name
+        );
+    }
+    let value = format!("{} {unit}", number(error.value));
+    let [low, high] = error.interval.map(number);
+    let none = error.interval[0] <= 0.0 && error.interval[1] >= 0.0;
+    let beyond = match error.value.abs() > error.limit {
+        true => ", which this is beyond: doubt the model or the sensor",
+        false => "",
+    };
+    format!(
+        "{} is best explained by {what} of {} ({low} .. {high}, 95 %){}; its limits are +-{limit}{beyond}\n",
+        error.name,
+        value.trim_end(),
+        if none { ", and none would do" } else { "" }
+    )
 }
 
 /// Places where runs failed, and what that leaves open at the optima.
@@ -241,13 +335,18 @@ fn discrepancies(outcome: &IdentificationOutcome) -> String {
 /// The measured value that is missed most, where there are too many for a table.
 fn largest(outcome: &IdentificationOutcome) -> String {
     let all = outcome.cases.iter().flat_map(|case| &case.residuals);
-    let missed = |residual: &Residual| (residual.difference / residual.accuracy).abs();
+    let missed =
+        |residual: &Residual| ((residual.difference + residual.shared) / residual.accuracy).abs();
     let count = all.clone().count();
     let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)));
     worst.map_or_else(String::new, |worst| {
         format!(
-            "\n{count} measured values; the largest misfit is {} standard uncertainties, of {}\n",
+            "\n{count} measured values; the largest misfit is {} standard uncertainties{}, of {}\n",
             rounded(missed(worst), 3),
+            match outcome.shared.is_empty() {
+                true => "",
+                false => ", shared errors taken out",
+            },
             worst.quantity
         )
     })
@@ -299,8 +398,10 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
     text
 }
 
+/// A fit with a smaller probability of its misfit is no fit.
+const DOUBTFUL: f64 = 0.001;
+
 fn goodness(outcome: &IdentificationOutcome) -> String {
-    const DOUBTFUL: f64 = 0.001;
     let doubtful = |probability| probability < DOUBTFUL;
     let misses = outcome.end == End::Converged && outcome.probability.is_some_and(doubtful);
     let search = &outcome.search;

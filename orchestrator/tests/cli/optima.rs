@@ -69,7 +69,7 @@ fn six_exact_solutions_are_six_optima() {
     let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
-        said.out.contains("The data determine every parameter."),
+        said.out.contains("The intervals are normal approximations"),
         "{}",
         said.out
     );

@@ -8,6 +8,9 @@
 //! Nothing but its interval is known of a latent parameter of the case that is left out. The prediction is therefore
 //! the mean over the interval. Beside it stands what the case says itself when the free parameters stay as they are:
 //! the latent values that it needs, and whether they lie within the interval.
+//!
+//! An error that the case shares with others, such as the zero error of a sensor, is predicted as well: the other cases tell
+//! of it.
 
 pub mod outcome;
 mod regression;
@@ -17,11 +20,15 @@ pub mod text;
 
 use std::time::Instant;
 
+use nalgebra::DMatrix;
 use sampling::statistics::moments::{mean, variance};
 
+use super::errors::Errors;
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective, finite};
-use super::problem::{Case, Interval, NoPrediction, Prediction, Problem, Query, Simulate};
+use super::problem::{
+    Effect, Interval, NoPrediction, Prediction, Problem, Query, Simulate, Source,
+};
 use outcome::{CrossValidation, HeldOut, Needed};
 
 /// Points over the intervals of latent parameters that a prediction is averaged over.
@@ -86,7 +93,7 @@ pub fn cross_validate(
 
 /// Adds the predictions of a case from the others.
 fn predicted(whole: &Whole<'_>, case: usize, mut told: HeldOut) -> Result<HeldOut, NoPrediction> {
-    let minimum = without(whole, case)?;
+    let (others, minimum) = without(whole, case)?;
     if minimum.end == End::Time {
         // What is there is still the fit to all cases, or on the way from it: no prediction.
         return Err(NoPrediction::Here(
@@ -96,8 +103,19 @@ fn predicted(whole: &Whole<'_>, case: usize, mut told: HeldOut) -> Result<HeldOu
     let places = &minimum.places[..whole.problem.free.len()];
     told.end = Some(minimum.end);
     told.free = whole.problem.free_values(places);
+    let sources = minimum.misfit.sources(&others);
     forecast(whole, case, &mut told)?;
-    own_latents(whole, case, places, &mut told)?;
+    own_latents(whole, case, places, (&others, sources), &mut told)?;
+    // What is measured is the truth and what the others say of the errors that this case shares with them.
+    let shifts = whole.problem.shifts(sources);
+    for (result, shift) in told.results.iter_mut().zip(&shifts[case]) {
+        for value in [&mut result.predicted, &mut result.own]
+            .into_iter()
+            .flatten()
+        {
+            *value += shift;
+        }
+    }
     Ok(told)
 }
 
@@ -118,15 +136,14 @@ impl Simulate for Part<'_> {
     }
 }
 
-/// The free parameters from all cases but one.
-fn without(whole: &Whole<'_>, left_out: usize) -> Result<Minimum, NoPrediction> {
+/// The free parameters from all cases but one, and the problem that these cases are.
+fn without(whole: &Whole<'_>, left_out: usize) -> Result<(Problem, Minimum), NoPrediction> {
     let cases: Vec<usize> = (0..whole.problem.cases.len())
         .filter(|&case| case != left_out)
         .collect();
     let mut places = whole.minimum.places.clone();
     places.drain(whole.problem.latents_of(left_out));
-    let some = cases.iter().map(|&case| whole.problem.cases[case].clone());
-    let problem = with_cases(whole.problem, some.collect());
+    let problem = with_cases(whole.problem, &cases);
     let model = Part {
         model: whole.model,
         cases,
@@ -134,15 +151,54 @@ fn without(whole: &Whole<'_>, left_out: usize) -> Result<Minimum, NoPrediction> 
     let objective = Objective::new(&problem, &model, whole.difference);
     let [rough, fine] = [1e-4, 1e-7].map(|decrease| whole.limits(decrease));
     let near = minimise(&objective, places, &[], Differences::Forward, &rough)?;
-    minimise(&objective, near.places, &[], Differences::Central, &fine)
+    let minimum = minimise(&objective, near.places, &[], Differences::Central, &fine)?;
+    Ok((problem, minimum))
 }
 
-/// The problem with other cases.
-fn with_cases(problem: &Problem, cases: Vec<Case>) -> Problem {
+/// The problem with some of its cases.
+fn with_cases(problem: &Problem, cases: &[usize]) -> Problem {
+    let some = cases.iter().map(|&case| problem.cases[case].clone());
+    let sources = problem.sources.iter().map(|source| {
+        let effects = source.effects.iter().filter_map(|effect| {
+            let case = cases.iter().position(|&case| case == effect.case)?;
+            Some(Effect { case, ..*effect })
+        });
+        Source {
+            effects: effects.collect(),
+        }
+    });
     Problem {
-        cases,
+        cases: some.collect(),
+        sources: sources.collect(),
         ..problem.clone()
     }
+}
+
+/// The problem of a single case when others have told of the shared errors: their means are taken from the measured values,
+/// and what is left of them are new sources.
+fn alone(whole: &Problem, case: usize, (others, means): (&Problem, &[f64])) -> Problem {
+    let mut problem = with_cases(whole, &[case]);
+    let shifts = problem.shifts(means);
+    for (measured, shift) in problem.cases[0].measured.iter_mut().zip(&shifts[0]) {
+        measured.value -= shift;
+    }
+    // With M = L L' their covariance M^-1 is that of L'^-1 z, with z standard normal.
+    let left = Errors::new(others).halved(DMatrix::identity(means.len(), means.len()));
+    let mixed = (0..means.len()).map(|row| {
+        let sources = problem.sources.iter().enumerate();
+        let effects = sources.flat_map(|(number, source)| {
+            let part = left[(row, number)];
+            source.effects.iter().map(move |effect| Effect {
+                change: part * effect.change,
+                ..*effect
+            })
+        });
+        Source {
+            effects: effects.filter(|effect| effect.change != 0.0).collect(),
+        }
+    });
+    problem.sources = mixed.collect();
+    problem
 }
 
 /// The prediction of a case by its free parameters: the mean over all values that its latent parameters may have.
@@ -200,24 +256,23 @@ fn own_latents(
     whole: &Whole<'_>,
     case: usize,
     free: &[f64],
+    shared: (&Problem, &[f64]),
     told: &mut HeldOut,
 ) -> Result<(), NoPrediction> {
-    let alone = &whole.problem.cases[case];
-    if alone.latents.is_empty() {
+    let known = &whole.problem.cases[case].latents;
+    if known.is_empty() {
         return Ok(());
     }
-    let wide: Vec<Interval> = alone.latents.iter().map(widened).collect();
-    let within = latents(whole, case, &alone.latents, free)?;
-    let needed = latents(whole, case, &wide, free)?;
-    told.squares = Some([&within, &needed].map(|minimum| {
-        let data = minimum.misfit.residuals.rows(0, alone.measured.len());
-        data.norm_squared()
-    }));
+    let problem = alone(whole.problem, case, shared);
+    let wide: Vec<Interval> = known.iter().map(widened).collect();
+    let within = latents(whole, (&problem, case), known, free)?;
+    let needed = latents(whole, (&problem, case), &wide, free)?;
+    told.squares = Some([&within, &needed].map(|minimum| minimum.misfit.data_cost(&problem)));
     let predicted = within.misfit.predicted.into_iter().flatten();
     for (result, value) in told.results.iter_mut().zip(predicted) {
         result.own = Some(value);
     }
-    let known = whole.problem.latents.iter().zip(&alone.latents);
+    let known = whole.problem.latents.iter().zip(known);
     let values = wide.iter().zip(&needed.places[free.len()..]);
     let needed = known
         .zip(values)
@@ -245,15 +300,12 @@ fn widened(interval: &Interval) -> Interval {
 /// The latent parameters of a case within intervals, the free parameters held.
 fn latents(
     whole: &Whole<'_>,
-    case: usize,
+    (alone, case): (&Problem, usize),
     intervals: &[Interval],
     free: &[f64],
 ) -> Result<Minimum, NoPrediction> {
-    let alone = Case {
-        latents: intervals.to_vec(),
-        ..whole.problem.cases[case].clone()
-    };
-    let problem = with_cases(whole.problem, vec![alone]);
+    let mut problem = alone.clone();
+    problem.cases[0].latents = intervals.to_vec();
     let model = Part {
         model: whole.model,
         cases: vec![case],

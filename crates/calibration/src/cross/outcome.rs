@@ -93,7 +93,8 @@ pub struct HeldOutResult {
     pub quantity: String,
     /// The measured value.
     pub measured: f64,
-    /// The accuracy of the measurement, with the model's discrepancy, where there is one, added.
+    /// The accuracy of the measurement, with the model's discrepancy, where there is one, added; without shared errors, which
+    /// every prediction below counts as far as it knows them.
     pub accuracy: f64,
     /// By the fit to all cases.
     pub fitted: f64,
@@ -171,11 +172,14 @@ impl HeldOut {
         let Case {
             label, measured, ..
         } = &whole.problem.cases[case];
+        let shifts = whole
+            .problem
+            .shifts(whole.minimum.misfit.sources(whole.problem));
         let result = |(k, quantity): (usize, &Quantity)| HeldOutResult {
             quantity: quantity.name.clone(),
             measured: measured[k].value,
             accuracy: measured[k].accuracy,
-            fitted: whole.minimum.misfit.predicted[case][k],
+            fitted: whole.minimum.misfit.predicted[case][k] + shifts[case][k],
             predicted: None,
             spread: None,
             own: None,

@@ -112,6 +112,8 @@ pub struct Particle {
     pub log_prior: f64,
     /// The logarithm of the likelihood.
     pub log_likelihood: f64,
+    /// Mean and standard deviation of each channel's shared error, if the unknowns were these.
+    pub shared: Vec<[f64; 2]>,
     /// The logarithm of the density of the start.
     log_start: f64,
     /// The number of the particle at the start that this one comes from.
@@ -272,14 +274,15 @@ impl<'a> Walk<'a> {
         if is_over(self.deadline) {
             return Err(SampleError::Time);
         }
-        let likelihoods = self.target.log_likelihoods(&places)?;
+        let likelihoods = self.target.likelihoods(&places)?;
         let weighed = places.into_iter().zip(likelihoods);
-        let weighed = weighed.map(|(places, log_likelihood)| {
+        let weighed = weighed.map(|(places, likelihood)| {
             let log_prior = self.target.log_prior(&places);
             Particle {
                 log_start: self.log_start(log_prior, &places),
                 log_prior,
-                log_likelihood,
+                log_likelihood: likelihood.log,
+                shared: likelihood.shared,
                 ancestor: 0,
                 places,
             }

@@ -3,12 +3,14 @@
 use sampling::distribution::ln_sum;
 use sampling::statistics::moments::{deviation, mean, pearson, sorted};
 use serde::Serialize;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use super::super::discrepancy::Unknown;
 use super::super::failures;
 use super::super::objective::Objective;
 use super::super::optima::Optimum;
+use super::super::outcome::SharedOutcome;
+use super::super::posterior::interval;
 use super::super::problem::{Free, Problem, Spacing};
 use super::region::{quantile, regions};
 use super::target::Target;
@@ -47,8 +49,6 @@ pub struct PosteriorOutcome {
     pub distinct: usize,
     /// About how many independent particles they are worth for means and variances, from the groups' scatter.
     pub effective: f64,
-    /// What part of the posterior the 95 % intervals may really hold, as they are made from so many.
-    pub holds: [f64; 2],
     /// The logarithm of the evidence: the mean likelihood over the prior, in the inverse units of the measured values.
     pub log_evidence: f64,
     /// Its standard error, from the groups' scatter.
@@ -63,6 +63,9 @@ pub struct PosteriorOutcome {
     pub free: Vec<Marginal>,
     /// The latent parameters, case by case.
     pub latents: Vec<Vec<Marginal>>,
+    /// The shared errors of the measured channels.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shared: Vec<SharedOutcome>,
     /// The correlations of the free parameters.
     pub correlations: Vec<Vec<f64>>,
     /// The optima's parts of the sample.
@@ -151,7 +154,6 @@ impl PosteriorOutcome {
         let groups = Groups::of(sample);
         let effective = effective(&groups, sample);
         let (log_evidence, log_evidence_error) = evidence(sample);
-        let half = 1.96 * (0.95 * 0.05 / effective.max(1.0)).sqrt();
         let near = Near::new(optima, problem.unknowns());
         let shares = near.shares(&groups);
         let approximated = near.approximated(&groups);
@@ -162,7 +164,6 @@ impl PosteriorOutcome {
             particles: sample.particles.len(),
             distinct: distinct(&sample.particles),
             effective,
-            holds: [0.95 - half, (0.95 + half).min(1.0)],
             log_evidence,
             log_evidence_error,
             evaluated: sample.evaluated,
@@ -170,6 +171,7 @@ impl PosteriorOutcome {
             stages: sample.stages.clone(),
             free: free(problem, sample),
             latents: latents(problem, sample),
+            shared: shared(problem, sample),
             correlations: correlations(problem, sample),
             optima: shares,
             approximated,
@@ -291,7 +293,8 @@ impl PosteriorOutcome {
             .map(|particle| particle.places[place]);
         let places = sorted(places.collect());
         let at = |part| unknown.deviation(quantile(&places, part));
-        (at(0.5), [at(0.025), at(0.975)])
+        let ends = interval([0.0, 1.0], |part| quantile(&places, part));
+        (at(0.5), ends.map(|place| unknown.deviation(place)))
     }
 
     /// How many particles are asked for where there are doubts.
@@ -413,7 +416,7 @@ fn marginal(
         .map(|particle| particle.places[unknown]);
     let places = sorted(places.collect());
     let values: Vec<f64> = places.iter().map(|&place| value(place)).collect();
-    let intervals = regions(&places).into_iter();
+    let intervals = regions(&places, [0.0, 1.0]).into_iter();
     Marginal {
         name: name.to_owned(),
         unit: unit.clone(),
@@ -444,6 +447,53 @@ fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
         marginals.collect()
     };
     (0..problem.cases.len()).map(of_case).collect()
+}
+
+/// The shared errors: each particle has a normal distribution of theirs.
+fn shared(problem: &Problem, sample: &Sample) -> Vec<SharedOutcome> {
+    let channels = problem.channels.iter().enumerate();
+    let outcomes = channels.map(|(number, channel)| {
+        let parts = sample
+            .particles
+            .iter()
+            .map(|particle| particle.shared[number]);
+        let parts: Vec<[f64; 2]> = parts.collect();
+        let means: Vec<f64> = parts.iter().map(|[mean, _]| *mean).collect();
+        let squares: Vec<f64> = parts
+            .iter()
+            .map(|[_, deviation]| deviation * deviation)
+            .collect();
+        let [centre, spread] = [
+            mean(&means),
+            (mean(&squares) + deviation(&means, 1).powi(2)).sqrt(),
+        ];
+        let interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
+        SharedOutcome::new(channel, [centre, spread], interval)
+    });
+    outcomes.collect()
+}
+
+/// A quantile of a mixture of normal distributions with this mean and standard deviation, by bisection.
+fn of_mixture(parts: &[[f64; 2]], part: f64, [centre, spread]: [f64; 2]) -> f64 {
+    // Chebyshev's inequality: a 2.5 % tail begins within 6.4 standard deviations.
+    const REACH: f64 = 6.4;
+    const HALVINGS: usize = 40;
+    let normal = Normal::standard();
+    let below = |x: f64| -> f64 {
+        let each = parts
+            .iter()
+            .map(|[mean, deviation]| normal.cdf((x - mean) / deviation));
+        each.sum::<f64>() / parts.len() as f64
+    };
+    let (mut low, mut high) = (centre - REACH * spread, centre + REACH * spread);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        match below(middle) < part {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    0.5 * (low + high)
 }
 
 /// The correlations of the free parameters' values.

@@ -1,7 +1,6 @@
 //! Where a sample lies: its interval, less the gaps in which there is nothing of it.
 
-/// The part of the sample that is left out on each side.
-const TAIL: f64 = 0.025;
+use super::super::posterior::interval;
 
 /// A gap is wider than so many spacings on both sides of it: among 10,000 random spacings one in 300 samples has such a
 /// one by chance.
@@ -28,10 +27,9 @@ pub(super) fn quantile(sorted: &[f64], part: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// The intervals that hold 95 % of a sorted sample: from the 2.5 % to the 97.5 % quantile, without the gaps between
-/// modes.
-pub(super) fn regions(sorted: &[f64]) -> Vec<[f64; 2]> {
-    let [low, high] = [quantile(sorted, TAIL), quantile(sorted, 1.0 - TAIL)];
+/// The intervals that hold 95 % of a sorted sample between bounds: its [`interval`] without the gaps between modes.
+pub(super) fn regions(sorted: &[f64], bounds: [f64; 2]) -> Vec<[f64; 2]> {
+    let [low, high] = interval(bounds, |part| quantile(sorted, part));
     let mut values = sorted.to_vec();
     values.dedup();
     let mut regions = Vec::new();
@@ -62,6 +60,32 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 
+    const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+    /// Of an exponential sample, most probable at 0, the interval holds the bound: its end is the 95 % quantile, ln 20.
+    #[test]
+    fn a_sample_at_a_bound_has_a_one_sided_interval() {
+        let even = (0..4000).map(|k| -((f64::from(k) + 0.5) / 4000.0).ln());
+        let mut values: Vec<f64> = even.collect();
+        values.sort_by(f64::total_cmp);
+        let [[low, high]] = regions(&values, [0.0, 50.0])[..] else {
+            panic!("one interval");
+        };
+        assert!(
+            low == 0.0 && (high - 20.0_f64.ln()).abs() < 0.01,
+            "{low} .. {high}"
+        );
+        // Nothing but the bounds is known: the middle 95 % of them.
+        let even: Vec<f64> = (0..4000).map(|k| (f64::from(k) + 0.5) / 4000.0).collect();
+        let [[low, high]] = regions(&even, [0.0, 1.0])[..] else {
+            panic!("one interval");
+        };
+        assert!(
+            (low - 0.025).abs() < 1e-3 && (high - 0.975).abs() < 1e-3,
+            "{low} .. {high}"
+        );
+    }
+
     #[test]
     fn one_mode_has_one_interval_that_holds_as_much_as_it_says() {
         let mut random = StdRng::seed_from_u64(4);
@@ -69,7 +93,7 @@ mod tests {
         for _ in 0..200 {
             let mut values: Vec<f64> = (0..400).map(|_| random.sample(StandardNormal)).collect();
             values.sort_by(f64::total_cmp);
-            let regions = regions(&values);
+            let regions = regions(&values, ANY);
             parts += regions.len();
             let fresh = (0..500).map(|_| random.sample::<f64, _>(StandardNormal));
             let inside = |x: &f64| regions.iter().any(|[a, b]| (a..=b).contains(&x));
@@ -95,7 +119,7 @@ mod tests {
         for _ in 0..200 {
             let mut values: Vec<f64> = (0..400).map(|_| draw(&mut random)).collect();
             values.sort_by(f64::total_cmp);
-            let regions = regions(&values);
+            let regions = regions(&values, ANY);
             assert_eq!(regions.len(), 2, "{regions:?}");
             let fresh = (0..500).map(|_| draw(&mut random));
             let inside = |x: &f64| regions.iter().any(|[a, b]| (a..=b).contains(&x));

@@ -3,7 +3,8 @@
 use sampling::distribution::Distribution;
 use sampling::random::Random;
 
-use super::super::discrepancy::Unknown;
+use super::super::discrepancy::{Unknown, of_quantity};
+use super::super::errors::Errors;
 use super::super::local::Minimum;
 use super::super::objective::{Misfit, Objective};
 use super::super::problem::NoPrediction;
@@ -15,8 +16,25 @@ pub(super) struct Target<'a> {
     pub(super) before: Vec<Distribution>,
     /// Quantities with an unknown discrepancy, whose places stand behind all others.
     discrepancies: Vec<Unknown>,
-    /// The logarithm of the likelihood where every prediction is what was measured.
-    best: f64,
+}
+
+/// How probable the measured values are at a place.
+#[derive(Clone, Debug)]
+pub(super) struct Likelihood {
+    /// The logarithm of their density.
+    pub(super) log: f64,
+    /// Mean and standard deviation of each channel's shared error there.
+    pub(super) shared: Vec<[f64; 2]>,
+}
+
+impl Likelihood {
+    /// That of a place that is impossible, or at which nothing is known.
+    fn none() -> Self {
+        Self {
+            log: f64::NEG_INFINITY,
+            shared: Vec::new(),
+        }
+    }
 }
 
 impl<'a> Target<'a> {
@@ -25,13 +43,10 @@ impl<'a> Target<'a> {
         let free = problem.free.iter().map(|free| before(free.prior_place()));
         let others = problem.unknowns() - problem.free.len() + discrepancies.len();
         let before = free.chain(std::iter::repeat_n(before(None), others));
-        let measured = problem.cases.iter().flat_map(|case| &case.measured);
-        let peak = |accuracy: f64| -accuracy.ln() - 0.5 * std::f64::consts::TAU.ln();
         Self {
             objective,
             before: before.collect(),
             discrepancies,
-            best: measured.map(|measured| peak(measured.accuracy)).sum(),
         }
     }
 
@@ -51,21 +66,20 @@ impl<'a> Target<'a> {
             .sum()
     }
 
-    /// The logarithms of the likelihood, all in one batch of runs: minus infinity outside of the bounds, where nothing
-    /// is run, and where a run failed.
+    /// The likelihoods, all in one batch of runs: none outside of the bounds, where nothing is run, and where a run failed.
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub(super) fn log_likelihoods(&self, sets: &[Vec<f64>]) -> Result<Vec<f64>, NoPrediction> {
+    pub(super) fn likelihoods(&self, sets: &[Vec<f64>]) -> Result<Vec<Likelihood>, NoPrediction> {
         let inside: Vec<usize> = (0..sets.len())
             .filter(|&index| self.log_prior(&sets[index]).is_finite())
             .collect();
         let asked: Vec<&[f64]> = inside.iter().map(|&index| &sets[index][..]).collect();
         let misfits = self.objective.misfits(&asked)?;
-        let mut likelihoods = vec![f64::NEG_INFINITY; sets.len()];
+        let mut likelihoods = vec![Likelihood::none(); sets.len()];
         for (&index, misfit) in inside.iter().zip(misfits) {
             if let Ok(misfit) = misfit {
-                likelihoods[index] = self.log_likelihood(&sets[index], &misfit);
+                likelihoods[index] = self.likelihood(&sets[index], &misfit);
             }
         }
         Ok(likelihoods)
@@ -73,20 +87,38 @@ impl<'a> Target<'a> {
 
     /// The logarithm of prior and likelihood at a minimum.
     pub(super) fn log_density(&self, minimum: &Minimum) -> f64 {
-        self.log_prior(&minimum.places) + self.log_likelihood(&minimum.places, &minimum.misfit)
+        self.log_prior(&minimum.places) + self.likelihood(&minimum.places, &minimum.misfit).log
     }
 
-    fn log_likelihood(&self, places: &[f64], misfit: &Misfit) -> f64 {
-        let values = self.objective.problem.values();
-        let mut log = self.best - 0.5 * misfit.residuals.rows(0, values).norm_squared();
+    fn likelihood(&self, places: &[f64], misfit: &Misfit) -> Likelihood {
         let problem = self.objective.problem;
-        let places = places.iter().skip(problem.unknowns());
-        for (unknown, &place) in self.discrepancies.iter().zip(places) {
-            let predicted = &misfit.predicted;
-            let at = |deviation| unknown.log_likelihood(problem, predicted, deviation, 1.0);
-            log += at(unknown.deviation(place)) - at(0.0);
+        let at = |errors: &Errors, squares: f64, sources: &[f64]| Likelihood {
+            log: errors.log_density(squares),
+            shared: errors.channels(problem, sources),
+        };
+        let likelihood = match self.discrepancies.is_empty() {
+            true => {
+                let errors = &self.objective.errors;
+                at(errors, misfit.data_cost(problem), misfit.sources(problem))
+            }
+            false => {
+                let places = places.iter().skip(problem.unknowns());
+                let pairs = self.discrepancies.iter().zip(places);
+                let deviations: Vec<f64> = pairs
+                    .map(|(unknown, &place)| unknown.deviation(place))
+                    .collect();
+                let errors = Errors::with(problem, |_, quantity| {
+                    of_quantity(&self.discrepancies, &deviations, quantity)
+                });
+                let residuals = errors.residuals(problem, &misfit.predicted);
+                let sources = &residuals.as_slice()[problem.values()..];
+                at(&errors, residuals.norm_squared(), sources)
+            }
+        };
+        match likelihood.log.is_nan() {
+            true => Likelihood::none(),
+            false => likelihood,
         }
-        if log.is_nan() { f64::NEG_INFINITY } else { log }
     }
 }
 

@@ -36,10 +36,8 @@ pub fn summary(outcome: &PosteriorOutcome) -> String {
             optimum.optimum
         );
     }
-    let [low, high] = outcome.holds.map(|part| 100.0 * part);
     text += &format!(
-        "{} % of the particles are different. A sample is finite: each 95 % interval above really holds {low:.0} to {high:.0} % \
-         of the posterior (with a probability of 95 %). ln evidence {} +- {}\n",
+        "{} % of the particles are different; ln evidence {} +- {}\n",
         rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),
         digits(outcome.log_evidence),
         rounded(outcome.log_evidence_error, 2)
