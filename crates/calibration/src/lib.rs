@@ -19,6 +19,7 @@ pub mod remembered;
 pub mod rounds;
 pub mod sample;
 pub mod search;
+pub mod shared;
 #[cfg(test)]
 mod shared_tests;
 pub mod surrogate;

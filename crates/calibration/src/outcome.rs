@@ -10,9 +10,10 @@ use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, UNDETERMINED};
-use super::problem::{Channel, Problem, Quantity, SharedKind, Spacing};
+use super::problem::{Problem, Quantity, Spacing};
 use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
+use super::shared::SharedOutcome;
 use super::surrogate::outcome::SurrogateOutcome;
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
@@ -117,40 +118,6 @@ pub struct FreeOutcome {
     /// Whether runs fail on both sides of it: then nothing is known of what it changes, and the interval is the prior's.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub surrounded: bool,
-}
-
-/// A shared error of a measured channel, as the data prefer it.
-#[derive(Clone, Debug, Serialize)]
-pub struct SharedOutcome {
-    /// The channel.
-    pub name: String,
-    /// What its values share.
-    pub kind: SharedKind,
-    /// The unit of an offset.
-    pub unit: Option<String>,
-    /// The mean, which a normal approximation has at its most probable value.
-    pub value: f64,
-    /// The interval that holds it with 95 % probability.
-    pub interval: [f64; 2],
-    /// How large it may be, as stated.
-    pub limit: f64,
-    /// The part of its standard uncertainty that the data leave.
-    pub left: f64,
-}
-
-impl SharedOutcome {
-    /// A channel's error with this mean, standard deviation and interval.
-    pub(crate) fn new(channel: &Channel, [value, deviation]: [f64; 2], interval: [f64; 2]) -> Self {
-        Self {
-            name: channel.name.clone(),
-            kind: channel.kind,
-            unit: channel.unit.clone(),
-            value,
-            interval,
-            limit: channel.limit,
-            left: deviation / channel.standard(),
-        }
-    }
 }
 
 /// The channels' shared errors by their normal approximations.

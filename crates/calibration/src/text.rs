@@ -6,11 +6,10 @@ pub use super::digits::digits;
 use super::digits::{rounded, shown};
 use super::failures::words;
 use super::local::End;
-use super::outcome::{
-    DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual, SharedOutcome,
-};
+use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 use super::problem::{SharedKind, Spacing};
 use super::rounds::ROUNDS;
+use super::shared::SharedOutcome;
 use super::surrogate;
 
 /// The free parameters as the section `[fixed]` of a study.
