@@ -1,6 +1,6 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
-use conformity::measured::Uncertainty;
+use conformity::uncertainty::Uncertainty;
 use orchestrator::document::Document;
 use orchestrator::judge::Criterion;
 use orchestrator::methods::{pareto, robustness as robust, sensitivity};
@@ -63,10 +63,7 @@ fn summary(table: &PointTable) -> Summary {
                 nominal: c.nominal,
                 tolerance,
                 // Half the tolerance.
-                uncertainty: Some(Uncertainty {
-                    expanded: 0.5 * tolerance,
-                    coverage: 2.0,
-                }),
+                uncertainty: Some(Uncertainty::normal(0.5 * tolerance, 2.0)),
                 ..Criterion::default()
             },
         };

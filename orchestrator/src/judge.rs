@@ -17,8 +17,9 @@ use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study};
 use conformity::decision::Rule;
-use conformity::measured::{Measured, Measurement, Uncertainty};
+use conformity::measured::{Measured, Measurement};
 use conformity::risk::Guard;
+use conformity::uncertainty::Uncertainty;
 use curves::{Kind, Metric};
 use fmu_import::{Description, Variable};
 use fmu_points::failure::Failure;
@@ -68,11 +69,8 @@ pub struct Criterion {
 impl Criterion {
     /// The measured value with its tolerance and uncertainty.
     pub fn measured(&self) -> Measured {
-        Measured {
-            nominal: self.nominal,
-            tolerance: self.tolerance,
-            uncertainty: self.uncertainty,
-        }
+        let error = self.uncertainty.map(|u| u.law(self.nominal));
+        Measured::within(self.nominal, self.tolerance, error)
     }
 
     /// How far a value is from the measured one, in tolerances.

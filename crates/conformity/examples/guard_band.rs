@@ -1,18 +1,12 @@
 //! The guard band that keeps the risk of an accepted model at 1 %, for models that spread evenly over the tolerance and
 //! beyond: `cargo run --example guard_band`.
 
-use conformity::measured::{Measured, Measurement, Uncertainty};
+use conformity::measured::{Measured, Measurement};
 use conformity::risk::{Guard, RiskTally};
+use conformity::uncertainty::Uncertainty;
 
 fn main() -> Result<(), String> {
-    let temperature = Measured {
-        nominal: 48.0,
-        tolerance: 2.0,
-        uncertainty: Some(Uncertainty {
-            expanded: 1.0,
-            coverage: 2.0,
-        }),
-    };
+    let temperature = Measured::within(48.0, 2.0, Some(Uncertainty::normal(1.0, 2.0).law(0.0)));
     let measurement = Measurement::new(vec![temperature], &[])?;
     for guard in [Guard::Given(0.0), Guard::Limiting { risk: 0.01 }] {
         let mut tally = RiskTally::new(&measurement, guard, 1);

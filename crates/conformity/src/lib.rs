@@ -11,6 +11,7 @@ pub mod measured;
 pub mod normal;
 pub mod risk;
 pub mod sequence;
+pub mod uncertainty;
 pub mod validation;
 
 mod genz;

@@ -3,67 +3,150 @@
 use serde::{Deserialize, Serialize};
 
 use super::joint::JointNormal;
+use super::uncertainty::Law;
 
-/// The uncertainty of a measured value (JCGM 100:2008).
+/// The values that a model may have: the ends of an interval as seen from one of its values, either of which may be
+/// infinite. So written, a limit that a study states decides without rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Uncertainty {
-    /// The expanded uncertainty U, in the criterion's unit.
-    pub expanded: f64,
-    /// The coverage factor k: U is k standard uncertainties.
-    pub coverage: f64,
+pub struct Limits {
+    /// The value that the two others count from: the measured one, or a limit that stands alone.
+    pub about: f64,
+    /// How far down the interval reaches; infinite where there is no lower limit.
+    pub minus: f64,
+    /// How far up it reaches; infinite where there is no upper limit.
+    pub plus: f64,
 }
 
-impl Uncertainty {
-    /// The standard uncertainty u.
-    pub fn standard(&self) -> f64 {
-        self.expanded / self.coverage
+impl Limits {
+    /// A tolerance that is the same to both sides.
+    pub fn within(nominal: f64, tolerance: f64) -> Self {
+        let [minus, plus] = [tolerance; 2];
+        Self {
+            about: nominal,
+            minus,
+            plus,
+        }
+    }
+
+    /// An upper limit alone.
+    pub fn at_most(limit: f64) -> Self {
+        Self {
+            about: limit,
+            minus: f64::INFINITY,
+            plus: 0.0,
+        }
+    }
+
+    /// A lower limit alone.
+    pub fn at_least(limit: f64) -> Self {
+        Self {
+            about: limit,
+            minus: 0.0,
+            plus: f64::INFINITY,
+        }
+    }
+
+    /// The lower and the upper limit.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.about - self.minus, self.about + self.plus]
+    }
+
+    /// Whether one of the limits is missing.
+    pub fn is_one_sided(&self) -> bool {
+        self.width().is_infinite()
+    }
+
+    /// The width of the interval.
+    pub fn width(&self) -> f64 {
+        self.minus + self.plus
+    }
+
+    /// Whether a value lies between the limits; the limits themselves do.
+    pub fn accepts(&self, value: f64) -> bool {
+        self.rest(value) >= 0.0
+    }
+
+    /// How far a value is from the limit that is nearest to it; negative outside.
+    pub fn rest(&self, value: f64) -> f64 {
+        let deviation = value - self.about;
+        (self.plus - deviation).min(self.minus + deviation)
+    }
+
+    /// The interval drawn in by `by` at each limit; none where nothing is left of it.
+    pub fn drawn_in(&self, by: f64) -> Option<[f64; 2]> {
+        let half = 0.5 * self.width() - by;
+        if half.is_infinite() {
+            let [lower, upper] = self.ends();
+            return Some([lower + by, upper - by]);
+        }
+        let middle = self.about + 0.5 * (self.plus - self.minus);
+        (half >= 0.0).then(|| [middle - half, middle + half])
     }
 }
 
-/// A measured value with its tolerance interval.
+/// The limits of a quantity, and what is known of its measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// The measured value D.
-    pub nominal: f64,
-    /// How far the model may be from the true value, to both sides.
-    pub tolerance: f64,
-    /// How far the measured value may be from the true value, where that is known.
-    pub uncertainty: Option<Uncertainty>,
+    /// Between these the model is near enough to the true value.
+    pub limits: Limits,
+    /// The measured value D, where there is one: a limit may stand alone.
+    pub value: Option<f64>,
+    /// The distribution of the measured value's error, where that is known.
+    pub error: Option<Law>,
 }
 
 impl Measured {
-    /// How far a model value is within the tolerance, in expanded uncertainties: a guard band of
-    /// that many would just let it pass. Negative outside of the tolerance interval and for a value that is not a
+    /// A measured value with a tolerance to both sides.
+    pub fn within(nominal: f64, tolerance: f64, error: Option<Law>) -> Self {
+        Self {
+            limits: Limits::within(nominal, tolerance),
+            value: Some(nominal),
+            error,
+        }
+    }
+
+    /// How far a model value is within the limits, in expanded uncertainties: a guard band of
+    /// that many would just let it pass. Negative outside of them and for a value that is not a
     /// number; infinite where no uncertainty is known, since then there is nothing to guard against.
     pub fn margin(&self, value: f64) -> f64 {
-        let rest = self.tolerance - (value - self.nominal).abs();
-        match self.uncertainty {
-            Some(uncertainty) if !rest.is_nan() => rest / uncertainty.expanded,
+        self.in_uncertainties(self.limits.rest(value))
+    }
+
+    /// The largest [margin](Self::margin) that any value has.
+    pub fn largest_margin(&self) -> f64 {
+        self.in_uncertainties(0.5 * self.limits.width())
+    }
+
+    fn in_uncertainties(&self, rest: f64) -> f64 {
+        match self.error {
+            Some(error) if !rest.is_nan() => rest / error.expanded,
             None if rest >= 0.0 => f64::INFINITY,
             _ => f64::NEG_INFINITY,
         }
     }
 
-    /// The measurement capability index C_m (JCGM 106:2012, 7.6.3).
+    /// The measurement capability index C_m (JCGM 106:2012, 7.6.3), where there are two limits.
     pub fn capability(&self) -> Option<f64> {
-        let uncertainty = self.uncertainty?;
-        Some(self.tolerance / (2.0 * uncertainty.standard()))
+        let width = Some(self.limits.width()).filter(|width| width.is_finite())?;
+        Some(width / (4.0 * self.error?.standard()))
     }
 
     /// The largest probability not to conform of values with at least this [margin](Self::margin), which is 0 or more:
-    /// that of the one farthest from the measured value. `None` where no uncertainty is known.
+    /// that of one as near to a limit as may be. `None` where no uncertainty is known.
     pub fn most_not_conforming(&self, margin: f64) -> Option<f64> {
-        let uncertainty = self.uncertainty?;
-        let away = (self.tolerance - margin * uncertainty.expanded).max(0.0);
-        let [lower, upper] = self.limits(self.nominal + away, uncertainty);
+        let error = self.error?;
+        let by = margin * error.expanded;
+        let ends = self.limits.drawn_in(by.min(0.5 * self.limits.width()))?;
+        // Errors are symmetric, so that the other end is no worse.
+        let value = ends.into_iter().rev().find(|end| end.is_finite())?;
+        let [lower, upper] = self.scores(value, error);
         Some(1.0 - super::normal::between(lower, upper))
     }
 
-    /// The errors of the measured value, in standard uncertainties, with which a model value
-    /// conforms.
-    fn limits(&self, value: f64, uncertainty: Uncertainty) -> [f64; 2] {
-        let deviation = value - self.nominal;
-        [-self.tolerance, self.tolerance].map(|side| (deviation + side) / uncertainty.standard())
+    /// The errors of the measured value, as [scores](Law::score), with which a model value conforms.
+    fn scores(&self, value: f64, error: Law) -> [f64; 2] {
+        let deviation = value - self.limits.about;
+        [-self.limits.plus, self.limits.minus].map(|side| error.score(deviation + side))
     }
 }
 
@@ -132,7 +215,7 @@ impl Measurement {
         let by_uncertainty = self
             .criteria
             .get(criterion)
-            .is_some_and(|c| c.uncertainty.is_some());
+            .is_some_and(|c| c.error.is_some());
         by_uncertainty || self.told.contains(&criterion)
     }
 
@@ -165,7 +248,7 @@ impl Measurement {
     /// Whether every criterion has an uncertainty, so that joint probabilities are known.
     pub fn complete(&self) -> bool {
         let mut criteria = self.criteria.iter();
-        !self.criteria.is_empty() && criteria.all(|criterion| criterion.uncertainty.is_some())
+        !self.criteria.is_empty() && criteria.all(|criterion| criterion.error.is_some())
     }
 
     /// Assesses the model values of a point, of which there is one a criterion.
@@ -187,7 +270,7 @@ impl Measurement {
         let limits: Vec<Option<[f64; 2]>> = pairs()
             .enumerate()
             .map(|(number, (c, &value))| {
-                let limits = c.uncertainty.map(|u| c.limits(value, u));
+                let limits = c.error.map(|error| c.scores(value, error));
                 limits.or_else(|| told_of(number).map(|_| ANY))
             })
             .collect();
@@ -222,16 +305,13 @@ impl Measurement {
     /// criterion, of the second one, and so on, each with the others as they are.
     pub fn with_other_uncertainty(&self, values: &[f64], part: f64) -> Vec<Assessed> {
         let changed = |c: &Measured| Measured {
-            uncertainty: c.uncertainty.map(|uncertainty| Uncertainty {
-                expanded: part * uncertainty.expanded,
-                ..uncertainty
-            }),
+            error: c.error.map(|error| error.times(part)),
             ..*c
         };
         let criteria = || self.criteria.iter().zip(values);
         let margins: Vec<f64> = criteria().map(|(c, &value)| c.margin(value)).collect();
         let other_margins = of_the_others(&margins, f64::INFINITY, f64::min);
-        let limits = criteria().map(|(c, &value)| Some(c.limits(value, c.uncertainty?)));
+        let limits = criteria().map(|(c, &value)| Some(c.scores(value, c.error?)));
         let limits: Option<Vec<[f64; 2]>> = limits.collect();
         let mut joint = limits.map(|limits| {
             let [lower, upper] = sides(&limits);
@@ -240,12 +320,12 @@ impl Measurement {
         });
         let mut assess = |k: usize| {
             let (changed, value) = (changed(&self.criteria[k]), values[k]);
-            let probability = joint.as_mut().zip(changed.uncertainty);
+            let probability = joint.as_mut().zip(changed.error);
             Assessed {
                 margin: changed.margin(value).min(other_margins[k]),
-                probability: probability.map(|((others, lower, upper), uncertainty)| {
+                probability: probability.map(|((others, lower, upper), error)| {
                     let before = [lower[k], upper[k]];
-                    [lower[k], upper[k]] = changed.limits(value, uncertainty);
+                    [lower[k], upper[k]] = changed.scores(value, error);
                     let (part, probability) = self.errors.part_of(k, lower, upper);
                     [lower[k], upper[k]] = before;
                     others[part] * probability
@@ -280,16 +360,11 @@ fn of_the_others(numbers: &[f64], neutral: f64, join: impl Fn(f64, f64) -> f64) 
 mod tests {
     use super::*;
     use crate::normal::{between, between_both};
+    use crate::uncertainty::Uncertainty;
 
     fn measured(nominal: f64, tolerance: f64, expanded: f64) -> Measured {
-        Measured {
-            nominal,
-            tolerance,
-            uncertainty: Some(Uncertainty {
-                expanded,
-                coverage: 2.0,
-            }),
-        }
+        let error = Uncertainty::normal(expanded, 2.0).law(nominal);
+        Measured::within(nominal, tolerance, Some(error))
     }
 
     /// JCGM 106:2012, 7.4: p_c = Phi((T_U - y) / u) - Phi((T_L - y) / u).
@@ -335,8 +410,7 @@ mod tests {
         let changed = measurement.with_other_uncertainty(&values, 0.5);
         for (k, assessed) in changed.iter().enumerate() {
             let mut criteria = criteria.clone();
-            let uncertainty = criteria[k].uncertainty.as_mut().unwrap();
-            uncertainty.expanded *= 0.5;
+            criteria[k].error = criteria[k].error.map(|error| error.times(0.5));
             let expected = Measurement::new(criteria, &pairs)
                 .unwrap()
                 .assess(&values)
@@ -353,7 +427,7 @@ mod tests {
     #[test]
     fn nothing_is_assumed_where_no_uncertainty_is_stated() {
         let unknown = Measured {
-            uncertainty: None,
+            error: None,
             ..measured(750.0, 52.5, 1.0)
         };
         let measurement = Measurement::new(vec![measured(82.0, 1.0, 0.5), unknown], &[]).unwrap();
@@ -382,7 +456,7 @@ mod tests {
     fn values_that_are_not_numbers_are_never_within() {
         let sure = measured(82.0, 1.0, 0.5);
         let unknown = Measured {
-            uncertainty: None,
+            error: None,
             ..sure
         };
         let measurement = Measurement::new(vec![sure, unknown], &[]).unwrap();

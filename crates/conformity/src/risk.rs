@@ -41,7 +41,7 @@ impl Guard {
             return true;
         };
         let mut criteria = measurement.criteria().iter();
-        criteria.all(|criterion| factor == 0.0 || criterion.margin(criterion.nominal) > factor)
+        criteria.all(|criterion| factor == 0.0 || criterion.largest_margin() > factor)
     }
 
     /// Whether a point with this margin is accepted; `band` is the guard band that limits the risk (see

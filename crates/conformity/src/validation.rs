@@ -53,14 +53,14 @@ impl Default for Numerical {
 
 impl Comparison {
     /// The comparison with a measured value, given mean and standard deviation of the model's value over the points. None where
-    /// one of its numbers would be beyond all numbers.
+    /// nothing is measured, or one of its numbers would be beyond all numbers.
     pub fn new(
         measured: &Measured,
         [mean, deviation]: [f64; 2],
         numerical: Numerical,
     ) -> Option<Self> {
         const COVERAGE: f64 = 2.0;
-        let u_d = measured.uncertainty.map(|u| u.standard());
+        let u_d = measured.error.map(|error| error.standard());
         let known = [
             ("numerical", numerical.standard),
             ("input", Some(deviation)),
@@ -68,7 +68,7 @@ impl Comparison {
         ];
         // Squares of large numbers would be beyond all numbers.
         let u_val = known.iter().filter_map(|(_, u)| *u).fold(0.0, f64::hypot);
-        let error = mean - measured.nominal;
+        let error = mean - measured.value?;
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)
@@ -214,17 +214,14 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measured::Uncertainty;
+    use crate::uncertainty::Uncertainty;
 
     fn measured(uncertainty: Option<f64>) -> Measured {
-        Measured {
-            nominal: 82.0,
-            tolerance: 0.6,
-            uncertainty: uncertainty.map(|expanded| Uncertainty {
-                expanded,
-                coverage: 2.0,
-            }),
-        }
+        Measured::within(
+            82.0,
+            0.6,
+            uncertainty.map(|expanded| Uncertainty::normal(expanded, 2.0).law(82.0)),
+        )
     }
 
     #[test]

@@ -67,7 +67,7 @@ pub fn bind(
             Some(curve) => samples(name.as_ref(), probe, curve)
                 .map_err(|message| study.error_of(name, message))?,
             None => {
-                let standard = criterion.uncertainty.as_ref().map(|u| u.standard());
+                let standard = criterion.measured().error.map(|error| error.standard());
                 let accuracy = standard.ok_or_else(|| without_uncertainty(study, name, text))?;
                 let difference = probe.statistic.is_difference();
                 vec![Datum {

@@ -69,7 +69,12 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
             "`statistic` has no place beside `reference`; `metric` compares whole curves",
         ),
         (
-            text.uncertainty.is_some() || text.coverage.is_some(),
+            text.uncertainty.is_some()
+                || text.coverage.is_some()
+                || text.uncertainty_distribution.is_some()
+                || text.gain_uncertainty.is_some()
+                || text.noise.is_some()
+                || text.repeats.is_some(),
             "the uncertainty of a curve stands in its reference: reference = { ..., uncertainty = ... }",
         ),
         (

@@ -5,12 +5,14 @@ use toml::Spanned;
 use super::{Criterion, Judge, tolerance};
 use crate::concern::{Code, Concern};
 use crate::files::FileError;
+use crate::study::limit::part;
 use crate::study::points::{Pairs, pairs};
 use crate::study::quantity::Scale;
-use crate::study::{CriterionText, Name, Quantity, Required, Study};
+use crate::study::{CriterionText, Name, Quantity, Required, Study, first_wrong};
 use conformity::decision::Rule;
-use conformity::measured::{Measurement, Uncertainty};
+use conformity::measured::Measurement;
 use conformity::risk::Guard;
+use conformity::uncertainty::{Distribution, Uncertainty};
 use fmu_import::{Causality, Variable};
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
@@ -44,28 +46,88 @@ pub(super) fn uncertainty(
     nominal: &Quantity,
     scale: &Scale<'_>,
 ) -> Result<Option<Uncertainty>, FileError> {
-    const USUAL: f64 = 2.0;
-    let Some(stated) = &text.uncertainty else {
-        return match &text.coverage {
-            Some(coverage) => {
-                let message = "coverage says how many standard uncertainties `uncertainty` is; add \
-                               `uncertainty` or remove it";
-                Err(study.error_at(coverage, message))
-            }
-            None => Ok(None),
+    let at = |place: &Spanned<Quantity>, what: &str, message: String| {
+        let message = message.replace("the tolerance", what);
+        study.error_at(place, format!("{}: {message}", name.as_ref()))
+    };
+    let is_rectangular = text.uncertainty_distribution == Some(Distribution::Rectangular);
+    if let Some(coverage) = &text.coverage {
+        let useless = text.uncertainty.is_none() && text.gain_uncertainty.is_none();
+        let message = match () {
+            () if useless => Some(
+                "coverage says how many standard uncertainties `uncertainty` is; add `uncertainty` or remove it",
+            ),
+            () if is_rectangular => Some(
+                "a rectangular uncertainty is the half-width of its limits, which no coverage factor expands; remove `coverage`",
+            ),
+            () => None,
         };
+        if let Some(message) = message {
+            return Err(study.error_at(coverage, message));
+        }
+    }
+    first_wrong(&[
+        (
+            text.uncertainty_distribution.is_some() && text.uncertainty.is_none(),
+            "`uncertainty-distribution` says how `uncertainty` is meant; add `uncertainty` or remove it",
+        ),
+        (
+            text.repeats.is_some() && text.noise.is_none(),
+            "`repeats` says of how many readings the measured value is the mean; add their standard deviation as `noise`, or \
+             remove `repeats`",
+        ),
+        (
+            text.repeats.is_some_and(|repeats| repeats < 2),
+            "`repeats` must be 2 or more, as a single reading tells no standard deviation; without `repeats` the measured value is \
+             one reading, and `noise` is known",
+        ),
+    ])
+    .map_err(|message| study.error_of(name, message))?;
+    let amount = |stated: &Option<Spanned<Quantity>>, what: &str| {
+        let stated = stated.as_ref();
+        let number = stated.map(|stated| {
+            let amount = tolerance(stated.as_ref(), nominal, scale);
+            amount.map_err(|message| at(stated, what, message))
+        });
+        number.transpose()
     };
-    let at = |message: String| {
-        let message = message.replace("the tolerance", "the uncertainty");
-        study.error_at(stated, format!("{}: {message}", name.as_ref()))
-    };
-    let coverage = text.coverage.as_ref().map_or(USUAL, |k| *k.as_ref());
+    let coverage = text
+        .coverage
+        .as_ref()
+        .map_or(Uncertainty::USUAL, |k| *k.as_ref());
     if !(coverage > 0.0 && coverage.is_finite()) {
         let message = format!("the coverage factor {coverage} must be a positive, finite number");
         return Err(study.error_of(name, message));
     }
-    let expanded = tolerance(stated.as_ref(), nominal, scale).map_err(at)?;
-    Ok(Some(Uncertainty { expanded, coverage }))
+    let offset = amount(&text.uncertainty, "the uncertainty")?;
+    let gain = text.gain_uncertainty.as_ref().map(|stated| {
+        let part = part(stated.as_ref()).filter(|part| *part > 0.0);
+        let part = part.ok_or_else(|| {
+            format!(
+                "the tolerance {} must be a part of the value, such as \"0.5 %\"",
+                stated.as_ref()
+            )
+        });
+        // Where it is not clear of which number it is a part, this says so.
+        let part = part.and_then(|part| scale.part(part, nominal).map(|_| part));
+        part.map_err(|message| at(stated, "the gain uncertainty", message))
+    });
+    let gain = gain.transpose()?;
+    let noise = amount(&text.noise, "the noise")?;
+    if offset.is_none() && gain.is_none() && noise.is_none() {
+        return Ok(None);
+    }
+    let offset = offset.unwrap_or(0.0);
+    let offset = match is_rectangular {
+        true => Uncertainty::rectangular(offset),
+        false => Uncertainty::normal(offset, coverage),
+    };
+    Ok(Some(Uncertainty {
+        gain: gain.unwrap_or(0.0) / coverage,
+        noise: noise.unwrap_or(0.0),
+        repeats: text.repeats,
+        ..offset
+    }))
 }
 
 impl Judge {
@@ -169,7 +231,10 @@ impl Judge {
     fn warn_of_guard_band(&mut self, study: &Study, band: &Spanned<f64>) {
         let factor = *band.as_ref();
         for criterion in &self.criteria {
-            let expanded = criterion.uncertainty.map_or(0.0, |u| u.expanded);
+            let expanded = criterion
+                .measured()
+                .error
+                .map_or(0.0, |error| error.expanded);
             if factor * expanded >= criterion.tolerance {
                 let message = format!(
                     "the guard band of {factor} expanded uncertainties leaves nothing of {}'s tolerance {}, \
@@ -212,21 +277,28 @@ impl Judge {
 
     /// Where the measurement is worse than what it shall tell, acceptance means little.
     fn warn_of_uncertainties(&mut self, study: &Study) {
-        for (criterion, text) in self.criteria.iter().zip(study.criteria.values()) {
-            let (Some(uncertainty), Some(stated)) = (criterion.uncertainty, &text.uncertainty)
-            else {
+        for (criterion, (name, text)) in self.criteria.iter().zip(&study.criteria) {
+            let Some(error) = criterion.measured().error else {
                 continue;
             };
-            if uncertainty.expanded > criterion.tolerance {
+            if error.expanded > criterion.tolerance {
                 let message = format!(
                     "{}: the uncertainty {} exceeds the tolerance {}, so that accepted points often \
                      do not conform; add `risk` under [verdict], measure better or widen the \
                      tolerance",
                     criterion.name,
-                    stated.as_ref(),
+                    // As the study says it, where that is all of it.
+                    match (&text.uncertainty, criterion.uncertainty) {
+                        (Some(stated), Some(parts)) if parts.expanded == error.expanded =>
+                            stated.as_ref().to_string(),
+                        _ => format!("{:.4}{}", error.expanded, criterion.unit_behind()),
+                    },
                     criterion.stated_tolerance
                 );
-                let warning = study.error_at(stated, message).to_string();
+                let place = text.uncertainty.as_ref().map_or(name.span(), Spanned::span);
+                let warning = study
+                    .error_at(&Spanned::new(place, ()), message)
+                    .to_string();
                 self.warnings
                     .push(Concern::new(Code::UncertaintyAboveTolerance, warning));
             }

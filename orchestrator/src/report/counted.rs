@@ -72,7 +72,7 @@ pub fn risks(summary: &Summary) -> Vec<Block> {
     };
     let hint = format!(
         "*Tolerance*: how far the model may be from the true value. *Uncertainty*: how far the measured value may be from it, \
-         expanded by k. *C_{{m}}*: measurement capability index, the tolerance interval over four standard uncertainties. \
+         expanded by k, or to 95 % where it is not normal. *C_{{m}}*: measurement capability index, the tolerance interval over four standard uncertainties. \
          *Consumer's risk*: probability that a point is accepted and does not conform. *Producer's risk*: that it is rejected \
          and conforms (JCGM 106).{intervals} All points share one measurement: if it is off, it is off for all of them."
     );
@@ -85,10 +85,13 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
         None | Some("" | "1") => String::new(),
         Some(unit) => format!(" {unit}"),
     };
-    let uncertainty = match (measured.uncertainty, &entry.risk) {
-        (Some(u), _) => {
-            let [expanded, coverage] = [number(u.expanded, 4), number(u.coverage, 3)];
-            format!("{expanded}{unit} (k = {coverage})")
+    let uncertainty = match (measured.error.zip(entry.criterion.uncertainty), &entry.risk) {
+        (Some((error, stated)), _) => {
+            let expanded = number(error.expanded, 4);
+            match error.is_normal() {
+                true => format!("{expanded}{unit} (k = {})", number(stated.coverage, 3)),
+                false => format!("{expanded}{unit} (95 %)"),
+            }
         }
         (None, Some(_)) => "that of the rows".to_owned(),
         (None, None) => "not stated".to_owned(),
@@ -96,7 +99,7 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
     let capability = measured.capability().map(|c| number(c, 3));
     let stated = [
         name.to_owned(),
-        format!("±{}{unit}", number(measured.tolerance, 4)),
+        format!("±{}{unit}", number(entry.criterion.tolerance, 4)),
         uncertainty,
         capability.unwrap_or_default(),
     ];

@@ -64,7 +64,7 @@ impl Judgement {
     /// the upper one where nothing is left.
     pub(super) fn drawn_in(&self, criterion: usize, [lower, upper]: [f64; 2]) -> Option<[f64; 2]> {
         let measured = self.measurement.criteria().get(criterion)?;
-        let band = self.guard? * measured.uncertainty?.expanded;
+        let band = self.guard? * measured.error?.expanded;
         Some([lower + band, upper - band])
     }
 
@@ -87,7 +87,8 @@ impl Judgement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use conformity::measured::{Measured, Uncertainty};
+    use conformity::measured::Measured;
+    use conformity::uncertainty::Uncertainty;
     use parameter_regions::table::CriterionColumn;
 
     fn table(values: &[f64]) -> PointTable {
@@ -109,14 +110,8 @@ mod tests {
     }
 
     fn judgement(uncertainty: Option<f64>) -> Judgement {
-        let criterion = Measured {
-            nominal: 10.0,
-            tolerance: 2.0,
-            uncertainty: uncertainty.map(|expanded| Uncertainty {
-                expanded,
-                coverage: 2.0,
-            }),
-        };
+        let error = uncertainty.map(|expanded| Uncertainty::normal(expanded, 2.0).law(10.0));
+        let criterion = Measured::within(10.0, 2.0, error);
         Judgement {
             measurement: Measurement::new(vec![criterion], &[]).unwrap(),
             ..Judgement::default()

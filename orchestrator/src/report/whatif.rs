@@ -4,7 +4,7 @@ use crate::judge::share;
 use crate::results::Summary;
 use crate::results::summary::CriterionCount;
 use crate::study::Study;
-use conformity::measured::Uncertainty;
+use conformity::uncertainty::Uncertainty;
 use serde::Serialize;
 
 /// The study as the page's script changes it.

@@ -42,7 +42,10 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     }
     let nominal = criterion.nominal;
     // Less than a hundredth of the tolerance is rounding, and no reason to doubt.
-    let uncertainty = criterion.uncertainty.map_or(0.0, |of| of.expanded);
+    let uncertainty = criterion
+        .measured()
+        .error
+        .map_or(0.0, |error| error.expanded);
     let room = uncertainty.max(0.01 * criterion.tolerance);
     if low > high || (low - room..=high + room).contains(&nominal) {
         return None;
@@ -182,10 +185,7 @@ mod tests {
     fn values_within_the_uncertainty_contradict_nothing() {
         let sure = criterion(0.0, 1.0);
         let t = Criterion {
-            uncertainty: Some(conformity::measured::Uncertainty {
-                expanded: 0.5,
-                coverage: 2.0,
-            }),
+            uncertainty: Some(conformity::uncertainty::Uncertainty::normal(0.5, 2.0)),
             ..sure.clone()
         };
         assert_eq!(out_of_reach(&t, [0.017, 0.084], 200), None);

@@ -177,7 +177,7 @@ pub(super) fn improvements(
     let mut halvings: Vec<(Halved, String, Vec<Seen>)> = Vec::new();
     let criteria = judge.names().zip(measurement.criteria());
     for ((name, measured), seen) in criteria.zip(halved) {
-        if measured.uncertainty.is_some() {
+        if measured.error.is_some() {
             halvings.push((Halved::Uncertainty, name.clone(), seen));
         }
     }

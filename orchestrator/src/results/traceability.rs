@@ -82,10 +82,9 @@ pub fn criteria(summary: &Summary) -> Vec<Entry> {
     let entry = |(name, entry): (&String, &CriterionCount)| {
         let c = &entry.criterion;
         let unit = c.unit_behind();
-        let uncertainty = c.uncertainty.map_or_else(
-            || "uncertainty not stated".to_owned(),
-            |u| format!("uncertainty {}{unit} (k = {})", u.expanded, u.coverage),
-        );
+        let uncertainty = c
+            .uncertainty
+            .map_or_else(|| "uncertainty not stated".to_owned(), |u| u.words(&unit));
         let words = format!(
             "{}: {}{unit}, tolerance {}{unit}, {uncertainty}",
             c.source(),

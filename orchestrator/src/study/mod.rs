@@ -49,6 +49,7 @@ use crate::error::Error;
 use crate::files;
 use crate::files::FileError;
 use ::curves::Metric;
+use conformity::uncertainty::Distribution;
 use error::Place;
 use fmu_import::{ArchiveError, FmuError, FmuFault, Package, digest, sha256};
 use sampling::design::Sampling;
@@ -353,6 +354,14 @@ pub struct CriterionText {
     pub uncertainty: Option<Spanned<Quantity>>,
     /// How many standard uncertainties that is; 2 otherwise.
     pub coverage: Option<Spanned<f64>>,
+    /// The distribution of the measured value's offset, which `uncertainty` describes; normal otherwise.
+    pub uncertainty_distribution: Option<Distribution>,
+    /// The expanded uncertainty of the gain, as a part of the value.
+    pub gain_uncertainty: Option<Spanned<Quantity>>,
+    /// The standard deviation of one reading, which is independent from reading to reading.
+    pub noise: Option<Spanned<Quantity>>,
+    /// Of how many readings the measured value is the mean.
+    pub repeats: Option<u32>,
     /// The part of the run that it looks at; that of `[simulation]` otherwise.
     pub window: Option<Spanned<Window>>,
     /// The unit of the numbers, and of the column in `points.csv`.

@@ -4,7 +4,8 @@
 use super::*;
 use crate::decision::{Decision, Rule};
 use crate::looks::{History, Look, Looks};
-use crate::measured::{Measured, Uncertainty};
+use crate::measured::Measured;
+use crate::uncertainty::Uncertainty;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -32,14 +33,11 @@ struct Population {
 
 impl Population {
     fn measurement(&self) -> Measurement {
-        let criterion = Measured {
-            nominal: 0.0,
-            tolerance: 1.0,
-            uncertainty: Some(Uncertainty {
-                expanded: self.standard,
-                coverage: 1.0,
-            }),
-        };
+        let criterion = Measured::within(
+            0.0,
+            1.0,
+            Some(Uncertainty::normal(self.standard, 1.0).law(0.0)),
+        );
         let pairs = match self.criteria {
             2 => vec![(0, 1, self.correlation)],
             _ => Vec::new(),
@@ -257,7 +255,7 @@ fn the_worst_point_of_a_band_is_the_one_at_its_limit() {
         );
     }
     let unknown = Measured {
-        uncertainty: None,
+        error: None,
         ..criterion
     };
     assert_eq!(unknown.most_not_conforming(0.0), None);

@@ -1,7 +1,8 @@
 use super::*;
 use crate::joint::JointNormal;
-use crate::measured::{Measured, Uncertainty};
+use crate::measured::Measured;
 use crate::normal::between;
+use crate::uncertainty::Uncertainty;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A normal population of model values, a criterion for them, and the published risks.
@@ -21,14 +22,11 @@ impl Case {
     }
 
     fn measured(&self) -> Measured {
-        Measured {
-            nominal: self.nominal,
-            tolerance: self.tolerance,
-            uncertainty: Some(Uncertainty {
-                expanded: 2.0 * self.standard_uncertainty(),
-                coverage: 2.0,
-            }),
-        }
+        Measured::within(
+            self.nominal,
+            self.tolerance,
+            Some(Uncertainty::normal(2.0 * self.standard_uncertainty(), 2.0).law(0.0)),
+        )
     }
 
     /// R_C and R_P with a guard band: the model value and its distance to the true value are jointly
@@ -221,14 +219,7 @@ fn where_no_guard_band_is_enough_nothing_is_accepted() {
 
 /// Two points within the tolerance and one outside; the tolerance is two expanded uncertainties.
 fn three_points(guard: Guard, values: &[f64]) -> Statement {
-    let measured = Measured {
-        nominal: 0.0,
-        tolerance: 1.0,
-        uncertainty: Some(Uncertainty {
-            expanded: 0.5,
-            coverage: 2.0,
-        }),
-    };
+    let measured = Measured::within(0.0, 1.0, Some(Uncertainty::normal(0.5, 2.0).law(0.0)));
     let measurement = Measurement::new(vec![measured], &[]).unwrap();
     let mut tally = RiskTally::new(&measurement, guard, 1);
     for &value in values {
@@ -273,13 +264,12 @@ fn points_that_are_no_sample_have_no_intervals() {
 fn joint_risks_of_correlated_errors() {
     const POINTS: u32 = 500;
     let (deviations, uncertainties, r) = ([0.8, 1.1], [0.5, 0.7], -0.7);
-    let criterion = |k: usize| Measured {
-        nominal: 0.0,
-        tolerance: [1.0, 1.5][k],
-        uncertainty: Some(Uncertainty {
-            expanded: 2.0 * uncertainties[k],
-            coverage: 2.0,
-        }),
+    let criterion = |k: usize| {
+        Measured::within(
+            0.0,
+            [1.0, 1.5][k],
+            Some(Uncertainty::normal(2.0 * uncertainties[k], 2.0).law(0.0)),
+        )
     };
     let measurement = Measurement::new(vec![criterion(0), criterion(1)], &[(0, 1, r)]).unwrap();
     let mut tally = RiskTally::new(&measurement, Guard::Given(0.0), 1);
@@ -355,7 +345,7 @@ fn failed_points_count_as_not_conforming() {
 #[test]
 fn an_unknown_uncertainty_leaves_the_joint_risk_unknown() {
     let unknown = Measured {
-        uncertainty: None,
+        error: None,
         ..CASES[2].measured()
     };
     let criteria = vec![CASES[0].measured(), unknown];

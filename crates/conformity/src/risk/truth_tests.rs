@@ -6,7 +6,8 @@
 
 use super::*;
 use crate::interval::normal_limit;
-use crate::measured::{Measured, Uncertainty};
+use crate::measured::Measured;
+use crate::uncertainty::Uncertainty;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -47,13 +48,12 @@ impl Study {
         let spread = (1.0 - correlation * correlation).sqrt();
         let errors = [a, correlation * a + spread * b];
         let truth = [0; 2].map(|_| random.random_range(-7.0..7.0));
-        let criterion = |k: usize| Measured {
-            nominal: truth[k] + UNCERTAINTIES[k] * errors[k],
-            tolerance: TOLERANCES[k],
-            uncertainty: Some(Uncertainty {
-                expanded: 2.0 * UNCERTAINTIES[k],
-                coverage: 2.0,
-            }),
+        let criterion = |k: usize| {
+            Measured::within(
+                truth[k] + UNCERTAINTIES[k] * errors[k],
+                TOLERANCES[k],
+                Some(Uncertainty::normal(2.0 * UNCERTAINTIES[k], 2.0).law(0.0)),
+            )
         };
         let criteria = vec![criterion(0), criterion(1)];
         Self {
@@ -169,7 +169,7 @@ fn risks_that_do_not_hold_are_noticed() {
     for _ in 0..2_000 {
         let mut study = Study::random(&mut random, 0.0);
         for k in 0..2 {
-            let error = study.measurement.criteria()[k].nominal - study.truth[k];
+            let error = study.measurement.criteria()[k].value.unwrap() - study.truth[k];
             study.truth[k] -= error;
         }
         compare(&study, Guard::Given(0.0), &mut differences);

@@ -43,8 +43,8 @@ fn judge(changes: &[(&str, &str)]) -> Result<Judge, String> {
 fn uncertainties_are_read_like_tolerances() {
     let judge = judge(&[]).unwrap();
     let of = |k: usize| judge.criteria[k].uncertainty.unwrap();
-    assert!((of(0).standard() - 0.15).abs() < 1e-12);
-    assert!((of(1).standard() - 5.0).abs() < 1e-12);
+    assert!((of(0).standard(82.0) - 0.15).abs() < 1e-12);
+    assert!((of(1).standard(0.0) - 5.0).abs() < 1e-12);
     let rule = judge.rule.unwrap();
     assert_eq!((rule.share, rule.confidence), (0.05, 0.95));
     assert_eq!(judge.guard, Guard::Given(0.0));
@@ -297,6 +297,56 @@ fn mistakes_have_their_place_and_remedy() {
         assert!(
             error.starts_with(place) && error.contains(remedy),
             "{changes:?}: {error}"
+        );
+    }
+}
+
+/// Offset 0.15 degC, gain 0.25 % of 82 degC, of five repeats 0.1 / sqrt(5) degC: by hand.
+#[test]
+fn an_uncertainty_has_parts() {
+    let with = |keys: &str| judge(&[("uncertainty = \"0.3 degC\"", keys)]);
+    let of = |keys: &str| with(keys).unwrap().criteria[0].measured().error.unwrap();
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a}, not {b}");
+    let law = of(
+        "uncertainty = \"0.3 degC\"\ngain-uncertainty = \"0.5 %\"\nnoise = \"0.1 degC\"\nrepeats = 5",
+    );
+    let squares = [0.0225, 0.205 * 0.205, 0.002];
+    let combined = squares.iter().sum::<f64>();
+    close(law.standard(), combined.sqrt());
+    close(law.freedom, 4.0 * (combined / 0.002).powi(2));
+    // One reading with known noise; limits of error of 0.3 degC.
+    close(of("noise = 0.1").expanded, 0.2);
+    let law = of("uncertainty = 0.3\nuncertainty-distribution = \"rectangular\"");
+    close(law.standard(), 0.3 / 3.0_f64.sqrt());
+    close(law.expanded, 0.285);
+    for (keys, remedy) in [
+        ("repeats = 5", "add their standard deviation as `noise`"),
+        ("noise = 0.1\nrepeats = 1", "must be 2 or more"),
+        (
+            "noise = -0.1",
+            "the noise -0.1 must be a positive, finite number",
+        ),
+        (
+            "uncertainty-distribution = \"rectangular\"",
+            "add `uncertainty`",
+        ),
+        (
+            "uncertainty = 0.3\nuncertainty-distribution = \"rectangular\"\ncoverage = 2",
+            "remove `coverage`",
+        ),
+        (
+            "noise = 0.1\ncoverage = 2",
+            "add `uncertainty` or remove it",
+        ),
+        (
+            "gain-uncertainty = \"0.1 degC\"",
+            "the gain uncertainty 0.1 degC must be a part of the value",
+        ),
+    ] {
+        let error = with(keys).unwrap_err();
+        assert!(
+            error.starts_with("s.toml:") && error.contains(remedy),
+            "{keys}: {error}"
         );
     }
 }

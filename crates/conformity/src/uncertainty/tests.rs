@@ -1,0 +1,136 @@
+use super::*;
+
+fn close(got: f64, expected: f64, within: f64) {
+    assert!((got - expected).abs() < within, "{got}, not {expected}");
+}
+
+fn law(scale: f64, freedom: f64, half_width: f64) -> Law {
+    Law {
+        scale,
+        freedom,
+        half_width,
+        expanded: 0.0,
+    }
+}
+
+/// Against scipy: the mean of `norm.cdf` and `t.cdf` over the rectangle by `integrate.quad`, to 1e-12.
+#[test]
+fn a_rectangle_is_convolved_with_the_other_part() {
+    const PLACES: [f64; 5] = [-1.3, -0.4, 0.1, 0.45, 0.9];
+    let infinite = f64::INFINITY;
+    #[rustfmt::skip]
+    let cases = [
+        (law(0.2, infinite, 0.433), [3.550_037_643_719e-7, 0.112_438_152_198_51, 0.611_150_507_416_45, 0.917_348_373_332_36, 0.999_237_151_705_30]),
+        (law(0.2, 4.0, 0.433), [0.001_995_015_317_325, 0.133_111_619_063_56, 0.603_688_954_029_62, 0.896_251_011_288_94, 0.990_446_944_424_16]),
+        (law(0.2, 1.0, 0.433), [0.050_433_406_187_937, 0.199_138_120_622_54, 0.583_247_320_158_27, 0.826_251_302_062_17, 0.924_754_965_843_57]),
+        (law(0.5, 2.7, 0.1), [0.045_011_714_904_265, 0.245_479_102_168_89, 0.571_579_376_080_93, 0.778_051_046_900_77, 0.909_466_875_573_04]),
+        (law(0.01, infinite, 0.433), [0.0, 0.038_107_705_187_866, 0.615_473_441_108_55, 0.999_788_824_587_91, 1.0]),
+    ];
+    for (law, expected) in cases {
+        for (place, expected) in PLACES.into_iter().zip(expected) {
+            close(law.cdf(place), expected, 1e-11);
+        }
+    }
+    // Nearly a rectangle alone, and nearly none.
+    close(law(1e-9, infinite, 1.0).cdf(0.3), 0.65, 1e-12);
+    close(law(1.0, infinite, 1e-9).cdf(0.3), normal::cdf(0.3), 1e-12);
+    assert_eq!(law(0.0, infinite, 1.0).cdf(-1.5), 0.0);
+    for law in [
+        law(1.0, infinite, 1.0),
+        law(0.0, infinite, 1.0),
+        law(1.0, 3.0, 0.0),
+    ] {
+        assert_eq!(
+            [law.cdf(f64::NEG_INFINITY), law.cdf(f64::INFINITY)],
+            [0.0, 1.0]
+        );
+    }
+}
+
+/// Half of the central 95 %: `t.ppf(0.975, 4)`, and roots of the convolutions by `optimize.brentq`.
+#[test]
+fn intervals_hold_95_percent_of_the_stated_distribution() {
+    let infinite = f64::INFINITY;
+    close(
+        law(1.0, 4.0, 0.0).half_interval(0.95),
+        2.776_445_105_2,
+        1e-8,
+    );
+    close(
+        law(1.0, 5.5, 0.0).half_interval(0.95),
+        2.501_858_617_6,
+        1e-8,
+    );
+    close(
+        law(0.2, 4.0, 0.433).half_interval(0.95),
+        0.709_644_557_27,
+        1e-9,
+    );
+    close(
+        law(0.2, infinite, 0.433).half_interval(0.95),
+        0.604_752_840_98,
+        1e-9,
+    );
+    close(Uncertainty::rectangular(2.0).law(5.0).expanded, 1.9, 1e-12);
+}
+
+#[test]
+fn an_expanded_uncertainty_alone_is_what_is_stated() {
+    for (expanded, coverage) in [(0.3, 2.0), (0.1, 3.0), (0.7, 1.96)] {
+        let law = Uncertainty::normal(expanded, coverage).law(82.0);
+        assert_eq!(
+            (law.expanded, law.standard()),
+            (expanded, expanded / coverage)
+        );
+        assert_eq!(law.score(0.11), 0.11 / (expanded / coverage));
+    }
+}
+
+/// Parts that can be added by hand; the factor is that of a table of Student's distribution.
+#[test]
+fn repeats_have_effective_degrees_of_freedom() {
+    let with = |expanded: f64| Uncertainty {
+        gain: 0.001,
+        noise: 3.0,
+        repeats: Some(9),
+        ..Uncertainty::normal(expanded, 2.0)
+    };
+    // Of the mean 3 / sqrt(9) = 1; offset 1.5 and gain 2: combined sqrt(1 + 2.25 + 4).
+    let uncertainty = with(3.0);
+    close(uncertainty.shared(2000.0), 2.5, 1e-12);
+    close(uncertainty.independent(), 1.0, 1e-12);
+    close(uncertainty.standard(2000.0), 7.25_f64.sqrt(), 1e-12);
+    close(
+        uncertainty.degrees_of_freedom(2000.0),
+        8.0 * 7.25_f64.powi(2),
+        1e-9,
+    );
+    // The repeats alone: Student's factor for 8 degrees of freedom.
+    let law = with(0.0).law(0.0);
+    close(law.freedom, 8.0, 1e-12);
+    close(law.expanded, 2.306_004_135, 1e-8);
+    // One reading with known noise is normal.
+    let once = Uncertainty {
+        repeats: None,
+        ..with(3.0)
+    };
+    close(once.law(0.0).expanded, 2.0 * 11.25_f64.sqrt(), 1e-12);
+    assert!(once.law(0.0).is_normal());
+}
+
+#[test]
+fn scores_have_the_probability_of_the_error() {
+    for law in [
+        law(1.0, 3.0, 0.0),
+        law(0.3, f64::INFINITY, 1.0),
+        law(0.2, 2.0, 0.4),
+        law(0.0, f64::INFINITY, 1.0),
+    ] {
+        for error in [-0.99, -0.4, 0.0, 0.7, 3.0] {
+            let [cdf, score] = [law.cdf(error), law.score(error)];
+            close(normal::cdf(score), cdf, 1e-12);
+            assert_eq!(law.score(-error), -score);
+        }
+    }
+    assert_eq!(law(0.0, f64::INFINITY, 1.0).score(1.5), f64::INFINITY);
+}
