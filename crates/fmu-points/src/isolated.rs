@@ -18,8 +18,11 @@ use crate::wire::{Order, Origin, Outcome, Reply, Setup, Trouble};
 /// The bytes with which unwritten memory is filled for comparison.
 const FILLS: [u8; 2] = [0x55, 0xaa];
 
-/// So many audits, each in a child of its own, have one worker.
-const AUDITS_OF_A_WORKER: u32 = 20;
+/// What fills unwritten memory: nothing for points that count, and two patterns for comparison.
+const MEMORIES: [Option<u8>; 3] = [None, Some(FILLS[0]), Some(FILLS[1])];
+
+/// So many points, each in a child that loads the FMU itself, have one worker.
+const POINTS_OF_A_WORKER: u32 = 20;
 
 /// A worker with processes of its own.
 #[derive(Debug)]
@@ -32,8 +35,9 @@ pub(crate) struct Isolated {
     forking: Process,
     /// The worker of the process that runs many points.
     using: Process,
-    /// The worker of audits, and how many it has made.
-    auditing: (Process, u32),
+    /// The workers of points whose processes load the FMU themselves, one for each of [`MEMORIES`], and how many points each
+    /// has had.
+    loading: [(Process, u32); 3],
     /// Whether the last point that ran in a used process was odd.
     behind_odd: bool,
 }
@@ -63,13 +67,16 @@ impl Isolated {
             worker.lasting = lasting;
             worker
         };
-        let mut auditing = worker(false);
-        auditing.setup.fill = Some(FILLS[0]);
+        let loading = MEMORIES.map(|fill| {
+            let mut worker = worker(false);
+            worker.setup.fill = fill;
+            (worker, 0)
+        });
         let known = ground.changed().is_some();
         Self {
             forking: worker(true),
             using: worker(true),
-            auditing: (auditing, 0),
+            loading,
             policy: if known { Arc::clone(&apart) } else { policy },
             apart,
             ground,
@@ -97,7 +104,6 @@ impl Isolated {
         let mut reply = None;
         let (stopped, mut take) = (post.stopped, |came| reply = Some(came));
         let jobs = std::slice::from_ref(job);
-        let shared = self.ground.shared.clone();
         let ran = match separation {
             Separation::Forked => self.forking.run(Order::Forked, jobs, stopped, &mut take),
             Separation::Apart => {
@@ -106,18 +112,13 @@ impl Isolated {
                 let mut worker = self.new_worker(folder.path(), fill);
                 worker.run(Order::New, jobs, stopped, &mut take)
             }
-            _ if fill == Some(FILLS[0]) => {
-                let (worker, count) = &mut self.auditing;
+            Separation::New | Separation::Used => {
+                let (worker, count) = self.loading(fill);
                 // Where things lie in memory is drawn anew with each worker.
-                if *count % AUDITS_OF_A_WORKER == 0 {
+                if *count % POINTS_OF_A_WORKER == 0 {
                     worker.end();
                 }
                 *count += 1;
-                worker.run(Order::New, jobs, stopped, &mut take)
-            }
-            _ => {
-                let mut worker = self.new_worker(&shared, fill);
-                worker.ground = Some(Arc::clone(&self.ground));
                 worker.run(Order::New, jobs, stopped, &mut take)
             }
         };
@@ -129,7 +130,7 @@ impl Isolated {
                     Err(_) => self.policy().loaded = true,
                 }
                 if reply.odd.is_some() || reply.answer.is_err() {
-                    self.load_anew(separation);
+                    self.leave(separation, fill);
                 }
                 return Ok(reply);
             }
@@ -137,18 +138,26 @@ impl Isolated {
             (Err(Gone::Lost(failure)), None) => failure,
             (Err(gone), None) => return Err(gone),
         };
-        self.load_anew(separation);
+        self.leave(separation, fill);
         Ok(Reply {
             odd: Some(Reason::Complaints),
             ..Reply::new(job.index, Err(Trouble::lost(failure)))
         })
     }
 
-    /// Behind an odd point that ran in a fork, the FMU is loaded anew: what it makes when it is loaded, such as a folder, all
-    /// forks share.
-    fn load_anew(&mut self, separation: Separation) {
-        if separation == Separation::Forked {
-            self.forking.end();
+    /// The worker of processes that load the FMU themselves, and how many it has had.
+    fn loading(&mut self, fill: Option<u8>) -> &mut (Process, u32) {
+        let place = MEMORIES.iter().position(|memory| *memory == fill);
+        &mut self.loading[place.expect("memory is filled in these ways only")]
+    }
+
+    /// Behind an odd point its worker is left: the FMU is loaded anew, as what it makes when it is loaded, such as a folder, all
+    /// forks share; and what it may have done to the process that has started its own is gone.
+    fn leave(&mut self, separation: Separation, fill: Option<u8>) {
+        match separation {
+            Separation::Forked => self.forking.end(),
+            Separation::New | Separation::Used => self.loading(fill).0.end(),
+            Separation::Apart => {}
         }
     }
 
@@ -316,7 +325,7 @@ impl Isolated {
         self.policy = Arc::clone(&self.apart);
         self.forking.end();
         self.using.end();
-        self.auditing.0.end();
+        self.loading.iter_mut().for_each(|(worker, _)| worker.end());
         post.send(Event::Void(Separation::New));
     }
 

@@ -271,7 +271,8 @@ fn a_stall_of_the_clock_does_not_decide_how_processes_are_shared() {
         assert!(output.status.success());
         let instances = fs::read(&count).unwrap().len();
         fs::remove_file(&count).unwrap();
-        assert!(instances < 1000, "{jobs} workers: {instances} instances");
+        // How many audits there are besides depends on how quick the machine is; each point alone would be 3000 instances.
+        assert!(instances < 3000, "{jobs} workers: {instances} instances");
         assert_eq!(bench.summary(jobs)["isolation"], "audited");
     }
 }

@@ -11,6 +11,8 @@ const MARK: [u8; 4] = *b"FMUf";
 const HEAD: usize = 4 + 8 + 4 + 4;
 /// The longest payload: far above any answer, far below what would exhaust the memory.
 const LONGEST: usize = 1 << 28;
+/// The part of a payload that is written together with the head: what a pipe holds.
+const TOGETHER: usize = 1 << 16;
 
 /// The bytes are no frame of this exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -39,15 +41,18 @@ pub fn write(mut to: impl Write, ticket: u64, payload: &[u8]) -> io::Result<()> 
     if payload.len() > LONGEST {
         return Err(io::Error::other("the answer is too long to be sent"));
     }
-    // One write for head and payload: nothing that an FMU's thread writes meanwhile comes between them.
-    let mut bytes = Vec::with_capacity(HEAD + payload.len());
+    // One write for head and payload: nothing that an FMU's thread writes meanwhile comes between them. No pipe takes
+    // more than `TOGETHER` in one go, so a longer payload, such as a measured curve, is not copied for it.
+    let (first, rest) = payload.split_at(payload.len().min(TOGETHER));
+    let mut bytes = Vec::with_capacity(HEAD + first.len());
     bytes.extend_from_slice(&MARK);
     bytes.extend_from_slice(&ticket.to_le_bytes());
     // `LONGEST` fits.
     bytes.extend_from_slice(&(payload.len() as u32).to_le_bytes());
     bytes.extend_from_slice(&checksum(ticket, payload).to_le_bytes());
-    bytes.extend_from_slice(payload);
+    bytes.extend_from_slice(first);
     to.write_all(&bytes)?;
+    to.write_all(rest)?;
     to.flush()
 }
 
