@@ -9,3 +9,14 @@ mod windows;
 pub use unix::*;
 #[cfg(windows)]
 pub use windows::*;
+
+/// Gives large blocks of memory back to the system when they are freed. Without this, the GNU C library keeps blocks as large as
+/// the largest one freed so far: a program that reads long recordings would hold on to half as much again as it needs.
+pub fn give_back_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        const LARGE: i32 = 1 << 20;
+        // SAFETY: sets an option of this process's C library.
+        unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE) };
+    }
+}

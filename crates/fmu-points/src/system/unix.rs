@@ -77,17 +77,6 @@ pub fn memory_of_machine() -> Option<u64> {
     kibibytes.ok().map(|kibibytes| kibibytes * 1024)
 }
 
-/// Gives large blocks of memory back to the system when they are freed. Without this, the GNU C library keeps blocks as large as
-/// the largest one freed so far: a program that reads long recordings would hold on to half as much again as it needs.
-pub fn give_back_memory() {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    {
-        const LARGE: i32 = 1 << 20;
-        // SAFETY: sets an option of this process's C library.
-        unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE) };
-    }
-}
-
 /// Ends this process at once: the destructors of an FMU in it have no say any more.
 pub(crate) fn leave(code: i32) -> ! {
     // SAFETY: never returns, runs no code of this process.
