@@ -6,7 +6,7 @@ pub fn digits(number: f64) -> String {
 }
 
 /// A number with the given count of significant digits.
-pub(crate) fn rounded(number: f64, significant: i32) -> String {
+pub fn rounded(number: f64, significant: i32) -> String {
     let magnitude = match number {
         0.0 => 0,
         number => number.abs().log10().floor() as i32,

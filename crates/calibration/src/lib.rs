@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod cross;
-mod digits;
+pub mod digits;
 pub mod discrepancy;
 pub mod errors;
 pub mod failures;

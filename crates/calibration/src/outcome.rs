@@ -26,6 +26,9 @@ const AT_BOUND: f64 = 1e-6;
 /// `worst` and the sums are those of the first of them, which has the largest part of the posterior.
 #[derive(Clone, Debug, Serialize)]
 pub struct IdentificationOutcome {
+    /// What is assumed beyond what is stated, a sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Whether several distinct sets of parameters could be the right one: then none of them is the value.
     pub ambiguous: bool,
     /// All of them.
@@ -239,6 +242,7 @@ impl IdentificationOutcome {
         let cases: Vec<_> = latents.iter().enumerate().map(case).collect();
         let quantities = problem.quantities.iter().enumerate();
         Self {
+            notes: Vec::new(),
             ambiguous: optima.len() > 1,
             end: minimum.end,
             cost,

@@ -197,7 +197,7 @@ pub struct Effect {
 }
 
 /// What kind of error the values of a channel share.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SharedKind {
     /// The same in each value, in the channel's unit.

@@ -47,6 +47,7 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         parameters,
         undetermined(outcome),
         shared(outcome),
+        notes(outcome),
         excluded(outcome),
         told.map(surrogate::text::summary).unwrap_or_default(),
         discrepancies(outcome),
@@ -197,6 +198,16 @@ fn agree(free: &FreeOutcome, sampled: &[[f64; 2]]) -> bool {
     let [low, high] = interval.map(place);
     let ends = free.interval.map(place);
     (ends[0] - low).abs().max((ends[1] - high).abs()) <= OFF * (high - low)
+}
+
+/// What is assumed beyond what is stated.
+fn notes(outcome: &IdentificationOutcome) -> String {
+    let lines = outcome.notes.iter().map(|note| format!("{note}\n"));
+    let text: String = lines.collect();
+    match text.is_empty() {
+        true => text,
+        false => format!("\n{text}"),
+    }
 }
 
 /// What the shared errors of the measured channels are, by the data.

@@ -5,13 +5,16 @@ use crate::files::FileError;
 use crate::study::identification::{
     DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
 };
+use crate::study::limit::part;
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{Name, Quantity as Text, Study};
 use calibration::discrepancy::Unknown;
 use calibration::problem::{
-    Case, Free, Interval, Latent, Measured, Prior, Problem, Quantity, Spacing,
+    Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind,
+    Source, Spacing,
 };
+use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use fmu_import::units::Conversion;
 use fmu_points::task::{Case as Simulation, Probe, Slot};
@@ -32,6 +35,8 @@ pub struct Bound {
     pub outputs: Vec<Conversion>,
     /// The quantities whose model discrepancy is unknown.
     pub discrepancies: Vec<Unknown>,
+    /// What is assumed beyond what the study states, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Bound {
@@ -264,6 +269,7 @@ impl Binder<'_> {
                 name: name.as_ref().clone(),
                 unit: scale.unit.clone(),
             });
+            self.bind_shared(bound, name, text, &scale)?;
             if matches!(text.discrepancy, Some(DiscrepancyText::Unknown(_))) {
                 let quantity = bound.problem.quantities.len() - 1;
                 let unknown = Unknown::of(&bound.problem, quantity);
@@ -276,6 +282,63 @@ impl Binder<'_> {
                 back
             });
             bound.observe(probe);
+        }
+        Ok(())
+    }
+
+    /// The errors that the values of the last quantity share over all cases.
+    fn bind_shared(
+        &self,
+        bound: &mut Bound,
+        name: &Name,
+        text: &MeasuredText,
+        scale: &Scale<'_>,
+    ) -> Result<(), FileError> {
+        let problem = &mut bound.problem;
+        let quantity = problem.quantities.len() - 1;
+        let errors = [
+            ("uncertainty", &text.uncertainty, SharedKind::Offset),
+            ("gain-uncertainty", &text.gain_uncertainty, SharedKind::Gain),
+        ];
+        for (what, stated, kind) in errors {
+            let Some(stated) = stated else { continue };
+            let expanded = match kind {
+                SharedKind::Gain => part(stated).filter(|part| *part > 0.0),
+                _ if stated.unit.as_deref() == Some("%") => None,
+                _ => Some(
+                    scale
+                        .number(stated, Sense::Difference)
+                        .map_err(self.at(name))?,
+                )
+                .filter(|number| *number > 0.0),
+            };
+            let expanded = expanded.ok_or_else(|| {
+                let right = match kind {
+                    SharedKind::Gain => "a positive part of the value, such as \"0.5 %\"",
+                    _ => "a positive number in the quantity's unit: a part of the value is `gain-uncertainty`",
+                };
+                self.at(name)(format!("the {what} {stated} must be {right}"))
+            })?;
+            let standard = expanded / Uncertainty::USUAL;
+            let cases = problem.cases.iter().enumerate();
+            let effects = cases.map(|(case, values)| Effect {
+                case,
+                quantity,
+                change: match kind {
+                    SharedKind::Gain => standard * values.measured[quantity].value,
+                    _ => standard,
+                },
+            });
+            problem.channels.push(Channel {
+                name: name.as_ref().clone(),
+                kind,
+                unit: scale.unit.clone(),
+                limit: expanded,
+                sources: vec![(problem.sources.len(), standard)],
+            });
+            problem.sources.push(Source {
+                effects: effects.collect(),
+            });
         }
         Ok(())
     }

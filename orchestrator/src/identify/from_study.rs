@@ -1,24 +1,37 @@
 //! Ties a study with cases to identification: the criteria of the cases that are not held out are the data.
 //!
-//! A criterion's measured value is data with its standard uncertainty. A measured curve is data at each of its times, each
-//! with its own uncertainty: so the sum of squares has every sample, and tells parameters apart that one metric of the whole
-//! curve could not. Tolerances play no part: they say what is accepted, not how well it was measured.
+//! A criterion's measured value is data with its standard uncertainty. A measured curve is data at each of its times: so the
+//! sum of squares has every sample, and tells parameters apart that one metric of the whole curve could not. Errors that values
+//! share, such as the zero error and the gain of a sensor, are sources of the problem. Tolerances play no part: they say what
+//! is accepted, not how well it was measured.
 
 use std::sync::Arc;
 
+use indexmap::IndexMap;
+
 use super::bind::{Bound, Input, bare, check_difference, free};
+use super::scatter::scatter;
 use crate::files::FileError;
-use crate::judge::Judge;
+use crate::judge::{Criterion, Judge};
 use crate::study::plan::{self, Plan};
 use crate::study::{CriterionText, Identification, Name, Study};
-use calibration::problem::{Case, Free, Measured, Prior, Quantity, Spacing};
+use calibration::digits::rounded;
+use calibration::problem::{
+    Case, Channel, Effect, Free, Measured, Prior, Quantity, SharedKind, Source, Spacing,
+};
+use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use fmu_import::units::Conversion;
+use fmu_points::names::behind;
 use fmu_points::task::{Delay, MeasuredCurve, Probe, Slot};
 use sampling::distribution::Distribution;
 
-/// How many standard uncertainties a curve's uncertainty is.
-const COVERAGE: f64 = 2.0;
+/// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as
+/// rounding.
+const LEAST: f64 = 0.05;
+/// Why a study of before has another answer.
+const CHANGED: &str = "The uncertainty of such a curve is one error that all its rows share; earlier versions took it as \
+                       independent in each row (now: correlation = 0), so their answer was another one";
 /// How far the bounds of a normal parameter are from its mean, in standard deviations.
 const REACH: f64 = 5.0;
 
@@ -62,13 +75,31 @@ pub fn bind(
     .bind(&mut bound)?;
     let criteria = fitted.criteria.iter().zip(&judge.criteria);
     let probes = plan.placed_probes().zip(&plan.outputs);
-    for (((name, text), criterion), ((case, probe), conversion)) in criteria.zip(probes) {
+    let tied = Tied::new(&judge);
+    let mut shared = Shared::default();
+    for (number, (((name, text), criterion), ((case, probe), conversion))) in
+        criteria.zip(probes).enumerate()
+    {
+        let first = bound.problem.quantities.len();
         let data = match &probe.curve {
-            Some(curve) => samples(name.as_ref(), probe, curve)
-                .map_err(|message| study.error_of(name, message))?,
+            Some(curve) => {
+                let sensor = fitted.sensor(name, text);
+                let curve = Recorded {
+                    name,
+                    unit: &criterion.unit,
+                    curve,
+                    first,
+                };
+                let own = curve.own(&mut bound.notes);
+                let data = own.and_then(|own| curve.samples(probe, &own));
+                shared.add(&curve, sensor);
+                data.map_err(|message| study.error_of(name, message))?
+            }
             None => {
-                let standard = criterion.measured().error.map(|error| error.standard());
-                let accuracy = standard.ok_or_else(|| without_uncertainty(study, name, text))?;
+                let uncertainty = criterion.uncertainty;
+                let uncertainty =
+                    uncertainty.ok_or_else(|| without_uncertainty(study, name, text))?;
+                let accuracy = tied.value(number, first, criterion, &uncertainty, &mut shared);
                 let difference = probe.statistic.is_difference();
                 vec![Datum {
                     name: name.as_ref().clone(),
@@ -94,6 +125,11 @@ pub fn bind(
             bound.simulations[case].task.observed.push(datum.probe);
         }
     }
+    if !bound.notes.is_empty() {
+        bound.notes.push(CHANGED.to_owned());
+    }
+    bound.problem.sources = shared.sources;
+    bound.problem.channels = shared.channels;
     Ok(bound)
 }
 
@@ -106,7 +142,7 @@ struct Datum {
     measured: Measured,
 }
 
-/// Refuses other data beside the cases, and errors that identification would take for independent.
+/// Refuses other data beside the cases.
 fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
     let advice = "the cases of the study are the data of identify; remove";
     if let Some(table) = &settings.cases {
@@ -122,21 +158,6 @@ fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
         return Err(study.error_at(name, format!("{advice} [identify.{section}]")));
     }
     check_difference(study, settings)?;
-    if let Some(pair) = study.uncertainty_correlations.first() {
-        let message = "identify takes the errors of the measured values as independent; use it with a study that has no \
-                       [[uncertainty-correlations]]";
-        return Err(study.error_at(pair, message));
-    }
-    let references = study
-        .criteria
-        .values()
-        .filter_map(|text| text.reference.as_ref());
-    let mut stated = references.filter_map(|reference| reference.correlation.as_ref());
-    if let Some(correlation) = stated.find(|correlation| *correlation.as_ref() != 0.0) {
-        let message = "identify takes the errors of a curve's rows as independent; set correlation = 0 where they are noise, or leave \
-                       this criterion out";
-        return Err(study.error_at(correlation, message));
-    }
     Ok(())
 }
 
@@ -150,52 +171,249 @@ fn without_uncertainty(study: &Study, name: &Name, text: &CriterionText) -> File
     study.error_of(name, message)
 }
 
-/// A datum for each time of a measured curve.
-fn samples(name: &str, probe: &Probe, curve: &MeasuredCurve) -> Result<Vec<Datum>, String> {
-    let Delay::Known(_) = curve.delay else {
-        return Err("identify needs a known delay, not a range of delays".to_owned());
-    };
-    if curve.uncertainty.len() != curve.times.len() {
-        let message = "identify weighs each value of a curve by its uncertainty: add `uncertainty` or `uncertainty-column` to \
-                       the reference (one that is resampled to even times has none)";
-        return Err(message.to_owned());
-    }
-    let rows = curve
-        .times
-        .iter()
-        .zip(&curve.values)
-        .zip(&curve.uncertainty);
-    rows.map(|((&time, &value), &expanded)| {
-        if expanded <= 0.0 {
+/// A measured curve of a criterion, whose rows are values of the problem from the number `first` on.
+struct Recorded<'a> {
+    name: &'a Name,
+    unit: &'a Option<String>,
+    curve: &'a MeasuredCurve,
+    first: usize,
+}
+
+impl Recorded<'_> {
+    /// The standard deviation of each row's own error. Where none is stated it is the recording's scatter, with a note.
+    fn own(&self, notes: &mut Vec<String>) -> Result<Vec<f64>, String> {
+        let Some(errors) = &self.curve.errors else {
+            let message = "identify weighs each value of a curve by its uncertainty: add `uncertainty` and `noise` to the reference \
+                           (one that is resampled to even times has none)";
+            return Err(message.to_owned());
+        };
+        let combined =
+            |(row, shared): (usize, &f64)| shared.hypot(errors.gain * self.curve.values[row]);
+        let combined: Vec<f64> = errors.shared.iter().enumerate().map(combined).collect();
+        let is_stated = errors.own.iter().any(|own| *own > 0.0);
+        let scatter = scatter(&self.curve.values);
+        let own = errors
+            .own
+            .iter()
+            .zip(&combined)
+            .map(|(own, combined)| match is_stated {
+                true => *own,
+                false => scatter.map_or(*combined, |scatter| scatter.max(LEAST * combined)),
+            });
+        let own: Vec<f64> = own.collect();
+        if let Some(row) = own.iter().position(|own| *own <= 0.0) {
             return Err(format!(
-                "the uncertainty at {time} s is {expanded}; it must be positive"
+                "the uncertainty at {} s is {}; it must be positive",
+                self.curve.times[row], own[row]
             ));
         }
-        let single = MeasuredCurve {
-            times: vec![time],
-            values: vec![value],
-            band: Vec::new(),
-            uncertainty: Vec::new(),
-            resampling: None,
-            reads: true,
-            ..MeasuredCurve::clone(curve)
+        if !is_stated {
+            notes.push(self.assumed(scatter, &own));
+        }
+        Ok(own)
+    }
+
+    /// The independent error that is assumed.
+    fn assumed(&self, scatter: Option<f64>, own: &[f64]) -> String {
+        let mean = (own.iter().map(|own| own * own).sum::<f64>() / own.len() as f64).sqrt();
+        let number = format!("{}{}", rounded(mean, 3), behind(self.unit.as_deref()));
+        let from = match scatter {
+            Some(_) => "as the scatter of its rows",
+            None => "as large as the uncertainty, since its rows are too few to show their scatter",
         };
-        Ok(Datum {
-            // Without the rounding of times that were shifted by a delay.
-            name: format!("{name} at {} s", (time * 1e9).round() / 1e9),
-            probe: Probe {
-                curve: Some(Arc::new(single)),
-                ..probe.clone()
-            },
-            // It comes in the criterion's unit.
-            conversion: Conversion::IDENTITY,
-            measured: Measured {
-                value,
-                accuracy: expanded / COVERAGE,
-            },
-        })
-    })
-    .collect()
+        let name = self.name.as_ref();
+        format!("{name} states no noise: taken {from}, noise = \"{number}\"")
+    }
+
+    /// A datum for each time.
+    fn samples(&self, probe: &Probe, own: &[f64]) -> Result<Vec<Datum>, String> {
+        let Delay::Known(_) = self.curve.delay else {
+            return Err("identify needs a known delay, not a range of delays".to_owned());
+        };
+        let rows = self.curve.times.iter().zip(&self.curve.values).zip(own);
+        let datum = |((&time, &value), &accuracy)| {
+            let single = MeasuredCurve {
+                times: vec![time],
+                values: vec![value],
+                band: Vec::new(),
+                errors: None,
+                resampling: None,
+                reads: true,
+                ..self.curve.clone()
+            };
+            Datum {
+                // Without the rounding of times that were shifted by a delay.
+                name: format!("{} at {} s", self.name.as_ref(), (time * 1e9).round() / 1e9),
+                probe: Probe {
+                    curve: Some(Arc::new(single)),
+                    ..probe.clone()
+                },
+                // It comes in the criterion's unit.
+                conversion: Conversion::IDENTITY,
+                measured: Measured { value, accuracy },
+            }
+        };
+        Ok(rows.map(datum).collect())
+    }
+}
+
+/// The shared errors as they are gathered.
+#[derive(Default)]
+struct Shared {
+    sources: Vec<Source>,
+    channels: Vec<Channel>,
+    /// The sources of the sensors: of the offset and of the gain.
+    sensors: IndexMap<(String, SharedKind), usize>,
+}
+
+impl Shared {
+    /// Adds the offset and the gain of a curve's sensor.
+    fn add(&mut self, recorded: &Recorded<'_>, (sensor, sign): (String, f64)) {
+        let Some(errors) = &recorded.curve.errors else {
+            return;
+        };
+        let [of_offset, of_gain] = errors.coverage;
+        let first = errors.shared.first().copied().unwrap_or(0.0);
+        let even = errors
+            .shared
+            .iter()
+            .all(|shared| (shared - first).abs() <= 1e-9 * first);
+        let (kind, one) = match even {
+            true => (SharedKind::Offset, first),
+            false => (SharedKind::Scaled, of_offset.recip()),
+        };
+        let offset = errors.shared.clone();
+        let gain = recorded
+            .curve
+            .values
+            .iter()
+            .map(|value| errors.gain * value)
+            .collect();
+        let parts = [
+            (kind, offset, one, of_offset * one),
+            (SharedKind::Gain, gain, errors.gain, of_gain * errors.gain),
+        ];
+        for (kind, changes, one, limit) in parts {
+            let changes: Vec<f64> = changes;
+            if changes.iter().all(|change| *change == 0.0) {
+                continue;
+            }
+            let sources = &mut self.sources;
+            let source = *self
+                .sensors
+                .entry((sensor.clone(), kind))
+                .or_insert_with(|| {
+                    self.channels.push(Channel {
+                        name: recorded.name.as_ref().clone(),
+                        kind,
+                        unit: recorded.unit.clone(),
+                        limit,
+                        sources: vec![(sources.len(), sign * one)],
+                    });
+                    sources.push(Source::default());
+                    sources.len() - 1
+                });
+            let effects = changes.iter().enumerate().map(|(row, change)| Effect {
+                case: 0,
+                quantity: recorded.first + row,
+                change: sign * change,
+            });
+            sources[source].effects.extend(effects);
+        }
+    }
+}
+
+/// The measured values whose errors are correlated: their numbers, and a factor of the matrix of correlations.
+struct Tied {
+    numbers: Vec<usize>,
+    factor: Vec<Vec<f64>>,
+}
+
+impl Tied {
+    fn new(judge: &Judge) -> Self {
+        let pairs = judge.measurement.correlations();
+        let mut numbers: Vec<usize> = pairs.iter().flat_map(|&(a, b, _)| [a, b]).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let place = |number: usize| numbers.binary_search(&number).expect("it is in a pair");
+        let count = numbers.len();
+        let mut matrix = vec![vec![0.0; count]; count];
+        (0..count).for_each(|k| matrix[k][k] = 1.0);
+        for &(a, b, coefficient) in pairs {
+            let (a, b) = (place(a), place(b));
+            (matrix[a][b], matrix[b][a]) = (coefficient, coefficient);
+        }
+        let factor = factor(&matrix);
+        Self { numbers, factor }
+    }
+
+    /// The independent standard uncertainty of a value, number `quantity` of the problem. What it shares with others becomes
+    /// sources.
+    fn value(
+        &self,
+        number: usize,
+        quantity: usize,
+        criterion: &Criterion,
+        uncertainty: &Uncertainty,
+        shared: &mut Shared,
+    ) -> f64 {
+        let value = criterion.nominal;
+        let Ok(place) = self.numbers.binary_search(&number) else {
+            return uncertainty.standard(value);
+        };
+        let standard = match uncertainty.noise > 0.0 {
+            true => uncertainty.shared(value),
+            false => uncertainty.standard(value),
+        };
+        let mut sources = Vec::new();
+        for (column, part) in self.factor[place]
+            .iter()
+            .enumerate()
+            .filter(|(_, part)| **part != 0.0)
+        {
+            let key = (format!("\0{column}"), SharedKind::Offset);
+            let all = &mut shared.sources;
+            let source = *shared.sensors.entry(key).or_insert_with(|| {
+                all.push(Source::default());
+                all.len() - 1
+            });
+            let change = standard * part;
+            all[source].effects.push(Effect {
+                case: 0,
+                quantity,
+                change,
+            });
+            sources.push((source, change));
+        }
+        shared.channels.push(Channel {
+            name: criterion.name.clone(),
+            kind: SharedKind::Offset,
+            unit: criterion.unit.clone(),
+            limit: uncertainty.coverage * standard,
+            sources,
+        });
+        uncertainty.independent().max(LEAST * standard)
+    }
+}
+
+/// The triangular factor `L` of a matrix of correlations `L L'`, also where errors are fully correlated (Cholesky).
+fn factor(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    const NOTHING: f64 = 1e-9;
+    let mut factor = vec![vec![0.0; matrix.len()]; matrix.len()];
+    for column in 0..matrix.len() {
+        let left = |row: usize, factor: &[Vec<f64>]| {
+            let known = factor[row][..column].iter().zip(&factor[column][..column]);
+            matrix[row][column] - known.map(|(a, b)| a * b).sum::<f64>()
+        };
+        let square = left(column, &factor);
+        if square <= NOTHING {
+            continue;
+        }
+        for row in column..matrix.len() {
+            factor[row][column] = left(row, &factor) / square.sqrt();
+        }
+    }
+    factor
 }
 
 /// The parameters of a study: those to be found, and those that are fixed.

@@ -8,3 +8,4 @@ pub mod bind;
 mod cases;
 pub mod from_study;
 pub mod model;
+mod scatter;

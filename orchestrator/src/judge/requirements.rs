@@ -156,6 +156,18 @@ impl Judge {
                 "the coefficient must be a number from -1 to 1",
             ),
         )?;
+        // Draws of curves see to theirs.
+        let is_curve = |number: usize| self.criteria[number].metric.is_some();
+        for (entry, (a, b, coefficient)) in study.uncertainty_correlations.iter().zip(&pairs) {
+            if (is_curve(*a) || is_curve(*b))
+                && !(is_curve(*a) && is_curve(*b) && coefficient.abs() == 1.0)
+            {
+                let message = "the error of a curve is correlated with that of another curve alone, and fully: coefficient = 1 where \
+                               both come from the same sensor (-1 with the other sign); otherwise remove the pair";
+                return Err(study.error_at(entry, message));
+            }
+        }
+        let pairs: Pairs = pairs.into_iter().filter(|&(a, ..)| !is_curve(a)).collect();
         let measured = |count: usize| {
             let criteria = self.criteria.iter().take(count).map(Criterion::measured);
             let within = |&&(a, b, _): &&(usize, usize, f64)| a < count && b < count;
@@ -181,9 +193,7 @@ impl Judge {
     fn uncertain(&self, study: &Study, name: &Name) -> Result<usize, FileError> {
         let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
         let (criterion, name_text) = (&self.criteria[number], name.as_ref());
-        let message = if criterion.metric.is_some() {
-            format!("{name_text} is a curve, whose error is not one number; remove the correlation")
-        } else if criterion.uncertainty.is_none() {
+        let message = if criterion.uncertainty.is_none() && criterion.row_correlation.is_none() {
             format!(
                 "{name_text} has no `uncertainty` that could be correlated; add it under [criteria.{name_text}]"
             )

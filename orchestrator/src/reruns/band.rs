@@ -67,7 +67,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Op
                     &*csv_file::cell(name),
                     &time.to_string(),
                     &value.to_string(),
-                    &text(curve.uncertainty.get(row)),
+                    &text(curve.expanded(row).as_ref()),
                     &text(low),
                     &text(high),
                     &band.map_or_else(String::new, |_| points.to_string()),

@@ -71,7 +71,8 @@ pub(super) fn presumed(summary: &Summary) -> Vec<String> {
     let sentence = |(correlation, names): (f64, Vec<&str>)| {
         let errors = match correlation {
             1.0 => {
-                "share one error, such as an offset of the sensor; noise is not counted".to_owned()
+                "share one error, such as an offset of the sensor; noise counts where it is stated"
+                    .to_owned()
             }
             0.0 => "have independent errors".to_owned(),
             other => format!("have errors with a correlation of {other}"),

@@ -121,6 +121,14 @@ impl Study {
         for criterion in study.criteria.values_mut() {
             criterion.case = criterion.case.and_then(kept);
         }
+        // Pairs with a value that is held out have no meaning any more.
+        let held_out = |name: &Name| {
+            let name = name.as_ref().as_str();
+            self.criteria.contains_key(name) && !study.criteria.contains_key(name)
+        };
+        let mut pairs = std::mem::take(&mut study.uncertainty_correlations);
+        pairs.retain(|pair| !pair.as_ref().between.iter().any(held_out));
+        study.uncertainty_correlations = pairs;
         study
     }
 

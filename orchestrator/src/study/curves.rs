@@ -2,20 +2,19 @@
 
 use std::fmt::Display;
 
-use super::limit::limit;
+use super::limit::{limit, part};
 use super::quantity::{Quantity, Scale, Sense};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
-use super::{CriterionText, Name, Study};
+use super::{CriterionText, Name, Pair, Study, first_wrong};
 use crate::files::FileError;
 use crate::table::{self, Table};
+use conformity::uncertainty::{Distribution, Uncertainty};
 use curves::{Curve, Metric, iso18571};
 use fmu_import::digest;
 use fmu_import::units::Conversion;
-use fmu_points::task::{Delay, MeasuredCurve, Resampling};
-
-/// How many standard uncertainties the uncertainty of a reference is.
-const COVERAGE: f64 = 2.0;
+use fmu_points::task::{CurveErrors, Delay, MeasuredCurve, Resampling};
+use toml::Spanned;
 
 /// The most samples of which a rating is drawn again: its time grows with their square, and 256 draws of 1,000 take a third of
 /// a second.
@@ -60,9 +59,11 @@ impl Binder<'_> {
             return Err(named(message.to_owned()));
         }
         let band = self.band(&curve, expanded.as_deref()).map_err(named)?;
-        let (even, standard) = self.even(&curve, expanded.as_deref())?;
+        let errors = self.errors(&curve, expanded.as_deref())?;
+        let (even, drawn) = self.even(&curve, errors.as_ref())?;
+        let resampling = errors.is_some().then(|| self.resampling(drawn, first));
         // Between the rows of an uneven curve the uncertainty of a single value is not known.
-        let expanded = expanded.filter(|_| even.times() == curve.times());
+        let errors = errors.filter(|_| even.times() == curve.times());
         let back = self.scale.conversion.inverse();
         let measured = MeasuredCurve {
             metric: self.metric,
@@ -70,10 +71,8 @@ impl Binder<'_> {
             times: even.times().to_vec(),
             values: even.values().to_vec(),
             band,
-            uncertainty: expanded.unwrap_or_default(),
-            resampling: standard
-                .map(|standard| self.resampling(standard, first))
-                .transpose()?,
+            errors,
+            resampling: resampling.transpose()?,
             delay,
             factor: back.difference(1.0),
             offset: back.value(0.0),
@@ -95,21 +94,97 @@ impl Binder<'_> {
         column.unwrap_or_else(|| self.text.variable.as_ref())
     }
 
-    /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors.
-    fn resampling(&self, standard: Vec<f64>, first: u64) -> Result<Resampling, FileError> {
+    /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors, as do those whose
+    /// errors are fully correlated.
+    fn resampling(&self, errors: Option<CurveErrors>, first: u64) -> Result<Resampling, FileError> {
         let (ideal, tolerance, _) = limit(self.text, self.metric, self.scale)
             .map_err(|message| self.study.error_of(self.name, message))?;
-        let file = self.reference.file.as_ref().display();
-        let name = digest(format!("{file}\0{}", self.column()).as_bytes());
+        let (sensor, sign) = self.study.sensor(self.name, self.text);
+        let name = digest(sensor.as_bytes());
         let name = u64::from_str_radix(&name[..16], 16).expect("a digest is hexadecimal digits");
         Ok(Resampling {
-            standard,
-            correlation: self.correlation()?,
+            errors,
+            sign,
             seed: self.study.design.seed ^ name,
             first,
             ideal,
             tolerance,
         })
+    }
+
+    /// The errors of the rows by parts; none where no uncertainty is stated.
+    fn errors(
+        &self,
+        curve: &Curve,
+        expanded: Option<&[f64]>,
+    ) -> Result<Option<CurveErrors>, FileError> {
+        let reference = self.reference;
+        let named = |message: String| self.study.error_of(self.name, message);
+        let is_rectangular = reference.uncertainty_distribution == Some(Distribution::Rectangular);
+        let stray = reference.coverage.is_some()
+            && (is_rectangular
+                || !reference.has_uncertainty() && reference.gain_uncertainty.is_none());
+        first_wrong(&[
+            (
+                stray && is_rectangular,
+                "a rectangular uncertainty is the half-width of its limits, which no coverage factor expands; remove `coverage` from \
+                 the reference",
+            ),
+            (
+                stray,
+                "`coverage` says how many standard uncertainties the reference's `uncertainty` is; add it, or remove `coverage`",
+            ),
+            (
+                reference.uncertainty_distribution.is_some() && !reference.has_uncertainty(),
+                "`uncertainty-distribution` says how the reference's `uncertainty` is meant; add `uncertainty` or remove it",
+            ),
+            (
+                reference.correlation.is_some() && !reference.has_uncertainty(),
+                "`correlation` splits the reference's `uncertainty`; add `uncertainty` or remove it",
+            ),
+        ])
+        .map_err(named)?;
+        let correlation = self.correlation()?;
+        if !reference.is_uncertain() {
+            return Ok(None);
+        }
+        let stated = reference.coverage.as_ref();
+        let coverage = stated.map_or(Uncertainty::USUAL, |coverage| *coverage.as_ref());
+        if !(coverage > 0.0 && coverage.is_finite()) {
+            let message =
+                format!("the coverage factor {coverage} must be a positive, finite number");
+            return Err(named(message));
+        }
+        let of_offset = match is_rectangular {
+            true => Uncertainty::rectangular(1.0),
+            false => Uncertainty::normal(1.0, coverage),
+        };
+        let gain = reference.gain_uncertainty.as_ref().map(|stated| {
+            let part = part(stated.as_ref()).filter(|part| *part > 0.0);
+            part.ok_or_else(|| {
+                let message = format!(
+                    "the gain uncertainty {} must be a part of the value, such as \"0.5 %\"",
+                    stated.as_ref()
+                );
+                self.study.error_at(stated, message)
+            })
+        });
+        let noise = reference.noise.as_ref();
+        let noise = noise.map(|stated| self.widths(stated, curve.values()));
+        let noise = noise.transpose().map_err(named)?;
+        let rows = 0..curve.values().len();
+        let standard = |row: usize| expanded.map_or(0.0, |widths| widths[row] * of_offset.offset());
+        let [shared, own] = [correlation, 1.0 - correlation].map(f64::sqrt);
+        let noise = |row: usize| noise.as_ref().map_or(0.0, |noise| noise[row]);
+        Ok(Some(CurveErrors {
+            shared: rows.clone().map(|row| shared * standard(row)).collect(),
+            gain: gain.transpose()?.unwrap_or(0.0) / coverage,
+            own: rows
+                .map(|row| (own * standard(row)).hypot(noise(row)))
+                .collect(),
+            coverage: [of_offset.coverage, coverage],
+            rectangular: is_rectangular,
+        }))
     }
 
     /// The correlation of the errors of any two rows.
@@ -238,17 +313,14 @@ impl Binder<'_> {
         }
     }
 
-    /// The curve at even times, where the metric needs them, with the standard uncertainty of each value where one is stated:
-    /// empty where it is not known.
+    /// The curve at even times, where the metric needs them, with the errors of its values where they are known there.
     fn even(
         &self,
         curve: &Curve,
-        expanded: Option<&[f64]>,
-    ) -> Result<(Curve, Option<Vec<f64>>), FileError> {
-        let correlation = self.correlation()?;
-        let standard = |widths: &[f64]| widths.iter().map(|width| width / COVERAGE).collect();
+        errors: Option<&CurveErrors>,
+    ) -> Result<(Curve, Option<CurveErrors>), FileError> {
         if !self.metric.needs_even_times() {
-            return Ok((curve.clone(), expanded.map(standard)));
+            return Ok((curve.clone(), errors.cloned()));
         }
         let (least, most) = (iso18571::LEAST, iso18571::MOST);
         let count = curve.even_count();
@@ -259,17 +331,23 @@ impl Binder<'_> {
             );
             return Err(self.study.error_of(self.name, message));
         }
-        let standard = expanded.map(|widths| {
-            // An error that all rows share goes along the same straight lines as the values; that of a single row does not.
-            let widths = Curve::new(curve.times().to_vec(), widths.to_vec());
-            match widths {
-                Ok(widths) if count <= MOST_DRAWN && (curve.is_even() || correlation == 1.0) => {
-                    standard(widths.evenly().values())
-                }
-                _ => Vec::new(),
-            }
+        // An error that all rows share goes along the same straight lines as the values; that of a single row does not.
+        let known = |errors: &&CurveErrors| {
+            let shared_alone = errors.own.iter().all(|own| *own == 0.0);
+            count <= MOST_DRAWN && (curve.is_even() || shared_alone)
+        };
+        let evenly = |widths: &[f64]| {
+            let widths = Curve::new(curve.times().to_vec(), widths.to_vec()).ok()?;
+            Some(widths.evenly().values().to_vec())
+        };
+        let errors = errors.filter(known).and_then(|errors| {
+            Some(CurveErrors {
+                shared: evenly(&errors.shared)?,
+                own: evenly(&errors.own)?,
+                ..errors.clone()
+            })
         });
-        Ok((curve.evenly(), standard))
+        Ok((curve.evenly(), errors))
     }
 
     fn normaliser(&self, values: &[f64]) -> Result<f64, String> {
@@ -330,5 +408,53 @@ impl Binder<'_> {
             "the measurement from {from} s to {to} s{after} is not within the run from {start} s to {stop} s; set `window` \
              on the criterion to the common part, or change start and stop under [simulation]"
         )))
+    }
+}
+
+impl Study {
+    /// The sensor whose errors a measured curve has, with a sign: the column of its recording, or the one that stands for all
+    /// curves whose errors are fully correlated with its own. Their errors go with that sensor's (1) or against them (-1).
+    pub fn sensor(&self, name: &Name, text: &CriterionText) -> (String, f64) {
+        let pairs = self.uncertainty_correlations.iter().map(Spanned::as_ref);
+        let pairs: Vec<&Pair> = pairs.collect();
+        let mut tied: Vec<(&str, f64)> = vec![(name.as_ref(), 1.0)];
+        let mut next = 0;
+        while let Some(&(from, sign)) = tied.get(next) {
+            for Pair {
+                between: [a, b],
+                coefficient,
+                ..
+            } in &pairs
+            {
+                for [a, b] in [[a, b], [b, a]].map(|pair| pair.map(|name| name.as_ref().as_str())) {
+                    if a == from && tied.iter().all(|(other, _)| *other != b) {
+                        tied.push((b, sign * coefficient.signum()));
+                    }
+                }
+            }
+            next += 1;
+        }
+        match &tied[..] {
+            [_] => {
+                let file = text
+                    .reference
+                    .as_ref()
+                    .map(|reference| reference.file.as_ref().display());
+                let column = text
+                    .reference
+                    .as_ref()
+                    .and_then(|reference| reference.column.as_ref());
+                let column = column.unwrap_or_else(|| text.variable.as_ref());
+                let file = file.map_or_else(String::new, |file| file.to_string());
+                (format!("{file}\0{column}"), 1.0)
+            }
+            several => {
+                let (first, sign) = several
+                    .iter()
+                    .min_by_key(|(name, _)| *name)
+                    .expect("one is there");
+                ((*first).to_owned(), *sign)
+            }
+        }
     }
 }

@@ -14,10 +14,10 @@ use sampling::statistics::Statistic;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PosteriorStart {
-    /// Half of the particles around the optima, half from the prior: few runs.
-    #[default]
+    /// Half of the particles around the optima, half from the prior: fewer runs, and reliance on the search.
     Optima,
-    /// All particles from the prior: more runs, and no reliance on the search.
+    /// All particles from the prior.
+    #[default]
     Prior,
 }
 
@@ -180,8 +180,12 @@ pub struct MeasuredText {
     pub column: Option<String>,
     /// The measured value, where the table has no column of it.
     pub value: Option<Quantity>,
-    /// The standard uncertainty: one standard deviation, or percents of the value.
+    /// The standard uncertainty of what is independent from case to case: one standard deviation, or percents of the value.
     pub accuracy: Quantity,
+    /// The expanded uncertainty (k = 2) of an offset that the values of all cases share.
+    pub uncertainty: Option<Quantity>,
+    /// That of a gain that they share, as a part of the value.
+    pub gain_uncertainty: Option<Quantity>,
     /// How far the model may be from the truth by itself, independently in each case: one standard deviation, percents of
     /// the value, or `unknown`.
     pub discrepancy: Option<DiscrepancyText>,

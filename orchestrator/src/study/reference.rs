@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::quantity::Quantity;
+use conformity::uncertainty::Distribution;
 
 /// A measured curve.
 #[derive(Clone, Debug, Deserialize)]
@@ -19,10 +20,18 @@ pub struct ReferenceText {
     pub column: Option<String>,
     /// The unit of that column; that of the criterion otherwise.
     pub unit: Option<String>,
-    /// The expanded uncertainty of each value: `0.01 N.m`, or `2 %` of the value.
+    /// The expanded uncertainty of each value: `0.01 N.m`, or `2 %` of the value. All rows share this error.
     pub uncertainty: Option<Quantity>,
     /// The column of the expanded uncertainties, in the unit of the values.
     pub uncertainty_column: Option<String>,
+    /// How many standard uncertainties these and the gain's are; 2 otherwise.
+    pub coverage: Option<Spanned<f64>>,
+    /// The distribution of the error that `uncertainty` describes; normal otherwise.
+    pub uncertainty_distribution: Option<Distribution>,
+    /// The expanded uncertainty of the gain, as a part of each value.
+    pub gain_uncertainty: Option<Spanned<Quantity>>,
+    /// The standard deviation of one row, which is independent from row to row: `0.003 N.m`, or `2 %` of the value.
+    pub noise: Option<Quantity>,
     /// The correlation of the errors of any two rows, from 0 (noise) to 1 (an offset, or a factor); 1 otherwise.
     pub correlation: Option<Spanned<f64>>,
 }
@@ -30,17 +39,22 @@ pub struct ReferenceText {
 impl ReferenceText {
     /// The correlation of the errors of any two rows, for the risk.
     ///
-    /// Without a word on it all rows share their error, as they do where a sensor is out of calibration. What is not
-    /// shared is noise, which the recording shows already.
+    /// Without a word on it all rows share their error, as they do where a sensor is out of calibration; `noise` is what they
+    /// do not share.
     pub fn row_correlation(&self) -> f64 {
-        self.correlation
-            .as_ref()
-            .map_or(1.0, |stated| *stated.as_ref())
+        let stated = self.correlation.as_ref();
+        let noise_alone = !self.has_uncertainty() && self.gain_uncertainty.is_none();
+        stated.map_or(f64::from(u8::from(!noise_alone)), |stated| *stated.as_ref())
+    }
+
+    /// Whether it states what all or single rows may be off by `uncertainty`.
+    pub fn has_uncertainty(&self) -> bool {
+        self.uncertainty.is_some() || self.uncertainty_column.is_some()
     }
 
     /// Whether the risk of a metric can be told.
     pub fn is_uncertain(&self) -> bool {
-        self.uncertainty.is_some() || self.uncertainty_column.is_some()
+        self.has_uncertainty() || self.gain_uncertainty.is_some() || self.noise.is_some()
     }
 }
 

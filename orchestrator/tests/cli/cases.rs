@@ -388,7 +388,7 @@ fn curves(bench: &Bench) -> String {
 name = "{name}"
 held-out = {held_out}
 fixed = {{ "drive.u" = {u} }}
-criteria.Y = {{ variable = "lag.y", reference = {{ file = "{name}.csv", column = "y", uncertainty = 0.015 }}, metric = "rmse", tolerance = 0.02 }}
+criteria.Y = {{ variable = "lag.y", reference = {{ file = "{name}.csv", column = "y", noise = 0.0075 }}, metric = "rmse", tolerance = 0.02 }}
 "#
         )
         .unwrap();
@@ -451,6 +451,77 @@ fn identify_fits_the_cases_that_are_not_held_out() {
     }
 }
 
+/// Both curves come from a sensor whose zero is off by 0.06, within its uncertainty: the true rate is within its interval, and
+/// the zero error is told. With each row's error independent the rate would be far off.
+#[test]
+fn identify_tells_the_zero_error_of_a_sensor() {
+    let bench = Bench::new();
+    let study = curves(&bench).replace("noise = 0.0075", "uncertainty = 0.1, noise = 0.0075");
+    for name in ["one", "two"] {
+        let table = bench.read(&format!("{name}.csv"));
+        let mut rows = table.lines();
+        let mut shifted = format!("{}\n", rows.next().unwrap());
+        for row in rows {
+            let (time, y) = row.split_once(',').unwrap();
+            writeln!(shifted, "{time},{}", y.parse::<f64>().unwrap() + 0.06).unwrap();
+        }
+        bench.write(&format!("{name}.csv"), &shifted);
+    }
+    let pair = "[[uncertainty-correlations]]\nbetween = [\"one/Y\", \"two/Y\"]\ncoefficient = 1\n";
+    let identify = |study: &str| {
+        bench.write("study.toml", study);
+        let call = [
+            "identify",
+            "study.toml",
+            "--output",
+            "found",
+            "--starts",
+            "4",
+        ];
+        let said = bench.run(&[&call[..], &["--force"]].concat());
+        assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+        let found = bench.read("found/identification.json");
+        let outcome: serde_json::Value = serde_json::from_str(&found).unwrap();
+        let rate = [0, 1].map(|k| outcome["free"][0]["interval"][k].as_f64().unwrap());
+        (said.out, outcome, rate)
+    };
+    let (said, outcome, [low, high]) = identify(&format!("{study}{pair}"));
+    assert!(
+        low < 1.1 && 1.1 < high && high - low < 0.05,
+        "{low} .. {high}"
+    );
+    let errors = outcome["shared"].as_array().unwrap();
+    assert_eq!(errors.len(), 1, "both curves have one sensor");
+    let [low, high] = [0, 1].map(|k| errors[0]["interval"][k].as_f64().unwrap());
+    assert!(
+        low < 0.06 && 0.06 < high && high - low < 0.03,
+        "{low} .. {high}"
+    );
+    assert!(
+        said.contains("one/Y is best explained by a zero error of 0.0"),
+        "{said}"
+    );
+    assert!(
+        said.contains("the fit is good only with these shared errors"),
+        "{said}"
+    );
+    assert!(!said.contains("earlier versions"), "{said}");
+    // A sensor each: two zero errors, and a rate that is known less.
+    let (_, outcome, rates) = identify(&study);
+    assert_eq!(outcome["shared"].as_array().unwrap().len(), 2);
+    assert!(rates[0] < 1.1 && 1.1 < rates[1], "{rates:?}");
+    // Taken as noise it is missed.
+    let noise = study.replace("uncertainty = 0.1,", "uncertainty = 0.1, correlation = 0,");
+    let (_, _, rates) = identify(&noise);
+    assert!(rates[0] > 1.1, "{rates:?}");
+    // Without a word on noise it says what it takes, and why the answer is another one.
+    let (said, ..) = identify(&study.replace(", noise = 0.0075", ""));
+    assert!(
+        said.contains("one/Y states no noise") && said.contains("earlier versions"),
+        "{said}"
+    );
+}
+
 #[test]
 fn identify_says_what_it_needs_of_cases() {
     let bench = bench();
@@ -459,12 +530,12 @@ fn identify_says_what_it_needs_of_cases() {
         "low/Y: identify weighs",
         "add `uncertainty`",
     ]);
-    let study = curves(&bench).replace(", uncertainty = 0.015", "");
+    let study = curves(&bench).replace(", noise = 0.0075", "");
     bench.write("study.toml", &study);
     bench.run(&["identify", "study.toml"]).is_mistake(&[
         "study.toml:",
         "one/Y",
-        "`uncertainty-column`",
+        "add `uncertainty` and `noise`",
     ]);
     let study = curves(&bench).replace("held-out = false", "held-out = true");
     bench.write("study.toml", &study);

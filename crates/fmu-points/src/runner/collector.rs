@@ -219,7 +219,7 @@ mod tests {
             times: vec![1.0, 2.5, 3.0],
             values: vec![10.0, 25.0, 31.0],
             band: Vec::new(),
-            uncertainty: Vec::new(),
+            errors: None,
             resampling: None,
             normaliser: 1.0,
             delay,

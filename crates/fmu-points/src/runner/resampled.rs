@@ -9,15 +9,19 @@ use sampling::recording::RowErrors;
 #[derive(Clone, Debug)]
 pub(super) struct Draws {
     resampling: Resampling,
-    errors: RowErrors,
+    drawn: RowErrors,
     /// The errors of single rows in standard deviations, replicate by replicate; made when they are needed first.
     table: Option<Vec<f32>>,
 }
 
 impl Draws {
     pub(super) fn new(resampling: &Resampling) -> Self {
+        let rectangular = resampling
+            .errors
+            .as_ref()
+            .is_some_and(|errors| errors.rectangular);
         Self {
-            errors: RowErrors::new(resampling.seed, resampling.correlation),
+            drawn: RowErrors::new(resampling.seed, rectangular),
             resampling: resampling.clone(),
             table: None,
         }
@@ -25,36 +29,37 @@ impl Draws {
 
     /// To which of the curves a model conforms; none where they are not known.
     pub(super) fn conforming(&mut self, metric: Metric, pair: &Pair<'_>) -> Replicates {
-        let standard = &self.resampling.standard;
         let rows = pair.reference.len();
-        if standard.len() != rows || pair.model.iter().any(|value| !value.is_finite()) {
+        let known = self.resampling.errors.as_ref();
+        let known = known.filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);
+        let Some(errors) = known else {
+            return Replicates::new();
+        };
+        if pair.model.iter().any(|value| !value.is_finite()) {
             return Replicates::new();
         }
-        if !self.errors.has_own() && matches!(metric, Metric::Rmse | Metric::Nrmse) {
-            return self.by_moments(metric, pair);
+        let has_own = errors.own.iter().any(|own| *own > 0.0);
+        if !has_own && errors.gain == 0.0 && matches!(metric, Metric::Rmse | Metric::Nrmse) {
+            return self.by_moments(&errors.shared, metric, pair);
         }
-        let table = self.errors.has_own().then(|| {
-            &**self
-                .table
-                .get_or_insert_with(|| table(&self.errors, self.resampling.first, rows))
-        });
+        if has_own && self.table.is_none() {
+            self.table = Some(table(&self.drawn, self.resampling.first, rows));
+        }
         let mut conforming = vec![0_u64; RowErrors::REPLICATES / 64];
         let mut truth = vec![0.0; rows];
         for replicate in 0..RowErrors::REPLICATES {
-            let common = self.errors.common(replicate);
-            let known = pair.reference.iter().zip(standard);
-            match table {
-                None => truth
-                    .iter_mut()
-                    .zip(known)
-                    .for_each(|(truth, (value, width))| *truth = value + width * common),
-                Some(table) => truth
-                    .iter_mut()
-                    .zip(known)
-                    .zip(&table[replicate * rows..])
-                    .for_each(|((truth, (value, width)), error)| {
-                        *truth = value + width * (common + f64::from(*error));
-                    }),
+            let sign = self.resampling.sign;
+            let common = sign * self.drawn.common(replicate);
+            let gain = sign * errors.gain * self.drawn.gain(replicate);
+            let known = pair.reference.iter().zip(&errors.shared);
+            for (truth, (value, width)) in truth.iter_mut().zip(known) {
+                *truth = value * (1.0 + gain) + width * common;
+            }
+            if let Some(table) = &self.table {
+                let single = table[replicate * rows..].iter().zip(&errors.own);
+                for (truth, (error, width)) in truth.iter_mut().zip(single) {
+                    *truth += width * f64::from(*error);
+                }
             }
             let value = metric.compare(&Pair {
                 reference: &truth,
@@ -66,11 +71,11 @@ impl Draws {
     }
 
     /// The same for an rmse where all rows share their error: the mean of (d - w z)^2 is a parabola in z.
-    fn by_moments(&self, metric: Metric, pair: &Pair<'_>) -> Replicates {
+    fn by_moments(&self, shared: &[f64], metric: Metric, pair: &Pair<'_>) -> Replicates {
         let rows = pair.reference.len() as f64;
         let known = pair.model.iter().zip(pair.reference);
         let [mut squares, mut mixed, mut widths] = [0.0; 3];
-        for ((model, reference), width) in known.zip(&self.resampling.standard) {
+        for ((model, reference), width) in known.zip(shared) {
             let deviation = model - reference;
             squares += deviation * deviation;
             mixed += deviation * width;
@@ -82,7 +87,7 @@ impl Draws {
         };
         let mut conforming = vec![0_u64; RowErrors::REPLICATES / 64];
         for replicate in 0..RowErrors::REPLICATES {
-            let z = self.errors.common(replicate);
+            let z = self.resampling.sign * self.drawn.common(replicate);
             let mean = (squares - 2.0 * z * mixed + z * z * widths) / rows;
             // Rounding may leave less than nothing.
             let value = mean.max(0.0).sqrt() / normaliser;
@@ -110,12 +115,23 @@ fn table(errors: &RowErrors, first: u64, rows: usize) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::task::CurveErrors;
     use conformity::normal::between;
+
+    fn errors(correlation: f64) -> CurveErrors {
+        CurveErrors {
+            shared: vec![0.5 * correlation.sqrt(); 400],
+            gain: 0.0,
+            own: vec![0.5 * (1.0 - correlation).sqrt(); 400],
+            coverage: [2.0; 2],
+            rectangular: false,
+        }
+    }
 
     fn resampling(correlation: f64, tolerance: f64) -> Resampling {
         Resampling {
-            standard: vec![0.5; 400],
-            correlation,
+            errors: Some(errors(correlation)),
+            sign: 1.0,
             seed: 3,
             first: 0,
             ideal: 0.0,
@@ -145,6 +161,35 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A rectangular offset: the part of the limits in which the model conforms. A gain of a constant curve is an offset, too.
+    #[test]
+    fn rectangles_and_gains_are_those_of_one_number() {
+        let resampling = resampling(1.0, 1.0);
+        let with = |errors: CurveErrors| Resampling {
+            errors: Some(errors),
+            ..resampling.clone()
+        };
+        let rectangular = with(CurveErrors {
+            rectangular: true,
+            ..errors(1.0)
+        });
+        // Limits of +-0.866 about a model that is 0.6 off, of which +-1 conforms.
+        let expected = (0.5 * 3.0_f64.sqrt() + 0.4) / 3.0_f64.sqrt();
+        let part = share(&rectangular, Metric::Rmse, 0.6);
+        assert!((part - expected).abs() < 1.5 / 256.0, "{part} {expected}");
+        let gain = with(CurveErrors {
+            gain: 0.5,
+            ..errors(0.0)
+        });
+        let gain = with(CurveErrors {
+            own: vec![0.0; 400],
+            ..gain.errors.unwrap()
+        });
+        let part = share(&gain, Metric::Rmse, 0.6);
+        let expected = between(-1.6 / 0.5, 0.4 / 0.5);
+        assert!((part - expected).abs() < 1.5 / 256.0, "{part} {expected}");
     }
 
     /// Independent errors of 400 rows leave an rmse of sqrt(d^2 + u^2), give or take a few hundredths.
@@ -187,7 +232,7 @@ mod tests {
     #[test]
     fn what_is_not_known_is_not_told() {
         let unknown = Resampling {
-            standard: Vec::new(),
+            errors: None,
             ..resampling(1.0, 1.0)
         };
         let pair = Pair::new(&[1.0, 2.0], &[1.0, 2.0]);

@@ -15,9 +15,9 @@ pub struct MeasuredCurve {
     pub values: Vec<f64>,
     /// The half width of the corridor at these times; empty for other metrics.
     pub band: Vec<f64>,
-    /// The expanded uncertainty of each value; empty where it is not stated.
-    #[serde(default)]
-    pub uncertainty: Vec<f64>,
+    /// The errors of the values; none where no uncertainty is stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub errors: Option<CurveErrors>,
     /// The true curves that its uncertainty allows, and when the model conforms to one; none where that is not asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resampling: Option<Resampling>,
@@ -35,13 +35,28 @@ pub struct MeasuredCurve {
     pub reads: bool,
 }
 
+/// The errors of a measured curve's values, in the criterion's unit: standard uncertainties by parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurveErrors {
+    /// What one standard deviation of the error that all rows share changes in each.
+    pub shared: Vec<f64>,
+    /// The gain's, as a part of each value.
+    pub gain: f64,
+    /// That of each row's own error.
+    pub own: Vec<f64>,
+    /// How many standard deviations of the shared errors are stated as uncertainty; of a rectangular one the root of 3.
+    pub coverage: [f64; 2],
+    /// Whether all shared errors between limits are equally probable; they are normal otherwise.
+    pub rectangular: bool,
+}
+
 /// How a measured curve is drawn anew within its uncertainty, and which of the draws the model conforms to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resampling {
-    /// The standard uncertainty of each value; empty where it is not known, as between the rows of an uneven curve.
-    pub standard: Vec<f64>,
-    /// The correlation of the errors of any two rows.
-    pub correlation: f64,
+    /// The errors of the values; none where they are not known, as between the rows of an uneven curve.
+    pub errors: Option<CurveErrors>,
+    /// 1, or -1 where the shared errors go against those of the curve whose seed it has.
+    pub sign: f64,
     /// The seed of the errors: one for each recorded column.
     pub seed: u64,
     /// The row of the recording from which the values come first.
@@ -69,6 +84,18 @@ impl MeasuredCurve {
             Delay::Within(_) => 0.0,
         };
         self.times.iter().map(move |time| time - delay)
+    }
+
+    /// The expanded uncertainty of a row, all parts of its error together; none where no uncertainty is stated.
+    pub fn expanded(&self, row: usize) -> Option<f64> {
+        let errors = self.errors.as_ref()?;
+        let gain = errors.gain * self.values.get(row)?;
+        let standard = errors
+            .shared
+            .get(row)?
+            .hypot(gain)
+            .hypot(*errors.own.get(row)?);
+        Some(errors.coverage[0] * standard)
     }
 
     /// The first and the last time at which the model's value is needed, s.

@@ -296,6 +296,7 @@ fn find(
         let mut outcome = IdentificationOutcome {
             cross_validation: cross_validation.transpose()?,
             surrogate: again,
+            notes: bound.notes.clone(),
             ..searched.outcome()
         };
         if let Some(replaced) = &replaced {

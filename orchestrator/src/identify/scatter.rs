@@ -1,0 +1,79 @@
+//! The scatter of a recording's rows, where nobody states it.
+
+/// Fewer rows tell no scatter.
+const FEWEST: usize = 30;
+
+/// The standard deviation of what is independent from row to row, as far as the rows show it; none where they are too few.
+///
+/// Differences of a high order leave next to nothing of a signal that several rows follow, and of independent numbers their
+/// scatter times a known factor; the median makes spikes harmless. Rows that were smoothed share their scatter with their
+/// neighbours: then the differences of every second or third row show more of it. They count where orders agree, as they do
+/// of scatter, and not of a signal.
+pub(super) fn scatter(values: &[f64]) -> Option<f64> {
+    const STRIDES: std::ops::RangeInclusive<usize> = 1..=3;
+    const AGREE: f64 = 0.9;
+    if values.len() < FEWEST {
+        return None;
+    }
+    let at = |stride| {
+        let [low, high] = [4, 6].map(|order| by_differences(values, order, stride));
+        (stride == 1 || high >= AGREE * low).then_some(high)
+    };
+    STRIDES.filter_map(at).reduce(f64::max)
+}
+
+/// The scatter by differences of an order, of rows so far apart.
+fn by_differences(values: &[f64], order: usize, stride: usize) -> f64 {
+    /// The median of the absolute value of a standard normal number.
+    const MEDIAN: f64 = 0.674_489_750_196_081_7;
+    let mut rows = values.to_vec();
+    let mut square = 1.0;
+    for step in 1..=order {
+        rows = rows
+            .windows(stride + 1)
+            .map(|pair| pair[stride] - pair[0])
+            .collect();
+        // The squares of the binomial coefficients add up to that of twice the order.
+        square *= (order + step) as f64 / step as f64;
+    }
+    let mut sizes: Vec<f64> = rows.iter().map(|row| row.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes[sizes.len() / 2] / MEDIAN / square.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sampling::random::{Purpose, Random};
+
+    /// A load's period has 20 rows, with a second harmonic.
+    fn signal(row: usize, period: f64) -> f64 {
+        let angle = std::f64::consts::TAU * row as f64 / period;
+        0.05 * angle.sin() + 0.02 * (2.0 * angle).cos()
+    }
+
+    #[test]
+    fn noise_on_a_signal_is_told_also_where_it_was_smoothed() {
+        let noise = Random::new(3, Purpose::Search, 0).normals(2000);
+        let with = |noise: &[f64], period: f64| {
+            let rows = noise.iter().enumerate();
+            let rows = rows.map(|(row, noise)| signal(row, period) + 0.003 * noise);
+            scatter(&rows.collect::<Vec<_>>()).unwrap()
+        };
+        assert!(
+            (with(&noise, 20.0) / 0.003 - 1.0).abs() < 0.12,
+            "{}",
+            with(&noise, 20.0)
+        );
+        // The mean of two neighbours has a deviation of 1 / sqrt(2), which single differences would put at a tenth of it.
+        let smooth: Vec<f64> = noise
+            .windows(2)
+            .map(|pair| 0.5 * (pair[0] + pair[1]))
+            .collect();
+        let told = with(&smooth, 20.0);
+        assert!((told / 0.003 * 2.0_f64.sqrt() - 1.0).abs() < 0.15, "{told}");
+        // A signal that a few rows hardly follow is not taken for scatter of every third row.
+        assert!(with(&noise, 7.0) < 0.006, "{}", with(&noise, 7.0));
+        assert!(scatter(&[1.0; 10]).is_none());
+    }
+}
