@@ -1,7 +1,7 @@
 //! The scatter of a recording's rows, where nobody states it.
 
 /// Fewer rows tell no scatter.
-const FEWEST: usize = 30;
+const FEWEST: usize = 40;
 
 /// The standard deviation of what is independent from row to row, as far as the rows show it; none where they are too few.
 ///
@@ -11,13 +11,16 @@ const FEWEST: usize = 30;
 /// of scatter, and not of a signal.
 pub(super) fn scatter(values: &[f64]) -> Option<f64> {
     const STRIDES: std::ops::RangeInclusive<usize> = 1..=3;
-    const AGREE: f64 = 0.9;
+    const AGREE: f64 = 0.85;
+    // No usual smoothing hides more, but a signal near the highest frequency that so many rows show may look the same.
+    const MOST: f64 = 3.5;
     if values.len() < FEWEST {
         return None;
     }
+    let single = by_differences(values, 8, 1);
     let at = |stride| {
-        let [low, high] = [4, 6].map(|order| by_differences(values, order, stride));
-        (stride == 1 || high >= AGREE * low).then_some(high)
+        let [low, high] = [6, 8].map(|order| by_differences(values, order, stride));
+        (stride == 1 || (high >= AGREE * low && high <= MOST * single)).then_some(high)
     };
     STRIDES.filter_map(at).reduce(f64::max)
 }
@@ -73,7 +76,7 @@ mod tests {
         let told = with(&smooth, 20.0);
         assert!((told / 0.003 * 2.0_f64.sqrt() - 1.0).abs() < 0.15, "{told}");
         // A signal that a few rows hardly follow is not taken for scatter of every third row.
-        assert!(with(&noise, 7.0) < 0.006, "{}", with(&noise, 7.0));
+        assert!(with(&noise, 10.0) < 0.006, "{}", with(&noise, 10.0));
         assert!(scatter(&[1.0; 10]).is_none());
     }
 }
