@@ -11,7 +11,7 @@ use super::local::{End, Minimum};
 use super::optima::Optimum;
 use super::posterior::{Direction, UNDETERMINED};
 use super::problem::{Problem, Quantity, Spacing};
-use super::sample::outcome::PosteriorOutcome;
+use super::sample::outcome::{Evidence, PosteriorOutcome};
 use super::search::Progress;
 use super::shared::SharedOutcome;
 use super::surrogate::outcome::SurrogateOutcome;
@@ -76,6 +76,9 @@ pub struct IdentificationOutcome {
     /// A sample of the posterior, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<PosteriorOutcome>,
+    /// The evidence by that sample.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub evidence: Option<Evidence>,
 }
 
 /// A set of parameters that could be the right one: a minimum of the sum of squares.
@@ -270,6 +273,7 @@ impl IdentificationOutcome {
             cross_validation: None,
             surrogate: None,
             posterior: None,
+            evidence: None,
             optima: outcomes,
         }
     }

@@ -2,7 +2,7 @@
 
 use sampling::distribution::ln_sum;
 use sampling::statistics::moments::{deviation, mean, pearson, sorted};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use super::super::discrepancy::Unknown;
@@ -18,6 +18,10 @@ use super::{FEWEST, GROUPS, Particle, Sample, Stage};
 
 /// Fewer independent particles say too little of a 95 % interval: with 100 it holds 91 to 99 %.
 const ENOUGH: f64 = 100.0;
+
+/// Standard errors of the evidence's logarithm to each side for 95 %: Student's factor with seven degrees of freedom. The
+/// draws are many, but few of them have most of the weight, so their scatter is known about as well as that of so few numbers.
+const REACH: f64 = 2.365;
 
 /// A larger standard error of the evidence's logarithm means that the groups differ.
 const AGREE: f64 = 0.3;
@@ -49,10 +53,6 @@ pub struct PosteriorOutcome {
     pub distinct: usize,
     /// About how many independent particles they are worth for means and variances, from the groups' scatter.
     pub effective: f64,
-    /// The logarithm of the evidence: the mean likelihood over the prior, in the inverse units of the measured values.
-    pub log_evidence: f64,
-    /// Its standard error, from the groups' scatter.
-    pub log_evidence_error: f64,
     /// At how many places the model was asked.
     pub evaluated: u64,
     /// At how many of them a run failed; they count as impossible.
@@ -72,6 +72,92 @@ pub struct PosteriorOutcome {
     pub optima: Vec<Share>,
     /// The part of the sample that lies within the optima's normal approximations: about 0.99 where these hold.
     pub approximated: f64,
+}
+
+/// The evidence of a model with its prior: the mean likelihood of the measured values over the prior.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Its logarithm; the evidence is in the inverse units of the measured values.
+    pub log: f64,
+    /// The standard error of the logarithm.
+    pub error: f64,
+    /// The interval that holds the logarithm with 95 % probability.
+    pub interval: [f64; 2],
+    /// Whether the sample can be relied on.
+    pub trusted: bool,
+    /// A digest of the measured values: evidences of other data cannot be compared.
+    pub data: String,
+    /// How much more probable these data are here than in another result, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<Ratio>,
+}
+
+/// The ratio of two evidences: Bayes' factor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ratio {
+    /// Its logarithm.
+    pub log: f64,
+    /// The interval that holds the logarithm with 95 % probability.
+    pub interval: [f64; 2],
+}
+
+impl Evidence {
+    /// That of a problem, by a sample that can be relied on or not.
+    pub fn new(problem: &Problem, sample: &Sample, trusted: bool) -> Self {
+        let all = ln_sum(&sample.weights);
+        let count = sample.weights.len() as f64;
+        let parts = sample.weights.iter().map(|weight| (weight - all).exp());
+        let squares: f64 = parts.map(|part| part * part).sum();
+        let (log, error) = (all - count.ln(), (squares - count.recip()).max(0.0).sqrt());
+        Self {
+            log,
+            error,
+            interval: around(log, error),
+            // With fewer effective draws their scatter is not known well.
+            trusted: trusted && squares.recip() >= ENOUGH,
+            data: problem.digest(),
+            against: None,
+        }
+    }
+
+    /// Whether it is that of the same measured values.
+    ///
+    /// # Errors
+    /// Says that they are others.
+    pub fn is_of(&self, problem: &Problem) -> Result<(), String> {
+        match self.data == problem.digest() {
+            true => Ok(()),
+            false => Err(
+                "its evidence is that of other measured values, or of the same in another order or unit, and cannot be compared"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    /// Notes the ratio to the evidence of another result on the same data.
+    ///
+    /// # Errors
+    /// When one of the samples cannot be relied on.
+    pub fn compare(&mut self, other: &Self) -> Result<(), String> {
+        if !(self.trusted && other.trusted) {
+            let which = if self.trusted { "its" } else { "this" };
+            return Err(format!(
+                "{which} sample of the posterior is not to be relied on, so neither is the ratio of the evidences; draw more"
+            ));
+        }
+        let log = self.log - other.log;
+        let error = self.error.hypot(other.error);
+        self.against = Some(Ratio {
+            log,
+            interval: around(log, error),
+        });
+        Ok(())
+    }
+}
+
+/// The interval that holds a number of this standard error with 95 % probability.
+fn around(centre: f64, error: f64) -> [f64; 2] {
+    [-1.0, 1.0].map(|side| centre + side * REACH * error)
 }
 
 /// One parameter's distribution.
@@ -153,7 +239,6 @@ impl PosteriorOutcome {
         let problem = objective.problem;
         let groups = Groups::of(sample);
         let effective = effective(&groups, sample);
-        let (log_evidence, log_evidence_error) = evidence(sample);
         let near = Near::new(optima, problem.unknowns());
         let shares = near.shares(&groups);
         let approximated = near.approximated(&groups);
@@ -164,8 +249,6 @@ impl PosteriorOutcome {
             particles: sample.particles.len(),
             distinct: distinct(&sample.particles),
             effective,
-            log_evidence,
-            log_evidence_error,
             evaluated: sample.evaluated,
             failed: sample.failed,
             stages: sample.stages.clone(),
@@ -185,7 +268,7 @@ impl PosteriorOutcome {
     fn doubts(&self, sample: &Sample) -> Vec<String> {
         let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite());
         let dead = dead.count();
-        let (effective, error) = (self.effective, self.log_evidence_error);
+        let (effective, error) = (self.effective, disagreement(sample));
         let last = sample.stages.last();
         let doubts = [
             (dead > 0)
@@ -329,14 +412,13 @@ fn effective(groups: &Groups<'_>, sample: &Sample) -> f64 {
     (1.0 / mean).min(all)
 }
 
-/// The logarithm of the evidence, with its standard error.
-fn evidence(sample: &Sample) -> (f64, f64) {
+/// The standard error of the logarithm of the evidence by the stages' ratios, from the groups' scatter.
+fn disagreement(sample: &Sample) -> f64 {
     let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
     let count = logs.len() as f64;
     let whole = ln_sum(&logs) - count.ln();
     let squares = logs.iter().map(|log| ((log - whole).exp() - 1.0).powi(2));
-    let error = (squares.sum::<f64>() / (count - 1.0) / count).sqrt();
-    (whole, error)
+    (squares.sum::<f64>() / (count - 1.0) / count).sqrt()
 }
 
 fn distinct(particles: &[Particle]) -> usize {

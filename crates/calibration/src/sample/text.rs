@@ -3,14 +3,14 @@
 use super::super::digits::{digits, rounded, shown};
 use super::super::discrepancy::Unknown;
 use super::super::problem::Problem;
-use super::outcome::{Marginal, PosteriorOutcome};
+use super::outcome::{Evidence, Marginal, PosteriorOutcome, Ratio};
 use super::{GROUPS, Sample};
 
 /// Intervals that are named one by one.
 const NAMED: usize = 8;
 
 /// A summary for people.
-pub fn summary(outcome: &PosteriorOutcome) -> String {
+pub fn summary(outcome: &PosteriorOutcome, of_data: &Evidence) -> String {
     let PosteriorOutcome {
         particles,
         effective,
@@ -37,11 +37,10 @@ pub fn summary(outcome: &PosteriorOutcome) -> String {
         );
     }
     text += &format!(
-        "{} % of the particles are different; ln evidence {} +- {}\n",
+        "{} % of the particles are different\n",
         rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),
-        digits(outcome.log_evidence),
-        rounded(outcome.log_evidence_error, 2)
     );
+    text += &evidence(of_data);
     for note in &outcome.notes {
         text += &format!("{note}\n");
     }
@@ -52,6 +51,45 @@ pub fn summary(outcome: &PosteriorOutcome) -> String {
         text += &format!("--posterior {} may do\n", outcome.more());
     }
     text
+}
+
+/// How probable the measured values are under this model with its prior, and how much more than under another.
+fn evidence(evidence: &Evidence) -> String {
+    let [low, high] = evidence.interval.map(digits);
+    let log = digits(evidence.log);
+    if !evidence.trusted {
+        return format!("ln evidence {log}, NOT to be relied on: more particles may do\n");
+    }
+    let Some(Ratio {
+        log: ratio,
+        interval,
+    }) = &evidence.against
+    else {
+        return format!(
+            "ln evidence {log} ({low} .. {high}, 95 %): another model or setting on the same data can be weighed against this \
+             one, with --against this identification.json\n"
+        );
+    };
+    let factor = |log: f64| rounded(log.exp(), 3);
+    let [least, most] = interval.map(factor);
+    let how = match interval {
+        [low, _] if *low > 0.0 => format!(
+            "favour this one by a factor of {} ({least} .. {most}, 95 %)",
+            factor(*ratio)
+        ),
+        [_, high] if *high < 0.0 => {
+            let [least, most] = [interval[1], interval[0]].map(|log| factor(-log));
+            format!(
+                "favour the other one by a factor of {} ({least} .. {most}, 95 %)",
+                factor(-ratio)
+            )
+        }
+        _ => format!(
+            "do not tell the two apart: their ratio is {} ({least} .. {most}, 95 %)",
+            factor(*ratio)
+        ),
+    };
+    format!("ln evidence {log} ({low} .. {high}, 95 %): the data {how}, each with its own prior\n")
 }
 
 fn marginals(free: &[Marginal]) -> String {

@@ -4,7 +4,7 @@ mod files;
 mod posterior;
 mod surrogate;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -32,6 +32,7 @@ use calibration::outcome::IdentificationOutcome;
 use calibration::problem::{Problem, Simulate};
 use calibration::remembered::Remembered;
 use calibration::rounds;
+use calibration::sample::outcome::Evidence;
 use calibration::sample::{self, Sample};
 use calibration::search::{self, Progress, SearchError};
 use calibration::text;
@@ -85,6 +86,11 @@ pub struct Asked {
     /// Search and sample on polynomials from at most this many runs of each case, where runs are dear; their error counts
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub surrogate: Option<u64>,
+    /// Weigh the model against that of another result on the same data: its identification.json, or its folder
+    // The other result may be another one when the run goes on.
+    #[serde(skip)]
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
     /// The seed of the starts, instead of the study's
     // The request has it beside these.
     #[serde(skip)]
@@ -187,6 +193,7 @@ impl Analysis for Asked {
             return Err(Error::option("cross-validate", message));
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
+        self.other(settings, bound)?;
         surrogate::check(study, settings, bound, self)
     }
 
@@ -196,11 +203,21 @@ impl Analysis for Asked {
         pipeline: &mut Pipeline<'_>,
         folder: &Path,
     ) -> Result<AnalysisResult, Error> {
-        let (outcome, sample) = find(self, fit, pipeline)?;
+        let (mut outcome, sample) = find(self, fit, pipeline)?;
+        if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
+            let compared = evidence.compare(&other);
+            compared.unwrap_or_else(|message| outcome.posterior.iter_mut().for_each(|sample| {
+                sample.notes.push(format!("--against: {message}"));
+            }));
+        }
         files::write(folder, &fit.study, &fit.settings, &outcome)?;
         posterior::write(folder, &fit.bound, sample.as_ref())?;
         let [posterior, validation] = [
-            outcome.posterior.as_ref().map(sample::text::summary),
+            outcome
+                .posterior
+                .as_ref()
+                .zip(outcome.evidence.as_ref())
+                .map(|(sample, evidence)| sample::text::summary(sample, evidence)),
             outcome.cross_validation.as_ref().map(cross::text::summary),
         ]
         .map(Option::unwrap_or_default);
@@ -216,6 +233,17 @@ impl Analysis for Asked {
 }
 
 impl Asked {
+    /// The evidence that this one's is weighed against.
+    fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>, Error> {
+        let Some(path) = &self.against else {
+            return Ok(None);
+        };
+        if settings.posterior.is_none() {
+            return Err(Error::option("against", "the evidence comes with --posterior N"));
+        }
+        posterior::other(path, &bound.problem).map(Some)
+    }
+
     /// The study's settings, overridden by the command line. A study with cases need not have any.
     fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, Error> {
         let usual = || (!study.cases.is_empty()).then(Identification::default);

@@ -3,8 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
+use serde::Deserialize;
+
 use crate::error::Error;
 use super::files::remove;
+use crate::files;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
 use crate::study::identification::PosteriorStart;
@@ -15,7 +18,8 @@ use calibration::local::End;
 use calibration::objective::Objective;
 use calibration::optima::Optimum;
 use calibration::outcome::IdentificationOutcome;
-use calibration::sample::outcome::PosteriorOutcome;
+use calibration::problem::Problem;
+use calibration::sample::outcome::{Evidence, PosteriorOutcome};
 use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
 use calibration::search::SearchError;
 
@@ -53,6 +57,26 @@ pub(super) fn check(
     })
 }
 
+/// The evidence of another result, given its file or its folder.
+pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence, Error> {
+    #[derive(Deserialize)]
+    struct Other {
+        evidence: Option<Evidence>,
+    }
+    let path = match path.is_dir() {
+        true => path.join(super::FILE),
+        false => path.to_owned(),
+    };
+    let other = serde_json::from_str::<Other>(&files::text(&path)?);
+    let other = other.map_err(|error| Error::content(&path, error))?;
+    let evidence = other.evidence.ok_or_else(|| {
+        Error::content(&path, "there is no evidence in it; run that identify with --posterior N")
+    })?;
+    let same = evidence.is_of(problem);
+    same.map_err(|message| Error::content(&path, message))?;
+    Ok(evidence)
+}
+
 /// Samples the posterior where that is asked for. Where time is up before that is done there is no sample, and the outcome
 /// says so.
 pub(super) fn sampled(
@@ -86,7 +110,9 @@ pub(super) fn sampled(
     };
     match sample(objective, seeds, &settings, &observe) {
         Ok(sample) => {
-            outcome.posterior = Some(PosteriorOutcome::new(objective, optima, &sample));
+            let posterior = PosteriorOutcome::new(objective, optima, &sample);
+            outcome.evidence = Some(Evidence::new(objective.problem, &sample, posterior.trusted));
+            outcome.posterior = Some(posterior);
             let pairs = outcome.discrepancies.iter_mut().zip(unknown).enumerate();
             for (index, (discrepancy, unknown)) in pairs {
                 let sampled =
