@@ -80,7 +80,7 @@ readings! {
 }
 
 impl Readings {
-    /// Those of the sensors that the physical stand has.
+    /// The readings of the sensors that the physical stand has.
     pub fn sensed(&self) -> Sensed {
         [
             self.load_force,
@@ -93,10 +93,10 @@ impl Readings {
     }
 }
 
-/// A force over the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr, with the M
-/// that is missing in print). Zero without a load. Near zero load the ratio is cut off a little below the largest value that
+/// The ratio of a force to the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr, with
+/// the M that is missing in print). Zero without a load. Near zero load it is cut off a little below the largest value that
 /// the variables' ranges allow, so that its means, which are rounded, stay within them, too.
-pub fn over_load(force: f64, load: f64) -> f64 {
+pub fn load_ratio(force: f64, load: f64) -> f64 {
     const MOST: f64 = 0.999e9;
     if load == 0.0 {
         return 0.0;

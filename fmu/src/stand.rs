@@ -276,7 +276,7 @@ impl Stand {
 
     /// `M/(F_N*D/2)`, 1.
     fn friction_coefficient(&self, torque: f64, load: f64) -> f64 {
-        sensors::over_load(torque / self.bearing.radius(), load)
+        sensors::load_ratio(torque / self.bearing.radius(), load)
     }
 
     /// The sensors' readings, `tau` seconds into the step.
@@ -300,7 +300,7 @@ impl Stand {
             film_viscosity: at.viscosity,
             film_temperature: temperatures.film,
             side_flow: motion.flows.side_flow,
-            contact_share: sensors::over_load(motion.contact.force, at.load.abs()),
+            contact_share: sensors::load_ratio(motion.contact.force, at.load.abs()),
             contact_torque: motion.boundary_torque,
             shaft_speed: at.speed,
             shaft_angle: self.driven(tau).1,

@@ -26,7 +26,7 @@ impl Repeats {
         let count = usize::try_from(count).unwrap_or(usize::MAX);
         let mut random = Random::new(seed, Purpose::Audit, 0);
         let mut places = BTreeSet::new();
-        // Floyd's way: each set of places is as probable, and no list of all points is needed.
+        // Floyd's algorithm (Bentley & Floyd 1987): all sets are equally probable, and no list of all points is needed.
         for last in count.saturating_sub(ENOUGH)..count {
             if !places.insert(random.below(last + 1)) {
                 places.insert(last);

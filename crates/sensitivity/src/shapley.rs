@@ -160,7 +160,7 @@ pub fn design(
         let [a, b] = [a, b].map(|u| factor * DVector::from_iterator(u.len(), u.iter().map(score)));
         rows.extend([places(&a), places(&b)]);
         for set in &sets {
-            let mixed = given(&a, &b, set, matrix).ok_or(CONTRADICTION)?;
+            let mixed = conditional(&a, &b, set, matrix).ok_or(CONTRADICTION)?;
             rows.push(places(&mixed));
         }
     }
@@ -179,16 +179,16 @@ fn places(scores: &DVector<f64>) -> Vec<f64> {
     scores.iter().map(|&score| normal.cdf(score)).collect()
 }
 
-/// Scores that are those of `a` in a set, and elsewhere those of `b` moved to what is to be expected then.
-fn given(
+/// Scores that are those of `a` in a set, and elsewhere those of `b` moved by what the correlations make of the difference.
+fn conditional(
     a: &DVector<f64>,
     b: &DVector<f64>,
     set: &[usize],
     matrix: &DMatrix<f64>,
 ) -> Option<DVector<f64>> {
     let known = DVector::from_iterator(set.len(), set.iter().map(|&k| a[k] - b[k]));
-    let among = DMatrix::from_fn(set.len(), set.len(), |i, j| matrix[(set[i], set[j])]);
-    let weights = among.cholesky()?.solve(&known);
+    let within = DMatrix::from_fn(set.len(), set.len(), |i, j| matrix[(set[i], set[j])]);
+    let weights = within.cholesky()?.solve(&known);
     let mut mixed = b + matrix.select_columns(set) * weights;
     set.iter().for_each(|&k| mixed[k] = a[k]);
     Some(mixed)
@@ -229,11 +229,11 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
         let pairs = terms.iter_mut().zip(steps);
         pairs.for_each(|(terms, steps)| terms.push(steps));
     }
-    let of = |[before, after, a, b]: &[f64; 4]| match correlated {
+    let explained = |[before, after, a, b]: &Step| match correlated {
         true => (after - before) * (a - (after + before) / 2.0),
         false => (after - before) * (a - b) / 2.0,
     };
-    let mean = |steps: &Vec<[f64; 4]>| steps.iter().map(of).sum::<f64>() / steps.len() as f64;
+    let mean = |steps: &Vec<Step>| steps.iter().map(explained).sum::<f64>() / steps.len() as f64;
     let variance = ratio::paired_variance(&ends);
     let failed = outputs.iter().filter(|v| !v.is_finite()).count();
     let mut result = Effects {
@@ -243,9 +243,9 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
         failed,
     };
     for steps in &terms {
-        let over = Parts::of(steps.iter().map(mean));
-        result.used.push(over.used());
-        result.effects.push(ratio::estimate(&over, &variance, 0.0)?);
+        let part = Parts::of(steps.iter().map(mean));
+        result.used.push(part.used());
+        result.effects.push(ratio::estimate(&part, &variance, 0.0)?);
     }
     if failed > 0 {
         let bounds = terms
@@ -256,8 +256,11 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     Some(result)
 }
 
-/// For each parameter the outputs before and after it is added in each order, and those of A and B.
-fn steps(values: &[f64], orders: &[Vec<usize>]) -> Vec<Vec<[f64; 4]>> {
+/// The outputs before and after an order adds a parameter, and those of A and B.
+type Step = [f64; 4];
+
+/// The steps of a base point, for each parameter one in each order.
+fn steps(values: &[f64], orders: &[Vec<usize>]) -> Vec<Vec<Step>> {
     let sets = beginnings(orders);
     let [a, b] = [values[0], values[1]];
     let mut steps = vec![Vec::new(); orders[0].len()];
@@ -291,15 +294,15 @@ fn times(a: Range, b: Range) -> Range {
 
 /// Bounds of an effect, by interval arithmetic: wider than necessary.
 fn bounds(
-    steps: &[Vec<[f64; 4]>],
+    steps: &[Vec<Step>],
     ends: &[[f64; 2]],
     correlated: bool,
     outputs: &[f64],
 ) -> Option<[f64; 2]> {
     let any = crate::range(outputs)?;
     let range = |value: f64| if value.is_finite() { [value; 2] } else { any };
-    let term = |values: &[f64; 4]| {
-        let [before, after, a, b] = values.map(range);
+    let term = |step: &Step| {
+        let [before, after, a, b] = step.map(range);
         let (x, y) = (minus(a, after), minus(a, before));
         let other = match correlated {
             true => [x[0] + y[0], x[1] + y[1]],
@@ -307,22 +310,22 @@ fn bounds(
         };
         times(minus(after, before), other.map(|end| end / 2.0))
     };
-    let over = |end: usize| -> Parts {
-        let mean = |steps: &Vec<[f64; 4]>| {
+    let explained = |end: usize| -> Parts {
+        let mean = |steps: &Vec<Step>| {
             steps.iter().map(|step| term(step)[end]).sum::<f64>() / steps.len() as f64
         };
         Parts::of(steps.iter().map(mean))
     };
-    let square = |end: fn(f64, f64) -> f64| -> Parts {
+    let variance = |end: fn(f64, f64) -> f64| -> Parts {
         Parts::of(ends.iter().map(|values| {
             let [a, b] = values.map(range);
             let [least, most] = minus(a, b);
             end(least, most).powi(2) / 2.0
         }))
     };
-    let least = square(|low, high| low.max(-high).max(0.0));
-    let most = square(|low, high| low.abs().max(high.abs()));
-    let (below, above) = (over(0), over(1));
+    let least = variance(|low, high| low.max(-high).max(0.0));
+    let most = variance(|low, high| low.abs().max(high.abs()));
+    let (below, above) = (explained(0), explained(1));
     let end = |over: &Parts, under: &Parts, sign: f64| {
         let ratio = ratio::ratio(over, under, |_| true);
         let half = ratio::half_width(over, under, ratio)?;

@@ -7,17 +7,17 @@
 pub mod answer;
 pub mod boxes;
 pub mod combinations;
+pub mod evidence;
 pub mod maps;
 pub mod margins;
 pub mod region;
-pub mod stated;
 pub mod surrogate;
 
 use crate::table::{CriterionColumn, PointTable};
+use evidence::Evidence;
 use rayon::prelude::*;
 use region::{Domain, Ellipsoid, Region, Sample, Shape};
 use serde::{Deserialize, Serialize};
-use stated::Evidence;
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
 
@@ -339,7 +339,7 @@ fn firm<S: Shape + Clone>(
         let Some(mut region) = search(target, before.as_ref()) else {
             break;
         };
-        let statement = evidence.of(|x| region.contains(x));
+        let statement = evidence.statement(|x| region.contains(x));
         region.note(statement);
         let is_firm = statement.interval[0] >= level;
         if is_firm || likely.is_none() && statement.probability >= level {

@@ -6,7 +6,7 @@ use super::rule::{Inputs, Numbers, Registered, Rule};
 use crate::distribution::BELOW_ONE;
 use crate::random::{self, Purpose};
 
-/// Bits of randomness that a digit needs.
+/// Bits of a coordinate that the permuted digits settle: as many as a number holds. What lies beyond them is random.
 const BITS: f64 = 53.0;
 
 /// A scrambled sequence.
@@ -20,7 +20,7 @@ pub(super) struct Sequence {
 #[derive(Clone, Debug)]
 struct Radix {
     base: u64,
-    /// A permutation of the digits for every place behind the point.
+    /// For every place behind the point, the digit that stands for each digit.
     permutations: Vec<Vec<u16>>,
 }
 
@@ -83,7 +83,7 @@ impl Radix {
     }
 }
 
-/// The primes that fit a digit.
+/// The bases: primes, up to a size at which every place takes a permutation of thousands of digits.
 fn primes() -> impl Iterator<Item = u64> {
     const MOST: u64 = 1 << 13;
     let is_prime = |&n: &u64| {

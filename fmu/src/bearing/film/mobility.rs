@@ -64,7 +64,7 @@ impl Factors {
     }
 }
 
-/// The journal's motion under what a contact and its friction leave of the load.
+/// The journal's motion under the part of the load that contact and friction leave to the film.
 struct Push<'a> {
     /// `None` without a load on the film.
     film: Option<LookUp<'a>>,
@@ -167,7 +167,7 @@ impl Prepared {
             clearance,
             ..
         } = *at;
-        // Over the measured clearance.
+        // The clearance as a multiple of the measured one.
         let wider = clearance / bearing.radial_clearance;
         let e = Vector2::from(at.eccentricity);
         let length = e.norm();

@@ -19,63 +19,57 @@ pub struct Evidence<'a> {
     pub(super) points: &'a [Vec<f64>],
     /// Whether each of them is verified; a failed one is not.
     pub(super) verified: &'a [bool],
-    /// With what probability each was foretold to be, without itself.
+    /// The probability that each of them is verified, by surrogates that were fitted without it.
     pub(super) foretold: &'a [f64],
 }
 
 impl Evidence<'_> {
-    /// How often a forecast is wrong anywhere: half a case more than were seen, as Jeffreys' prior has it. No verdict of a
-    /// few points inside shows that the surrogates err less than this.
-    fn surprise(&self) -> f64 {
-        let pairs = self.verified.iter().zip(self.foretold);
-        let wrong: f64 = pairs.map(|(ok, p)| (truth(*ok) - p).powi(2)).sum();
-        (wrong + 0.5) / (self.points.len() as f64 + 1.0)
+    /// The verdict on a point, 1 or 0, less its forecast.
+    fn error(&self, i: usize) -> f64 {
+        f64::from(u8::from(self.verified[i])) - self.foretold[i]
     }
 
-    /// The statement on a region; nothing of its probability where it holds too few points.
-    pub(super) fn of(&self, contains: impl Fn(&[f64]) -> bool) -> Statement {
+    /// The mean square error of the forecasts over all points, with half a wrong one more than were seen, as Jeffreys' prior
+    /// has it. The few points in a region cannot show that the surrogates err less than this.
+    fn usual_square(&self) -> f64 {
+        let points = self.points.len();
+        let wrong: f64 = (0..points).map(|i| self.error(i).powi(2)).sum();
+        (wrong + 0.5) / (points as f64 + 1.0)
+    }
+
+    /// The statement on a region: its share of the space, and how probable verification is in it. The interval is that of
+    /// complete ignorance where it holds too few points.
+    pub(super) fn statement(&self, contains: impl Fn(&[f64]) -> bool) -> Statement {
         let sampled = self.unseen.points.iter().zip(self.unseen.verdicts);
         let sampled = sampled.filter(|(x, _)| contains(x)).map(|(_, p)| *p);
         let sampled: Vec<f64> = sampled.collect();
-        let share = sampled.len() as f64 / self.unseen.points.len() as f64;
-        let inside: Vec<usize> = (0..self.points.len())
-            .filter(|&i| contains(&self.points[i]))
-            .collect();
-        let off = |&i: &usize| truth(self.verified[i]) - self.foretold[i];
-        let off: Vec<f64> = inside.iter().map(off).collect();
-        let raw = mean(&sampled);
-        let n = off.len() as f64;
-        let Some(student) = StudentsT::new(0.0, 1.0, n - 1.0)
-            .ok()
-            .filter(|_| off.len() > 1 && sampled.len() > 1)
-        else {
-            return Statement {
-                share,
-                probability: raw,
-                interval: [0.0, 1.0],
-            };
+        let inside = (0..self.points.len()).filter(|&i| contains(&self.points[i]));
+        let inside: Vec<usize> = inside.collect();
+        let errors: Vec<f64> = inside.iter().map(|&i| self.error(i)).collect();
+        let n = errors.len() as f64;
+        let mut statement = Statement {
+            share: sampled.len() as f64 / self.unseen.points.len() as f64,
+            probability: mean(&sampled),
+            interval: [0.0, 1.0],
         };
-        // Also what the forecasts themselves admit, since few points inside may all happen to agree with them.
+        let student = StudentsT::new(0.0, 1.0, n - 1.0).ok();
+        let Some(student) = student.filter(|_| errors.len() > 1 && sampled.len() > 1) else {
+            return statement;
+        };
+        // Few points inside may all happen to agree with their forecasts, so these count as no better than they admit.
         let admitted = inside
             .iter()
             .map(|&i| self.foretold[i] * (1.0 - self.foretold[i]));
-        let scatter = variance(&off, 1)
+        let square = variance(&errors, 1)
             .max(admitted.sum::<f64>() / n)
-            .max(self.surprise());
-        let error = (scatter / n + variance(&sampled, 1) / sampled.len() as f64).sqrt();
-        let reach = student.inverse_cdf(0.975) * error;
-        let probability = (raw + mean(&off)).clamp(0.0, 1.0);
-        let end = |value: f64| value.clamp(0.0, 1.0);
-        Statement {
-            share,
-            probability,
-            interval: [end(probability - reach), end(probability + reach)],
-        }
+            .max(self.usual_square());
+        let deviation = (square / n + variance(&sampled, 1) / sampled.len() as f64).sqrt();
+        let reach = student.inverse_cdf(0.975) * deviation;
+        let probability = (statement.probability + mean(&errors)).clamp(0.0, 1.0);
+        statement.probability = probability;
+        statement.interval = [probability - reach, probability + reach].map(|p| p.clamp(0.0, 1.0));
+        statement
     }
-}
-
-fn truth(verified: bool) -> f64 {
-    f64::from(u8::from(verified))
 }
 
 #[cfg(test)]
@@ -101,7 +95,7 @@ mod tests {
             verified: &verified,
             foretold: &vec![0.95; points],
         };
-        evidence.of(|x| x[0] < 0.5)
+        evidence.statement(|x| x[0] < 0.5)
     }
 
     #[test]
