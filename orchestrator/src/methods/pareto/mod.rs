@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::document::Document;
+use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
@@ -196,7 +196,12 @@ fn of_points(
 
 fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, Error> {
     let result = result.ok_or_else(|| Error::Search("no point has values".to_owned()))?;
-    Ok(AnalysisResult::new(&result, origin, document(&result).as_text(), FILE))
+    Ok(AnalysisResult::new(
+        &result,
+        origin,
+        document(&result).as_text(),
+        FILE,
+    ))
 }
 
 /// The parameters at the medians of their distributions.

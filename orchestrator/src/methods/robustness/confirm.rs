@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use crate::error::Error;
 use super::super::asking;
 use super::joint;
+use crate::error::Error;
 use crate::pipeline::Pipeline;
 use crate::session::Session;
 use parameter_regions::robustness::{Robustness, refined, rows};
@@ -41,7 +41,10 @@ impl Confirmation<'_, '_> {
         for round in 0..ROUNDS {
             let runs = self.judge(&mut result, round)?;
             let level = result.level;
-            if result.region.as_ref().is_none_or(|region| region.agrees(level))
+            if result
+                .region
+                .as_ref()
+                .is_none_or(|region| region.agrees(level))
                 && result
                     .ellipsoid
                     .as_ref()
@@ -71,7 +74,8 @@ impl Confirmation<'_, '_> {
         let boxed = result.region.as_ref();
         let boxed = boxed.map(|region| self.inside(2 * round, |x| region.contains(&varying(x))));
         let rounded = result.ellipsoid.as_ref();
-        let rounded = rounded.map(|ellipsoid| self.inside(2 * round + 1, |x| ellipsoid.contains(&varying(x))));
+        let rounded = rounded
+            .map(|ellipsoid| self.inside(2 * round + 1, |x| ellipsoid.contains(&varying(x))));
         let [in_box, in_ellipsoid] = [
             boxed.transpose()?.unwrap_or_default(),
             rounded.transpose()?.unwrap_or_default(),

@@ -26,11 +26,7 @@ pub fn document(result: &Robustness) -> Document {
         told.say(evidence("Largest box found", result.level, region));
     }
     if let Some(ellipsoid) = &result.ellipsoid {
-        told.say(evidence(
-            "Largest ellipsoid found",
-            result.level,
-            ellipsoid,
-        ));
+        told.say(evidence("Largest ellipsoid found", result.level, ellipsoid));
     }
     if !result.unsafe_combinations.is_empty() {
         told.heading("Unsafe combinations");
@@ -161,7 +157,6 @@ fn bounds(result: &Robustness, c: &Combination) -> String {
         .collect::<Vec<_>>()
         .join(" with ")
 }
-
 
 fn surrogates(result: &Robustness) -> Table {
     let row = |(name, q): &(String, Quality)| {

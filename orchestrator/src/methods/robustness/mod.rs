@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::document::Document;
+use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
@@ -188,26 +188,29 @@ impl Analysis for Asked {
         }
         .of(stated)?;
         confirmed.keep_together(&session.plan.together());
-        Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))
+        Ok(AnalysisResult::new(
+            &confirmed,
+            origin,
+            document(&confirmed).as_text(),
+            FILE,
+        ))
     }
 }
 
 /// A large sample from the study's distributions, in the order of the table's parameters; from the
 /// points themselves where the FMU is not there to convert units.
-fn cloud(
-    plan: Option<&Plan>,
-    table: &PointTable,
-    seed: u64,
-) -> Result<Vec<Vec<f64>>, Error> {
+fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
     const SIZE: u64 = 65_536;
     let names = || table.parameters.iter().map(|p| &p.name);
     match plan {
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) && !plan.is_independent() => {
-            let points = joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
+            let points =
+                joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
             Ok((0..SIZE).map(|index| points.point(index)).collect())
         }
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => {
-            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?;
+            let cube = cube(plan.varied().len(), SIZE, seed, 1)
+                .map_err(|message| Error::option("seed", message))?;
             Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),

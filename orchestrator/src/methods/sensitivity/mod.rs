@@ -11,10 +11,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::document::Document;
+use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
@@ -112,7 +112,8 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
             result.warnings.insert(0, SAMPLED.to_owned());
         }
         let origin = Origin::of_points(&summary);
-        let result = AnalysisResult::new(&result, origin, document(&result, &table).as_text(), FILE);
+        let result =
+            AnalysisResult::new(&result, origin, document(&result, &table).as_text(), FILE);
         let folder = options.work.output.as_ref().unwrap_or(from).clone();
         return Delivery::without_runs(result, &options.work, folder);
     }
@@ -252,7 +253,12 @@ impl Analysis for Asked {
             result.warnings.insert(0, CORRELATED.to_owned());
         }
         let origin = asking::origin(session)?;
-        Ok(AnalysisResult::new(&result, origin, document(&result, &rows).as_text(), FILE))
+        Ok(AnalysisResult::new(
+            &result,
+            origin,
+            document(&result, &rows).as_text(),
+            FILE,
+        ))
     }
 }
 

@@ -1,12 +1,12 @@
 //! The goal of the tolerances.
 
-use std::path::Path;
 use crate::error::Error;
 use crate::judge::{Judge, share};
-use crate::results::{table};
+use crate::results::table;
 use crate::study::Study;
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
+use std::path::Path;
 
 /// A share of accepted points, or a conformance probability.
 #[derive(Clone, Copy, Debug)]

@@ -9,20 +9,20 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
-use crate::files::FileError;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use crate::document::format::number;
 use crate::document::Document;
+use crate::document::format::number;
+use crate::error::Error;
+use crate::files::FileError;
 use crate::options::Work;
-use crate::pipeline::{Pipeline};
+use crate::pipeline::Pipeline;
 use crate::results::Outcome;
 use crate::results::summary::ParameterSummary;
 use crate::results::table;
 use crate::session::{Request, Session};
+use crate::study::Study;
 use crate::study::plan::{Input, Plan};
-use crate::study::{Study};
 use goal::Goal;
 use parameter_regions::table::PointTable;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances};
@@ -168,8 +168,7 @@ impl Analysis for Asked {
         };
         match answer {
             Some(answer) if answer.is_expected => {
-                told.parameters =
-                    parameters(&session.plan, &problem, &answer.scales, &answer.safe);
+                told.parameters = parameters(&session.plan, &problem, &answer.scales, &answer.safe);
                 told.widest = Some(answer.at_scales);
                 told.stated = Some(answer.at_safe);
                 told.confirmed = Some(problem.confirm(&answer.safe, fresh)?);
@@ -183,11 +182,15 @@ impl Analysis for Asked {
             None => {
                 told.reasons = reasons::of(&session.judge, &goal, &centre, &outcomes);
                 let ones = vec![1.0; problem.distributions.len()];
-                told.reasons
-                    .extend(most(session, &problem, &sample, &ones));
+                told.reasons.extend(most(session, &problem, &sample, &ones));
             }
         }
-        Ok(AnalysisResult::new(&told, asking::origin(session)?, document(&told).as_text(), FILE))
+        Ok(AnalysisResult::new(
+            &told,
+            asking::origin(session)?,
+            document(&told).as_text(),
+            FILE,
+        ))
     }
 }
 
@@ -203,7 +206,8 @@ impl Asked {
             "table" | "full-factorial"
         );
         let same_files = session.study.digest() == summary.provenance.study_sha256;
-        let same_files = same_files && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
+        let same_files =
+            same_files && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
         Ok((drawn && same_files && !table.is_empty()).then_some(table))
     }
 
