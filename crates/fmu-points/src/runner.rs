@@ -7,6 +7,7 @@
 mod collector;
 mod gauge;
 mod resampled;
+mod scene;
 mod steps;
 mod watched;
 
@@ -17,10 +18,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
-use crate::task::{Probe, Task, place};
-use fmu_import::{Call, Content, End, Instance, Library, State, Warnings};
+use crate::task::{Probe, Task};
+use fmu_import::{Call, End, Instance, Library, State, Warnings};
 use gauge::Gauge;
-use watched::Watched;
+use scene::Scene;
 
 /// Runs points, reusing the instance where the FMU can be reset.
 #[derive(Debug)]
@@ -42,83 +43,6 @@ pub struct Runner {
     pub(crate) notices: Notices,
     /// The version of FMI that the binary says where that is an unusual one, once it was asked.
     version: Option<Option<String>>,
-}
-
-/// A case, and what is gathered while it is simulated.
-#[derive(Debug)]
-struct Scene {
-    /// The number of the case.
-    number: usize,
-    task: Task,
-    /// The times between communication points to which the FMU takes a step, since a recorded input turns there.
-    stops: Vec<f64>,
-    /// The real variables that are read at every communication point.
-    watched: Watched,
-    /// The other probes that are read there: all of them where one has a window, or looks at another variable, too.
-    gauges: Vec<Gauge>,
-    has_windows: bool,
-    results: Vec<f64>,
-}
-
-impl Scene {
-    fn new(number: usize, mut task: Task) -> Self {
-        let stops = place(&mut task.inputs, &task.schedule);
-        let special = |probe: &Probe| probe.window.is_some() || probe.companion().is_some();
-        let has_windows = task.observed.iter().any(special);
-        let over_time = task.observed.iter().enumerate();
-        let over_time = over_time.filter(|(_, probe)| has_windows || !probe.is_final());
-        let (probes, others): (Vec<_>, Vec<_>) =
-            over_time.partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
-        let usual = [task.schedule.window_start, task.schedule.stop];
-        let gauges = others.into_iter();
-        Self {
-            number,
-            gauges: gauges
-                .map(|(number, probe)| Gauge::new(number, probe, usual))
-                .collect(),
-            has_windows,
-            watched: Watched::new(&task, probes.iter().map(|(number, _)| *number).collect()),
-            results: vec![0.0; task.observed.len()],
-            stops,
-            task,
-        }
-    }
-
-    fn forget(&mut self) {
-        let watched = &mut self.watched;
-        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            collector.restart(&self.task.observed[*index]);
-        }
-        for gauge in &mut self.gauges {
-            gauge.restart(&self.task.observed[gauge.probe]);
-        }
-    }
-
-    /// The results, with the statistics of most variables taken over `span` seconds.
-    fn finish(
-        &mut self,
-        instance: &mut Instance,
-        span: f64,
-        notices: &mut Notices,
-    ) -> Result<(), Call> {
-        let watched = &mut self.watched;
-        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            self.results[*index] = collector.result(span);
-            notices.conforming.extend(collector.conforming());
-        }
-        for gauge in &mut self.gauges {
-            let (result, conforming) = gauge.result();
-            self.results[gauge.probe] = result;
-            notices.conforming.extend(conforming);
-        }
-        if !self.has_windows {
-            let finals = self.task.observed.iter().zip(&mut self.results);
-            for (probe, result) in finals.filter(|(probe, _)| probe.is_final()) {
-                *result = probe.read(instance)?;
-            }
-        }
-        Ok(())
-    }
 }
 
 /// How a used instance gets ready for the next point.
@@ -489,55 +413,6 @@ fn before_the_window(mut call: Call) -> Call {
         call.message = Some(message);
     }
     call
-}
-
-impl Scene {
-    /// Sets the start values and initialises.
-    fn start(&self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
-        let (task, schedule) = (&self.task, &self.task.schedule);
-        instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
-        for (reference, value) in &task.fixed {
-            instance.set(*reference, value)?;
-        }
-        for (slot, &value) in task.varied.iter().zip(values) {
-            instance.set(slot.handle.reference, &slot.value(value))?;
-        }
-        self.feed(instance, schedule.start)?;
-        instance.initialise()
-    }
-
-    /// Sets the inputs that change over time.
-    fn feed(&self, instance: &mut Instance, time: f64) -> Result<(), Call> {
-        for series in &self.task.inputs {
-            let value = series.slot.value(series.at(time));
-            instance.set(series.slot.handle.reference, &value)?;
-        }
-        Ok(())
-    }
-
-    /// Goes from one communication point to the next, with a step to each time at which a recorded input turns.
-    fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Result<(), Call> {
-        let ahead = &self.stops[self.stops.partition_point(|&stop| stop <= begin)..];
-        let between = ahead.iter().copied().take_while(|&stop| stop < end);
-        let mut time = begin;
-        for next in between.chain([end]) {
-            self.feed(instance, time)?;
-            // Some inputs vary within the step.
-            for series in self.task.inputs.iter().filter(|series| series.ramp) {
-                instance.set_slope(series.slot.handle.reference, series.slope(time, next))?;
-            }
-            instance.step(time, next - time).map_err(|mut call| {
-                // What was read last is that of the communication point.
-                call.ended = call.ended.map(|ended| End {
-                    from: begin,
-                    ..ended
-                });
-                call
-            })?;
-            time = next;
-        }
-        Ok(())
-    }
 }
 
 impl Probe {
