@@ -8,7 +8,6 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::rule::{self, Inputs, Numbers, Rule};
-use super::{factorial, halton, hypercube, monte_carlo, optimised, sobol};
 
 /// Makes the choice of the designs from lines of name, type and meaning.
 macro_rules! methods {
@@ -63,12 +62,12 @@ macro_rules! methods {
 }
 
 methods! {
-    MonteCarlo = monte_carlo::Independent, "Independent random points.";
-    LatinHypercube = hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
-    OptimisedLatinHypercube = optimised::Spread, "The same, with slices paired so that the points are spread well.";
-    Sobol = sobol::Nets, "A scrambled Sobol net.";
-    Halton = halton::Sequence, "A scrambled Halton sequence.";
-    FullFactorial = factorial::Grid, "Every combination of the parameters' levels.";
+    MonteCarlo = super::monte_carlo::Independent, "Independent random points.";
+    LatinHypercube = super::hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
+    OptimisedLatinHypercube = super::optimised::Spread, "The same, with slices paired so that the points are spread well.";
+    Sobol = super::sobol::Nets, "A scrambled Sobol net.";
+    Halton = super::halton::Sequence, "A scrambled Halton sequence.";
+    FullFactorial = super::factorial::Grid, "Every combination of the parameters' levels.";
 }
 
 impl Method {
