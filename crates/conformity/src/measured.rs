@@ -80,7 +80,7 @@ impl Limits {
             return Some([lower + by, upper - by]);
         }
         let middle = self.about + 0.5 * (self.plus - self.minus);
-        (half >= 0.0).then(|| [middle - half, middle + half])
+        (half >= 0.0).then_some([middle - half, middle + half])
     }
 }
 
