@@ -60,8 +60,7 @@ fn summary(table: &PointTable) -> Summary {
             risk_not_stated: None,
             criterion: Criterion {
                 name: c.name.clone(),
-                nominal: c.nominal,
-                tolerance,
+                limits: conformity::measured::Limits::within(c.nominal, tolerance),
                 // Half the tolerance.
                 uncertainty: Some(Uncertainty::normal(0.5 * tolerance, 2.0)),
                 ..Criterion::default()

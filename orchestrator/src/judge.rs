@@ -1,6 +1,7 @@
 //! Which points agree with the measurement.
 
 mod curve;
+mod derived;
 mod requirements;
 
 pub(crate) use requirements::share;
@@ -15,9 +16,9 @@ use crate::concern::Concern;
 use crate::files::FileError;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
-use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study};
+use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, ToleranceText, first_wrong};
 use conformity::decision::Rule;
-use conformity::measured::{Measured, Measurement};
+use conformity::measured::{Limits, Measured, Measurement};
 use conformity::risk::Guard;
 use conformity::uncertainty::Uncertainty;
 use curves::{Kind, Metric};
@@ -49,15 +50,23 @@ pub struct Criterion {
     pub metric: Option<Metric>,
     /// The unit of the numbers.
     pub unit: Option<String>,
-    /// The measured value.
-    pub nominal: f64,
-    /// The accuracy to both sides, in the unit.
-    pub tolerance: f64,
-    /// The accuracy as the study states it.
+    /// The limits, in the unit: a measured value with its accuracy, or a limit that stands alone.
+    #[serde(flatten)]
+    pub limits: Limits,
+    /// The accuracy or the limit as the study states it.
     pub stated_tolerance: String,
+    /// The measured value beside a limit that stands alone.
+    #[serde(default, rename = "measured", skip_serializing_if = "Option::is_none")]
+    pub reading: Option<f64>,
+    /// Of a limit that stands alone: in units of this it counts how far a value is beyond it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance_unit: Option<f64>,
     /// The uncertainty of the measured value, where the study states it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
+    /// The criterion from whose measured value this one's is derived.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub derived_from: Option<String>,
     /// The correlation of the errors of any two rows of the measured curve, where it has an uncertainty. The risk is that over
     /// draws of the curve then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -67,15 +76,58 @@ pub struct Criterion {
 }
 
 impl Criterion {
-    /// The measured value with its tolerance and uncertainty.
+    /// The limits with the measured value and its error.
     pub fn measured(&self) -> Measured {
-        let error = self.uncertainty.map(|u| u.law(self.nominal));
-        Measured::within(self.nominal, self.tolerance, error)
+        let limits = self.limits;
+        let nominal = Some(limits.about).filter(|_| !limits.is_one_sided());
+        let value = nominal.or(self.reading);
+        // Without a reading it is a gauge's error at the limit that counts.
+        let at = value.unwrap_or(limits.about);
+        let error = self.uncertainty.map(|u| u.law(at));
+        Measured {
+            limits,
+            value,
+            error,
+        }
     }
 
-    /// How far a value is from the measured one, in tolerances.
+    /// How far a value is from the measured one, in tolerances of its side: 1 at a limit. At a limit that stands alone it
+    /// is 1, too, and 0 one [unit](Self::room) inside and beyond.
     pub fn deviation(&self, value: f64) -> f64 {
-        (value - self.nominal).abs() / self.tolerance
+        let away = value - self.limits.about;
+        match self.distance_unit {
+            Some(unit) => {
+                let deviation = 1.0 - self.limits.rest(value) / unit;
+                if deviation < 0.0 { 0.0 } else { deviation }
+            }
+            None if away < 0.0 => -away / self.limits.minus,
+            None => away / self.limits.plus,
+        }
+    }
+
+    /// Half the width of the limits; of one that stands alone the unit of its distance.
+    pub fn room(&self) -> f64 {
+        self.distance_unit.unwrap_or(0.5 * self.limits.width())
+    }
+
+    /// The value with the [deviation](Self::deviation) 0: the measured one.
+    fn target(&self) -> f64 {
+        let inwards = match self.limits.minus.is_infinite() {
+            true => -1.0,
+            false => 1.0,
+        };
+        self.limits.about + inwards * self.distance_unit.unwrap_or(0.0)
+    }
+
+    /// The limits in words: `82 degC +-0.75 %`, `at most 85 degC`.
+    pub fn wanted(&self) -> String {
+        let Limits { about, minus, plus } = self.limits;
+        let (stated, unit) = (&self.stated_tolerance, self.unit_behind());
+        match self.metric {
+            None if minus == plus => format!("{about}{unit} +-{stated}"),
+            None if !self.limits.is_one_sided() => format!("{about}{unit} {stated}"),
+            _ => stated.clone(),
+        }
     }
 
     /// The unit as it stands behind a number, with a blank.
@@ -98,7 +150,7 @@ impl Criterion {
     /// The accepted interval as people read and see it: no error is negative, and no rating more than 1, but for rounding.
     pub fn accepted(&self) -> [f64; 2] {
         const ROUNDING: f64 = 1e-9;
-        let [low, high] = [self.nominal - self.tolerance, self.nominal + self.tolerance];
+        let [low, high] = self.limits.ends();
         match self.metric.map(Metric::kind) {
             Some(Kind::Rating) => [low, high.min(1.0 + ROUNDING)],
             Some(_) => [low.max(0.0), high],
@@ -113,7 +165,7 @@ impl Criterion {
             name: self.name.clone(),
             source: self.source(),
             unit: self.unit.clone().unwrap_or_default(),
-            nominal: self.nominal,
+            nominal: self.target(),
             lower,
             upper,
             group: self.group.clone(),
@@ -124,12 +176,8 @@ impl Criterion {
 
     /// Whether a value agrees with the measurement; the limits themselves do.
     pub fn accepts(&self, value: f64) -> bool {
-        accepts(self.nominal, self.tolerance, value)
+        self.limits.accepts(value)
     }
-}
-
-fn accepts(nominal: f64, tolerance: f64, value: f64) -> bool {
-    (value - nominal).abs() <= tolerance
 }
 
 /// A case with its criteria.
@@ -150,8 +198,8 @@ pub struct Variant {
     pub name: String,
     /// Its meaning, and why it is there.
     pub about: Option<String>,
-    /// A tolerance for each criterion, in its unit.
-    pub tolerances: Vec<f64>,
+    /// The limits of each criterion, in its unit.
+    pub limits: Vec<Limits>,
 }
 
 /// All criteria of a study.
@@ -167,6 +215,8 @@ pub struct Judge {
     pub variants: Vec<Variant>,
     /// The measured values with the joint distribution of their errors.
     pub measurement: Measurement,
+    /// Criteria whose measured value is the product of others.
+    derived: Vec<derived::Derived>,
     /// The rule for the model as a whole, where it is another than one point that meets all criteria.
     pub rule: Option<Rule>,
     /// How far the acceptance intervals are drawn in.
@@ -208,6 +258,7 @@ impl Judge {
             cases: cases(study),
             variants: Vec::new(),
             measurement: Measurement::default(),
+            derived: Vec::new(),
             rule: None,
             guard: Guard::Given(0.0),
             warnings: Vec::new(),
@@ -229,6 +280,7 @@ impl Judge {
             scales.push(scale);
         }
         judge.add_variants(study, &scales)?;
+        judge.derive(study)?;
         judge.add_requirements(study)?;
         Ok(judge)
     }
@@ -244,24 +296,54 @@ impl Judge {
 
     fn add_variants(&mut self, study: &Study, scales: &[Scale<'_>]) -> Result<(), FileError> {
         for (name, text) in &study.variants {
-            let criteria = self.criteria.iter();
-            let mut tolerances: Vec<f64> = criteria.map(|criterion| criterion.tolerance).collect();
-            for (criterion, quantity) in &text.tolerance {
-                let number = self
-                    .number_of(criterion)
-                    .map_err(|m| study.error_at(criterion, m))?;
-                let (text, scale) = (&study.criteria[number], &scales[number]);
-                let varied = match &text.nominal {
-                    Some(nominal) => tolerance(quantity, nominal, scale),
-                    None => curve::variant(quantity, text, scale),
-                };
-                tolerances[number] =
-                    varied.map_err(|message| study.error_of(criterion, message))?;
+            let mut limits: Vec<Limits> = self.criteria.iter().map(|c| c.limits).collect();
+            let mut vary = |name: &Name, varied: &dyn Fn(usize) -> Result<Limits, String>| {
+                let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
+                limits[number] = varied(number).map_err(|message| study.error_of(name, message))?;
+                Ok(())
+            };
+            for (criterion, stated) in &text.tolerance {
+                vary(criterion, &|number| {
+                    let (text, scale) = (&study.criteria[number], &scales[number]);
+                    let about = self.criteria[number].limits.about;
+                    match &text.nominal {
+                        Some(nominal) => within(about, stated, nominal, scale),
+                        None if text.reference.is_some() => {
+                            let tolerance = curve::variant(stated.of_curve()?, text, scale)?;
+                            Ok(Limits::within(about, tolerance))
+                        }
+                        None => Err(format!(
+                            "it has a limit and no tolerance; give the variant's with its key: [variants.{name}] {}.{} = ...",
+                            if text.at_most.is_some() {
+                                "at-most"
+                            } else {
+                                "at-least"
+                            },
+                            criterion.as_ref()
+                        )),
+                    }
+                })?;
+            }
+            for ((criterion, stated), side) in sides(&text.at_most, &text.at_least) {
+                vary(criterion, &|number| {
+                    let text = &study.criteria[number];
+                    let same = if side == Side::Most {
+                        &text.at_most
+                    } else {
+                        &text.at_least
+                    };
+                    match same {
+                        Some(_) => limit(stated, side, &scales[number]),
+                        None => {
+                            Err("it has no such limit that the variant could change".to_owned())
+                        }
+                    }
+                })?;
             }
             self.variants.push(Variant {
                 name: name.clone(),
                 about: text.about.clone(),
-                tolerances,
+                limits,
             });
         }
         Ok(())
@@ -283,23 +365,22 @@ impl Judge {
 
     /// Judges the values of one point; `None` is a point that failed.
     pub fn verdict(&self, values: Option<&[f64]>) -> PointVerdict {
-        self.verdict_within(|number| self.criteria[number].tolerance, values)
+        self.verdict_within(|number| self.criteria[number].limits, values)
     }
 
     /// Judges the values of one point by another reading of the tolerances.
     pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> PointVerdict {
-        self.verdict_within(|number| variant.tolerances[number], values)
+        self.verdict_within(|number| variant.limits[number], values)
     }
 
     fn verdict_within(
         &self,
-        tolerance: impl Fn(usize) -> f64,
+        limits: impl Fn(usize) -> Limits,
         values: Option<&[f64]>,
     ) -> PointVerdict {
         let value = |number: usize| values.and_then(|values| values.get(number));
-        let passed = self.criteria.iter().enumerate().map(|(number, criterion)| {
-            value(number).is_some_and(|&v| accepts(criterion.nominal, tolerance(number), v))
-        });
+        let passed = (0..self.criteria.len())
+            .map(|number| value(number).is_some_and(|&v| limits(number).accepts(v)));
         PointVerdict {
             passed: passed.collect(),
         }
@@ -394,45 +475,161 @@ fn scalar(
 ) -> Result<Criterion, FileError> {
     let at = |message: String| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
-    let (measured, accuracy) = match (&text.nominal, &text.tolerance) {
-        (Some(nominal), Some(tolerance)) => (nominal, tolerance),
-        (None, _) => {
-            let message =
-                "the measured value is missing: add `nominal`, or `reference` for a curve";
-            return Err(study.error_of(name, message));
+    let alone = sides(&text.at_most, &text.at_least).next();
+    check_keys(text, alone.is_some()).map_err(at)?;
+    let value = |quantity: &Quantity| scale.number(quantity, Sense::Value).map_err(at);
+    let (limits, stated, measured) = match (alone, &text.nominal, &text.tolerance) {
+        (Some((stated, side)), ..) => {
+            let unit = match &stated.unit {
+                Some(_) => String::new(),
+                None => behind(scale.unit.as_deref()),
+            };
+            let words = format!("{} {stated}{unit}", side.words());
+            (
+                limit(stated, side, scale).map_err(at)?,
+                words,
+                text.measured.as_ref().unwrap_or(stated),
+            )
         }
-        (_, None) => {
+        (None, Some(measured), Some(accuracy)) => {
+            let nominal = value(measured)?;
+            if !nominal.is_finite() {
+                return Err(at(format!(
+                    "the nominal value {measured} is not a finite number"
+                )));
+            }
+            let limits = within(nominal, accuracy, measured, scale).map_err(at)?;
+            (limits, stated(accuracy, measured, scale), measured)
+        }
+        (None, None, _) => {
+            let message = "the measured value is missing: add `nominal`, `reference` for a curve, or `at-most` or `at-least` for a \
+                           limit alone";
+            return Err(at(message.to_owned()));
+        }
+        (None, _, None) => {
             let message = "the accuracy is missing: add `tolerance`, such as \"0.5 %\"";
-            return Err(study.error_of(name, message));
+            return Err(at(message.to_owned()));
         }
     };
-    let nominal = scale.number(measured, Sense::Value).map_err(at)?;
-    if !nominal.is_finite() {
-        let message = format!("the nominal value {measured} is not a finite number");
-        return Err(at(message));
-    }
-    Ok(Criterion {
+    let mut criterion = Criterion {
         name: name.as_ref().clone(),
         variable: text.variable.as_ref().clone(),
         statistic: text.statistic.unwrap_or_default(),
         detail: text.detail().map_err(at)?,
         unit: scale.unit.clone(),
-        nominal,
-        tolerance: tolerance(accuracy, measured, scale).map_err(at)?,
-        stated_tolerance: stated(accuracy, measured, scale),
+        limits,
+        stated_tolerance: stated,
+        reading: text.measured.as_ref().map(value).transpose()?,
         uncertainty: requirements::uncertainty(study, name, text, measured, scale)?,
+        derived_from: text
+            .derived
+            .as_ref()
+            .map(|derived| derived.from.as_ref().clone()),
         group: text.group.clone(),
         ..Criterion::default()
+    };
+    criterion.distance_unit = alone.is_some().then(|| distance_unit(&criterion));
+    Ok(criterion)
+}
+
+/// In what a distance from a limit that stands alone counts: the expanded uncertainty, how far the measured value is inside,
+/// or else the limit itself.
+fn distance_unit(criterion: &Criterion) -> f64 {
+    let measured = criterion.measured();
+    let inside = measured.value.map(|value| criterion.limits.rest(value));
+    let expanded = measured.error.map(|error| error.expanded);
+    let unit = expanded.or(inside.filter(|rest| *rest > 0.0));
+    unit.unwrap_or(match criterion.limits.about {
+        0.0 => 1.0,
+        limit => limit.abs(),
     })
 }
 
-/// A tolerance as people read it beside the nominal value in the study's unit.
-fn stated(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> String {
-    let is_elsewhere = nominal.unit.is_some() && nominal.unit != scale.unit;
-    if is_elsewhere && quantity.unit.as_deref() == Some("%") {
-        return format!("{quantity} of {nominal}");
+/// Which limit stands alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    Least,
+    Most,
+}
+
+impl Side {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Least => "at least",
+            Self::Most => "at most",
+        }
     }
-    quantity.to_string()
+}
+
+/// The entries of both keys with the limit that they state.
+fn sides<T: IntoIterator>(at_most: T, at_least: T) -> impl Iterator<Item = (T::Item, Side)> {
+    let most = at_most.into_iter().map(|entry| (entry, Side::Most));
+    most.chain(at_least.into_iter().map(|entry| (entry, Side::Least)))
+}
+
+fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
+    first_wrong(&[
+        (
+            text.at_most.is_some() && text.at_least.is_some(),
+            "`at-most` and `at-least` are limits that stand alone; for two limits a and b state nominal = (a + b) / 2 and tolerance = \
+             (b - a) / 2",
+        ),
+        (
+            is_alone && text.nominal.is_some(),
+            "a limit takes the place of `nominal`; keep one of them; the measured value beside a limit is `measured`",
+        ),
+        (
+            is_alone && text.tolerance.is_some(),
+            "a limit takes the place of `tolerance`; keep one of them",
+        ),
+        (
+            !is_alone && text.measured.is_some(),
+            "`measured` stands beside `at-most` or `at-least`; the measured value of a tolerance is `nominal`",
+        ),
+    ])
+}
+
+/// A limit that stands alone, in the study's unit.
+fn limit(stated: &Quantity, side: Side, scale: &Scale<'_>) -> Result<Limits, String> {
+    let limit = scale.number(stated, Sense::Value)?;
+    match (side, limit.is_finite()) {
+        (_, false) => Err(format!("the limit {stated} is not a finite number")),
+        (Side::Most, true) => Ok(Limits::at_most(limit)),
+        (Side::Least, true) => Ok(Limits::at_least(limit)),
+    }
+}
+
+/// A measured value with its tolerance, in the study's unit.
+fn within(
+    about: f64,
+    stated: &ToleranceText,
+    nominal: &Quantity,
+    scale: &Scale<'_>,
+) -> Result<Limits, String> {
+    match stated {
+        ToleranceText::Even(stated) => {
+            Ok(Limits::within(about, tolerance(stated, nominal, scale)?))
+        }
+        ToleranceText::Uneven { minus, plus } => Ok(Limits {
+            about,
+            minus: tolerance(minus, nominal, scale)?,
+            plus: tolerance(plus, nominal, scale)?,
+        }),
+    }
+}
+
+/// A tolerance as people read it beside the nominal value in the study's unit.
+fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> String {
+    let is_elsewhere = nominal.unit.is_some() && nominal.unit != scale.unit;
+    let percent = |quantity: &Quantity| quantity.unit.as_deref() == Some("%");
+    let of_nominal = match tolerance {
+        ToleranceText::Even(even) => percent(even),
+        ToleranceText::Uneven { minus, plus } => percent(minus) || percent(plus),
+    };
+    match is_elsewhere && of_nominal {
+        true => format!("{tolerance} of {nominal}"),
+        false => tolerance.to_string(),
+    }
 }
 
 /// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.

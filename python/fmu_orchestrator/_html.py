@@ -27,9 +27,12 @@ def verification(summary: Mapping[str, Any], report: Path) -> str:
 
 def _criterion(name: str, count: Mapping[str, Any]) -> str:
     nominal, tolerance, unit = count.get("nominal"), count.get("tolerance"), count.get("unit") or ""
-    accepted = "" if nominal is None else f"{nominal:g} ± {tolerance:g} {unit}"
-    if count.get("metric"):
+    if count.get("metric") or nominal is None:
         accepted = count["stated_tolerance"]
+    elif tolerance is None:
+        accepted = f"{count['lower']:g} … {count['upper']:g} {unit}"
+    else:
+        accepted = f"{nominal:g} ± {tolerance:g} {unit}"
     cells = (name, accepted, str(count["passed"]), f"{100 * count['fraction']:.1f} %")
     return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
 

@@ -7,7 +7,10 @@ use super::uncertainty::Law;
 
 /// The values that a model may have: the ends of an interval as seen from one of its values, either of which may be
 /// infinite. So written, a limit that a study states decides without rounding.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+///
+/// In files they are `nominal` with `tolerance`, or with `minus` and `plus`, or `lower` and `upper`, of which one is null.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Written", from = "Written")]
 pub struct Limits {
     /// The value that the two others count from: the measured one, or a limit that stands alone.
     pub about: f64,
@@ -81,6 +84,77 @@ impl Limits {
         }
         let middle = self.about + 0.5 * (self.plus - self.minus);
         (half >= 0.0).then_some([middle - half, middle + half])
+    }
+}
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Written {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nominal: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    minus: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plus: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower: Option<Option<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    upper: Option<Option<f64>>,
+}
+
+impl From<Limits> for Written {
+    fn from(limits: Limits) -> Self {
+        let Limits { about, minus, plus } = limits;
+        let ends = || {
+            limits
+                .ends()
+                .map(|end| Some(Some(end).filter(|end| end.is_finite())))
+        };
+        if limits.is_one_sided() {
+            let [lower, upper] = ends();
+            return Self {
+                lower,
+                upper,
+                ..Self::default()
+            };
+        }
+        let nominal = Some(about);
+        if minus == plus {
+            return Self {
+                nominal,
+                tolerance: Some(plus),
+                ..Self::default()
+            };
+        }
+        let [lower, upper] = ends();
+        let [minus, plus] = [Some(minus), Some(plus)];
+        Self {
+            nominal,
+            minus,
+            plus,
+            lower,
+            upper,
+            tolerance: None,
+        }
+    }
+}
+
+impl From<Written> for Limits {
+    fn from(written: Written) -> Self {
+        let [minus, plus] = [written.minus, written.plus]
+            .map(|side| side.or(written.tolerance).unwrap_or_default());
+        match (
+            written.nominal,
+            written.lower.flatten(),
+            written.upper.flatten(),
+        ) {
+            (Some(about), ..) => Self { about, minus, plus },
+            (None, _, Some(limit)) => Self::at_most(limit),
+            (None, Some(limit), None) => Self::at_least(limit),
+            (None, None, None) => Self::default(),
+        }
     }
 }
 
@@ -361,6 +435,64 @@ mod tests {
     use super::*;
     use crate::normal::{between, between_both};
     use crate::uncertainty::Uncertainty;
+
+    #[test]
+    fn limits_come_back_from_files_as_they_were() {
+        let uneven = Limits {
+            about: 82.1,
+            minus: 0.1,
+            plus: 0.3,
+        };
+        for (limits, text) in [
+            (
+                Limits::within(82.0, 0.6),
+                r#"{"nominal":82.0,"tolerance":0.6}"#,
+            ),
+            (Limits::at_most(85.1), r#"{"lower":null,"upper":85.1}"#),
+            (Limits::at_least(-2.0), r#"{"lower":-2.0,"upper":null}"#),
+            (
+                uneven,
+                r#"{"nominal":82.1,"minus":0.1,"plus":0.3,"lower":82.0,"upper":82.39999999999999}"#,
+            ),
+        ] {
+            assert_eq!(serde_json::to_string(&limits).unwrap(), text);
+            assert_eq!(serde_json::from_str::<Limits>(text).unwrap(), limits);
+        }
+    }
+
+    #[test]
+    fn a_side_may_be_open_or_narrower() {
+        let uneven = Limits {
+            about: 82.0,
+            minus: 1.0,
+            plus: 2.0,
+        };
+        let accepts = |limits: Limits| [80.9, 81.0, 84.0, 84.1].map(|v| limits.accepts(v));
+        assert_eq!(accepts(uneven), [false, true, true, false]);
+        assert_eq!(accepts(Limits::at_most(84.0)), [true, true, true, false]);
+        assert_eq!(accepts(Limits::at_least(81.0)), [false, true, true, true]);
+        assert!(!Limits::at_most(84.0).accepts(f64::NAN));
+        assert_eq!(uneven.drawn_in(0.5), Some([81.5, 83.5]));
+        assert_eq!(uneven.drawn_in(1.6), None);
+        assert_eq!(
+            Limits::at_most(84.0).drawn_in(9.0),
+            Some([f64::NEG_INFINITY, 75.0])
+        );
+        // The limit itself conforms with one half, values that keep a guard band away with less risk.
+        let error = Some(Uncertainty::normal(0.5, 2.0).law(84.0));
+        let measured = Measured {
+            limits: Limits::at_most(84.0),
+            value: None,
+            error,
+        };
+        assert_eq!(measured.most_not_conforming(0.0), Some(0.5));
+        let most = measured.most_not_conforming(1.0).unwrap();
+        assert!((most - 0.022_750_132).abs() < 1e-9, "{most}");
+        assert_eq!(
+            (measured.capability(), measured.largest_margin()),
+            (None, f64::INFINITY)
+        );
+    }
 
     fn measured(nominal: f64, tolerance: f64, expanded: f64) -> Measured {
         let error = Uncertainty::normal(expanded, 2.0).law(nominal);

@@ -107,6 +107,25 @@ impl Uncertainty {
         }
     }
 
+    /// The coverage factor of the parts that are normal.
+    fn normal_coverage(&self) -> f64 {
+        match self.distribution {
+            Distribution::Normal => self.coverage,
+            Distribution::Rectangular => Self::USUAL,
+        }
+    }
+
+    /// The expanded uncertainties and the noise, by the keys with which a study states them; the gain in per cent.
+    pub fn parts(&self) -> Vec<(&'static str, f64)> {
+        let coverage = self.normal_coverage();
+        let all = [
+            ("uncertainty", self.expanded),
+            ("gain-uncertainty", 100.0 * coverage * self.gain),
+            ("noise", self.noise),
+        ];
+        all.into_iter().filter(|(_, part)| *part > 0.0).collect()
+    }
+
     /// What is stated, in words; `unit` is that of the value, with a blank before it.
     pub fn words(&self, unit: &str) -> String {
         let offset = match self.distribution {
@@ -143,7 +162,7 @@ impl Uncertainty {
         law.expanded = match law.is_normal() {
             true => match scale == self.offset() {
                 true => self.expanded,
-                false => self.coverage * scale,
+                false => self.normal_coverage() * scale,
             },
             false => law.half_interval(0.95),
         };
@@ -275,7 +294,9 @@ impl Law {
     }
 
     fn student(&self) -> Option<StudentsT> {
-        let freedom = Some(self.freedom).filter(|freedom| freedom.is_finite());
+        /// With so many degrees of freedom the distribution is normal to 1e-6.
+        const MANY: f64 = 1e6;
+        let freedom = Some(self.freedom).filter(|freedom| *freedom < MANY);
         StudentsT::new(0.0, 1.0, freedom?).ok()
     }
 

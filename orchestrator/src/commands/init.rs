@@ -188,7 +188,7 @@ fn criterion(text: &mut String, name: &str, variable: &Variable) {
     let _ = writeln!(
         text,
         "\n# {}\n# [criteria.{}]\n# variable = {}\n# statistic = \"final\" # or mean, min, max, rms, amplitude\n\
-         # nominal = 1 # the measured value\n# tolerance = \"5 %\" # how far the model may be from the true value\n\
+         # nominal = 1 # the measured value\n# tolerance = \"5 %\" # how far the model may be from the true value; or, instead of both, at-most = 2\n\
          # uncertainty = \"1 %\" # how far the measured value may be from it, k = 2",
         about(variable),
         quoted(name),

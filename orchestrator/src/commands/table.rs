@@ -41,22 +41,10 @@ fn counts(summary: &Summary) -> String {
         "{:<34}{:>10}{:>10}{heading}",
         "meets", "points", "share"
     );
-    let criteria = summary.criteria.iter().map(|(name, entry)| {
-        let unit = entry
-            .criterion
-            .unit
-            .as_deref()
-            .map_or_else(String::new, |u| format!(" {u}"));
-        let criterion = &entry.criterion;
-        let condition = match criterion.metric {
-            Some(_) => format!("{name}  {}", criterion.stated_tolerance),
-            None => format!(
-                "{name}  {}{unit} +-{}",
-                criterion.nominal, criterion.stated_tolerance
-            ),
-        };
-        (condition, entry.count)
-    });
+    let criteria = summary
+        .criteria
+        .iter()
+        .map(|(name, entry)| (format!("{name}  {}", entry.criterion.wanted()), entry.count));
     for (condition, count) in criteria {
         line(&mut text, &condition, &count);
     }

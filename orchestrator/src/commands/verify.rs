@@ -200,9 +200,11 @@ fn plan(verification: &Verification, folder: &Path) -> String {
     text += "accepted when\n";
     for criterion in &session.judge.criteria {
         let unit = criterion.unit.as_deref().unwrap_or("");
-        let low = criterion.nominal - criterion.tolerance;
-        let high = criterion.nominal + criterion.tolerance;
+        let [low, high] = criterion.limits.ends();
         text += &match criterion.metric {
+            None if criterion.limits.is_one_sided() => {
+                format!("  {} is {}\n", criterion.name, criterion.stated_tolerance)
+            }
             Some(_) => format!("  {}: {}\n", criterion.name, criterion.stated_tolerance),
             None => format!("  {} is {low:.5} .. {high:.5} {unit}\n", criterion.name),
         };

@@ -100,6 +100,10 @@ pub fn bind(
                 let uncertainty =
                     uncertainty.ok_or_else(|| without_uncertainty(study, name, text))?;
                 let accuracy = tied.value(number, first, criterion, &uncertainty, &mut shared);
+                let value = criterion.measured().value.ok_or_else(|| {
+                    study.error_of(name, "a limit that stands alone is no measured value to fit; add `measured`, or put the criterion \
+                                          into a case that is held out")
+                })?;
                 let difference = probe.statistic.is_difference();
                 vec![Datum {
                     name: name.as_ref().clone(),
@@ -108,10 +112,7 @@ pub fn bind(
                         true => conversion.of_differences(),
                         false => *conversion,
                     },
-                    measured: Measured {
-                        value: criterion.nominal,
-                        accuracy,
-                    },
+                    measured: Measured { value, accuracy },
                 }]
             }
         };
@@ -357,7 +358,8 @@ impl Tied {
         uncertainty: &Uncertainty,
         shared: &mut Shared,
     ) -> f64 {
-        let value = criterion.nominal;
+        let measured = criterion.measured().value;
+        let value = measured.unwrap_or(criterion.limits.about);
         let Ok(place) = self.numbers.binary_search(&number) else {
             return uncertainty.standard(value);
         };

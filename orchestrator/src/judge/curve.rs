@@ -5,6 +5,7 @@ use crate::files::FileError;
 use crate::study::limit::{error, limit, part};
 use crate::study::quantity::Scale;
 use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, first_wrong};
+use conformity::measured::Limits;
 use curves::{Kind, Metric};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
@@ -46,8 +47,7 @@ pub(super) fn criterion(
         statistic: text.statistic.unwrap_or_default(),
         metric: Some(metric),
         unit: scale.unit.clone().filter(|_| metric.kind() == Kind::Error),
-        nominal,
-        tolerance,
+        limits: Limits::within(nominal, tolerance),
         stated_tolerance: stated,
         row_correlation: reference
             .filter(|reference| reference.is_uncertain())
@@ -63,6 +63,13 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
         (
             text.nominal.is_some(),
             "`nominal` has no place beside `reference`, which is what is measured; remove it",
+        ),
+        (
+            text.at_most.is_some()
+                || text.at_least.is_some()
+                || text.measured.is_some()
+                || text.derived.is_some(),
+            "`at-most`, `at-least`, `measured` and `derived` belong to a measured value; a curve has `tolerance` or `least`",
         ),
         (
             text.statistic.is_some(),
@@ -194,7 +201,13 @@ tolerance = 0.05
         let variant = |name: &str, limit: &str| {
             let text = format!("[variants.other]\ntolerance.{name} = {limit}\n[criteria.M]");
             let judge = judge(&[("[criteria.M]", &text)])?;
-            Ok::<_, String>(judge.variants[0].tolerances.clone())
+            Ok::<_, String>(
+                judge.variants[0]
+                    .limits
+                    .iter()
+                    .map(|l| l.plus)
+                    .collect::<Vec<f64>>(),
+            )
         };
         let close = |limits: Vec<f64>, expected: [f64; 3]| {
             assert_eq!(limits.len(), 3);

@@ -167,7 +167,8 @@ impl Judge {
                 return Err(study.error_at(entry, message));
             }
         }
-        let pairs: Pairs = pairs.into_iter().filter(|&(a, ..)| !is_curve(a)).collect();
+        let mut pairs = self.with_derived(study, pairs)?;
+        pairs.retain(|&(a, ..)| !is_curve(a));
         let measured = |count: usize| {
             let criteria = self.criteria.iter().take(count).map(Criterion::measured);
             let within = |&&(a, b, _): &&(usize, usize, f64)| a < count && b < count;
@@ -241,17 +242,12 @@ impl Judge {
     fn warn_of_guard_band(&mut self, study: &Study, band: &Spanned<f64>) {
         let factor = *band.as_ref();
         for criterion in &self.criteria {
-            let expanded = criterion
-                .measured()
-                .error
-                .map_or(0.0, |error| error.expanded);
-            if factor * expanded >= criterion.tolerance {
+            let widest = criterion.measured().largest_margin();
+            if factor >= widest {
                 let message = format!(
                     "the guard band of {factor} expanded uncertainties leaves nothing of {}'s tolerance {}, \
                      so that no point can be accepted; give one below {:.3}, measure better or widen the tolerance",
-                    criterion.name,
-                    criterion.stated_tolerance,
-                    criterion.tolerance / expanded
+                    criterion.name, criterion.stated_tolerance, widest
                 );
                 let warning = study.error_at(band, message).to_string();
                 self.warnings
@@ -291,7 +287,7 @@ impl Judge {
             let Some(error) = criterion.measured().error else {
                 continue;
             };
-            if error.expanded > criterion.tolerance {
+            if error.expanded > 0.5 * criterion.limits.width() {
                 let message = format!(
                     "{}: the uncertainty {} exceeds the tolerance {}, so that accepted points often \
                      do not conform; add `risk` under [verdict], measure better or widen the \

@@ -28,8 +28,8 @@ fn judge(text: &str) -> Result<Judge, String> {
 #[test]
 fn percents_are_of_the_nominal_value_as_printed() {
     let judge = judge(STUDY).unwrap();
-    assert!((judge.criteria[0].tolerance - 0.615).abs() < 1e-12);
-    assert!((judge.criteria[1].tolerance - 52.5).abs() < 1e-12);
+    assert!((judge.criteria[0].limits.plus - 0.615).abs() < 1e-12);
+    assert!((judge.criteria[1].limits.plus - 52.5).abs() < 1e-12);
     assert!(judge.verdict(Some(&[81.39, 697.5])).verified());
     assert!(!judge.verdict(Some(&[81.33, 700.0])).verified());
     let absolute = &judge.variants[0];
@@ -61,8 +61,8 @@ fn percents_count_in_the_unit_in_which_the_value_is_written() {
         let judge = Judge::new(&study, Some(fmu)).map_err(|error| error.to_string())?;
         let t = &judge.criteria[0];
         let expanded = t.uncertainty.unwrap().expanded;
-        assert!((expanded / t.tolerance - 0.5).abs() < 1e-12);
-        assert!((judge.variants[0].tolerances[0] / t.tolerance - 2.0).abs() < 1e-12);
+        assert!((expanded / t.limits.plus - 0.5).abs() < 1e-12);
+        assert!((judge.variants[0].limits[0].plus / t.limits.plus - 2.0).abs() < 1e-12);
         let is_elsewhere = nominal.contains("degC") && unit.is_empty() || unit.contains("mK");
         let words = if is_elsewhere {
             format!("1 % of {}", nominal.trim_matches('"'))
@@ -70,7 +70,7 @@ fn percents_count_in_the_unit_in_which_the_value_is_written() {
             "1 %".to_owned()
         };
         assert_eq!(t.stated_tolerance, words);
-        Ok::<_, String>((t.nominal, t.tolerance))
+        Ok::<_, String>((t.limits.about, t.limits.plus))
     };
     for (nominal, unit, expected) in [
         ("82", "unit = \"degC\"", (82.0, 0.82)),
@@ -112,7 +112,7 @@ fn the_limits_belong_to_what_is_accepted() {
 #[test]
 fn a_percentage_of_a_negative_value_is_positive() {
     let judge = judge(&STUDY.replace("nominal = 82", "nominal = -82")).unwrap();
-    assert!((judge.criteria[0].tolerance - 0.615).abs() < 1e-12);
+    assert!((judge.criteria[0].limits.plus - 0.615).abs() < 1e-12);
 }
 
 #[test]
@@ -228,7 +228,7 @@ fn errors_have_their_place() {
     }
     for tolerance in ["+0.5/-1", "+0.5 -1", "-1 .. 0.5"] {
         let error = judge(&STUDY.replace("7 %", tolerance)).unwrap_err();
-        assert!(error.contains("is the same to both sides"), "{error}");
+        assert!(error.contains("a single limit is `at-most`"), "{error}");
     }
     let wrong = STUDY.replace("nominal = 82", "nominal = nan");
     assert_eq!(
@@ -241,4 +241,218 @@ fn errors_have_their_place() {
     assert!(judge(&wrong).unwrap_err().contains("no criterion `TT`"));
     let wrong = STUDY.replace("\"0.75 degC\"", "\"0.75 K\"");
     assert!(judge(&wrong).unwrap_err().contains("without the FMU"));
+}
+
+const ALONE: &str = r#"
+    fmu = "a.fmu"
+    [criteria.T]
+    variable = "t"
+    at-most = "85 degC"
+    measured = 82
+    uncertainty = "0.5 degC"
+    unit = "degC"
+    [criteria.F]
+    variable = "f"
+    at-least = 700
+    unit = "N"
+    [criteria.M]
+    variable = "m"
+    nominal = 3
+    tolerance = { minus = "1 %", plus = "0.5 N.m" }
+    unit = "N.m"
+    [variants.strict]
+    at-most.T = 84
+    tolerance.M = { minus = 1, plus = 1 }
+"#;
+
+#[test]
+fn a_limit_may_stand_alone_and_a_tolerance_be_uneven() {
+    let judge = judge(ALONE).unwrap();
+    let [t, f, m] = &judge.criteria[..] else {
+        panic!("three criteria")
+    };
+    let passed = |values: [f64; 3]| judge.verdict(Some(&values)).passed;
+    assert_eq!(passed([85.0, 700.0, 2.97]), [true; 3]);
+    assert_eq!(passed([85.01, 699.9, 2.969]), [false; 3]);
+    assert_eq!(passed([-1e9, 1e9, 3.5]), [true; 3]);
+    assert_eq!(passed([f64::NAN, f64::NAN, 3.51]), [false; 3]);
+    let strict = judge.variant_verdict(&judge.variants[0], Some(&[84.5, 700.0, 2.5]));
+    assert_eq!(strict.passed, [false, true, true]);
+    assert_eq!(
+        [t, f, m].map(Criterion::wanted),
+        ["at most 85 degC", "at least 700 N", "3 N.m -1 %/+0.5 N.m"]
+    );
+    assert_eq!(
+        [t, f, m].map(|c| c.measured().value),
+        [Some(82.0), None, Some(3.0)]
+    );
+    // Units of the distance: the expanded uncertainty, the limit itself.
+    assert_eq!((t.room(), f.room()), (0.5, 700.0));
+    for (criterion, value, deviation) in [
+        (t, 85.0, 1.0),
+        (t, 84.75, 0.5),
+        (t, 80.0, 0.0),
+        (t, 86.0, 3.0),
+        (f, 700.0, 1.0),
+        (f, 0.0, 2.0),
+        (f, 1e6, 0.0),
+        (m, 3.25, 0.5),
+        (m, 2.97, 1.0),
+        (m, 3.0, 0.0),
+    ] {
+        let column = criterion.column(vec![], vec![]);
+        for found in [criterion.deviation(value), column.deviation(value)] {
+            assert!(
+                (found - deviation).abs() < 1e-9,
+                "{} {value}: {found}",
+                criterion.name
+            );
+        }
+    }
+    assert!(t.deviation(f64::NAN).is_nan());
+    // A summary gives them back.
+    for criterion in &judge.criteria {
+        let text = serde_json::to_string(criterion).unwrap();
+        let again: Criterion = serde_json::from_str(&text).unwrap();
+        assert_eq!(
+            (again.limits, again.reading, again.distance_unit),
+            (criterion.limits, criterion.reading, criterion.distance_unit)
+        );
+    }
+}
+
+#[test]
+fn limits_that_do_not_fit_are_refused_with_the_remedy() {
+    for (from, to, remedy) in [
+        (
+            "at-most = \"85 degC\"",
+            "at-most = \"85 degC\"\nnominal = 82",
+            "a limit takes the place of `nominal`",
+        ),
+        (
+            "at-most = \"85 degC\"",
+            "at-most = \"85 degC\"\ntolerance = 1",
+            "a limit takes the place of `tolerance`",
+        ),
+        (
+            "at-most = \"85 degC\"",
+            "at-most = \"85 degC\"\nat-least = 80",
+            "nominal = (a + b) / 2",
+        ),
+        (
+            "nominal = 3",
+            "nominal = 3\nmeasured = 3",
+            "`measured` stands beside",
+        ),
+        ("at-least = 700", "at-least = nan", "is not a finite number"),
+        (
+            "minus = \"1 %\"",
+            "minus = 0",
+            "must be a positive, finite number",
+        ),
+        (
+            "minus = \"1 %\", ",
+            "",
+            "{ minus = \"1 mm\", plus = \"2 mm\" }",
+        ),
+        (
+            "tolerance.M = {",
+            "tolerance.T = {",
+            "[variants.strict] at-most.T",
+        ),
+        ("at-most.T", "at-least.T", "no such limit"),
+        (
+            "at-least = 700",
+            "above = 700",
+            "a single limit is `at-most` or `at-least`",
+        ),
+    ] {
+        assert!(ALONE.contains(from), "{from}");
+        let error = judge(&ALONE.replacen(from, to, 1)).unwrap_err();
+        assert!(
+            error.starts_with("s.toml:") && error.contains(remedy),
+            "{to}: {error}"
+        );
+    }
+}
+
+const PRODUCT: &str = r#"
+    fmu = "a.fmu"
+    [fixed]
+    speed = 30
+    [criteria.M]
+    variable = "m"
+    nominal = 0.5
+    tolerance = "5 %"
+    uncertainty = "2 %"
+    [criteria.n]
+    variable = "n"
+    nominal = 40
+    tolerance = 1
+    uncertainty = "1.5 %"
+    [criteria.F]
+    variable = "f"
+    nominal = 7
+    tolerance = 1
+    uncertainty = 1
+    [criteria.P]
+    variable = "p"
+    nominal = 20
+    tolerance = "5 %"
+    derived = { from = "M", by = "n" }
+    [[uncertainty-correlations]]
+    between = ["M", "F"]
+    coefficient = 0.5
+"#;
+
+/// Relative uncertainties of 2 and 1.5 % make one of 2.5 %; the shares of the errors are 0.8 and 0.6.
+#[test]
+fn the_error_of_a_product_follows_from_its_factors() {
+    let error = |judge: &Judge, k: usize| judge.criteria[k].measured().error.unwrap();
+    let both = judge(PRODUCT).unwrap();
+    assert!((error(&both, 3).expanded - 0.5).abs() < 1e-12);
+    let correlation = |judge: &Judge, a: usize, b: usize| {
+        let mut pairs = judge.measurement.correlations().iter();
+        let pair = pairs.find(|&&(x, y, _)| (x, y) == (a, b) || (y, x) == (a, b));
+        pair.map_or(0.0, |pair| pair.2)
+    };
+    for (factor, expected) in [(0, 0.8), (1, 0.6), (2, 0.4)] {
+        assert!(
+            (correlation(&both, 3, factor) - expected).abs() < 1e-12,
+            "{factor}"
+        );
+    }
+    // By an input the error is the torque's, and no second measurement.
+    let one = judge(&PRODUCT.replace("by = \"n\"", "by = \"speed\"")).unwrap();
+    assert!((error(&one, 3).expanded - 0.4).abs() < 1e-12);
+    assert_eq!(correlation(&one, 3, 0), 1.0);
+    for (from, to, remedy) in [
+        (
+            "between = [\"M\", \"F\"]",
+            "between = [\"M\", \"P\"]",
+            "follows from `derived`",
+        ),
+        (
+            "by = \"n\"",
+            "by = \"speeed\"",
+            "is no criterion, and no input",
+        ),
+        (
+            "from = \"M\"",
+            "from = \"MM\"",
+            "there is no criterion `MM`",
+        ),
+        (
+            "derived",
+            "uncertainty = 1\nderived",
+            "remove `uncertainty`",
+        ),
+        ("uncertainty = \"2 %\"", "", "its `uncertainty`"),
+    ] {
+        let error = judge(&PRODUCT.replacen(from, to, 1)).unwrap_err();
+        assert!(
+            error.starts_with("s.toml:") && error.contains(remedy),
+            "{to}: {error}"
+        );
+    }
 }

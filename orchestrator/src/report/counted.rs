@@ -6,7 +6,7 @@ use crate::document::{Block, Column, Table, numbers, words};
 use crate::results::Summary;
 use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
 use crate::study::cases::SEPARATOR;
-use conformity::measured::Measured;
+use conformity::measured::{Limits, Measured};
 use conformity::risk::Risk;
 
 fn heading(title: &str) -> Block {
@@ -96,10 +96,15 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
         (None, Some(_)) => "that of the rows".to_owned(),
         (None, None) => "not stated".to_owned(),
     };
+    let Limits { minus, plus, .. } = measured.limits;
     let capability = measured.capability().map(|c| number(c, 3));
     let stated = [
         name.to_owned(),
-        format!("±{}{unit}", number(entry.criterion.tolerance, 4)),
+        match (minus == plus, measured.limits.is_one_sided()) {
+            (true, _) => format!("±{}{unit}", number(plus, 4)),
+            (false, true) => entry.criterion.stated_tolerance.clone(),
+            (false, false) => format!("−{} / +{}{unit}", number(minus, 4), number(plus, 4)),
+        },
         uncertainty,
         capability.unwrap_or_default(),
     ];

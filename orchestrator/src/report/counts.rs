@@ -109,17 +109,20 @@ pub(super) fn count_rows(
             note: c.source.clone(),
             nominal: match metric_of(&c.source) {
                 Some(_) => "curve".to_owned(),
-                None => quantity(c.nominal, &c.unit),
+                None => {
+                    let value = v.criterion.measured().value;
+                    value.map_or_else(|| "–".to_owned(), |value| quantity(value, &c.unit))
+                }
             },
             accepted: match metric_of(&c.source).map(Metric::kind) {
                 Some(Kind::Rating) => format!("at least {}", number(c.lower, 6)),
                 Some(_) => format!("at most {}", quantity(c.upper, &c.unit)),
-                None => format!("{} … {}", number(c.lower, 6), quantity(c.upper, &c.unit)),
+                None => interval([c.lower, c.upper], &c.unit),
             },
             drawn_in: judgement
                 .drawn_in(k, [c.lower, c.upper])
                 .map(|[low, high]| match low <= high {
-                    true => format!("{} … {}", number(low, 6), quantity(high, &c.unit)),
+                    true => interval([low, high], &c.unit),
                     false => "nothing".to_owned(),
                 }),
             binds: grouped(v.binds),
@@ -199,6 +202,15 @@ pub(super) fn decisive(summary: &Summary) -> String {
             text
         }
         _ => "No point was simulated to its end.".into(),
+    }
+}
+
+/// The accepted values, of which one end may be open.
+fn interval([low, high]: [f64; 2], unit: &str) -> String {
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => format!("{} … {}", number(low, 6), quantity(high, unit)),
+        (true, false) => format!("at least {}", quantity(low, unit)),
+        _ => format!("at most {}", quantity(high, unit)),
     }
 }
 

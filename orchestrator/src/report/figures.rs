@@ -41,8 +41,8 @@ pub fn plane(
     let inside = (0..table.len())
         .filter(|&i| within(x, i) && within(y, i))
         .count();
-    let in_box = match (x.nominal, y.nominal) {
-        (None, None) => String::new(),
+    let in_box = match x.is_criterion || y.is_criterion {
+        false => String::new(),
         _ if !drawn_singly(table, points) => String::new(),
         _ => format!(", {} in the box", count(inside)),
     };
@@ -81,7 +81,7 @@ fn within(c: &PlotColumn<'_>, i: usize) -> bool {
 /// The accepted box and the measured value; under a guard band the box of the tolerances around it.
 fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
     let mut out = String::new();
-    if x.nominal.is_none() && y.nominal.is_none() {
+    if !x.is_criterion && !y.is_criterion {
         return out;
     }
     let across = |[low, high]: [f64; 2]| (frame.x.clamped(low), frame.x.clamped(high));
@@ -241,7 +241,7 @@ pub fn distribution(
         },
     };
     let mut out = frame.axes(&with_unit(c.name, c.unit), None);
-    if c.nominal.is_some() {
+    if c.is_criterion {
         let across = |[low, high]: [f64; 2]| [frame.x.clamped(low), frame.x.clamped(high)];
         let down = [frame.y.to, frame.y.from];
         let outer = if c.drawn_in.is_some() {

@@ -76,6 +76,7 @@ struct EmbeddedColumn {
 
 #[derive(Serialize)]
 struct Acceptance {
+    /// The measured value, with the deviation 0; of a limit that stands alone the value with that deviation.
     nominal: f64,
     lower: Option<f64>,
     upper: Option<f64>,
@@ -107,7 +108,9 @@ pub struct PlotColumn<'a> {
     pub accepted: [f64; 2],
     /// That interval drawn in by the guard band, where one acts.
     pub drawn_in: Option<[f64; 2]>,
-    /// The measured value of a criterion.
+    /// Whether it is a criterion's.
+    pub is_criterion: bool,
+    /// The measured value of a criterion that has limits to both sides.
     pub nominal: Option<f64>,
     /// The axis.
     pub range: [f64; 2],
@@ -121,6 +124,7 @@ pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColu
         values,
         accepted,
         drawn_in: None,
+        is_criterion: false,
         nominal,
         range: bins::axis_range(values.iter().copied(), accepted[0], accepted[1])
             .unwrap_or([0.0, 1.0]),
@@ -137,9 +141,11 @@ pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColu
     });
     let criteria = table.criteria.iter().enumerate().map(|(k, c)| {
         let tolerance = [c.lower, c.upper];
+        let measured = Some(c.nominal).filter(|_| tolerance.iter().all(|end| end.is_finite()));
         PlotColumn {
             drawn_in: judgement.drawn_in(k, tolerance),
-            ..column(&c.name, &c.unit, &c.values, tolerance, Some(c.nominal))
+            is_criterion: true,
+            ..column(&c.name, &c.unit, &c.values, tolerance, measured)
         }
     });
     parameters.chain(criteria).collect()

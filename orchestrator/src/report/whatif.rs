@@ -4,7 +4,8 @@ use crate::judge::share;
 use crate::results::Summary;
 use crate::results::summary::CriterionCount;
 use crate::study::Study;
-use conformity::uncertainty::Uncertainty;
+use conformity::measured::Limits;
+use conformity::uncertainty::{Law, Uncertainty};
 use serde::Serialize;
 
 /// The study as the page's script changes it.
@@ -47,12 +48,31 @@ struct Rule {
 struct Criterion {
     name: String,
     unit: String,
+    /// The measured value, or the limit that stands alone.
     nominal: f64,
-    tolerance: f64,
-    uncertainty: Option<Uncertainty>,
+    /// How far down and up from there values are accepted; none where there is no such limit.
+    minus: Option<f64>,
+    plus: Option<f64>,
+    /// Of a limit that stands alone: in what a distance from it counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unit_of_distance: Option<f64>,
+    uncertainty: Option<Uncertain>,
+    /// Whether its error follows from those of others.
+    derived: bool,
     group: Option<String>,
     /// Whether it is that of a whole curve, whose measured values are no number to change.
     curve: bool,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Uncertain {
+    expanded: f64,
+    coverage: f64,
+    /// Where the error is not normal, its distribution with an expanded uncertainty of 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    law: Option<Law>,
+    /// The parts that the study states, by their keys, in the criterion's unit.
+    parts: Vec<(&'static str, f64)>,
 }
 
 impl WhatIf {
@@ -131,12 +151,26 @@ impl WhatIf {
 
 fn criterion((name, count): (&String, &CriterionCount)) -> Criterion {
     let criterion = &count.criterion;
+    let Limits { about, minus, plus } = criterion.limits;
+    let [minus, plus] = [minus, plus].map(|side| Some(side).filter(|side| side.is_finite()));
+    let uncertain = |(stated, law): (Uncertainty, Law)| Uncertain {
+        expanded: law.expanded,
+        coverage: stated.coverage,
+        law: (!law.is_normal()).then(|| law.times(1.0 / law.expanded)),
+        parts: stated.parts(),
+    };
     Criterion {
         name: name.clone(),
         unit: criterion.unit.clone().unwrap_or_default(),
-        nominal: criterion.nominal,
-        tolerance: criterion.tolerance,
-        uncertainty: criterion.uncertainty,
+        nominal: about,
+        minus,
+        plus,
+        unit_of_distance: criterion.distance_unit,
+        derived: criterion.derived_from.is_some(),
+        uncertainty: criterion
+            .uncertainty
+            .zip(criterion.measured().error)
+            .map(uncertain),
         group: criterion.group.clone(),
         curve: criterion.metric.is_some(),
     }

@@ -294,17 +294,22 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
     let Criterion {
         name,
         statistic,
-        tolerance,
         stated_tolerance,
         ..
     } = criterion;
+    let tolerance = criterion.room();
+    let is_one_sided = criterion.limits.is_one_sided();
+    let stated = format!(
+        "{}{stated_tolerance}",
+        if is_one_sided { "" } else { "tolerance " }
+    );
     let unit = criterion.unit_behind();
     let at = |point: Option<u64>| point.map_or_else(String::new, |p| format!(" at point {p}"));
     let mut doubts = Vec::new();
     if *statistic == Statistic::Final && moved.swing > 0.1 * tolerance {
         let text = format!(
             "{name}: its signal swings by {}{unit} in its last period{}, and the final value is only one instant of it \
-             (tolerance {stated_tolerance}): use `statistic = \"mean\"` with a `window`, or make sure that the \
+             ({stated}): use `statistic = \"mean\"` with a `window`, or make sure that the \
              measured value was taken at the same phase",
             number(moved.swing, 3),
             at(moved.swing_at)
@@ -313,8 +318,8 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
     }
     if moved.drift.abs() > 0.5 * tolerance {
         let text = format!(
-            "{name}: its value still moves when the run ends, by {}{unit} in a time as long as the run{}{} (tolerance \
-             {stated_tolerance}), so the verdict depends on `stop`: simulate longer, or up to the moment of the \
+            "{name}: its value still moves when the run ends, by {}{unit} in a time as long as the run{}{} \
+             ({stated}), so the verdict depends on `stop`: simulate longer, or up to the moment of the \
              measurement",
             number(moved.drift, 3),
             if without_runs {
@@ -339,8 +344,7 @@ mod tests {
             variable: "t".into(),
             statistic,
             unit: Some("degC".into()),
-            nominal: 82.0,
-            tolerance: 0.6,
+            limits: conformity::measured::Limits::within(82.0, 0.6),
             stated_tolerance: "0.6 degC".into(),
             ..Criterion::default()
         }

@@ -40,18 +40,19 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     if criterion.metric.is_some() {
         return None;
     }
-    let nominal = criterion.nominal;
+    let measured = criterion.measured();
+    let nominal = measured.value?;
     // Less than a hundredth of the tolerance is rounding, and no reason to doubt.
     let uncertainty = criterion
         .measured()
         .error
         .map_or(0.0, |error| error.expanded);
-    let room = uncertainty.max(0.01 * criterion.tolerance);
+    let room = uncertainty.max(0.01 * criterion.room());
     if low > high || (low - room..=high + room).contains(&nominal) {
         return None;
     }
     let unit = criterion.unit_behind();
-    let hint = match mistaken_unit(criterion, [low, high]) {
+    let hint = match mistaken_unit(nominal, criterion.room(), [low, high]) {
         Some(units) => format!("; their size would fit if {units} had been mistaken: check `unit`"),
         None if points < FEWEST => return None,
         None => {
@@ -107,20 +108,20 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
 }
 
 /// The units whose confusion would explain the distance, if any do.
-fn mistaken_unit(criterion: &Criterion, [low, high]: [f64; 2]) -> Option<&'static str> {
+fn mistaken_unit(nominal: f64, tolerance: f64, [low, high]: [f64; 2]) -> Option<&'static str> {
     let outside = |value: f64| (low - value).max(value - high).max(0.0);
     // The model need not be right to tell by its order of magnitude which unit its numbers have.
     let room = |value: f64, factor: f64, offset: f64| {
-        let width = (factor * criterion.tolerance).max(high - low);
+        let width = (factor * tolerance).max(high - low);
         if offset == 0.0 {
             width.max(0.3 * value.abs())
         } else {
             3.0 * width.max(10.0)
         }
     };
-    let far = outside(criterion.nominal);
+    let far = outside(nominal);
     let rest = |&(factor, offset, units): &(f64, f64, &'static str)| {
-        let value = factor * criterion.nominal + offset;
+        let value = factor * nominal + offset;
         let rest = outside(value);
         let room = room(value, factor, offset);
         let fits = rest <= room && rest < 0.2 * far;
@@ -157,8 +158,7 @@ mod tests {
             name: "T".into(),
             variable: "t".into(),
             statistic: Statistic::Final,
-            nominal,
-            tolerance,
+            limits: conformity::measured::Limits::within(nominal, tolerance),
             stated_tolerance: tolerance.to_string(),
             ..Criterion::default()
         }

@@ -13,7 +13,7 @@ use crate::concern::{self, Code, Concern};
 use crate::judge::{Criterion, Judge};
 use crate::study::Dossier;
 use conformity::conclusion::Conclusion;
-use conformity::measured::Measurement;
+use conformity::measured::{Limits, Measurement};
 use conformity::risk::Risk;
 use conformity::validation::Comparison;
 use fmu_points::Conduct;
@@ -257,6 +257,9 @@ pub struct VariantCount {
     pub groups: IndexMap<String, Count>,
     /// The tolerances, in the criteria's units.
     pub tolerances: IndexMap<String, f64>,
+    /// The limits of criteria with one limit alone, or a tolerance that is not the same to both sides.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub limits: IndexMap<String, Limits>,
 }
 
 /// An uncertain parameter.

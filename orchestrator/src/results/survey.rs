@@ -83,7 +83,7 @@ impl<'a> Survey<'a> {
             // The comparison is about a measured number.
             let spread = self.spreads[k]
                 .result()
-                .filter(|_| criterion.metric.is_none());
+                .filter(|_| criterion.metric.is_none() && criterion.measured().value.is_some());
             let Some(spread) = spread else { continue };
             match Comparison::new(&criterion.measured(), spread, Numerical::default()) {
                 Some(comparison) => {

@@ -13,6 +13,7 @@ use crate::judge::{Judge, PointVerdict, Variant};
 use conformity::conclusion::{Conclusion, Ruling};
 use conformity::decision::randomised;
 use conformity::looks::Looks;
+use conformity::measured::Limits;
 use conformity::risk::RiskTally;
 use fmu_points::notices::{Notices, Replicates};
 
@@ -332,13 +333,24 @@ impl<'a> Tally<'a> {
     }
 
     fn variant(&self, variant: &Variant, counts: &Counts) -> (String, VariantCount) {
-        let names = self.judge.names().cloned();
+        let limits = || {
+            self.judge
+                .names()
+                .cloned()
+                .zip(variant.limits.iter().copied())
+        };
+        let is_even = |limits: &Limits| limits.minus == limits.plus;
+        let even = limits()
+            .filter(|(_, l)| is_even(l))
+            .map(|(name, l)| (name, l.plus));
+        let others = limits().filter(|(_, l)| !is_even(l));
         let count = VariantCount {
             about: variant.about.clone(),
             verified: self.count(&counts.verified),
             criteria: self.by_criterion(counts),
             groups: self.by_group(counts),
-            tolerances: names.zip(variant.tolerances.iter().copied()).collect(),
+            tolerances: even.collect(),
+            limits: others.collect(),
         };
         (variant.name.clone(), count)
     }

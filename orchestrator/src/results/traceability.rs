@@ -4,6 +4,7 @@ use super::Summary;
 use super::summary::{CriterionCount, ParameterSummary};
 use crate::study::ssv::filled;
 use conformity::conclusion::Conclusion;
+use conformity::measured::Limits;
 use fmu_import::digest;
 use minijinja::{context, value::Serde};
 
@@ -85,12 +86,14 @@ pub fn criteria(summary: &Summary) -> Vec<Entry> {
         let uncertainty = c
             .uncertainty
             .map_or_else(|| "uncertainty not stated".to_owned(), |u| u.words(&unit));
-        let words = format!(
-            "{}: {}{unit}, tolerance {}{unit}, {uncertainty}",
-            c.source(),
-            c.nominal,
-            c.tolerance
-        );
+        let Limits { about, minus, plus } = c.limits;
+        let wanted = match (minus == plus, c.limits.is_one_sided(), c.reading) {
+            (true, ..) => format!("{about}{unit}, tolerance {plus}{unit}"),
+            (_, false, _) => format!("{about}{unit}, tolerance -{minus}/+{plus}{unit}"),
+            (_, _, None) => c.stated_tolerance.clone(),
+            (_, _, Some(reading)) => format!("{}, measured {reading}{unit}", c.stated_tolerance),
+        };
+        let words = format!("{}: {wanted}, {uncertainty}", c.source());
         (format!("criterion.{name}"), words)
     };
     let pair = |entry: &super::summary::Correlated| {

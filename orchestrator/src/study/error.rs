@@ -79,9 +79,8 @@ const TOO_LONG: usize = 20;
 const LIMITS: [&str; 6] = ["min", "max", "lower", "upper", "below", "above"];
 
 /// The remedy where a tolerance is not the same to both sides.
-pub const BOTH_SIDES: &str = "a tolerance is the same to both sides: for limits a and b state nominal = (a + b) / 2 and \
-                              tolerance = (b - a) / 2, where only one limit counts with the other one beyond what the model \
-                              can reach; an uncertainty given as a percentage must be given as a value then";
+pub const BOTH_SIDES: &str = "a single limit is `at-most` or `at-least`, without `nominal` and `tolerance`; a tolerance that is not \
+                              the same to both sides is tolerance = { minus = \"1 degC\", plus = \"2 degC\" }";
 
 /// The remedy for a message of the TOML reader, from the line that it is about, which may break the rules of TOML; none where its
 /// own words do.

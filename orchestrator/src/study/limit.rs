@@ -1,7 +1,7 @@
 //! How far a metric of curves may be from that of equal ones.
 
 use super::CriterionText;
-use super::quantity::{Quantity, Scale, Sense};
+use super::quantity::{Quantity, Scale, Sense, ToleranceText};
 use curves::{Kind, Metric};
 
 /// How much a corridor's share may fall short of all: less than one of any number of times.
@@ -14,7 +14,8 @@ pub(crate) fn limit(
     scale: &Scale<'_>,
 ) -> Result<(f64, f64, String), String> {
     let label = metric.label();
-    match (metric.kind(), &text.tolerance, &text.least) {
+    let tolerance = text.tolerance.as_ref().map(ToleranceText::of_curve);
+    match (metric.kind(), tolerance.transpose()?, &text.least) {
         (Kind::Error, Some(stated), _) => {
             let tolerance = error(stated, scale)?;
             Ok((0.0, tolerance, format!("{label} at most {stated}")))

@@ -40,7 +40,7 @@ pub use detail::first_wrong;
 pub use dossier::Dossier;
 pub use error::BOTH_SIDES;
 pub use identification::Identification;
-pub use quantity::Quantity;
+pub use quantity::{Quantity, ToleranceText};
 pub use reference::{DelayText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use window::Window;
@@ -337,7 +337,15 @@ pub struct CriterionText {
     pub nominal: Option<Quantity>,
     /// The accuracy to both sides: `0.5 degC`, or `0.75 %` of the nominal value in the
     /// criterion's unit. Of a curve, the largest error.
-    pub tolerance: Option<Quantity>,
+    pub tolerance: Option<ToleranceText>,
+    /// The largest value that is accepted, in place of a measured value and its tolerance.
+    pub at_most: Option<Quantity>,
+    /// The least value that is accepted, likewise.
+    pub at_least: Option<Quantity>,
+    /// The measured value beside such a limit, for the comparison with the model.
+    pub measured: Option<Quantity>,
+    /// The criterion whose measured value this one's is a multiple of.
+    pub derived: Option<DerivedText>,
     /// The measured curve, in place of a measured value.
     pub reference: Option<ReferenceText>,
     /// How the curves are compared.
@@ -379,6 +387,19 @@ pub struct CriterionText {
     pub case: Option<usize>,
 }
 
+/// A measured value that is the product of two others, so that its error follows from theirs.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "the factors, such as { from = \"torque\", by = \"drive.speed\" }"
+)]
+pub struct DerivedText {
+    /// The criterion with the first factor.
+    pub from: Name,
+    /// The criterion with the other one, or an input or a parameter, which is known exactly.
+    pub by: Name,
+}
+
 /// The rule for the model as a whole.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -400,7 +421,14 @@ pub struct VariantText {
     /// Its meaning, and why it is there.
     pub about: Option<String>,
     /// Tolerances by the names of criteria; the others stay.
-    pub tolerance: IndexMap<Name, Quantity>,
+    #[serde(default)]
+    pub tolerance: IndexMap<Name, ToleranceText>,
+    /// Upper limits that stand alone, likewise.
+    #[serde(default)]
+    pub at_most: IndexMap<Name, Quantity>,
+    /// Lower limits that stand alone, likewise.
+    #[serde(default)]
+    pub at_least: IndexMap<Name, Quantity>,
 }
 
 impl Study {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::joint::JointNormal;
-use crate::measured::Measured;
+use crate::measured::{Limits, Measured};
 use crate::normal::between;
 use crate::uncertainty::Uncertainty;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -387,4 +387,134 @@ fn samples_of_a_design_are_told_apart() {
         high - low
     };
     assert!(width(&many) < 0.2 * width(&one), "{one:?} {many:?}");
+}
+
+/// The global risks over a normal population N(84, 0.6) with simple acceptance.
+fn risks_of(limits: Limits, uncertainty: Uncertainty) -> [f64; 2] {
+    const POINTS: u32 = 100_000;
+    let error = Some(uncertainty.law(0.0));
+    let measured = Measured {
+        limits,
+        value: None,
+        error,
+    };
+    let measurement = Measurement::new(vec![measured], &[]).unwrap();
+    let mut tally = RiskTally::new(&measurement, Guard::Given(0.0), 1);
+    for i in 0..POINTS {
+        let score = Normal::standard().inverse_cdf((f64::from(i) + 0.5) / f64::from(POINTS));
+        tally.add(Some(&measurement.assess(&[84.0 + 0.6 * score])));
+    }
+    let risk = tally.statement().all.unwrap();
+    [risk.consumer, risk.producer]
+}
+
+/// All were integrated with scipy
+/// (Gauss and Legendre's rule on both sides of each limit; `norm.cdf`, `t.cdf`, convolutions with a rectangle by 200 nodes).
+#[test]
+fn risks_of_one_sided_and_uneven_limits_and_of_errors_that_are_not_normal() {
+    let normal = Uncertainty::normal(0.25, 1.0);
+    let repeated = |mean: f64, repeats: u32, offset: Uncertainty| Uncertainty {
+        noise: mean * f64::from(repeats).sqrt(),
+        repeats: Some(repeats),
+        ..offset
+    };
+    let none = Uncertainty::normal(0.0, 2.0);
+    let uneven = Limits {
+        about: 84.0,
+        minus: 0.5,
+        plus: 1.0,
+    };
+    let once = Uncertainty {
+        noise: 0.15,
+        ..Uncertainty::rectangular(0.3)
+    };
+    for (limits, uncertainty, expected) in [
+        (Limits::at_most(85.0), normal, [0.025_141, 0.010_963]),
+        (
+            Limits::at_most(85.0),
+            Uncertainty::rectangular(0.433),
+            [0.026_399, 0.012_111],
+        ),
+        (
+            Limits::at_most(85.0),
+            repeated(0.25, 5, none),
+            [0.036_609, 0.011_884],
+        ),
+        (Limits::at_most(85.0), once, [0.022_634, 0.010_663]),
+        (
+            Limits::at_least(83.2),
+            repeated(0.25, 3, none),
+            [0.069_752, 0.022_843],
+        ),
+        (uneven, normal, [0.080_402, 0.047_675]),
+        (
+            uneven,
+            repeated(0.2, 5, Uncertainty::rectangular(0.3)),
+            [0.105_481, 0.054_394],
+        ),
+    ] {
+        let risks = risks_of(limits, uncertainty);
+        for (risk, expected) in risks.into_iter().zip(expected) {
+            assert!(
+                (risk - expected).abs() < 2e-5,
+                "{limits:?} {uncertainty:?}: {risks:?}"
+            );
+        }
+    }
+}
+
+/// An upper limit with a normal error and an uneven tolerance with a rectangle and a normal part, correlated by a Gaussian
+/// copula with -0.7; the populations are N(0.3, 0.8) and N(0.3, 1.1). The expected values are sums over 240 times 360 nodes
+/// in numpy, with the joint probability as an integral over the first score.
+#[test]
+fn joint_risks_of_correlated_errors_of_any_distribution() {
+    let rule = crate::normal::GaussLegendre::new(40);
+    let nodes = |deviation: f64, ends: &[f64]| {
+        let density = |x: f64| {
+            (-0.5 * ((x - 0.3) / deviation).powi(2)).exp()
+                / deviation
+                / std::f64::consts::TAU.sqrt()
+        };
+        let mut nodes = Vec::new();
+        for piece in ends.windows(2) {
+            let width = piece[1] - piece[0];
+            nodes.extend(rule.on_unit_interval().map(|[at, weight]| {
+                let x = piece[0] + at * width;
+                (x, weight * width * density(x))
+            }));
+        }
+        nodes
+    };
+    let measured = |limits, uncertainty: Uncertainty| Measured {
+        limits,
+        value: None,
+        error: Some(uncertainty.law(0.0)),
+    };
+    let uneven = Limits {
+        about: 0.0,
+        minus: 1.0,
+        plus: 1.5,
+    };
+    let mixed = Uncertainty {
+        noise: 0.3,
+        ..Uncertainty::rectangular(0.9)
+    };
+    let criteria = vec![
+        measured(Limits::at_most(1.0), Uncertainty::normal(0.5, 1.0)),
+        measured(uneven, mixed),
+    ];
+    let measurement = Measurement::new(criteria, &[(0, 1, -0.7)]).unwrap();
+    let (mut consumer, mut producer) = (0.0, 0.0);
+    for (x, of_x) in nodes(0.8, &[-5.0, -1.5, 1.0, 5.6]) {
+        for (y, of_y) in nodes(1.1, &[-6.3, -1.0, 1.5, 6.9]) {
+            let all = measurement.assess(&[x, y]).all;
+            let probability = all.probability.unwrap();
+            match all.margin >= 0.0 {
+                true => consumer += of_x * of_y * (1.0 - probability),
+                false => producer += of_x * of_y * probability,
+            }
+        }
+    }
+    assert!((consumer - 0.153_381_5).abs() < 2e-5, "{consumer}");
+    assert!((producer - 0.075_892_4).abs() < 2e-5, "{producer}");
 }

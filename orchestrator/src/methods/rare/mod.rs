@@ -143,7 +143,7 @@ impl Rare {
 fn deviation(judge: &Judge, values: &[f64]) -> f64 {
     let pairs = judge.criteria.iter().zip(values);
     pairs
-        .map(|(criterion, value)| (value - criterion.nominal).abs() / criterion.tolerance)
+        .map(|(criterion, &value)| criterion.deviation(value))
         .fold(0.0, f64::max)
 }
 

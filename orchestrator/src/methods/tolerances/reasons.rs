@@ -71,9 +71,9 @@ fn of_rows(goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) -> String {
 /// Narrower tolerances bring all points nearer to the nominal one.
 fn nominal_is_off(criterion: &Criterion, value: f64) -> String {
     let unit = criterion.unit_behind();
-    let beyond = (value - criterion.nominal).abs() - criterion.tolerance;
+    let beyond = -criterion.limits.rest(value);
     format!(
-        "{}: with all parameters at their nominal values it is {}{unit}, {}{unit} beyond the tolerance, and narrower \
+        "{}: with all parameters at their nominal values it is {}{unit}, {}{unit} beyond the limit, and narrower \
          tolerances only bring the other points nearer to that: shift a parameter's nominal value",
         criterion.name,
         number(value, 5),

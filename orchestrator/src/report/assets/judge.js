@@ -1,27 +1,46 @@
 "use strict";
 // Judges points as `orchestrator judge` does: counts, shares, risks, guard band, verdict.
 //
-// A setting is { criteria, correlations, rule }: of each criterion { name, nominal, tolerance, uncertainty, group }, the
-// uncertainty { expanded, coverage } or null; of the rule { share, confidence, band } or { share, confidence, risk }, or null
+// A setting is { criteria, correlations, rule }: of each criterion { name, nominal, tolerance, uncertainty, group }, in place of
+// the tolerance also { minus, plus }, null where there is no such limit; the uncertainty { expanded, coverage } or null, with the
+// `law` of its error where that is not normal; of the rule { share, confidence, band } or { share, confidence, risk }, or null
 // where one point is enough. Points are { size, completed, values, samples, grid }: the values by criterion, and the number of
 // randomisations of the design to which the points belong in turn.
 const Judge = (() => {
   const STEP = 1e-3, MOST_STEPS = 1e4, LEVEL = 0.95;
 
   // ---- one value ------------------------------------------------------------------------------------------
-  const margin = ({ nominal, tolerance, uncertainty }, value) => {
-    const rest = tolerance - Math.abs(value - nominal);
+  const reach = c => [c.tolerance ?? c.minus ?? Infinity, c.tolerance ?? c.plus ?? Infinity];
+  const ends = c => {
+    const [minus, plus] = reach(c);
+    return [c.nominal - minus, c.nominal + plus];
+  };
+  const half = c => 0.5 * (reach(c)[0] + reach(c)[1]);
+  const within = (criterion, value) => {
+    const [minus, plus] = reach(criterion), deviation = value - criterion.nominal;
+    return Math.min(plus - deviation, minus + deviation);
+  };
+  const margin = (criterion, value) => inUncertainties(criterion, within(criterion, value));
+  const inUncertainties = ({ uncertainty }, rest) => {
     if (Number.isNaN(rest)) return -Infinity;
     if (uncertainty) return rest / uncertainty.expanded;
     return rest >= 0 ? Infinity : -Infinity;
   };
-  // The errors of the measured value, in standard uncertainties, with which a value conforms.
-  const limits = ({ nominal, tolerance, uncertainty }, value) => {
-    const standard = uncertainty.expanded / uncertainty.coverage, deviation = value - nominal;
-    return [(deviation - tolerance) / standard, (deviation + tolerance) / standard];
+  // The errors of the measured value with which a value conforms; as normal scores; and how probable they are.
+  const errorsOf = (criterion, value) => {
+    const [minus, plus] = reach(criterion), deviation = value - criterion.nominal;
+    return [deviation - plus, deviation + minus];
   };
-  const capability = ({ tolerance, uncertainty }) =>
-    uncertainty ? tolerance / (2 * uncertainty.expanded / uncertainty.coverage) : null;
+  const standard = ({ expanded, coverage, law }) => expanded * (law ? Math.hypot(law.scale, law.half_width / Math.sqrt(3)) : 1 / coverage);
+  const limits = (criterion, value) => {
+    const { uncertainty } = criterion, { law, expanded } = uncertainty;
+    return errorsOf(criterion, value).map(error => law ? Numbers.score(law, error / expanded) : error / standard(uncertainty));
+  };
+  const chanceOf = (criterion, value) => {
+    const { law, expanded } = criterion.uncertainty;
+    return law ? Numbers.errorBetween(law, ...errorsOf(criterion, value).map(error => error / expanded)) : Numbers.between(...limits(criterion, value));
+  };
+  const capability = c => c.uncertainty && Number.isFinite(half(c)) ? half(c) / (2 * standard(c.uncertainty)) : null;
 
   // ---- joint probabilities -----------------------------------------------------------------------------------
   /** How errors hang together: single ones, pairs, and copies of others; null where three or more depend on each other. */
@@ -119,8 +138,8 @@ const Judge = (() => {
   const worst = (criteria, ofMargin) => {
     const each = criterion => {
       if (!criterion.uncertainty) return 1;
-      const away = Math.max(criterion.tolerance - ofMargin * criterion.uncertainty.expanded, 0);
-      return 1 - Numbers.between(...limits(criterion, criterion.nominal + away));
+      const by = Math.min(ofMargin * criterion.uncertainty.expanded, half(criterion)), [lower, upper] = ends(criterion);
+      return 1 - chanceOf(criterion, Number.isFinite(upper) ? upper - by : lower + by);
     };
     return Math.min(criteria.reduce((sum, criterion) => sum + each(criterion), 0), 1);
   };
@@ -189,16 +208,16 @@ const Judge = (() => {
     for (let i = 0; i < size; i++) {
       const value = completed[i] ? values[i] : NaN;
       // The counts of a case do not depend on what happens in another one; the risks are those of points that came to their end.
-      ok[i] = known[i] && Math.abs(values[i] - criterion.nominal) <= criterion.tolerance ? 1 : 0;
+      ok[i] = known[i] && within(criterion, values[i]) >= 0 ? 1 : 0;
       margins[i] = margin(criterion, value);
-      if (criterion.uncertainty && completed[i]) chance[i] = Numbers.between(...limits(criterion, value));
+      if (criterion.uncertainty && completed[i]) chance[i] = chanceOf(criterion, value);
     }
     return { ok, margins, chance };
   };
   // While one criterion changes, the others keep what was found for them.
   const assessed = (criterion, points, k) => {
-    const { nominal, tolerance, uncertainty } = criterion;
-    const key = JSON.stringify([nominal, tolerance, uncertainty]), cache = points.cache ??= [];
+    const { nominal, uncertainty } = criterion;
+    const key = JSON.stringify([nominal, reach(criterion), uncertainty]), cache = points.cache ??= [];
     if (cache[k]?.key !== key) cache[k] = { key, found: assess(criterion, { ...points, known: points.known[k], values: points.values[k] }) };
     return cache[k].found;
   };
@@ -255,7 +274,7 @@ const Judge = (() => {
     const all = tallied(rule, margins, probability, points), within = countBy(samples, size, i => margins[i] >= 0);
     const anyWithin = sum(within) > 0, { band, from } = guardBand(rule, all, anyWithin), limiting = rule?.risk !== undefined;
     const acceptedBySample = counts(split(all, from).accepted), accepted = sum(acceptedBySample);
-    const possible = limiting || criteria.every(c => band === 0 || margin(c, c.nominal) > band);
+    const possible = limiting || criteria.every(c => band === 0 || inUncertainties(c, half(c)) > band);
     const cannot = limiting ? band === null : anyWithin && accepted === 0 && !possible;
     const one = { least: acceptedBySample, most: acceptedBySample };
     const bands = limiting && all.known && anyWithin ? allowedBands(all, criteria, rule.risk, rule.confidence) : one;
@@ -294,5 +313,5 @@ const Judge = (() => {
     };
   };
 
-  return { judge, known, margin, widest, sureStep, STEP };
+  return { judge, known, margin, within, ends, reach, widest, sureStep, STEP };
 })();

@@ -108,6 +108,45 @@ const Numbers = (() => {
     return x < (a + 1) / (a + b + 2) ? front * betaFraction(a, b, x) / a : 1 - front * betaFraction(b, a, 1 - x) / b;
   };
 
+  // ---- errors that are not normal (`conformity::uncertainty::Law`): { scale, freedom, half_width }, freedom null where infinite ----
+  const smooth = ({ freedom }, z) => {
+    if (freedom === null) return below(z);
+    const tail = 0.5 * beta(freedom / 2, 0.5, freedom / (freedom + z * z));
+    return z > 0 ? 1 - tail : tail;
+  };
+  const integral = (law, z) => {
+    const n = law.freedom, density = () => Math.exp(lnGamma((n + 1) / 2) - lnGamma(n / 2) - (n + 1) / 2 * Math.log1p(z * z / n)) / Math.sqrt(n * Math.PI);
+    const rest = n === null ? Math.exp(-0.5 * z * z) / Math.sqrt(2 * Math.PI)
+      : Math.abs(n - 1) < 1e-7 ? -Math.log1p(z * z) / (2 * Math.PI) : (n + z * z) / (n - 1) * density();
+    return z * smooth(law, z) + rest;
+  };
+  const errorBelow = (law, error) => {
+    const { scale, half_width: half } = law;
+    if (!Number.isFinite(error)) return error > 0 ? 1 : 0;
+    if (half <= 1e-6 * scale) return smooth(law, error / scale);
+    if (scale <= 1e-6 * half) return Math.min(Math.max(0.5 + 0.5 * error / half, 0), 1);
+    const away = -Math.abs(error), area = integral(law, (away + half) / scale) - integral(law, (away - half) / scale);
+    const tail = Math.min(Math.max(area * scale / (2 * half), 0), 1);
+    return error > 0 ? 1 - tail : tail;
+  };
+  /** The probability that such an error lies between two limits. */
+  const errorBetween = (law, lower, upper) => {
+    if (lower >= upper) return 0;
+    return lower > 0 ? errorBelow(law, -lower) - errorBelow(law, -upper) : errorBelow(law, upper) - errorBelow(law, lower);
+  };
+  /** The error as a standard normal number of the same probability (Abramowitz and Stegun 1964, 26.2.23, and Halley's steps). */
+  const score = (law, error) => {
+    const tail = errorBelow(law, -Math.abs(error));
+    if (tail <= 0) return error > 0 ? Infinity : -Infinity;
+    const t = Math.sqrt(-2 * Math.log(tail));
+    let z = (2.515517 + t * (0.802853 + t * 0.010328)) / (1 + t * (1.432788 + t * (0.189269 + t * 0.001308))) - t;
+    for (let turn = 0; turn < 3; turn++) {
+      const off = (below(z) - tail) * Math.sqrt(2 * Math.PI) * Math.exp(0.5 * z * z);
+      z -= off / (1 + 0.5 * z * off);
+    }
+    return error > 0 ? -z : z;
+  };
+
   /** Where a function that grows from below 0 to above 0 between 0 and 1 changes its sign: just before and after. */
   const crossing = grows => {
     let low = 0, high = 1;
@@ -166,5 +205,5 @@ const Numbers = (() => {
     return student(total / points, counts.map((count, k) => count / size(k)), confidence);
   };
 
-  return { below, between, betweenBoth, beta, clopperPearson, student, studentLimit, randomised };
+  return { below, between, betweenBoth, errorBelow, errorBetween, score, beta, clopperPearson, student, studentLimit, randomised };
 })();

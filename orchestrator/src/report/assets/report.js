@@ -71,7 +71,10 @@
   };
   const tolerance = c => [c.criterion?.lower ?? -Infinity, c.criterion?.upper ?? Infinity];
   // Of a criterion under a guard band it may be nothing.
-  const acceptedRange = c => data.guarded && c.criterion ? c.criterion.drawn_in : tolerance(c);
+  const drawnIn = range => range && [range[0] ?? -Infinity, range[1] ?? Infinity];
+  const acceptedRange = c => data.guarded && c.criterion ? drawnIn(c.criterion.drawn_in) : tolerance(c);
+  // A limit that stands alone has no measured value to be drawn.
+  const isMeasured = c => c.criterion && Number.isFinite(c.criterion.lower ?? NaN) && Number.isFinite(c.criterion.upper ?? NaN);
   const inside = (c, i) => !c.ok || c.ok[i] === 1;
   const deviation = (c, i) => {
     const v = c.data[i], { nominal, lower, upper } = c.criterion;
@@ -225,8 +228,8 @@
       box(data.guarded ? "tolerance" : "accept", [x0, x1], [y0, y1]);
       const inner = [acceptedRange(cx), acceptedRange(cy)];
       if (data.guarded && inner[0] && inner[1]) box("accept", ends(inner[0], sx), ends(inner[1], sy));
-      if (cx.criterion) draw(svg, "path", { class: "nominal", d: `M${f(sx.clamp(cx.criterion.nominal))},${f(y1)}V${f(y0)}` });
-      if (cy.criterion) draw(svg, "path", { class: "nominal", d: `M${f(x0)},${f(sy.clamp(cy.criterion.nominal))}H${f(x1)}` });
+      if (isMeasured(cx)) draw(svg, "path", { class: "nominal", d: `M${f(sx.clamp(cx.criterion.nominal))},${f(y1)}V${f(y0)}` });
+      if (isMeasured(cy)) draw(svg, "path", { class: "nominal", d: `M${f(x0)},${f(sy.clamp(cy.criterion.nominal))}H${f(x1)}` });
     }
 
     function words(cx, cy) {

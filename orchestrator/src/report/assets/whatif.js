@@ -58,13 +58,13 @@ const WhatIf = (() => {
   const applyToPlots = () => {
     const band = found.guard_band, own = page.columns.filter(c => c.criterion), known = Judge.known(cases(), own.map(c => c.data)), margins = new Float64Array(page.completed.length).fill(Infinity);
     own.forEach((c, k) => {
-      const criterion = setting.criteria[k], { nominal, tolerance, uncertainty } = criterion;
-      const inner = tolerance - (band ?? Infinity) * (uncertainty?.expanded ?? 0);
-      Object.assign(c.criterion, {
-        nominal, lower: nominal - tolerance, upper: nominal + tolerance,
-        drawn_in: inner >= 0 ? [nominal - inner, nominal + inner] : null,
-      });
-      c.ok = Uint8Array.from(c.data, (value, i) => known[k][i] && Math.abs(value - nominal) <= tolerance ? 1 : 0);
+      const criterion = setting.criteria[k], [lower, upper] = Judge.ends(criterion), by = (band ?? Infinity) * (criterion.uncertainty?.expanded ?? 0);
+      const inner = [lower + by, upper - by], alone = !Number.isFinite(upper - lower);
+      c.criterion.shown ??= { ...c.criterion };
+      // The value with the deviation 0 moves with a limit that stands alone.
+      const nominal = alone ? c.criterion.shown.nominal + criterion.nominal - study.criteria[k].nominal : criterion.nominal;
+      Object.assign(c.criterion, { nominal, lower, upper, drawn_in: inner[0] <= inner[1] ? inner : null });
+      c.ok = Uint8Array.from(c.data, (value, i) => known[k][i] && Judge.within(criterion, value) >= 0 ? 1 : 0);
       for (let i = 0; i < margins.length; i++) margins[i] = Math.min(margins[i], page.completed[i] ? Judge.margin(criterion, c.data[i]) : -Infinity);
     });
     const verified = Uint8Array.from(margins, m => band !== null && m >= band ? 1 : 0);
@@ -80,9 +80,13 @@ const WhatIf = (() => {
       const before = study.criteria[k];
       if (JSON.stringify(c) === JSON.stringify(before)) return;
       // All as numbers in the criterion's unit: a tolerance in per cent would follow the measured value.
-      const values = { nominal: c.nominal, tolerance: c.tolerance };
-      if (c.uncertainty) values.uncertainty = c.uncertainty.expanded;
-      if (c.uncertainty && !before.uncertainty) values.coverage = c.uncertainty.coverage;
+      const [minus, plus] = Judge.reach(c), even = minus === plus;
+      const values = minus === Infinity ? { "at-most": c.nominal } : plus === Infinity ? { "at-least": c.nominal }
+        : { nominal: c.nominal, tolerance: even ? plus : `{ minus = ${minus}, plus = ${plus} }` };
+      const factor = c.uncertainty?.expanded / before.uncertainty?.expanded, parts = before.uncertainty?.parts ?? [];
+      if (!c.derived) for (const [key, part] of parts) values[key] = key === "gain-uncertainty" ? `"${part * factor} %"` : part * factor;
+      // Alone it is what is shown, to the last digit.
+      if (parts.length === 1 && values.uncertainty && !c.uncertainty.law) values.uncertainty = c.uncertainty.expanded;
       const [name, inCase] = c.name.split("/").reverse();
       if (study.cases && inCase) list.push({ inCase, name, values: { ...values, ...(before.unit && { unit: JSON.stringify(before.unit) }) } });
       else list.push({ path: ["criteria", c.name], values });
@@ -130,10 +134,16 @@ const WhatIf = (() => {
     const box = page.make("fieldset", undefined, parent), title = titled(start.name, start.unit);
     page.make("legend", title, box);
     const own = () => setting.criteria[k];
-    control(box, "measured value", { title, get: () => own().nominal, set: v => { own().nominal = v; }, scale: linear(start.nominal, 3 * start.tolerance) });
-    control(box, "tolerance ±", { title, get: () => own().tolerance, set: v => { own().tolerance = v; }, scale: powers(start.tolerance, 8) });
-    if (start.uncertainty) {
-      control(box, `uncertainty, k = ${page.number(start.uncertainty.coverage, 4)}`, {
+    const [minus, plus] = Judge.reach(start), room = start.unit_of_distance ?? Math.max(minus, plus);
+    const words = minus === Infinity ? "at most" : plus === Infinity ? "at least" : "measured value";
+    control(box, words, { title, get: () => own().nominal, set: v => { own().nominal = v; }, scale: linear(start.nominal, 3 * room) });
+    const sides = start.tolerance ? { tolerance: "tolerance ±" } : { minus: "tolerance −", plus: "tolerance +" };
+    if (Number.isFinite(minus + plus)) for (const [key, label] of Object.entries(sides)) {
+      control(box, label, { title, get: () => own()[key], set: v => { own()[key] = v; }, scale: powers(start[key], 8) });
+    }
+    if (start.uncertainty && !start.derived) {
+      const { law, coverage } = start.uncertainty;
+      control(box, law ? "uncertainty, 95 %" : `uncertainty, k = ${page.number(coverage, 4)}`, {
         title, get: () => own().uncertainty.expanded, set: v => { own().uncertainty.expanded = v; }, scale: powers(start.uncertainty.expanded, 8),
       });
     }
@@ -207,6 +217,7 @@ const WhatIf = (() => {
     if (trouble) list.push(`Fresh points could not be simulated: ${trouble}.`);
     if (found.verdict === "not decided") list.push(differs() ? "Run the changed study to decide." : "The verdict above is that of the whole study.");
     if (study.looked_again && setting.rule) list.push("This study was looked at more than once; the verdict here is that of one look and surer than it may be.");
+    if (differs() && study.criteria.some(c => c.derived)) list.push("The errors of derived measured values stay as they are here; judge the changed study.");
     if (!found.jointKnown) list.push("Three or more measured values are correlated: the risks of all criteria together are not computed here; judge the changed study.");
     return list.join(" ");
   };
@@ -300,6 +311,7 @@ const WhatIf = (() => {
     const part = name => section.querySelector(`.${name}`);
     [outcome, table, warning, snippet, saved] = ["outcome", "results", "caution", "snippet", "save"].map(part);
     page.elements = { hint: part("by-hand") };
+    for (const c of study.criteria) if (c.minus !== null && c.minus === c.plus) c.tolerance = c.plus;
     begin();
     choose();
     criterionControls(part("criteria"));
@@ -316,13 +328,13 @@ const WhatIf = (() => {
     });
   };
 
-  /** Changes the study by numbers, and returns what follows: { criteria: { NAME: { nominal, tolerance, expanded } }, share, parameters }. */
+  /** Changes the study by numbers, and returns what follows: { criteria: { NAME: { nominal, tolerance, minus, plus, expanded } }, share,
+   * parameters }; `nominal` is the limit where it stands alone. */
   const ask = ({ criteria = {}, share, parameters = {} }) => {
     begin();
-    for (const [name, { nominal, tolerance, expanded }] of Object.entries(criteria)) {
+    for (const [name, { expanded, ...numbers }] of Object.entries(criteria)) {
       const own = setting.criteria.find(c => c.name === name);
-      own.nominal = nominal ?? own.nominal;
-      own.tolerance = tolerance ?? own.tolerance;
+      Object.assign(own, numbers);
       if (expanded) own.uncertainty.expanded = expanded;
     }
     if (share) setting.rule = { ...(setting.rule ?? { confidence: 0.95, band: 0 }), share };

@@ -1,0 +1,176 @@
+//! Measured values that are the product of two others: their errors follow, and are no second measurement.
+
+use super::{Judge, distance_unit};
+use crate::files::FileError;
+use crate::study::cases::SEPARATOR;
+use crate::study::points::Pairs;
+use crate::study::{CriterionText, Name, Study};
+use conformity::uncertainty::Uncertainty;
+
+/// A criterion whose error follows from others'.
+#[derive(Clone, Debug)]
+pub(super) struct Derived {
+    /// Its number.
+    number: usize,
+    /// The factors' numbers, each with the correlation of its error with the product's.
+    factors: Vec<(usize, f64)>,
+}
+
+impl Judge {
+    /// Gives criteria that are `derived` the uncertainty that follows from their factors': in a product relative errors
+    /// add, and those of two measurements are independent (GUM, 5.1.2 and 5.1.6).
+    pub(super) fn derive(&mut self, study: &Study) -> Result<(), FileError> {
+        for (number, (name, text)) in study.criteria.iter().enumerate() {
+            if text.derived.is_none() {
+                continue;
+            }
+            let wrong = |message: String| study.error_of(name, message);
+            if self.criteria[number].uncertainty.is_some() {
+                let message = "its error follows from those of its factors; remove `uncertainty` and the keys beside it, or `derived`";
+                return Err(wrong(message.to_owned()));
+            }
+            let factors = self.factors(study, text, number).map_err(wrong)?;
+            let value = |k: usize| {
+                self.criteria[k]
+                    .measured()
+                    .value
+                    .filter(|value| *value != 0.0)
+            };
+            let mut parts: Vec<(usize, f64, Uncertainty)> = Vec::new();
+            for factor in factors {
+                let criterion = &self.criteria[factor];
+                let known = value(number).zip(value(factor)).zip(criterion.uncertainty);
+                let ((product, factor_value), uncertainty) = known.ok_or_else(|| {
+                    wrong(format!(
+                        "an error can only follow where both have a measured value other than 0, and {} its `uncertainty`",
+                        criterion.name
+                    ))
+                })?;
+                parts.push((factor, product / factor_value, uncertainty));
+            }
+            let (_, ratio, first) = parts[0];
+            let mut uncertainty = Uncertainty {
+                expanded: ratio.abs() * first.expanded,
+                noise: ratio.abs() * first.noise,
+                ..first
+            };
+            let standard = |factor: usize| {
+                self.criteria[factor]
+                    .measured()
+                    .error
+                    .filter(|error| error.is_normal())
+            };
+            if let Some(&(factor, ratio, _)) = parts.get(1) {
+                let error = standard(factor).ok_or_else(|| {
+                    wrong(format!(
+                        "the error of {} must be normal: state it without `repeats` and not as rectangular, or exchange `from` and \
+                         `by`",
+                        self.criteria[factor].name
+                    ))
+                })?;
+                // In the product it is an error in proportion.
+                let relative = ratio * error.standard() / value(number).unwrap_or(1.0);
+                uncertainty.gain = uncertainty.gain.hypot(relative);
+            }
+            self.criteria[number].uncertainty = Some(uncertainty);
+            // In what a limit's distance counts may be this uncertainty.
+            let unit = self.criteria[number].distance_unit;
+            self.criteria[number].distance_unit =
+                unit.map(|_| distance_unit(&self.criteria[number]));
+            let size = |k: usize| {
+                self.criteria[k]
+                    .measured()
+                    .error
+                    .map_or(0.0, |error| error.standard())
+            };
+            let factors = parts.iter().map(|&(factor, ratio, _)| {
+                let correlation = ratio * size(factor) / size(number);
+                (factor, correlation.clamp(-1.0, 1.0))
+            });
+            let factors = factors.collect();
+            self.derived.push(Derived { number, factors });
+        }
+        Ok(())
+    }
+
+    /// The numbers of the criteria that are the factors of a derived one.
+    fn factors(
+        &self,
+        study: &Study,
+        text: &CriterionText,
+        number: usize,
+    ) -> Result<Vec<usize>, String> {
+        let Some(derived) = &text.derived else {
+            return Ok(Vec::new());
+        };
+        let case = text.case.map_or_else(String::new, |case| {
+            format!("{}{SEPARATOR}", study.cases[case].name.as_ref())
+        });
+        let find = |key: &Name| {
+            let full = format!("{case}{}", key.as_ref());
+            self.names().position(|known| *known == full)
+        };
+        let [from, by] = [&derived.from, &derived.by].map(|key| key.as_ref().as_str());
+        let first = find(&derived.from).ok_or_else(|| {
+            format!("there is no criterion `{from}` from which it could be derived")
+        })?;
+        let second = find(&derived.by);
+        // What the study sets itself has no error.
+        let is_set =
+            study.parameters.contains_key(by) || study.fixes(by, text) || study.feeds(by, text);
+        if second.is_none() && !is_set {
+            return Err(format!(
+                "`{by}` is no criterion, and no input or parameter that the study sets"
+            ));
+        }
+        let factors: Vec<usize> = [Some(first), second].into_iter().flatten().collect();
+        let is_derived = |k: usize| {
+            study
+                .criteria
+                .values()
+                .nth(k)
+                .is_some_and(|text| text.derived.is_some())
+        };
+        let is_same = second == Some(first) || factors.contains(&number);
+        match is_same || factors.iter().any(|&k| is_derived(k)) {
+            true => Err("it is the product of another criterion and a further one, or an input; neither may be derived itself".to_owned()),
+            false => Ok(factors),
+        }
+    }
+
+    /// The stated correlations, and those that follow for derived criteria.
+    pub(super) fn with_derived(&self, study: &Study, mut pairs: Pairs) -> Result<Pairs, FileError> {
+        for (place, &(a, b, _)) in pairs.iter().enumerate() {
+            let follows = self.derived.iter().any(|derived| {
+                let is_factor = |k: usize| derived.factors.iter().any(|(factor, _)| *factor == k);
+                derived.number == a || derived.number == b || is_factor(a) && is_factor(b)
+            });
+            if follows {
+                let message = "this correlation follows from `derived`, whose factors' errors are independent; remove one of them";
+                return Err(study.error_at(&study.uncertainty_correlations[place], message));
+            }
+        }
+        for Derived { number, factors } in &self.derived {
+            let mut following: Pairs = Vec::new();
+            for &(factor, part) in factors {
+                following.push((*number, factor, part));
+                for &(a, b, coefficient) in &pairs {
+                    let other = match factor {
+                        _ if a == factor => b,
+                        _ if b == factor => a,
+                        _ => continue,
+                    };
+                    match following.iter_mut().find(|(_, known, _)| *known == other) {
+                        Some((.., sum)) => *sum += part * coefficient,
+                        None => following.push((*number, other, part * coefficient)),
+                    }
+                }
+            }
+            let clamped = following
+                .into_iter()
+                .map(|(a, b, r)| (a, b, r.clamp(-1.0, 1.0)));
+            pairs.extend(clamped);
+        }
+        Ok(pairs)
+    }
+}
