@@ -116,6 +116,60 @@ def test_the_page_judges_as_the_program_does(browser, tmp_path, rule):  # noqa: 
     assert browser.get_log("browser") == []
 
 
+UNLIKE = """
+title = "Invented"
+fmu = "none.fmu"
+[design]
+method = "monte-carlo"
+points = 400
+[criteria.T]
+variable = "t"
+at-most = 82.3
+uncertainty = 0.3
+uncertainty-distribution = "rectangular"
+noise = 0.1
+repeats = 5
+unit = "degC"
+group = "both"
+[criteria.F]
+variable = "f"
+nominal = 750
+tolerance = { minus = 40, plus = 90 }
+noise = 30
+repeats = 4
+unit = "N"
+group = "both"
+[criteria."P.fr"]
+variable = "p"
+at-least = 10
+uncertainty = 0.9
+unit = "W"
+"""
+UNLIKE_CHANGES = [
+    {},
+    {"criteria": {"T": {"nominal": 82.0, "expanded": 0.2}}},
+    {"criteria": {"F": {"nominal": 760, "minus": 20, "plus": 33.5, "expanded": 20}}},
+    {"criteria": {"P.fr": {"nominal": 13}}, "share": 0.45},
+    {"criteria": {"T": {"nominal": 70}}},
+]
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_the_page_judges_limits_and_errors_of_any_kind(browser, tmp_path, rule):  # noqa: F811
+    """A limit that stands alone, an uneven tolerance, a rectangle with Student's part."""
+    table(tmp_path / "table.csv")
+    judged(tmp_path / "first", UNLIKE + RULES[rule].replace('["F", "P.fr"]', '["T", "P.fr"]'))
+    browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
+    for change in UNLIKE_CHANGES:
+        asked = browser.execute_script("return WhatIf.ask(arguments[0])", change)
+        summary = judged(tmp_path / "second", asked["text"])
+        for name in ("points", "failed", "accepted", "verdict", "guard_band", "risk", "expected_verified"):
+            same(asked[name], summary[name], name)
+        for found, (name, criterion) in zip(asked["criteria"], summary["criteria"].items(), strict=True):
+            same(found, {key: criterion.get(key) for key in ("passed", "fraction", "interval", "risk")}, name)
+    assert browser.get_log("browser") == []
+
+
 def random_study(draw):
     """A study, its setting for the page's script, and its points, some of which failed."""
     size, count = draw.choice([1, 3, 20, 50, 300]), draw.randint(1, 4)

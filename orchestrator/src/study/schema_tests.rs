@@ -242,6 +242,14 @@ fn the_schema_refuses_what_the_reader_refuses() {
             "study.criteria.x lacks \"tolerance\"",
         ),
         (
+            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nat-most = 1\nnominal = 1",
+            "study.criteria.x.nominal",
+        ),
+        (
+            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1\ntolerance = { minus = 1 }",
+            "study.criteria.x.tolerance lacks \"plus\"",
+        ),
+        (
             "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nreference = { file = \"m.csv\" }\nmetric = \"rmse\"\nnominal = 1",
             "study.criteria.x.nominal",
         ),

@@ -21,7 +21,7 @@ fn typing_errors_are_answered_with_line_column_and_the_nearest_key() {
     );
     let text = "fmu = \"a.fmu\"\n[criteria.T]\nvariable = \"t\"\nmax = 90\n";
     assert!(
-        error(text).starts_with("s.toml:4:1: unknown field `max`; a tolerance is the same to both"),
+        error(text).starts_with("s.toml:4:1: unknown field `max`; a single limit is `at-most`"),
         "{}",
         error(text)
     );
