@@ -121,6 +121,9 @@ pub struct FreeOutcome {
     pub at_bound: Option<&'static str>,
     /// The part of the prior's standard deviation that the data leave.
     pub left: f64,
+    /// Whether it is the value of one case.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub of_case: bool,
     /// Whether runs fail on both sides of it: then nothing is known of what it changes, and the interval is the prior's.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub surrounded: bool,
@@ -322,6 +325,10 @@ fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
         bounds: [free.min, free.max],
         at_bound: bound(place),
         left: deviation * optimum.posterior.prior[index].sqrt(),
+        of_case: problem
+            .populations
+            .iter()
+            .any(|population| population.members.contains(&index)),
         surrounded: optimum.minimum.surrounded.contains(&index),
     }
 }

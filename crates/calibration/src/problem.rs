@@ -126,6 +126,26 @@ impl Free {
     }
 }
 
+/// Free parameters that are one quantity of several specimens: normal, with a mean and a standard deviation that are unknown,
+/// too, on the parameters' scale and between their bounds. The search takes each by itself, as the density is highest where
+/// the spread is 0; the posterior's sample has mean and spread.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Population {
+    /// The quantity.
+    pub name: String,
+    /// The free parameters, which all have the same scale, bounds and prior.
+    pub members: Vec<usize>,
+}
+
+impl Population {
+    /// The standard deviation of a single value's place before the measurement.
+    pub fn scale(&self, problem: &Problem) -> f64 {
+        let uniform = 12.0_f64.sqrt().recip();
+        let prior = problem.free[self.members[0]].prior_place();
+        prior.map_or(uniform, |(_, deviation)| deviation.min(uniform))
+    }
+}
+
 /// The interval in which a case's latent parameter lies; within it everything is equally probable.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
@@ -249,6 +269,9 @@ impl Channel {
 pub struct Problem {
     /// The parameters that all cases share.
     pub free: Vec<Free>,
+    /// Those of them that vary from specimen to specimen.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub populations: Vec<Population>,
     /// The parameters that each case has to itself.
     pub latents: Vec<Latent>,
     /// The measured quantities.

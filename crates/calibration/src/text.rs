@@ -28,6 +28,9 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome)
         .flat_map(|optimum| &optimum.free)
     {
         let (name, number) = (&free.name, digits(free.value));
+        if free.of_case {
+            text += "# under `fixed` of this case alone: ";
+        }
         text += &match shown(&free.unit) {
             "" => format!("\"{name}\" = {number}\n"),
             unit => format!("\"{name}\" = \"{number} {unit}\"\n"),
@@ -171,6 +174,10 @@ fn confirmed(outcome: &IdentificationOutcome) -> String {
         return "\nThe intervals are normal approximations; --posterior 1000 checks them.\n"
             .to_owned();
     };
+    if !sample.populations.is_empty() {
+        // The sample is of another problem: one with a common mean and spread.
+        return String::new();
+    }
     let pairs = outcome.free.iter().zip(&sample.free);
     let other: Vec<&str> = pairs
         .filter(|(free, marginal)| !agree(free, &marginal.intervals))

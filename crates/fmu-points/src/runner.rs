@@ -179,7 +179,7 @@ impl Runner {
             values.len(),
             "a point has a value of every varied parameter"
         );
-        let mut slots = varied.iter().zip(values);
+        let mut slots = varied.iter().zip(values).filter(|(slot, _)| !slot.idle);
         slots.try_for_each(|(slot, &value)| slot.check(value).map_err(Failure::OutOfRange))
     }
 

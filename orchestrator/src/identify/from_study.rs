@@ -13,12 +13,14 @@ use super::bind::{Bound, Input, bare, check_difference, free};
 use super::scatter::scatter;
 use crate::files::FileError;
 use crate::judge::{Criterion, Judge};
+use crate::study::cases::SEPARATOR;
 use crate::study::plan::{self, Plan};
 use crate::study::{CriterionText, Identification, Name, Study};
 use calibration::digits::rounded;
 use calibration::problem::{
-    Case, Channel, Effect, Free, Measured, Prior, Quantity, SharedKind, Source, Spacing,
+    Case, Channel, Effect, Free, Measured, Population, Prior, Quantity, SharedKind, Source, Spacing,
 };
+use calibration::text::digits;
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use fmu_import::units::Conversion;
@@ -45,11 +47,14 @@ pub fn bind(
     fmu: &Description,
 ) -> Result<Bound, FileError> {
     check(study, settings)?;
-    let fitted = study.fitted();
+    let mut fitted = study.fitted();
     if fitted.cases.is_empty() {
         let message =
             "every case is held out, so there is nothing to fit; remove `held-out` from one";
         return Err(study.error_at(&study.cases[0].name, message));
+    }
+    for text in fitted.parameters.values_mut() {
+        text.varies = None;
     }
     let plan = Plan::new(&fitted, fmu)?;
     plan.tell_of_inputs();
@@ -129,6 +134,18 @@ pub fn bind(
     if !bound.notes.is_empty() {
         bound.notes.push(CHANGED.to_owned());
     }
+    let populations = bound.problem.populations.iter();
+    bound.notes.extend(populations.map(|population| {
+        let first = &bound.problem.free[population.members[0]];
+        let prior = digits(first.spread(population.scale(&bound.problem)));
+        format!(
+            "{name} varies from case to case. The table takes each case by itself; the common mean and the spread (standard \
+             deviation) come with --posterior N alone, as a density that has both is highest where the spread is 0. There the \
+             mean has the parameter's own distribution, and the spread is half-normal with {prior}{unit}, before the measurement.",
+            name = population.name,
+            unit = behind(first.unit.as_deref()),
+        )
+    }));
     bound.problem.sources = shared.sources;
     bound.problem.channels = shared.channels;
     Ok(bound)
@@ -447,7 +464,7 @@ impl Unknowns<'_> {
             let Input { slot, scale } = Input::new(self.study, self.fmu, name, unit)?;
             let free = free(name.as_ref(), text, &scale)
                 .map_err(|message| self.study.error_of(name, message))?;
-            bound.add_free(self.study, name, free, slot, scale.conversion)?;
+            self.add(bound, name, free, slot, scale.conversion)?;
         }
         for ((name, input), slot) in named {
             let is_free = self.settings.free.contains_key(name.as_ref().as_str());
@@ -460,7 +477,7 @@ impl Unknowns<'_> {
                 return Err(self.study.error_of(name, message));
             }
             let free = prior(input, slot).map_err(|message| self.study.error_of(name, message))?;
-            bound.add_free(self.study, name, free, slot.clone(), input.conversion)?;
+            self.add(bound, name, free, slot.clone(), input.conversion)?;
         }
         match bound.problem.free.is_empty() {
             true => Err(self.study.error(
@@ -468,6 +485,45 @@ impl Unknowns<'_> {
             )),
             false => Ok(()),
         }
+    }
+
+    /// Adds an unknown, or one for each case.
+    fn add(
+        &self,
+        bound: &mut Bound,
+        name: &Name,
+        free: Free,
+        slot: Slot,
+        conversion: Conversion,
+    ) -> Result<(), FileError> {
+        let text = self.study.parameters.get(name.as_ref().as_str());
+        let Some(varies) = text.and_then(|text| text.varies.as_ref()) else {
+            return bound.add_free(self.study, name, free, slot, conversion);
+        };
+        let cases = bound.simulations.iter().map(|case| case.name.clone());
+        let cases: Vec<String> = cases.flatten().collect();
+        if cases.len() < 2 {
+            let message = "one case that is fitted shows no spread from case to case; give more, or remove `varies`";
+            return Err(self.study.error_at(varies, message));
+        }
+        let first = bound.problem.free.len();
+        for (number, case) in cases.iter().enumerate() {
+            let of_case = Free {
+                name: format!("{case}{SEPARATOR}{}", free.name),
+                ..free.clone()
+            };
+            bound.add_free(self.study, name, of_case, slot.clone(), conversion)?;
+            for (other, simulation) in bound.simulations.iter_mut().enumerate() {
+                if let Some(slot) = simulation.task.varied.last_mut() {
+                    slot.idle = other != number;
+                }
+            }
+        }
+        bound.problem.populations.push(Population {
+            name: free.name,
+            members: (first..bound.problem.free.len()).collect(),
+        });
+        Ok(())
     }
 
     /// A parameter may be free too: then it is sought between other bounds than it is drawn from.

@@ -193,6 +193,14 @@ pub enum Shape {
     Fixed,
 }
 
+/// From where to where a parameter varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Varies {
+    /// From case to case, such as one specimen each.
+    Case,
+}
+
 /// An uncertain parameter.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(
@@ -223,6 +231,8 @@ pub struct ParameterText {
     pub unit: Option<String>,
     /// Its column in a table of points, and in the sample; its own name otherwise.
     pub column: Option<String>,
+    /// Whether each case has its own value, from a common mean and spread, which `identify` estimates.
+    pub varies: Option<Spanned<Varies>>,
     /// A remark for people.
     pub about: Option<String>,
 }

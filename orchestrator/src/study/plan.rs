@@ -47,6 +47,14 @@ impl Plan {
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, FileError> {
         points::check(study)?;
+        let mut from_case_to_case = study
+            .parameters
+            .values()
+            .filter_map(|text| text.varies.as_ref());
+        if let Some(varies) = from_case_to_case.next() {
+            let message = "only identify gives each case its own value; remove `varies`, and the cases have one value in common";
+            return Err(study.error_at(varies, message));
+        }
         let binder = Binder { study, fmu };
         let (mut inputs, varied) = binder.parameters()?;
         let joints = binder.samples(&mut inputs)?;

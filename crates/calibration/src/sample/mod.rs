@@ -23,6 +23,9 @@ mod evidence_tests;
 mod mixture;
 mod moves;
 pub mod outcome;
+mod population;
+#[cfg(test)]
+mod population_tests;
 mod region;
 mod target;
 #[cfg(test)]
@@ -184,6 +187,9 @@ pub fn sample(
 ) -> Result<Sample, SampleError> {
     let unknown = settings.discrepancies.iter().map(|(unknown, _)| *unknown);
     let target = Target::new(objective, unknown.collect());
+    // The search takes each case by itself, so its optima are no start for what has a common mean and spread.
+    let alone = objective.problem.populations.is_empty();
+    let optima = if alone { optima } else { &[] };
     let before = objective.failures();
     let mut walk = Walk::begin(&target, optima, settings)?;
     while walk.exponent < 1.0 {
@@ -198,9 +204,17 @@ pub fn sample(
     walk.join(observe)?;
     let weights = walk.weights()?;
     let failures = objective.failures();
+    let placed = |particles: Vec<Particle>| {
+        let particles = particles.into_iter().map(|particle| Particle {
+            places: target.places(particle.places),
+            ..particle
+        });
+        particles.collect::<Vec<Particle>>()
+    };
+    let groups = groups.into_iter().map(|(log, group)| (log, placed(group)));
     Ok(Sample {
-        particles: walk.particles,
-        groups,
+        particles: placed(walk.particles),
+        groups: groups.collect(),
         stages: walk.stages,
         weights,
         evaluated: failures.asked - before.asked,
@@ -424,6 +438,12 @@ impl<'a> Walk<'a> {
         for ((particles, mover), (there, proposals)) in parts.zip(proposed) {
             let random = &mut self.random;
             taken.extend(mover.decide(particles, there, proposals, self.exponent, random));
+        }
+        for particle in &mut self.particles {
+            if self.target.refresh(&mut particle.places, &mut self.random) {
+                particle.log_prior = self.target.log_prior(&particle.places);
+                particle.log_start = particle.log_prior;
+            }
         }
         Ok(taken)
     }

@@ -61,6 +61,9 @@ pub struct PosteriorOutcome {
     pub stages: Vec<Stage>,
     /// The free parameters.
     pub free: Vec<Marginal>,
+    /// The parameters that vary from case to case: mean and spread (standard deviation) over all cases there might be.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub populations: Vec<PopulationOutcome>,
     /// The latent parameters, case by case.
     pub latents: Vec<Vec<Marginal>>,
     /// The shared errors of the measured channels.
@@ -179,6 +182,17 @@ pub struct Marginal {
     pub scale: Spacing,
 }
 
+/// A parameter that varies from case to case.
+#[derive(Clone, Debug, Serialize)]
+pub struct PopulationOutcome {
+    /// Its name.
+    pub name: String,
+    /// The mean of all cases there might be; on a logarithmic scale the median.
+    pub mean: Marginal,
+    /// The standard deviation from case to case; on a logarithmic scale the factor that stands for one.
+    pub spread: Marginal,
+}
+
 /// An optimum's part of the sample: the particles that are nearest to it, in its own units.
 #[derive(Clone, Debug, Serialize)]
 pub struct Share {
@@ -237,6 +251,8 @@ impl PosteriorOutcome {
     /// Gathers what a sample tells.
     pub fn new(objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Self {
         let problem = objective.problem;
+        let alone = problem.populations.is_empty();
+        let optima = if alone { optima } else { &[] };
         let groups = Groups::of(sample);
         let effective = effective(&groups, sample);
         let near = Near::new(optima, problem.unknowns());
@@ -253,6 +269,7 @@ impl PosteriorOutcome {
             failed: sample.failed,
             stages: sample.stages.clone(),
             free: free(problem, sample),
+            populations: populations(problem, sample),
             latents: latents(problem, sample),
             shared: shared(problem, sample),
             correlations: correlations(problem, sample),
@@ -485,10 +502,11 @@ impl<'a> Near<'a> {
     }
 }
 
-/// The marginal of one unknown with name, unit and scale, given how a place becomes a value.
+/// The marginal of one unknown with name, unit and scale, given its places' bounds and how a place becomes a value.
 fn marginal(
     sample: &Sample,
     unknown: usize,
+    bounds: [f64; 2],
     (name, unit, scale): (&str, &Option<String>, Spacing),
     value: &dyn Fn(f64) -> f64,
 ) -> Marginal {
@@ -498,7 +516,7 @@ fn marginal(
         .map(|particle| particle.places[unknown]);
     let places = sorted(places.collect());
     let values: Vec<f64> = places.iter().map(|&place| value(place)).collect();
-    let intervals = regions(&places, [0.0, 1.0]).into_iter();
+    let intervals = regions(&places, bounds).into_iter();
     Marginal {
         name: name.to_owned(),
         unit: unit.clone(),
@@ -510,10 +528,35 @@ fn marginal(
     }
 }
 
+/// Mean and spread of each population stand behind all other unknowns.
+fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
+    let all = sample.particles.first();
+    let all = all.map_or(0, |particle| particle.places.len());
+    let first = all - 2 * problem.populations.len();
+    let populations = problem.populations.iter().enumerate();
+    let outcomes = populations.map(|(number, population)| {
+        let (name, at) = (&population.name, first + 2 * number);
+        let free = &problem.free[population.members[0]];
+        let named = (&name[..], &free.unit, free.scale);
+        let unit = free.unit.clone().filter(|_| free.scale == Spacing::Linear);
+        let of_spread = (&name[..], &unit, Spacing::Linear);
+        PopulationOutcome {
+            name: name.clone(),
+            mean: marginal(sample, at, [0.0, 1.0], named, &|place| free.value(place)),
+            spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| {
+                free.spread(place)
+            }),
+        }
+    });
+    outcomes.collect()
+}
+
 fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
     let marginal = |(unknown, free): (usize, &Free)| {
         let named = (&free.name[..], &free.unit, free.scale);
-        marginal(sample, unknown, named, &|place| free.value(place))
+        marginal(sample, unknown, [0.0, 1.0], named, &|place| {
+            free.value(place)
+        })
     };
     problem.free.iter().enumerate().map(marginal).collect()
 }
@@ -524,7 +567,9 @@ fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
         let latents = problem.latents_of(case).zip(pairs);
         let marginals = latents.map(|(unknown, (latent, interval))| {
             let named = (&latent.name[..], &latent.unit, Spacing::Linear);
-            marginal(sample, unknown, named, &|place| interval.value(place))
+            marginal(sample, unknown, [0.0, 1.0], named, &|place| {
+                interval.value(place)
+            })
         });
         marginals.collect()
     };

@@ -8,12 +8,15 @@ use super::super::errors::Errors;
 use super::super::local::Minimum;
 use super::super::objective::{Misfit, Objective};
 use super::super::problem::NoPrediction;
+use super::population::Common;
 
 /// The posterior that is sampled.
 pub(super) struct Target<'a> {
     pub(super) objective: &'a Objective<'a>,
-    /// The prior of each unknown's place: uniform from 0 to 1, or normal and cut there.
+    /// The prior of each coordinate: uniform from 0 to 1, or normal and cut there. Those of populations depend on each other.
     pub(super) before: Vec<Distribution>,
+    /// Parameters that vary from case to case, each with the coordinates of its mean and spread behind all others.
+    populations: Vec<Common>,
     /// Quantities with an unknown discrepancy, whose places stand behind all others.
     discrepancies: Vec<Unknown>,
 }
@@ -41,29 +44,71 @@ impl<'a> Target<'a> {
     pub(super) fn new(objective: &'a Objective<'a>, discrepancies: Vec<Unknown>) -> Self {
         let problem = objective.problem;
         let free = problem.free.iter().map(|free| before(free.prior_place()));
-        let others = problem.unknowns() - problem.free.len() + discrepancies.len();
+        let populations = problem.populations.iter().enumerate();
+        let first = problem.unknowns() + discrepancies.len();
+        let populations =
+            populations.map(|(number, each)| Common::new(problem, each, first + 2 * number));
+        let populations: Vec<Common> = populations.collect();
+        let others = first - problem.free.len() + 2 * populations.len();
         let before = free.chain(std::iter::repeat_n(before(None), others));
         Self {
             objective,
             before: before.collect(),
+            populations,
             discrepancies,
         }
     }
 
-    /// A place from the prior.
+    /// The coordinates that have a prior of their own.
+    fn alone(&self) -> impl Iterator<Item = (usize, &Distribution)> {
+        let common = 2 * self.populations.len();
+        let alone = self
+            .before
+            .iter()
+            .enumerate()
+            .take(self.before.len() - common);
+        alone.filter(|(index, _)| !self.populations.iter().any(|each| each.has(*index)))
+    }
+
+    /// Coordinates from the prior.
     pub(super) fn draw(&self, random: &mut Random) -> Vec<f64> {
-        let before = self.before.iter();
-        before
-            .map(|distribution| distribution.quantile(random.unit()))
-            .collect()
+        let mut coordinates = vec![0.0; self.before.len()];
+        for (index, distribution) in self.alone() {
+            coordinates[index] = distribution.quantile(random.unit());
+        }
+        for population in &self.populations {
+            population.draw(&mut coordinates, random);
+        }
+        coordinates
     }
 
     /// The logarithm of the prior density: minus infinity outside of the bounds.
-    pub(super) fn log_prior(&self, places: &[f64]) -> f64 {
-        let pairs = self.before.iter().zip(places);
-        pairs
-            .map(|(distribution, &place)| distribution.ln_density(place))
-            .sum()
+    pub(super) fn log_prior(&self, coordinates: &[f64]) -> f64 {
+        let alone = self.alone();
+        let alone: f64 = alone
+            .map(|(index, distribution)| distribution.ln_density(coordinates[index]))
+            .sum();
+        let populations = self.populations.iter();
+        let common: f64 = populations.map(|each| each.log_prior(coordinates)).sum();
+        // Where the spread is not positive, one of the terms may be no number.
+        let log = alone + common;
+        if log.is_nan() { f64::NEG_INFINITY } else { log }
+    }
+
+    /// The places of the unknowns at given coordinates; of a population, its mean's place and its spread.
+    pub(super) fn places(&self, mut coordinates: Vec<f64>) -> Vec<f64> {
+        for population in &self.populations {
+            population.place(&mut coordinates);
+        }
+        coordinates
+    }
+
+    /// Moves means and spreads, which the likelihood does not depend on; tells whether there are any.
+    pub(super) fn refresh(&self, coordinates: &mut [f64], random: &mut Random) -> bool {
+        for population in &self.populations {
+            population.refresh(coordinates, random);
+        }
+        !self.populations.is_empty()
     }
 
     /// The likelihoods, all in one batch of runs: none outside of the bounds, where nothing is run, and where a run failed.
@@ -74,7 +119,8 @@ impl<'a> Target<'a> {
         let inside: Vec<usize> = (0..sets.len())
             .filter(|&index| self.log_prior(&sets[index]).is_finite())
             .collect();
-        let asked: Vec<&[f64]> = inside.iter().map(|&index| &sets[index][..]).collect();
+        let asked = inside.iter().map(|&index| self.places(sets[index].clone()));
+        let asked: Vec<Vec<f64>> = asked.collect();
         let misfits = self.objective.misfits(&asked)?;
         let mut likelihoods = vec![Likelihood::none(); sets.len()];
         for (&index, misfit) in inside.iter().zip(misfits) {
@@ -123,7 +169,7 @@ impl<'a> Target<'a> {
 }
 
 /// The prior of a place, given its centre and deviation where there are any.
-fn before(prior: Option<(f64, f64)>) -> Distribution {
+pub(super) fn before(prior: Option<(f64, f64)>) -> Distribution {
     let [min, max] = [0.0, 1.0];
     match prior {
         None => Distribution::Uniform { min, max },

@@ -26,7 +26,16 @@ pub fn summary(outcome: &PosteriorOutcome, of_data: &Evidence) -> String {
     let mut text = format!(
         "\nposterior sample: {particles} particles ({judged}), from {evaluated} evaluations\n"
     );
-    text += &marginals(&outcome.free);
+    let mut all = outcome.free.clone();
+    for population in &outcome.populations {
+        let named = |what: &str, marginal: &Marginal| Marginal {
+            name: format!("{}, {what}", population.name),
+            ..marginal.clone()
+        };
+        all.push(named("mean of all cases", &population.mean));
+        all.push(named("spread from case to case", &population.spread));
+    }
+    text += &marginals(&all);
     // A single optimum has all.
     for optimum in outcome.optima.iter().filter(|_| outcome.optima.len() > 1) {
         let [share, error, approximation] =
@@ -123,7 +132,8 @@ fn marginals(free: &[Marginal]) -> String {
     text
 }
 
-/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, discrepancies as `NAME.discrepancy`, and the logarithm of the likelihood.
+/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, discrepancies as `NAME.discrepancy`, means and spreads of
+/// populations as `NAME.mean` and `NAME.spread`, and the logarithm of the likelihood.
 pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
     let free = problem.free.iter().map(|free| free.name.clone());
     let latents = problem.cases.iter().flat_map(|case| {
@@ -134,11 +144,15 @@ pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
         let name = &problem.quantities[unknown.quantity].name;
         format!("{name}.discrepancy")
     });
+    let populations = problem.populations.iter();
+    let populations =
+        populations.flat_map(|each| ["mean", "spread"].map(|what| format!("{}.{what}", each.name)));
     ["point".to_owned()]
         .into_iter()
         .chain(free)
         .chain(latents)
         .chain(discrepancies)
+        .chain(populations)
         .chain(["log_likelihood".to_owned()])
         .collect()
 }
@@ -174,9 +188,20 @@ pub fn rows<'a>(
             let places = particle.places.iter().skip(problem.unknowns());
             let deviations = unknown.iter().zip(places);
             let deviations = deviations.map(|(unknown, &place)| unknown.deviation(place));
+            let first = problem.unknowns() + unknown.len();
+            let common = problem.populations.iter().enumerate();
+            let common = common.flat_map(|(number, population)| {
+                let free = &problem.free[population.members[0]];
+                let at = first + 2 * number;
+                [
+                    free.value(particle.places[at]),
+                    free.spread(particle.places[at + 1]),
+                ]
+            });
             let numbers = free
                 .chain(latents)
                 .chain(deviations)
+                .chain(common)
                 .chain([particle.log_likelihood]);
             let label = (index + 1).to_string();
             [label]

@@ -53,7 +53,8 @@ impl Scene {
         for (reference, value) in &task.fixed {
             instance.set(*reference, value)?;
         }
-        for (slot, &value) in task.varied.iter().zip(values) {
+        let taken = task.varied.iter().zip(values);
+        for (slot, &value) in taken.filter(|(slot, _)| !slot.idle) {
             instance.set(slot.handle.reference, &slot.value(value))?;
         }
         self.feed(instance, schedule.start)?;

@@ -185,6 +185,7 @@ mod tests {
                 min: None,
                 max: None,
                 items: Vec::new(),
+                idle: false,
             },
             hold: false,
             ramp: true,

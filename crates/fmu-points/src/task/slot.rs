@@ -18,6 +18,9 @@ pub struct Slot {
     /// The values of an enumeration's items, growing; empty for other types.
     #[serde(default)]
     pub items: Vec<i64>,
+    /// Whether the value is that of another case, and this simulation leaves the variable as it is.
+    #[serde(default)]
+    pub idle: bool,
 }
 
 impl Slot {
@@ -36,6 +39,7 @@ impl Slot {
             min,
             max,
             items,
+            idle: false,
         })
     }
 
@@ -126,6 +130,7 @@ mod tests {
             min: Some(1.0),
             max: Some(4.0),
             items: Vec::new(),
+            idle: false,
         };
         for (value, allowed) in [(0.51, true), (4.49, true), (0.49, false), (4.51, false)] {
             assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
@@ -142,6 +147,7 @@ mod tests {
             min: None,
             max: None,
             items: vec![1, 2, 5],
+            idle: false,
         };
         for (value, allowed) in [
             (0.4, false),

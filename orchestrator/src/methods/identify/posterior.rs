@@ -42,7 +42,8 @@ pub(super) fn check(
     let Some(particles) = &settings.posterior else {
         return Ok(());
     };
-    let unknowns = (bound.problem.unknowns() + bound.discrepancies.len()) as u64;
+    let common = 2 * bound.problem.populations.len();
+    let unknowns = (bound.problem.unknowns() + bound.discrepancies.len() + common) as u64;
     let fewest = FEWEST.max(EACH * unknowns);
     let number = *particles.as_ref();
     if (fewest..=MOST).contains(&number) {
