@@ -79,7 +79,11 @@ fn evidence(evidence: &Evidence) -> String {
              one, with --against this identification.json\n"
         );
     };
-    let factor = |log: f64| rounded(log.exp(), 3);
+    // Factors beyond a million are told by their logarithm.
+    let factor = |log: f64| match log.abs() < 14.0 {
+        true => rounded(log.exp(), 3),
+        false => format!("exp({})", rounded(log, 4)),
+    };
     let [least, most] = interval.map(factor);
     let how = match interval {
         [low, _] if *low > 0.0 => format!(
