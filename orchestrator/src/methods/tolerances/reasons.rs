@@ -73,7 +73,7 @@ fn nominal_is_off(criterion: &Criterion, value: f64) -> String {
     let unit = criterion.unit_behind();
     let beyond = -criterion.limits.rest(value);
     format!(
-        "{}: with all parameters at their nominal values it is {}{unit}, {}{unit} beyond the limit, and narrower \
+        "{}: with all parameters at their nominal values it is {}{unit}, {}{unit} beyond the tolerance, and narrower \
          tolerances only bring the other points nearer to that: shift a parameter's nominal value",
         criterion.name,
         number(value, 5),
