@@ -4,6 +4,7 @@ use super::delay::Delay;
 use super::holes::Holes;
 use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use super::signal::{Even, SignalError, Spline};
+use super::spectrum::Noise;
 use super::stationarity::{self, block_means, uncertainty_of_mean};
 use super::uncertainty::{MeasuredValue, from_bound, of_product};
 use sampling::statistics::moments::{mean, variance};
@@ -74,7 +75,8 @@ impl<'a> Aligned<'a> {
 
     pub(crate) fn finish(
         self,
-        even: impl Fn(&Channel) -> Result<(Vec<f64>, Holes), SignalError>,
+        [load_noise, torque_noise]: [Option<Noise>; 2],
+        even: impl Fn(&Channel) -> Result<(Vec<f64>, Holes, Option<Noise>), SignalError>,
     ) -> Result<Synchronised, SignalError> {
         let (recording, known) = (self.recording, &self.result);
         let half = recording.diameter / 2.0;
@@ -95,19 +97,22 @@ impl<'a> Aligned<'a> {
         let (start, shift) = (known.time[0], known.delay.shift());
         let turn_name = if self.turn > 1 { "turn" } else { "sample" };
         let mut lost = Vec::new();
-        let mut of_channel = |channel: &Channel, values: &[f64], holes: &Holes, start: f64| {
-            let turns = holes.whole_turns(values, self.turn, [start, self.step]);
-            lost.extend(turns.concern(&channel.name, turn_name));
-            let sensor = |value| channel.accuracy.standard(value);
-            self.mean(channel, &turns.values, sensor)
-        };
+        let mut of_channel =
+            |channel: &Channel, values: &[f64], holes: &Holes, start: f64, noise| {
+                let turns = holes.whole_turns(values, self.turn, [start, self.step]);
+                lost.extend(turns.concern(&channel.name, turn_name));
+                let sensor = |value| channel.accuracy.standard(value);
+                let mean = self.mean(channel, &turns.values, sensor);
+                DerivedCriterion { noise, ..mean }
+            };
         let mut findings = vec![
-            of_channel(&recording.load, &known.load, load_holes, start),
+            of_channel(&recording.load, &known.load, load_holes, start, load_noise),
             of_channel(
                 &recording.torque,
                 &known.torque,
                 torque_holes,
                 start + shift,
+                torque_noise,
             ),
         ];
         // What follows from both lacks what either one lacks.
@@ -124,13 +129,15 @@ impl<'a> Aligned<'a> {
                 group: derived.group.clone(),
                 ..recording.torque.clone()
             };
-            findings.push(self.mean(&channel, &of_both(&power), |v| {
-                of_product(v, &[of_torque, of_speed])
-            }));
+            let product = |v| of_product(v, &[of_torque, of_speed]);
+            findings.push(DerivedCriterion {
+                from: Some(recording.torque.name.clone()),
+                ..self.mean(&channel, &of_both(&power), product)
+            });
         }
         for channel in &recording.others {
-            let (values, holes) = even(channel)?;
-            findings.push(of_channel(channel, &values, &holes, self.first));
+            let (values, holes, noise) = even(channel)?;
+            findings.push(of_channel(channel, &values, &holes, self.first, noise));
         }
         findings.push(self.amplitude(&recording.load, &known.load));
         findings.push(self.amplitude(&recording.torque, &known.torque));
@@ -175,6 +182,8 @@ impl<'a> Aligned<'a> {
                 scatter: uncertainty_of_mean(&blocks),
                 sensor: sensor(value),
             },
+            noise: None,
+            from: None,
             stationarity: stationarity::test(&blocks, self.recording.confidence),
             blocks,
         }
@@ -210,6 +219,8 @@ impl<'a> Aligned<'a> {
                 scatter: uncertainty_of_mean(&halves),
                 sensor: from_bound(gain * value),
             },
+            noise: None,
+            from: None,
             blocks: vec![],
             stationarity: None,
         }
@@ -226,6 +237,8 @@ impl<'a> Aligned<'a> {
             ));
         } else if delay.at_edge {
             warnings.push("the greatest correlation lies at the edge of the searched delays: it is no maximum; allow a longer delay".into());
+        } else if let Some(disturbance) = &delay.disturbance {
+            warnings.push(disturbance.clone());
         } else if after > 0.9 * before {
             warnings.push("the shift hardly reduces the variance of the friction coefficient: the record tells little about the delay".into());
         }

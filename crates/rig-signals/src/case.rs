@@ -1,8 +1,10 @@
 //! A case of a study from a recording: what drove the rig as inputs, what was measured as curves with their uncertainty.
 
+use super::delay::Delay;
 use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
+use super::spectrum::Noise;
 use super::uncertainty::from_bound;
-use sampling::statistics::estimate::Estimate;
+use sampling::statistics::moments::mean;
 
 /// Settings by which a recording becomes a case.
 #[derive(Clone, Debug)]
@@ -46,7 +48,7 @@ struct Measured<'a> {
     channel: &'a Channel,
     values: Vec<f64>,
     /// By how much it is late.
-    delay: Option<&'a Estimate>,
+    delay: Option<&'a Delay>,
 }
 
 /// The rows of a recording in which all that the case needs was measured, without spikes.
@@ -76,7 +78,7 @@ impl<'a> Case<'a> {
         };
         let mut curves = vec![
             curve(&recording.load, None),
-            curve(&recording.torque, result.delay.delay.as_ref()),
+            curve(&recording.torque, Some(&result.delay)),
         ];
         curves.extend(recording.others.iter().map(|other| curve(other, None)));
         let is_whole = |&row: &usize| {
@@ -181,9 +183,23 @@ impl<'a> Case<'a> {
 
     /// By how much a curve is late, s.
     fn late(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> f64 {
-        let late = curve.delay.map_or(0.0, |delay| delay.value - frame.lag);
+        let late = match curve.delay.and_then(|delay| delay.delay) {
+            Some(delay) => delay.value - frame.lag,
+            None => 0.0,
+        };
         // As it is written.
         (late * 1e7).round() / 1e7
+    }
+
+    /// What the uncertainty of the delay adds to the noise of a row: its root mean square slope times that uncertainty.
+    fn by_delay(&self, curve: &Measured<'_>) -> f64 {
+        let Some(uncertainty) = curve.delay.and_then(Delay::uncertainty) else {
+            return 0.0;
+        };
+        let Synchronised { time, torque, .. } = self.result;
+        let slopes = time.windows(2).zip(torque.windows(2));
+        let squares = slopes.map(|(t, y)| ((y[1] - y[0]) / (t[1] - t[0])).powi(2));
+        uncertainty * mean(&squares.collect::<Vec<_>>()).sqrt()
     }
 
     fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
@@ -200,24 +216,35 @@ impl<'a> Case<'a> {
             )
         });
         let expanded = 2.0 * from_bound(1.0);
-        let stated = |text: String| format!(", uncertainty = {}", quoted(&text));
-        let uncertainty = match channel.accuracy {
+        let stated = |key: &str, text: String| format!(", {key} = {}", quoted(&text));
+        let mut uncertainty = match channel.accuracy {
             // Of a sensor without errors there is nothing to state.
             Accuracy::Absolute(0.0) | Accuracy::Relative(0.0) => String::new(),
-            Accuracy::Absolute(bound) => {
-                stated(format!("{:.4e} {}", bound * expanded, channel.unit))
-            }
-            Accuracy::Relative(part) => stated(format!("{:.4} %", 100.0 * part * expanded)),
+            Accuracy::Absolute(bound) => stated(
+                "uncertainty",
+                format!("{:.4e} {}", bound * expanded, channel.unit),
+            ),
+            Accuracy::Relative(part) => stated(
+                "gain-uncertainty",
+                format!("{:.4} %", 100.0 * part * expanded),
+            ),
         };
+        let noise = criterion.and_then(|criterion| criterion.noise);
+        let by_delay = self.by_delay(curve);
+        let about_noise = noise.map_or_else(String::new, |noise| {
+            let all = noise.stated().hypot(by_delay);
+            uncertainty += &stated("noise", format!("{all:.2e} {}", channel.unit));
+            about(noise, by_delay, &channel.unit)
+        });
         let late = self.late(curve, frame);
-        let delay = curve.delay.map_or_else(String::new, |delay| {
-            let [value, low, high] = [delay.value, delay.low, delay.high].map(|delay| 1e3 * delay);
+        let words = curve.delay.and_then(Delay::words);
+        let delay = words.map_or_else(String::new, |words| {
             let whose = match frame.lag {
                 0.0 => "all of which is taken for the sensor's".to_owned(),
                 lag => format!("of which {:.3} ms are the rig's own", 1e3 * lag),
             };
             format!(
-                "# late by {value:.3} ms after the load ({low:.3} to {high:.3} ms, 95 %), {whose}\n\
+                "# late after the load by {words}, {whose}\n\
                  delay = \"{:.4} ms\"\n",
                 1e3 * late
             )
@@ -241,13 +268,28 @@ impl<'a> Case<'a> {
         let group = channel.group.as_ref();
         let group = group.map_or_else(String::new, |group| format!("group = {}\n", quoted(group)));
         format!(
-            "\n[cases.criteria.{name}]\n{steady}variable = {}\n\
+            "\n[cases.criteria.{name}]\n{steady}{about_noise}variable = {}\n\
              reference = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{uncertainty} }}\n\
              metric = \"rmse\"\n{delay}{window}{tolerance}\nunit = {unit}\n{group}",
             quoted(&channel.variable),
             quoted(frame.file)
         )
     }
+}
+
+/// A comment that says of what the stated noise consists.
+fn about(noise: Noise, by_delay: f64, unit: &str) -> String {
+    let Noise { row, equivalent } = noise;
+    let mut parts = format!("# noise: {row:.2e} {unit} in a row as recorded");
+    if noise.is_shared() {
+        parts += &format!(
+            "; neighbouring rows share it, so a row counts as one with an independent noise of {equivalent:.2e}"
+        );
+    }
+    if by_delay > 0.0 {
+        parts += &format!("; {by_delay:.2e} for the uncertainty of the delay");
+    }
+    parts + "\n"
 }
 
 /// A text of TOML.

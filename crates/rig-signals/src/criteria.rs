@@ -5,11 +5,8 @@ use super::recording::{DerivedCriterion, Synchronised};
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
 /// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
 pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
-    let shift = match &result.delay.delay {
-        Some(d) => {
-            let [value, low, high] = [d.value, d.low, d.high].map(|delay| 1e3 * delay);
-            format!("torque shifted by {value:.3} ms ({low:.3} to {high:.3} ms, 95 %)")
-        }
+    let shift = match result.delay.words() {
+        Some(delay) => format!("torque shifted by {delay}"),
         None => "torque not shifted".to_owned(),
     };
     let [before, after] = result.friction_scatter.map(|part| 100.0 * part);
@@ -28,7 +25,23 @@ pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
     let findings = result.findings.iter();
     let wanted = findings.filter(|f| amplitudes || f.statistic != "amplitude");
     out.extend(wanted.map(criterion));
+    out.extend(shared(result));
     out
+}
+
+/// The correlation of a value that is a product with the speed, and the one that it follows from: both have that one's error.
+fn shared(result: &Synchronised) -> Option<String> {
+    let product = result.findings.iter().find(|f| f.from.is_some())?;
+    let (name, from) = (&product.name, product.from.as_ref()?);
+    let factor = result.findings.iter().find(|f| f.name == *from)?;
+    let [m, p] = [&factor.measured, &product.measured];
+    let coefficient = (p.value / m.value * m.combined() / p.combined()).clamp(-1.0, 1.0);
+    coefficient.is_finite().then(|| {
+        format!(
+            "\n# {name} is {from} times the speed, so the error of {from} is in both.\n[[uncertainty-correlations]]\n\
+             between = [\"{from}\", \"{name}\"]\ncoefficient = {coefficient:.4}\n"
+        )
+    })
 }
 
 fn criterion(finding: &DerivedCriterion) -> String {

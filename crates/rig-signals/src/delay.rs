@@ -14,9 +14,10 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::kernel::Kernel;
 use super::signal::{Even, SignalError};
+use super::spectrum::Comb;
 use sampling::statistics::estimate::Estimate;
 
-/// The delay that was found, with its uncertainty.
+/// The delay of the torque, with its uncertainty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Delay {
     /// How much later the torque is than the load, s, with its 95 % interval; `None` where the signals are not related.
@@ -29,12 +30,31 @@ pub struct Delay {
     pub blocks: usize,
     /// Whether the greatest correlation lies at the edge of the searched range: then it is no maximum.
     pub at_edge: bool,
+    /// Why the interval does not hold, and the remedy: load and torque share more than the load.
+    pub disturbance: Option<String>,
 }
 
 impl Delay {
     /// The shift that aligns the torque, s: none where the signals are not related.
     pub fn shift(&self) -> f64 {
         self.delay.map_or(0.0, |delay| delay.value)
+    }
+
+    /// The delay's standard uncertainty, s; `None` where there is no interval.
+    pub fn uncertainty(&self) -> Option<f64> {
+        let known = self.delay.filter(|_| self.disturbance.is_none());
+        known.map(|delay| (delay.high - delay.low) / 4.0)
+    }
+
+    /// The delay with its interval as text, where the signals are related.
+    pub fn words(&self) -> Option<String> {
+        let [value, low, high] = self
+            .delay
+            .map(|d| [d.value, d.low, d.high].map(|s| 1e3 * s))?;
+        Some(match self.disturbance {
+            None => format!("{value:.3} ms ({low:.3} to {high:.3} ms, 95 %)"),
+            Some(_) => format!("{value:.3} ms (without an interval)"),
+        })
     }
 }
 
@@ -64,6 +84,8 @@ const CHANCE: f64 = 0.005;
 const LEAST_WIDTH: f64 = 1.5;
 /// Kernels of a turn's length over this number pass its first ten harmonics.
 const WIDTHS_A_TURN: f64 = 80.0;
+/// A shaft's speed may droop by this part to either side.
+const USUAL_SPREAD: f64 = 0.005;
 
 /// Finds the delay of the torque after the load, searched within `longest` seconds to either side. `turn` is the time of
 /// a turn of the shaft, s, where it is known.
@@ -86,18 +108,23 @@ pub fn find(pair: Pair<'_>, longest: f64, turn: Option<f64>) -> Result<Delay, Si
     let mut last = None;
     while let Some(search) = Search::new(pair, width, reach, least) {
         let (delay, half) = search.delay(step);
-        last = Some(delay);
+        last = Some((delay, width * step));
         if half <= 0.3 * width || width >= widest {
             break;
         }
         width *= 2.0;
     }
-    let usable = pair.load.values.len();
-    last.ok_or(SignalError::TooShort {
+    let (mut delay, kernel) = last.ok_or(SignalError::TooShort {
         name: "load".into(),
-        usable,
+        usable: pair.load.values.len(),
         needed: LEAST_BLOCKS * least + 2 * (reach + 20.0 * LEAST_WIDTH).ceil() as usize,
-    })
+    })?;
+    if let (Some(Estimate { value, low, high }), false) = (delay.delay, delay.at_edge) {
+        let comb = Comb::new(pair.load, turn, USUAL_SPREAD);
+        let numbers = [value, (high - low) / 2.0, longest, kernel];
+        delay.disturbance = comb.disturbance([pair.load, pair.torque], numbers);
+    }
+    Ok(delay)
 }
 
 /// A search with one kernel; places and lags are in samples.
@@ -231,6 +258,7 @@ impl<'a> Search<'a> {
                 .collect(),
             blocks: self.blocks,
             at_edge: best == 0 || best + 1 == all.len(),
+            disturbance: None,
         };
         (delay, half)
     }

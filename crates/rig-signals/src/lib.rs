@@ -11,6 +11,7 @@ pub mod motion;
 mod recording;
 pub mod signal;
 pub mod smooth;
+mod spectrum;
 pub mod stationarity;
 pub mod uncertainty;
 
@@ -20,6 +21,8 @@ use delay::Pair;
 use holes::Holes;
 pub use recording::{Accuracy, Channel, Derived, DerivedCriterion, RigRecording, Synchronised};
 use signal::{Even, SignalError, Spline};
+use spectrum::Comb;
+pub use spectrum::Noise;
 
 /// A gap in the record may be this many times as long as a step.
 const LONGEST_GAP: f64 = 10.0;
@@ -70,12 +73,19 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         notes.extend(concerns(channel, &cleaned(channel)));
     }
     let holes = [&clean_load, &clean_torque].map(|signal| Holes::of(&time, signal));
-    let mut result = Aligned::new(recording, raw, &load, &late, even(&speed), (delay, holes))
-        .finish(|c| {
-            let signal = cleaned(c);
-            let values = even(&spline(&c.name, &signal.values)?).values;
-            Ok((values, Holes::of(&time, &signal)))
-        })?;
+    let comb = Comb::new(&raw.0, recording.turn(), recording.speed_spread());
+    // Load at random is in both channels and no noise; a disturbance is in both, too, and one.
+    let shift = delay.shift();
+    let shared = delay.disturbance.is_none();
+    let [of_load, of_torque] = [(&raw.0, &raw.1, shift), (&raw.1, &raw.0, -shift)]
+        .map(|(signal, other, late)| comb.noise(signal, shared.then_some((other, late))));
+    let aligned = Aligned::new(recording, raw, &load, &late, even(&speed), (delay, holes));
+    let mut result = aligned.finish([of_load, of_torque], |c| {
+        let signal = cleaned(c);
+        let values = even(&spline(&c.name, &signal.values)?);
+        let noise = comb.noise(&values, None);
+        Ok((values.values, Holes::of(&time, &signal), noise))
+    })?;
     result.warnings.extend(notes);
     Ok(result)
 }

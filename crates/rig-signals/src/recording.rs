@@ -2,6 +2,7 @@
 
 use super::delay::Delay;
 use super::smooth::Smoothing;
+use super::spectrum::Noise;
 use super::stationarity::Stationarity;
 use super::uncertainty::{MeasuredValue, from_bound};
 use sampling::statistics::moments::mean;
@@ -88,10 +89,21 @@ impl RigRecording {
 
     /// The time of a turn of the shaft, s; `None` where it does not turn.
     pub(crate) fn turn(&self) -> Option<f64> {
-        let speed = self.speed.values.iter().copied();
-        let speed: Vec<f64> = speed.filter(|v| v.is_finite()).collect();
-        let turn = std::f64::consts::TAU / mean(&speed).abs();
+        let turn = std::f64::consts::TAU / mean(&self.speeds()).abs();
         turn.is_finite().then_some(turn)
+    }
+
+    fn speeds(&self) -> Vec<f64> {
+        let speed = self.speed.values.iter().copied();
+        speed.filter(|v| v.is_finite()).collect()
+    }
+
+    /// By what part the speed strays to either side of its mean, apart from its noise.
+    pub(crate) fn speed_spread(&self) -> f64 {
+        let speed = self.speeds();
+        let parts = speed.chunks((speed.len() / 16).max(1)).map(mean);
+        let far = parts.map(|part| (part / mean(&speed) - 1.0).abs());
+        far.fold(0.0, f64::max)
     }
 }
 
@@ -110,6 +122,11 @@ pub struct DerivedCriterion {
     pub group: Option<String>,
     /// The value with its uncertainty.
     pub measured: MeasuredValue,
+    /// The noise of the channel's rows as recorded; `None` of an amplitude, of what follows from several channels, and where
+    /// the record is too short to tell.
+    pub noise: Option<Noise>,
+    /// The criterion that it is the product of with the speed; its error is in both.
+    pub from: Option<String>,
     /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
     pub blocks: Vec<f64>,
     /// The tests of the block means; `None` where the window is too short for them.

@@ -151,7 +151,8 @@ fn the_text_is_a_table_of_criteria() {
             "[criteria.P_fr]",
             "[criteria.T_oil]",
             "[criteria.F_N_amplitude]",
-            "[criteria.M_amplitude]"
+            "[criteria.M_amplitude]",
+            "[[uncertainty-correlations]]"
         ]
     );
     assert!(text.contains("torque shifted by 1"), "{text}");
@@ -217,4 +218,74 @@ fn signals_that_are_not_related_are_not_shifted() {
     assert_eq!(s.delay.delay, None);
     assert!(s.warnings[0].contains("not related"), "{:?}", s.warnings);
     assert!(criteria::to_toml(&s, false).contains("torque not shifted"));
+}
+
+/// Noise of a known size: white, and of the first order with a memory of 0.6 from row to row. A fit of the load's line from
+/// rows with the second one knows as much as from rows with an independent noise of the density at the line.
+#[test]
+fn the_noise_of_a_row_is_what_was_put_in() {
+    let turn = TAU * 5.0 * 0.01;
+    for memory in [0.0, 0.6_f64] {
+        let density = (1.0 - memory * memory) / (1.0 - 2.0 * memory * turn.cos() + memory * memory);
+        let mut ratios = Vec::new();
+        for seed in 0..20 {
+            let mut r = recording(0.0);
+            let mut random = StdRng::seed_from_u64(seed);
+            let mut next = || random.sample::<f64, _>(StandardNormal);
+            let fresh = (1.0 - memory * memory).sqrt();
+            let mut noise = |size: f64| {
+                let mut last = next();
+                move |next: f64| {
+                    last = memory * last + fresh * next;
+                    size * last
+                }
+            };
+            let (mut of_load, mut of_torque) = (noise(4.0), noise(0.004));
+            r.time = (0..600).map(|k| f64::from(k) * 0.01).collect();
+            r.speed.values.truncate(600);
+            // The shaft slows down by 1 %.
+            let at = |t: f64| 750.0 * (1.0 + 0.5 * (TAU * 5.0 * t * (1.0 - t / 1200.0)).sin());
+            let signal =
+                |of: &dyn Fn(f64) -> f64| r.time.iter().map(|t| of(*t)).collect::<Vec<_>>();
+            let (load, torque) = (signal(&at), signal(&|t| 0.00059 * at(t - 0.017)));
+            r.load.values = load.iter().map(|f| f + of_load(next())).collect();
+            r.torque.values = torque.iter().map(|m| m + of_torque(next())).collect();
+            r.others[0].values = (0..600)
+                .map(|k| 48.0 + 1e-3 * f64::from(k) + 0.05 * next())
+                .collect();
+            r.smoothing = Smoothing::Butterworth {
+                cutoff: 30.0,
+                order: 4,
+            };
+            let s = synchronise(&r).unwrap();
+            let of = |name: &str| {
+                s.findings
+                    .iter()
+                    .find(|f| f.name == name)
+                    .unwrap()
+                    .noise
+                    .unwrap()
+            };
+            for (name, size) in [("F_N", 4.0), ("M", 0.004)] {
+                let noise = of(name);
+                assert!(
+                    (noise.row / size - 1.0).abs() < 0.25,
+                    "{name} {seed} {memory}: {noise:?}"
+                );
+                ratios.push(noise.stated() / (size * density.sqrt()));
+            }
+            let ratio = of("T_oil").stated() / 0.05;
+            assert!((0.8..1.25).contains(&ratio), "T_oil {seed}: {ratio}");
+        }
+        let middle = sampling::statistics::moments::mean(&ratios);
+        assert!(
+            (0.95..1.15).contains(&middle),
+            "{memory}: {middle} {ratios:?}"
+        );
+        // The dozen independent bins around a line of 30 turns tell its noise to 20 %.
+        assert!(
+            ratios.iter().all(|ratio| (0.4..1.8).contains(ratio)),
+            "{memory}: {ratios:?}"
+        );
+    }
 }

@@ -30,6 +30,7 @@ struct Row {
     expanded: String,
     scatter: String,
     sensor: String,
+    noise: String,
     change: String,
     steady: String,
     alarm: bool,
@@ -69,7 +70,7 @@ pub fn write(
         let path = plots.join(format!("{}.svg", figure.file));
         write_file(&path, &crate::document::svg::standalone(&figure.svg))?;
     }
-    let interval = delay.delay.as_ref();
+    let interval = delay.delay.filter(|_| delay.disturbance.is_none());
     let friction = &result.mean_friction;
     let diameter = number(1e3 * recording.diameter, 6);
     let longest = milliseconds(recording.longest_delay);
@@ -79,7 +80,8 @@ pub fn write(
             include_str!("assets/plot.css"),
             include_str!("assets/report.css")
         ),
-        delay => interval.map(|d| [d.value, d.low, d.high].map(milliseconds).to_vec()),
+        delay => delay.delay.map(|d| milliseconds(d.value)),
+        interval => interval.map(|d| [d.low, d.high].map(milliseconds).to_vec()),
         before => per_cent(result.friction_scatter[0]),
         after => per_cent(result.friction_scatter[1]),
         friction => vec![number(friction.value, 4), number(friction.expanded(), 2)],
@@ -133,6 +135,10 @@ fn row(finding: &DerivedCriterion) -> Row {
         expanded: format!("± {} {unit}", number(m.expanded(), 2)),
         scatter: number(m.scatter, 2),
         sensor: number(m.sensor, 2),
+        noise: match &finding.noise {
+            Some(noise) => number(noise.stated(), 2),
+            None => "–".to_owned(),
+        },
         change: finding.stationarity.as_ref().map_or("–".into(), change),
         steady,
         alarm,
@@ -220,8 +226,11 @@ fn search(result: &Synchronised) -> Option<Figure> {
         let at = |s: f64| frame.x.clamped(1e3 * s);
         let (low, high) = (at(interval.low), at(interval.high));
         let (top, bottom, delay) = (frame.y.to, frame.y.from, at(interval.value));
-        area("accept", [low, high], [top, bottom])
-            + &path("nominal", format_args!("M{delay:.2},{top:.1}V{bottom:.1}"))
+        let band = match result.delay.disturbance {
+            None => area("accept", [low, high], [top, bottom]),
+            Some(_) => String::new(),
+        };
+        band + &path("nominal", format_args!("M{delay:.2},{top:.1}V{bottom:.1}"))
     };
     Some(Figure {
         name: name.to_owned(),

@@ -466,7 +466,9 @@ fn synchronise_writes_a_case() {
     assert_eq!(case["fixed"]["drive.speed"].as_str(), Some("300 rpm"));
     let [load, torque] = ["F_N", "M"].map(|name| &case["criteria"][name]);
     // A rectangle of 1 % to both sides has a standard deviation of 1 % / sqrt(3).
-    assert_eq!(load["reference"]["uncertainty"].as_str(), Some("1.1547 %"));
+    let reference = &load["reference"];
+    assert_eq!(reference["gain-uncertainty"].as_str(), Some("1.1547 %"));
+    assert!(reference.get("uncertainty").is_none() && torque["reference"]["noise"].is_str());
     assert_eq!(load["tolerance"].as_str(), Some("15 N"));
     assert!(load.get("delay").is_none() && torque.get("tolerance").is_none());
     // Found are 12.3 ms, of which 2 ms are the rig's.

@@ -278,3 +278,103 @@ fn share_of_unrelated() {
         );
     }
 }
+
+/// What both channels pick up at the same time, in parts of their means.
+#[derive(Clone, Copy, Debug)]
+enum Disturbance {
+    None,
+    /// A sine of so many Hz.
+    Hum(f64, f64),
+    /// White noise.
+    Common(f64),
+    /// Each channel takes so much of the other one, noise and all.
+    Leak(f64),
+}
+
+/// Of so many records: how many have an interval, and how many of these hold.
+fn told(load: Load, shape: [f64; 2], noise: f64, disturbance: Disturbance, seeds: u64) -> [u64; 2] {
+    let (mut told, mut held) = (0, 0);
+    for seed in 0..seeds {
+        let mut record = record(load, shape, delay(seed), noise, seed);
+        let mut random = StdRng::seed_from_u64(2000 + seed);
+        let phase = TAU * random.random::<f64>();
+        for k in 0..record.load.values.len() {
+            let [f, m] = [
+                record.load.values[k] / 750.0,
+                record.torque.values[k] / 0.443,
+            ];
+            let [to_load, to_torque] = match disturbance {
+                Disturbance::None => [0.0; 2],
+                Disturbance::Hum(frequency, size) => {
+                    [size * (TAU * frequency * k as f64 / shape[0] + phase).sin(); 2]
+                }
+                Disturbance::Common(size) => [size * normal(&mut random); 2],
+                Disturbance::Leak(part) => [part * m, part * f],
+            };
+            record.load.values[k] += 750.0 * to_load;
+            record.torque.values[k] += 0.443 * to_torque;
+        }
+        let answer = delay_of(&record, Some(0.2));
+        if answer.uncertainty().is_some() {
+            told += 1;
+            held += u64::from(answer.delay.unwrap().contains(delay(seed)));
+        }
+    }
+    [told, held]
+}
+
+#[test]
+fn what_both_channels_pick_up_leaves_no_interval() {
+    let turns = Load::Turns(0.64);
+    for (load, noise, disturbance) in [
+        (turns, 0.05, Disturbance::Common(0.2)),
+        (turns, 0.05, Disturbance::Leak(0.2)),
+        (Load::Random(60.0), 0.05, Disturbance::Leak(0.2)),
+        (Load::Turns(0.1), 0.01, Disturbance::Hum(50.0, 0.05)),
+        (Load::Turns(0.1), 0.01, Disturbance::Hum(49.93, 0.05)),
+    ] {
+        let [told, _] = told(load, [200.0, 10.0], noise, disturbance, 6);
+        assert_eq!(told, 0, "{load:?} {disturbance:?}");
+    }
+    // So little hum moves the delay by less than its interval.
+    let [told, held] = told(turns, [200.0, 10.0], 0.05, Disturbance::Hum(50.0, 0.01), 6);
+    assert!(told == 6 && held >= 5, "{told} {held}");
+}
+
+/// The figures in docs/analysis.md: `cargo test --workspace --lib -- --ignored --nocapture table_of_disturbances`.
+#[test]
+#[ignore = "minutes"]
+fn table_of_disturbances() {
+    let all = [
+        Disturbance::None,
+        Disturbance::Hum(50.0, 0.05),
+        Disturbance::Hum(50.0, 0.01),
+        Disturbance::Hum(49.93, 0.05),
+        Disturbance::Hum(57.3, 0.02),
+        Disturbance::Common(0.05),
+        Disturbance::Common(0.2),
+        Disturbance::Leak(0.05),
+        Disturbance::Leak(0.2),
+    ];
+    for disturbance in all {
+        for shape in [[1000.0, 20.0], [200.0, 60.0], [200.0, 10.0]] {
+            let (mut of, mut sum) = (0, [0, 0]);
+            for load in [Load::Turns(0.64), Load::Turns(0.1), Load::Random(60.0)] {
+                for noise in [0.01, 0.05] {
+                    let seeds = if matches!(disturbance, Disturbance::None) {
+                        20
+                    } else {
+                        12
+                    };
+                    let [told, held] = told(load, shape, noise, disturbance, seeds);
+                    of += seeds;
+                    sum = [sum[0] + told, sum[1] + held];
+                }
+            }
+            println!(
+                "| {disturbance:?} | {shape:?} | {} of {of} | {} |",
+                sum[0], sum[1]
+            );
+        }
+    }
+}
