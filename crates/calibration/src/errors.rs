@@ -77,6 +77,21 @@ impl Errors {
         }
     }
 
+    /// `M`.
+    pub(crate) fn matrix(&self) -> DMatrix<f64> {
+        let factor = self.factor.as_ref().map(Cholesky::l);
+        factor.map_or_else(|| DMatrix::zeros(0, 0), |l| &l * l.transpose())
+    }
+
+    /// The row of `V` of a value.
+    pub(crate) fn effects(&self, case: usize, quantity: usize) -> DVector<f64> {
+        let effect = |column: &Vec<(usize, f64)>| -> f64 {
+            let touching = column.iter().filter(|(place, _)| *place == quantity);
+            touching.map(|(_, part)| part).sum()
+        };
+        DVector::from_iterator(self.sources, self.effects[case].iter().map(effect))
+    }
+
     /// How many shared sources there are.
     pub fn sources(&self) -> usize {
         self.sources

@@ -6,6 +6,7 @@ pub mod discrepancy;
 pub mod errors;
 pub mod failures;
 pub mod local;
+pub mod next;
 pub mod objective;
 pub mod optima;
 #[cfg(test)]

@@ -72,6 +72,8 @@ pub struct Linear {
     pub gradient: DVector<f64>,
     /// How the misfits' derivatives lie along the shared errors: `V'J` (see [`Errors`]), a row a source.
     pub shared: DMatrix<f64>,
+    /// The misfits' derivatives `J`, case by case.
+    pub slopes: DMatrix<f64>,
     /// The unknowns without a derivative, as runs fail on both sides: rows and columns above are those of an output that
     /// does not depend on them.
     pub surrounded: Vec<usize>,
@@ -212,6 +214,7 @@ impl<'a> Objective<'a> {
             curvature: DMatrix::zeros(n, n),
             gradient: DVector::zeros(n),
             shared: DMatrix::zeros(self.errors.sources(), n),
+            slopes: DMatrix::zeros(self.problem.values(), n),
             surrounded: surrounded(&jobs, &columns),
         };
         let quantities = self.problem.quantities.len();
@@ -225,6 +228,11 @@ impl<'a> Objective<'a> {
             let known = known.filter(|(unknown, _)| !linear.surrounded.contains(unknown));
             let known: Vec<(usize, &DVector<f64>)> = known.collect();
             for &(a, first) in &known {
+                let place = (case * quantities, a);
+                linear
+                    .slopes
+                    .view_mut(place, (quantities, 1))
+                    .copy_from(first);
                 linear.gradient[a] += first.dot(&residuals);
                 let mut along = linear.shared.column_mut(a);
                 along += self.errors.onto(case, first.as_slice());

@@ -8,6 +8,7 @@ use super::cross::outcome::CrossValidation;
 use super::discrepancy::Discrepancy;
 use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
+use super::next::NextOutcome;
 use super::optima::Optimum;
 use super::posterior::{Direction, UNDETERMINED};
 use super::problem::{Problem, Quantity, Spacing};
@@ -67,6 +68,9 @@ pub struct IdentificationOutcome {
     /// The model's unknown discrepancies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub discrepancies: Vec<Discrepancy>,
+    /// What would narrow the parameters most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next: Option<NextOutcome>,
     /// Each case predicted from the others, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cross_validation: Option<CrossValidation>,
@@ -273,6 +277,7 @@ impl IdentificationOutcome {
                 progress.screened.iter().map(Option::is_some),
             ),
             discrepancies: Vec::new(),
+            next: None,
             cross_validation: None,
             surrogate: None,
             posterior: None,

@@ -229,6 +229,17 @@ pub enum SharedKind {
     Scaled,
 }
 
+impl SharedKind {
+    /// Its name for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Offset => "a zero error",
+            Self::Gain => "a gain error",
+            Self::Scaled => "an error that all its values share",
+        }
+    }
+}
+
 /// A shared error of a measured channel, of which people want to know: a sum of sources.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Channel {

@@ -6,6 +6,7 @@ pub use super::digits::digits;
 use super::digits::{rounded, shown};
 use super::failures::words;
 use super::local::End;
+use super::next;
 use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 use super::problem::{SharedKind, Spacing};
 use super::rounds::ROUNDS;
@@ -55,6 +56,7 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         told.map(surrogate::text::summary).unwrap_or_default(),
         discrepancies(outcome),
         residuals(outcome),
+        outcome.next.as_ref().map(next::summary).unwrap_or_default(),
         goodness(outcome),
     ]
     .concat()
@@ -242,14 +244,11 @@ fn shared(outcome: &IdentificationOutcome) -> String {
 fn of_channel(error: &SharedOutcome) -> String {
     /// Where so much of the stated uncertainty is left, the data say nothing.
     const NOTHING: f64 = 0.9;
-    let (factor, unit, what) = match error.kind {
-        SharedKind::Offset => (1.0, shown(&error.unit), "a zero error"),
-        SharedKind::Gain => (100.0, "%", "a gain error"),
-        SharedKind::Scaled => (
-            1.0,
-            "of the stated uncertainties",
-            "an error that all its values share",
-        ),
+    let what = error.kind.words();
+    let (factor, unit) = match error.kind {
+        SharedKind::Offset => (1.0, shown(&error.unit)),
+        SharedKind::Gain => (100.0, "%"),
+        SharedKind::Scaled => (1.0, "of the stated uncertainties"),
     };
     let number = |value: f64| rounded(factor * value, 3);
     let limit = format!("{} {unit}", number(error.limit));
