@@ -19,6 +19,9 @@ const CALIBRATED: f64 = 0.1;
 /// A measurement that narrows less is not worth a line.
 const WORTH: f64 = 0.98;
 
+/// Where no measurement is worth a line.
+pub const NOTHING: &str = "Repeating or calibrating what was measured gains less than 2 %: measure another quantity or operating point.";
+
 /// Lines for people.
 const SHOWN: usize = 5;
 
@@ -156,7 +159,7 @@ pub fn summary(next: &NextOutcome) -> String {
         );
     }
     if next.worthwhile().next().is_none() {
-        text += "  repeating or calibrating what was measured gains less than 2 %: measure another quantity or operating point\n";
+        text += &format!("  {NOTHING}\n");
     }
     text
 }

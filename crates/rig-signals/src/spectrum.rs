@@ -278,7 +278,7 @@ impl Comb {
         let (far, moves) = if is_periodic {
             (0.5, MOVES)
         } else {
-            (1.5, 0.7)
+            (1.5, 0.4)
         };
         let apart = (of_lines - delay).abs() > far * half * (bend / line_bend).max(1.0).sqrt();
         let pulled = (pull / rest).abs();

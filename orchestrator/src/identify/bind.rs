@@ -33,10 +33,25 @@ pub struct Bound {
     pub inputs: Vec<Conversion>,
     /// From the FMU's units: the measured quantities.
     pub outputs: Vec<Conversion>,
+    /// The measured curves, whose rows are quantities.
+    pub curves: Vec<BoundCurve>,
     /// The quantities whose model discrepancy is unknown.
     pub discrepancies: Vec<Unknown>,
     /// What is assumed beyond what the study states, a sentence each.
     pub notes: Vec<String>,
+}
+
+/// A measured curve.
+#[derive(Clone, Debug)]
+pub struct BoundCurve {
+    /// Its criterion.
+    pub name: String,
+    /// The unit of its values.
+    pub unit: Option<String>,
+    /// Its rows among the quantities.
+    pub quantities: std::ops::Range<usize>,
+    /// Their times, s.
+    pub times: Vec<f64>,
 }
 
 impl Bound {

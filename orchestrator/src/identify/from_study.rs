@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
-use super::bind::{Bound, Input, bare, check_difference, free};
+use super::bind::{Bound, BoundCurve, Input, bare, check_difference, free};
 use super::scatter::scatter;
 use crate::files::FileError;
 use crate::judge::{Criterion, Judge};
@@ -86,6 +86,14 @@ pub fn bind(
         criteria.zip(probes).enumerate()
     {
         let first = bound.problem.quantities.len();
+        if let Some(curve) = &probe.curve {
+            bound.curves.push(BoundCurve {
+                name: name.as_ref().clone(),
+                unit: criterion.unit.clone(),
+                quantities: first..first + curve.times.len(),
+                times: curve.times.clone(),
+            });
+        }
         let data = match &probe.curve {
             Some(curve) => {
                 let sensor = fitted.sensor(name, text);

@@ -1,5 +1,6 @@
 //! `identify`: finds the parameters that make the FMU's outputs most probable.
 
+mod document;
 mod files;
 mod posterior;
 mod surrogate;
@@ -11,11 +12,11 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
 use super::known::Finished;
 use super::setup::{Source, SourceParts};
 use crate::document::Document;
+use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::identify::from_study;
 use crate::identify::model::FmuModel;
@@ -27,6 +28,7 @@ use calibration::cross::outcome::CrossValidation;
 use calibration::cross::{self, Whole, cross_validate};
 use calibration::failures::Excluded;
 use calibration::local::{End, Minimum};
+use calibration::next::NextOutcome;
 use calibration::objective::Objective;
 use calibration::outcome::IdentificationOutcome;
 use calibration::problem::{Problem, Simulate};
@@ -37,6 +39,7 @@ use calibration::sample::{self, Sample};
 use calibration::search::{self, Progress, SearchError};
 use calibration::text;
 use fmu_import::Package;
+use fmu_points::names::{did_you_mean, nearest};
 use sampling::design::cube;
 
 /// The result's file in a folder of results.
@@ -91,6 +94,11 @@ pub struct Asked {
     #[serde(skip)]
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
+    /// Rank what to measure next by this parameter, instead of the one that the data tell least of
+    // It asks for no other runs.
+    #[serde(skip)]
+    #[arg(long, value_name = "PARAMETER")]
+    pub narrow: Option<String>,
     /// The seed of the starts, instead of the study's
     // The request has it beside these.
     #[serde(skip)]
@@ -135,7 +143,9 @@ impl Analysis for Asked {
     type Source = Fit;
 
     fn one_piece(&self) -> Option<&'static str> {
-        Some("each step of a search depends on the one before, so it has no parts; --resume goes on with one")
+        Some(
+            "each step of a search depends on the one before, so it has no parts; --resume goes on with one",
+        )
     }
 
     fn open(&self, request: Request) -> Result<Fit, Error> {
@@ -192,6 +202,15 @@ impl Analysis for Asked {
             };
             return Err(Error::option("cross-validate", message));
         }
+        if let Some(name) = &self.narrow {
+            let free = bound.problem.free.iter().map(|free| free.name.as_str());
+            if !free.clone().any(|free| free == name) {
+                let suggestion = did_you_mean(nearest(name, free));
+                let message =
+                    format!("`{name}` is none of the parameters that are sought{suggestion}");
+                return Err(Error::option("narrow", message));
+            }
+        }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         self.other(settings, bound)?;
         surrogate::check(study, settings, bound, self)
@@ -204,11 +223,16 @@ impl Analysis for Asked {
         folder: &Path,
     ) -> Result<AnalysisResult, Error> {
         let (mut outcome, sample) = find(self, fit, pipeline)?;
-        if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
+        if let (Some(other), Some(evidence)) = (
+            self.other(&fit.settings, &fit.bound)?,
+            &mut outcome.evidence,
+        ) {
             let compared = evidence.compare(&other);
-            compared.unwrap_or_else(|message| outcome.posterior.iter_mut().for_each(|sample| {
-                sample.notes.push(format!("--against: {message}"));
-            }));
+            compared.unwrap_or_else(|message| {
+                outcome.posterior.iter_mut().for_each(|sample| {
+                    sample.notes.push(format!("--against: {message}"));
+                })
+            });
         }
         files::write(folder, &fit.study, &fit.settings, &outcome)?;
         posterior::write(folder, &fit.bound, sample.as_ref())?;
@@ -226,6 +250,15 @@ impl Analysis for Asked {
             End::Time | End::Iterations => ExitCode::FAILURE,
             End::Converged | End::Rounds => ExitCode::SUCCESS,
         };
+        let title = fit.study.title.as_deref();
+        let page = document::Page {
+            title: title.unwrap_or("Parameters from measured values"),
+            bound: &fit.bound,
+            outcome: &outcome,
+            sample: sample.as_ref(),
+            text: &text,
+        };
+        page.write(folder)?;
         let mut result = AnalysisResult::new(&outcome, None, text, FILE);
         result.code = code;
         Ok(result)
@@ -239,7 +272,10 @@ impl Asked {
             return Ok(None);
         };
         if settings.posterior.is_none() {
-            return Err(Error::option("against", "the evidence comes with --posterior N"));
+            return Err(Error::option(
+                "against",
+                "the evidence comes with --posterior N",
+            ));
         }
         posterior::other(path, &bound.problem).map(Some)
     }
@@ -327,6 +363,11 @@ fn find(
             notes: bound.notes.clone(),
             ..searched.outcome()
         };
+        let narrow = document::to_narrow(&searched.problem, &outcome, options.narrow.as_deref());
+        outcome.next = narrow.map(|parameter| {
+            let groups = document::groups(bound);
+            NextOutcome::new(&searched.problem, &optima[0], &groups, parameter)
+        });
         if let Some(replaced) = &replaced {
             // Only the model's own runs tell where it fails.
             let ended = replaced.screened.iter().copied();

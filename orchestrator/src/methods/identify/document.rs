@@ -1,0 +1,770 @@
+//! The page of an identification: fit and residuals, shared errors, parameters, and what to measure next.
+
+use std::path::Path;
+
+use calibration::local::End;
+use calibration::next::Group;
+use calibration::outcome::{FreeOutcome, IdentificationOutcome, Residual};
+use calibration::problem::{Free, Problem, SharedKind, Spacing};
+use calibration::sample::Sample;
+use minijinja::{Environment, context};
+use sampling::distribution::Distribution;
+use sampling::statistics::moments::{deviation, mean};
+
+use crate::document::format::{count, number};
+use crate::document::svg::{Frame, area, circle, envelope, path};
+use crate::document::{Block, Column, Document, Figure, Key, Table, numbers, words};
+use crate::error::Error;
+use crate::identify::bind::Bound;
+use crate::results::write_atomically;
+
+/// Most rows of the table of values, curves and pairs that are drawn, and points of a scatter.
+const MOST_ROWS: usize = 200;
+const MOST_CURVES: usize = 24;
+const MOST_PAIRS: usize = 6;
+const MOST_POINTS: usize = 600;
+/// With so many cases the residuals are drawn.
+const MANY_CASES: usize = 6;
+/// A fit with a smaller probability of its misfit is no fit.
+const DOUBTFUL: f64 = 0.001;
+
+/// An identification for its page.
+pub(super) struct Page<'a> {
+    pub(super) title: &'a str,
+    pub(super) bound: &'a Bound,
+    pub(super) outcome: &'a IdentificationOutcome,
+    pub(super) sample: Option<&'a Sample>,
+    /// The words of the terminal.
+    pub(super) text: &'a str,
+}
+
+/// What was measured together: the curves, and the single quantities.
+pub(super) fn groups(bound: &Bound) -> Vec<Group> {
+    let cases = 0..bound.problem.cases.len();
+    let values = |quantity: usize| cases.clone().map(move |case| [case, quantity]);
+    let curves = bound.curves.iter().map(|curve| Group {
+        name: curve.name.clone(),
+        values: curve.quantities.clone().flat_map(values).collect(),
+    });
+    let singles = singles(bound).map(|quantity| Group {
+        name: bound.problem.quantities[quantity].name.clone(),
+        values: values(quantity).collect(),
+    });
+    curves.chain(singles).collect()
+}
+
+/// The quantities that are no rows of a curve.
+fn singles(bound: &Bound) -> impl Iterator<Item = usize> {
+    let of_curve = |k: &usize| bound.curves.iter().any(|c| c.quantities.contains(k));
+    (0..bound.problem.quantities.len()).filter(move |k| !of_curve(k))
+}
+
+impl Page<'_> {
+    /// Writes the page into a folder.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
+        let documents = [
+            Some(self.fit()),
+            self.shared(),
+            Some(self.parameters()),
+            self.pairs(),
+            self.next(),
+        ];
+        let documents: Vec<Document> = documents.into_iter().flatten().collect();
+        let links: Vec<[&str; 2]> = documents.iter().map(|d| [d.id, d.link]).collect();
+        let (good, headline, told) = self.headline();
+        let page = context! {
+            title => self.title,
+            style => concat!(
+                include_str!("../../report/assets/plot.css"),
+                include_str!("../../report/assets/report.css")
+            ),
+            links, good, headline, told,
+            values => self.values(),
+            count => self.outcome.free.len(),
+            sections => documents.iter().map(Document::as_html).collect::<String>(),
+            text => self.text,
+            program => concat!("orchestrator ", env!("CARGO_PKG_VERSION")),
+        };
+        let mut environment = Environment::new();
+        environment.add_template("identification.html", include_str!("page.html"))?;
+        let html = environment
+            .get_template("identification.html")?
+            .render(page)?;
+        write_atomically(&folder.join("report.html"), |out| {
+            out.write_all(html.as_bytes())
+        })?;
+        Ok(())
+    }
+
+    /// Whether all is well, what came of it, and how well it fits.
+    fn headline(&self) -> (bool, String, String) {
+        let outcome = self.outcome;
+        let values = count(self.bound.problem.values());
+        let fits = outcome.probability.is_none_or(|p| p >= DOUBTFUL);
+        let headline = match (outcome.end, outcome.ambiguous) {
+            (End::Converged, true) => format!("{} sets of parameters fit", outcome.optima.len()),
+            (End::Converged, false) if fits => "The model fits the measured values".to_owned(),
+            (End::Converged, false) => "The model misses the measured values".to_owned(),
+            _ => "The search ended before it converged".to_owned(),
+        };
+        let agreement = match outcome.probability {
+            Some(p) if p < DOUBTFUL => "more than the stated uncertainties allow".to_owned(),
+            Some(p) if p > 1.0 - DOUBTFUL => {
+                "less than the stated uncertainties leave: some are stated too large, and the intervals are wider than need be".to_owned()
+            }
+            Some(p) => format!(
+                "within what the stated uncertainties allow: a right model misses by more in {} % of such tests",
+                number(100.0 * p, 2)
+            ),
+            None => "no degrees of freedom are left to judge the fit".to_owned(),
+        };
+        let told = format!(
+            "{values} measured values; sum of squares {} with {} degrees of freedom, {agreement}",
+            number(outcome.cost, 4),
+            outcome.degrees_of_freedom
+        );
+        let good = outcome.end == End::Converged && !outcome.ambiguous && fits;
+        (good, headline, told)
+    }
+
+    /// The parameters in a line each, where there are few and no doubt which set of them it is.
+    fn values(&self) -> Vec<String> {
+        const FEW: usize = 4;
+        let free = self.outcome.free.iter();
+        let few = free.len() <= FEW && !self.outcome.ambiguous;
+        let line = |free: &FreeOutcome| {
+            let [low, high] = free.interval.map(|v| number(v, 5));
+            let value = with_unit(number(free.value, 5), free);
+            format!("{} {value} ({low} … {high}, 95 %)", free.name)
+        };
+        free.filter(|_| few).map(line).collect()
+    }
+
+    fn residual(&self, case: usize, quantity: usize) -> &Residual {
+        &self.outcome.cases[case].residuals[quantity]
+    }
+
+    fn fit(&self) -> Document {
+        let mut told = Document::new("fit", "Fit", "Fit and residuals");
+        let mut curves = self.bound.curves.iter().peekable();
+        if curves.peek().is_some() {
+            told.blocks.push(Block::Legend(vec![
+                Key::new("line measured", "M0,9l3,-5l3,6l3,-6l5,4", "measured"),
+                Key::new(
+                    "band",
+                    "M0,3h14v8h-14z",
+                    "two standard deviations of its noise",
+                ),
+                Key::new("line", "M0,7h14", "model"),
+            ]));
+            let figures = curves.by_ref().take(MOST_CURVES).filter_map(|curve| {
+                let rows = curve.quantities.clone();
+                let rows: Vec<&Residual> = rows.map(|k| self.residual(0, k)).collect();
+                fitted(
+                    &curve.name,
+                    curve.unit.as_deref().unwrap_or("1"),
+                    &curve.times,
+                    &rows,
+                )
+            });
+            told.blocks
+                .push(Block::Figures("planes", figures.collect()));
+            let left = self.bound.curves.len().saturating_sub(MOST_CURVES);
+            if left > 0 {
+                told.say(format!("{left} more curves are not drawn."));
+            }
+            told.hint(
+                "*Below each curve*: model less measurement in standard deviations of a row's noise, after the shared errors that the data \
+                 prefer are taken out of the measurement. Of a right model nineteen rows in twenty lie in the band, in no order: waves \
+                 and steps are what the model, or the stated noise, does not explain.",
+            );
+        }
+        let mut rows = Vec::new();
+        let mut figures = Vec::new();
+        for quantity in singles(self.bound) {
+            let of_this = self.rows(quantity);
+            match self.outcome.cases.len() < MANY_CASES {
+                true => rows.extend(of_this),
+                false => figures.extend(self.by_case(quantity, of_this)),
+            }
+        }
+        told.table(values(rows));
+        if !figures.is_empty() {
+            told.blocks.push(Block::Figures("thirds", figures));
+            told.hint("Model less measurement of each case, in standard uncertainties; the band reaches to two of them.");
+        }
+        told
+    }
+
+    /// The rows of the table of a quantity, a row a case.
+    fn rows(&self, quantity: usize) -> Vec<Vec<String>> {
+        let cases = &self.outcome.cases;
+        let unit = unit(&self.bound.problem.quantities[quantity].unit);
+        let row = |case: usize| {
+            let value = self.residual(case, quantity);
+            let name = match cases.len() {
+                1 => value.quantity.clone(),
+                _ => format!("{}, case {}", value.quantity, cases[case].label),
+            };
+            let [measured, model] = [value.measured, value.predicted]
+                .map(|v| format!("{} {unit}", number(v, 5)).trim_end().to_owned());
+            let missed = missed(value);
+            vec![
+                name,
+                measured,
+                model,
+                number(value.difference, 3),
+                number(missed, 3),
+            ]
+        };
+        (0..cases.len().min(MOST_ROWS)).map(row).collect()
+    }
+
+    /// A quantity's residuals, case by case.
+    fn by_case(&self, quantity: usize, rows: Vec<Vec<String>>) -> Option<Figure> {
+        let name = &self.bound.problem.quantities[quantity].name;
+        let missed: Vec<f64> = (0..self.outcome.cases.len())
+            .map(|case| missed(self.residual(case, quantity)))
+            .collect();
+        let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
+        let frame = Frame::new(360.0, 200.0, [0.0, missed.len() as f64 + 1.0], y);
+        let mut out = frame.axes("case, in the order of the table", Some("residual"));
+        out += &area(
+            "band",
+            [frame.x.from, frame.x.to],
+            [frame.y.at(-2.0), frame.y.at(2.0)],
+        );
+        let points = missed.iter().enumerate();
+        let points = points.map(|(k, v)| circle([frame.x.at(k as f64 + 1.0), frame.y.at(*v)], 3.0));
+        out += &path("pt in", points.collect::<String>());
+        Some(Figure {
+            file: format!("residuals-{quantity}"),
+            caption: name.clone(),
+            svg: frame.wrap(&format!("{name}: residuals by case"), &out),
+            numbers: Some(values(rows)),
+            ..Figure::default()
+        })
+    }
+
+    fn shared(&self) -> Option<Document> {
+        let sample = self
+            .outcome
+            .posterior
+            .as_ref()
+            .filter(|sample| sample.trusted);
+        let all = sample.map_or(&self.outcome.shared, |sample| &sample.shared);
+        let mut told = Document::new("errors", "Sensors", "What the data say of the sensors");
+        let rows = all.iter().map(|error| {
+            let (factor, unit) = match error.kind {
+                SharedKind::Offset => (1.0, error.unit.as_deref().unwrap_or("")),
+                SharedKind::Gain => (100.0, "%"),
+                SharedKind::Scaled => (1.0, "of the stated uncertainty"),
+            };
+            let [value, low, high, limit] = [
+                error.value,
+                error.interval[0],
+                error.interval[1],
+                error.limit,
+            ]
+            .map(|v| number(factor * v, 3));
+            vec![
+                error.name.clone(),
+                error.kind.words().trim_start_matches("a ").to_owned(),
+                format!("{value} {unit}").trim_end().to_owned(),
+                format!("{low} … {high}"),
+                format!("± {limit}"),
+                format!("{} %", number(100.0 * error.left, 2)),
+            ]
+        });
+        told.table(Table {
+            name: "Shared errors".into(),
+            columns: vec![
+                words("Channel"),
+                words("Error"),
+                numbers("Best explained by"),
+                numbers("95 %"),
+                numbers("Stated limits"),
+                numbers("Left of its uncertainty"),
+            ],
+            rows: rows.collect(),
+            ..Table::default()
+        });
+        told.hint(
+            "The parameters and these errors are estimated together, so an interval that holds 0 says that no error is needed. Where \
+             all of the uncertainty is left, the data say nothing of that error.",
+        );
+        (!all.is_empty()).then_some(told)
+    }
+
+    /// The values of a parameter in the sample, as drawn.
+    fn sampled(&self, index: usize) -> Option<Vec<f64>> {
+        let free = &self.bound.problem.free[index];
+        let particles = self.sample?.particles.iter();
+        Some(
+            particles
+                .map(|p| drawn(free, free.value(p.places[index])))
+                .collect(),
+        )
+    }
+
+    fn parameters(&self) -> Document {
+        let mut told = Document::new("parameters", "Parameters", "Parameters");
+        let rows = self
+            .outcome
+            .optima
+            .iter()
+            .enumerate()
+            .flat_map(|(place, optimum)| {
+                optimum.free.iter().map(move |free| {
+                    let name = match self.outcome.ambiguous {
+                        true => format!("{}, optimum {}", free.name, place + 1),
+                        false => free.name.clone(),
+                    };
+                    let [low, high] = free.interval.map(|v| number(v, 5));
+                    vec![
+                        name,
+                        with_unit(number(free.value, 5), free),
+                        match free.at_bound {
+                            Some(side) => format!("{low} … {high}, at its {side} bound"),
+                            None => format!("{low} … {high}"),
+                        },
+                        format!("{} %", number(100.0 * free.left, 2)),
+                    ]
+                })
+            });
+        told.table(Table {
+            name: "Parameters".into(),
+            columns: vec![
+                words("Parameter"),
+                numbers("Most probable"),
+                numbers("95 %"),
+                numbers("Left of the prior's spread"),
+            ],
+            rows: rows.collect(),
+            ..Table::default()
+        });
+        let posterior = match self.sample {
+            Some(_) => Key::new(
+                "bar in",
+                "M1,13v-6h4v6zM5,13v-10h4v10zM9,13v-4h4v4z",
+                "sample of the posterior",
+            ),
+            None => Key::new(
+                "line",
+                "M0,12q4,0 7,-9q3,9 7,9",
+                "posterior, by its normal approximation",
+            ),
+        };
+        told.blocks.push(Block::Legend(vec![
+            Key::new("line before", "M0,7h14", "prior: what was known before"),
+            posterior,
+        ]));
+        let all = 0..self.bound.problem.free.len();
+        let figures = all.filter_map(|k| self.density(k)).collect();
+        told.blocks.push(Block::Figures("thirds", figures));
+        told
+    }
+
+    /// Prior and posterior density of a parameter.
+    fn density(&self, index: usize) -> Option<Figure> {
+        let free = &self.bound.problem.free[index];
+        let sampled = self.sampled(index);
+        let ends = [free.min, free.max].map(|v| drawn(free, v));
+        let normals: Vec<[f64; 3]> = self
+            .outcome
+            .optima
+            .iter()
+            .map(|optimum| {
+                let of = &optimum.free[index];
+                [
+                    optimum.weight,
+                    drawn(free, of.value),
+                    step(free, of.deviation),
+                ]
+            })
+            .collect();
+        let reach = match &sampled {
+            Some(values) => {
+                let (centre, width) = (mean(values), deviation(values, 1));
+                [centre - 5.0 * width, centre + 5.0 * width]
+            }
+            None => normals.iter().fold(
+                [f64::INFINITY, f64::NEG_INFINITY],
+                |[low, high], [_, v, d]| [low.min(v - 5.0 * d), high.max(v + 5.0 * d)],
+            ),
+        };
+        let x = [reach[0].max(ends[0]), reach[1].min(ends[1])];
+        if x[1].partial_cmp(&x[0]) != Some(std::cmp::Ordering::Greater) {
+            return None;
+        }
+        let before = prior_density(free, ends);
+        let bins = sampled.as_ref().map_or(0, |v| {
+            ((2.0 * (v.len() as f64).cbrt()) as usize).clamp(8, 40)
+        });
+        let bars = sampled.as_ref().map(|values| {
+            let mut counts = vec![0.0; bins];
+            for v in values.iter().filter(|v| (x[0]..x[1]).contains(*v)) {
+                counts[((v - x[0]) / (x[1] - x[0]) * bins as f64) as usize] += 1.0;
+            }
+            let width = (x[1] - x[0]) / bins as f64;
+            counts
+                .iter()
+                .map(|c| c / (values.len() as f64 * width))
+                .collect::<Vec<f64>>()
+        });
+        let after = |v: f64| -> f64 {
+            let parts = normals.iter().map(|[weight, centre, width]| {
+                weight / width * (-0.5 * ((v - centre) / width).powi(2)).exp()
+                    / std::f64::consts::TAU.sqrt()
+            });
+            parts.sum()
+        };
+        let grid: Vec<f64> = (0..=200)
+            .map(|k| x[0] + (x[1] - x[0]) * f64::from(k) / 200.0)
+            .collect();
+        let line = |of: &dyn Fn(f64) -> f64| grid.iter().map(|v| of(*v)).collect::<Vec<f64>>();
+        let (before, after) = (line(&before), line(&after));
+        let highest = bars
+            .as_ref()
+            .unwrap_or(&after)
+            .iter()
+            .chain(&before)
+            .copied()
+            .fold(0.0, f64::max);
+        let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08 * highest]);
+        let mut out = frame.axes(&axis(free), None);
+        match &bars {
+            Some(bars) => {
+                for (k, height) in bars.iter().enumerate() {
+                    let [a, b] = [k, k + 1]
+                        .map(|k| frame.x.at(x[0] + (x[1] - x[0]) * k as f64 / bins as f64));
+                    out += &area("bar in", [a, b], [frame.y.at(0.0), frame.y.at(*height)]);
+                }
+            }
+            None => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
+        }
+        out += &path("line before", envelope(grid.iter().zip(&before), &frame));
+        Some(Figure {
+            file: format!("parameter-{index}"),
+            caption: free.name.clone(),
+            svg: frame.wrap(&format!("{}: prior and posterior", free.name), &out),
+            note: note(free),
+            ..Figure::default()
+        })
+    }
+
+    fn pairs(&self) -> Option<Document> {
+        let n = self.bound.problem.free.len();
+        let correlation = |a: usize, b: usize| match &self.outcome.posterior {
+            Some(sample) => sample.correlations[a][b],
+            None => self.outcome.correlations[a][b],
+        };
+        let mut pairs: Vec<(usize, usize)> = (0..n)
+            .flat_map(|a| (a + 1..n).map(move |b| (a, b)))
+            .collect();
+        pairs.sort_by(|p, q| {
+            correlation(q.0, q.1)
+                .abs()
+                .total_cmp(&correlation(p.0, p.1).abs())
+        });
+        let mut told = Document::new(
+            "pairs",
+            "Pairs",
+            "Which parameters the data tell only together",
+        );
+        let figures = pairs
+            .iter()
+            .take(MOST_PAIRS)
+            .filter_map(|&(a, b)| self.pair([a, b], correlation(a, b)));
+        told.blocks
+            .push(Block::Figures("thirds", figures.collect()));
+        told.hint(match self.sample {
+            Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
+            None => {
+                "The ellipse holds both with 95 % probability, by the normal approximation. A narrow, slanted one: the data tell the combination, \
+                 not each one."
+            }
+        });
+        (n > 1).then_some(told)
+    }
+
+    fn pair(&self, [a, b]: [usize; 2], correlation: f64) -> Option<Figure> {
+        let free = [a, b].map(|k| &self.bound.problem.free[k]);
+        let points: Vec<[f64; 2]> = match (self.sampled(a), self.sampled(b)) {
+            (Some(x), Some(y)) => {
+                let every = x.len().div_ceil(MOST_POINTS);
+                x.into_iter()
+                    .zip(y)
+                    .step_by(every)
+                    .map(|(x, y)| [x, y])
+                    .collect()
+            }
+            _ => {
+                let of = [a, b].map(|k| &self.outcome.free[k]);
+                let [x, y] =
+                    [0, 1].map(|k| [drawn(free[k], of[k].value), step(free[k], of[k].deviation)]);
+                // Of two normal numbers 95 % lie within 2.448 deviations (chi-square with two degrees of freedom).
+                let at = |k: u32| {
+                    let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 90.0).sin_cos();
+                    let other =
+                        correlation * cos + (1.0 - correlation * correlation).max(0.0).sqrt() * sin;
+                    [x[0] + 2.448 * x[1] * cos, y[0] + 2.448 * y[1] * other]
+                };
+                (0..=90).map(at).collect()
+            }
+        };
+        let range = |k: usize| range(points.iter().map(|p| p[k]));
+        let frame = Frame::new(360.0, 300.0, range(0)?, range(1)?);
+        let mut out = frame.axes(&axis(free[0]), Some(&axis(free[1])));
+        let place = |p: &[f64; 2]| [frame.x.at(p[0]), frame.y.at(p[1])];
+        out += &match self.sample {
+            Some(_) => path(
+                "pt in",
+                points
+                    .iter()
+                    .map(|p| circle(place(p), 1.6))
+                    .collect::<String>(),
+            ),
+            None => {
+                let [x, y] = place(&points[0]);
+                let around = points[1..]
+                    .iter()
+                    .map(place)
+                    .map(|[x, y]| format!("L{x:.1},{y:.1}"));
+                path(
+                    "accept",
+                    format!("M{x:.1},{y:.1}{}z", around.collect::<String>()),
+                )
+            }
+        };
+        let [x, y] = [a, b].map(|k| self.outcome.free[k].value);
+        let best = place(&[drawn(free[0], x), drawn(free[1], y)]);
+        out += &path("chosen", circle(best, 4.0));
+        Some(Figure {
+            file: format!("pair-{a}-{b}"),
+            caption: format!("correlation {}", number(correlation, 2)),
+            svg: frame
+                .wrap(&format!("{} and {}", free[0].name, free[1].name), &out)
+                .replacen("plot", "plot crowd", 1),
+            ..Figure::default()
+        })
+    }
+
+    fn next(&self) -> Option<Document> {
+        let next = self.outcome.next.as_ref()?;
+        let mut told = Document::new("next", "Measure next", "What to measure next");
+        told.say(format!(
+            "{} is known to {} (one standard deviation).",
+            next.parameter,
+            next.words(next.deviation)
+        ));
+        let rows: Vec<Vec<String>> = next
+            .worthwhile()
+            .map(|measurement| {
+                let left = measurement
+                    .left
+                    .iter()
+                    .map(|left| format!("{} %", number(100.0 * left, 2)));
+                [measurement.work.clone(), next.words(measurement.deviation)]
+                    .into_iter()
+                    .chain(left)
+                    .collect()
+            })
+            .collect();
+        if rows.is_empty() {
+            told.say(calibration::next::NOTHING);
+        }
+        let left = self.outcome.free.iter().map(|free| Column {
+            unit: "left of its deviation".into(),
+            ..numbers(&free.name)
+        });
+        let columns = [
+            words("Work"),
+            numbers(format!("{} would be known to", next.parameter)),
+        ];
+        told.table(Table {
+            name: "What to measure next".into(),
+            columns: columns.into_iter().chain(left).collect(),
+            rows,
+            ..Table::default()
+        });
+        told.hint(
+            "*Again*: the same values once more with the same sensors, whose shared errors stay. *Calibrate*: the shared error is known ten times \
+             better. Both from the sensitivities at the optimum, by the normal approximation: the result does not depend on what \
+             would be measured, as long as the model is right.",
+        );
+        Some(told)
+    }
+}
+
+/// A residual in standard uncertainties, after the shared errors that the data prefer.
+fn missed(value: &Residual) -> f64 {
+    (value.difference + value.shared) / value.accuracy
+}
+
+/// The range of an axis with a margin; none of equal values.
+fn range(all: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| {
+        [a.min(v), b.max(v)]
+    });
+    let margin = 0.05 * (high - low);
+    (margin > 0.0).then_some([low - margin, high + margin])
+}
+
+/// A unit for people: nothing of a number without one.
+fn unit(unit: &Option<String>) -> &str {
+    unit.as_deref().filter(|unit| *unit != "1").unwrap_or("")
+}
+
+/// The table of measured values.
+fn values(rows: Vec<Vec<String>>) -> Table {
+    Table {
+        name: "Measured values".into(),
+        columns: vec![
+            words("Value"),
+            numbers("Measured"),
+            numbers("Model"),
+            numbers("Model less measured"),
+            numbers("in standard uncertainties"),
+        ],
+        rows,
+        ..Table::default()
+    }
+}
+
+/// A curve with its residuals below.
+fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<Figure> {
+    let of = |value: &dyn Fn(&Residual) -> f64| rows.iter().map(|r| value(r)).collect::<Vec<f64>>();
+    let (measured, model) = (of(&|r| r.measured), of(&|r| r.predicted));
+    let [low, high] = [-2.0, 2.0].map(|side| of(&|r| r.measured + side * r.accuracy));
+    let missed = of(&missed);
+    let (start, end) = (*times.first()?, *times.last()?);
+    if end <= start {
+        return None;
+    }
+    let y = range(low.iter().chain(&high).chain(&model).copied())?;
+    let frame = Frame::new(560.0, 230.0, [start, end], y);
+    let back = times.iter().zip(&high).rev();
+    let mut out = frame.axes("time (s)", Some(unit));
+    out += &path(
+        "band",
+        envelope(times.iter().zip(&low).chain(back), &frame) + "z",
+    );
+    out += &path(
+        "line measured",
+        envelope(times.iter().zip(&measured), &frame),
+    );
+    out += &path("line", envelope(times.iter().zip(&model), &frame));
+    let top = frame.wrap(&format!("{name}: measurement and model"), &out);
+    let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
+    let frame = Frame::new(560.0, 130.0, [start, end], y);
+    let mut out = frame.axes("time (s)", Some("residual"));
+    out += &area(
+        "band",
+        [frame.x.at(start), frame.x.at(end)],
+        [frame.y.at(-2.0), frame.y.at(2.0)],
+    );
+    out += &path("line", envelope(times.iter().zip(&missed), &frame));
+    let bottom = frame.wrap(&format!("{name}: residuals in standard deviations"), &out);
+    let squares: f64 = missed.iter().map(|m| m * m).sum();
+    let shared = rows
+        .iter()
+        .map(|r| r.shared)
+        .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let taken = match shared == 0.0 {
+        true => String::new(),
+        false => format!(
+            "; shared errors of up to {} {unit} are taken out of them",
+            number(shared, 2)
+        ),
+    };
+    Some(Figure {
+        file: format!("fit-{name}"),
+        caption: name.to_owned(),
+        svg: top + &bottom,
+        note: format!(
+            "{} rows; root mean square of the residuals {} standard deviations{taken}",
+            count(rows.len()),
+            number((squares / rows.len() as f64).sqrt(), 3)
+        ),
+        ..Figure::default()
+    })
+}
+
+/// A value as it is drawn: on a logarithmic scale its decimal logarithm.
+fn drawn(free: &Free, value: f64) -> f64 {
+    match free.scale {
+        Spacing::Linear => value,
+        Spacing::Log => value.log10(),
+    }
+}
+
+/// A standard deviation as it is drawn.
+fn step(free: &Free, deviation: f64) -> f64 {
+    match free.scale {
+        Spacing::Linear => deviation,
+        Spacing::Log => deviation.log10(),
+    }
+}
+
+fn axis(free: &Free) -> String {
+    let unit = free.unit.as_deref().unwrap_or("1");
+    match free.scale {
+        Spacing::Linear => format!("{} ({unit})", free.name),
+        Spacing::Log => format!("log10 of {} ({unit})", free.name),
+    }
+}
+
+/// The density of the prior as it is drawn, between the bounds.
+fn prior_density(free: &Free, [low, high]: [f64; 2]) -> impl Fn(f64) -> f64 + use<> {
+    let known = free.prior.map(|prior| Distribution::TruncatedNormal {
+        mean: drawn(free, prior.centre),
+        deviation: step(free, prior.spread),
+        min: Some(low),
+        max: Some(high),
+    });
+    move |value| match &known {
+        Some(known) => known.ln_density(value).exp(),
+        None => (high - low).recip(),
+    }
+}
+
+/// What was known of a parameter.
+fn note(free: &Free) -> String {
+    let unit = unit(&free.unit);
+    let [min, max] = [free.min, free.max].map(|v| number(v, 5));
+    let text = match free.prior {
+        Some(prior) => {
+            let spread = match free.scale {
+                Spacing::Linear => format!("± {}", number(prior.spread, 3)),
+                Spacing::Log => format!("within a factor of {}", number(prior.spread, 3)),
+            };
+            let centre = number(prior.centre, 5);
+            format!(
+                "prior: {centre} {unit} {spread} (one standard deviation), within {min} … {max} {unit}"
+            )
+        }
+        None => format!("prior: anything within {min} … {max} {unit}"),
+    };
+    text.trim_end().to_owned()
+}
+
+fn with_unit(text: String, free: &FreeOutcome) -> String {
+    format!("{text} {}", unit(&free.unit)).trim_end().to_owned()
+}
+
+/// The number of the parameter that is to be narrowed: the one that is named, or the one that the data leave most of.
+pub(super) fn to_narrow(
+    problem: &Problem,
+    outcome: &IdentificationOutcome,
+    name: Option<&str>,
+) -> Option<usize> {
+    match name {
+        Some(name) => problem.free.iter().position(|free| free.name == name),
+        None => (0..problem.free.len())
+            .max_by(|a, b| outcome.free[*a].left.total_cmp(&outcome.free[*b].left)),
+    }
+}
