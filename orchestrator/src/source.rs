@@ -37,6 +37,11 @@ impl Source {
         });
         let columns: Vec<Column> = columns.collect();
         let mut table = Table::read_points(path, &columns)?;
+        let given = inputs.iter().zip(pairs().map(constant));
+        let given = given.filter(|(_, constant)| constant.is_none());
+        for (column, (input, _)) in given.enumerate() {
+            input.round(&mut table, column, path);
+        }
         for row in &mut table.rows {
             let mut given = row.iter().copied();
             let values = pairs().map(|pair| {

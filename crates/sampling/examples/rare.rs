@@ -24,6 +24,12 @@ struct Case {
     is_binary: bool,
 }
 
+impl Case {
+    fn label(&self) -> String {
+        format!("{}, {} of {:.0e}", self.name, self.dimensions, self.exact)
+    }
+}
+
 const RARE: f64 = 1e-9;
 
 fn below(z: f64) -> f64 {
@@ -246,6 +252,74 @@ fn correlated() -> Option<Case> {
     }))
 }
 
+/// The largest of independent numbers exceeds a limit: as many equal regions.
+fn largest(name: &'static str, count: usize, exact: f64) -> Case {
+    let each = -(-exact).ln_1p() / count as f64;
+    let limit = exceeded(-(-each).exp_m1());
+    case(name, count, exact, move |u| {
+        limit - u.iter().copied().fold(f64::MIN, f64::max)
+    })
+}
+
+/// As many regions on both sides of each axis, each `ratio` times as probable as the one before.
+fn sides(name: &'static str, dimensions: usize, ratio: f64, exact: f64) -> Case {
+    let parts: Vec<f64> = (0..2 * dimensions).map(|k| ratio.powi(k as i32)).collect();
+    let sum: f64 = parts.iter().sum();
+    let limits: Vec<f64> = parts.iter().map(|p| exceeded(exact * p / sum)).collect();
+    let none = |k: usize| 1.0 - below(-limits[2 * k]) - below(-limits[2 * k + 1]);
+    let exact = -(0..dimensions)
+        .map(|k| (none(k) - 1.0).ln_1p())
+        .sum::<f64>()
+        .exp_m1();
+    case(name, dimensions, exact, move |u| {
+        let axis = |k: usize| (limits[2 * k] - u[k]).min(limits[2 * k + 1] + u[k]);
+        (0..u.len()).map(axis).fold(f64::MAX, f64::min)
+    })
+}
+
+/// The probability that a sum of exponential numbers exceeds a limit (Erlang).
+fn erlang(count: usize, limit: f64) -> f64 {
+    let terms = (1..count).scan(1.0, |term, k| {
+        *term *= limit / k as f64;
+        Some(*term)
+    });
+    (-limit).exp() * (1.0 + terms.sum::<f64>())
+}
+
+fn exponentials(name: &'static str, count: usize, exact: f64) -> Case {
+    let limit = falls_to(exact, |t| erlang(count, t), 0.0, 200.0);
+    case(name, count, exact, move |u| {
+        limit - u.iter().map(|&z| -below(-z).ln()).sum::<f64>()
+    })
+}
+
+/// Outside of a ball: half the square of the radius is Erlang in an even number of dimensions.
+fn ball(name: &'static str, dimensions: usize, exact: f64) -> Case {
+    let limit = falls_to(exact, |t| erlang(dimensions / 2, t), 0.0, 400.0);
+    case(name, dimensions, exact, move |u| {
+        limit - 0.5 * u.iter().map(|x| x * x).sum::<f64>()
+    })
+}
+
+/// Outside of an ellipsoid whose axes come in pairs: a sum of exponential numbers with different means.
+fn ellipsoid(name: &'static str, means: &'static [f64], exact: f64) -> Case {
+    let beyond = |t: f64| {
+        let term = |(i, a): (usize, &f64)| {
+            let others = means.iter().enumerate().filter(move |(j, _)| *j != i);
+            others.map(|(_, b)| a / (a - b)).product::<f64>() * (-t / a).exp()
+        };
+        means.iter().enumerate().map(term).sum::<f64>()
+    };
+    let limit = falls_to(exact, beyond, 0.0, 400.0);
+    case(name, 2 * means.len(), exact, move |u| {
+        let pairs = u.chunks(2).zip(means);
+        limit
+            - pairs
+                .map(|(x, a)| 0.5 * a * (x[0] * x[0] + x[1] * x[1]))
+                .sum::<f64>()
+    })
+}
+
 /// Only whether the event happens is known.
 fn binary(mut case: Case, name: &'static str) -> Case {
     case.is_binary = true;
@@ -279,6 +353,23 @@ fn cases() -> Vec<Case> {
         binary(branches(), "four branches, yes or no"),
     ];
     cases.extend(correlated());
+    for exact in [1e-4, 1e-7] {
+        let many = |count: usize| largest("largest", count, exact);
+        cases.extend([1, 2, 5, 7, 10, 20].map(many));
+        cases.push(exponentials("exponentials", 10, exact));
+        cases.push(ball("ball", 10, exact));
+        cases.extend([2, 20, 40].map(|d| ball("other: ball", d, exact)));
+        cases.push(exponentials("other: exponentials", 3, exact));
+        cases.push(ellipsoid("other: ellipsoid", &[1.0, 0.8, 0.5, 0.3], exact));
+        cases.push(ellipsoid(
+            "other: ellipsoid",
+            &[1.0, 0.1, 0.09, 0.08, 0.07, 0.06],
+            exact,
+        ));
+        cases.push(sides("other: sides", 3, 0.5, exact));
+        cases.push(sides("other: sides", 5, 0.8, exact));
+        cases.push(sides("other: sides", 15, 1.0, exact));
+    }
     cases
 }
 
@@ -317,12 +408,16 @@ fn main() {
     };
     let (repetitions, runs) = (number(0, 50), number(1, 100_000));
     println!(
-        "| event | exact share | told | rms error | interval holds | too low | runs (most) | regions |"
+        "| event | told | rms error | mean ratio | holding | too low | runs (most) | regions |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     for case in cases() {
         let wanted = &arguments[arguments.len().min(2)..];
-        if !wanted.is_empty() && !wanted.iter().any(|name| case.name.contains(name)) {
+        if !wanted.is_empty()
+            && !wanted
+                .iter()
+                .any(|name| case.label().contains(name.as_str()))
+        {
             continue;
         }
         let (next, answers) = (AtomicU64::new(0), Mutex::new(Vec::new()));
@@ -363,13 +458,13 @@ fn row(case: &Case, answers: &[Answer]) -> String {
     let mean =
         |of: &dyn Fn(&Answer) -> f64| answers.iter().map(of).sum::<f64>() / answers.len() as f64;
     format!(
-        "| {} | {:.2e} | {} of {} | {:.1} % | {:.1} % | {:.1} % | {:.0} ({most}) | {:.1} |",
-        case.name,
-        case.exact,
+        "| {} | {} of {} | {:.1} % | {:.3} | {} | {:.1} % | {:.0} ({most}) | {:.1} |",
+        case.label(),
         told.len(),
         answers.len(),
         100.0 * (square / told.len() as f64).sqrt(),
-        100.0 * count(&|[low, high]| low <= case.exact && case.exact <= high),
+        told.iter().map(|share| share.value).sum::<f64>() / told.len() as f64 / case.exact,
+        count(&|[low, high]| low <= case.exact && case.exact <= high) * told.len() as f64,
         100.0 * count(&|[_, high]| high < case.exact),
         mean(&|answer| answer.runs as f64),
         mean(&|answer| answer.regions.len() as f64),

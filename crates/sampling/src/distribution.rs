@@ -68,6 +68,9 @@ pub enum Distribution {
         /// The value.
         value: f64,
     },
+    /// A quantity that takes whole numbers only ([`Distribution::whole`]).
+    #[serde(untagged)]
+    Whole(Box<Distribution>),
 }
 
 /// The cumulative distribution of the standard normal distribution.
@@ -109,6 +112,40 @@ impl Distribution {
         Self::Sample {
             values: values.into(),
         }
+    }
+
+    /// The distribution of a quantity that takes whole numbers only: a uniform one is uniform over those from its smallest
+    /// to its largest value, of any other the values are rounded.
+    #[must_use]
+    pub fn whole(self) -> Self {
+        match self {
+            Self::Fixed { value } => Self::Fixed {
+                value: value.round(),
+            },
+            Self::Whole(_) => self,
+            other => Self::Whole(Box::new(other)),
+        }
+    }
+
+    /// The distribution before its values were made whole.
+    pub fn continuous(&self) -> &Self {
+        match self {
+            Self::Whole(of) => of,
+            other => other,
+        }
+    }
+
+    /// The first whole number of a uniform distribution over whole numbers, and how many there are.
+    fn uniform_whole(&self) -> Option<[f64; 2]> {
+        let Self::Uniform { min, max } = *self else {
+            return None;
+        };
+        let (first, last) = (min.ceil(), max.floor());
+        // A narrowed one may hold none; the nearest stands for it then.
+        Some(match first <= last {
+            true => [first, last - first + 1.0],
+            false => [(0.5 * (min + max)).round(), 1.0],
+        })
     }
 
     /// Says what is wrong with the numbers, if anything is.
@@ -157,6 +194,15 @@ impl Distribution {
                 require(!values.is_empty(), || "the sample is empty".to_owned())
             }
             Self::Fixed { .. } => Ok(()),
+            Self::Whole(ref of) => {
+                of.check()?;
+                match **of {
+                    Self::Uniform { min, max } => require(min.ceil() <= max.floor(), || {
+                        format!("there is no whole number from min {min} to max {max}")
+                    }),
+                    _ => Ok(()),
+                }
+            }
         }
     }
 
@@ -207,6 +253,10 @@ impl Distribution {
                 values[index.min(values.len() - 1)]
             }
             Self::Fixed { value } => value,
+            Self::Whole(ref of) => match of.uniform_whole() {
+                Some([first, count]) => first + (u * count).floor().min(count - 1.0),
+                None => of.quantile(u).round(),
+            },
         }
     }
 
@@ -215,7 +265,32 @@ impl Distribution {
     pub fn at_score(&self, score: f64) -> f64 {
         match *self {
             Self::Normal { mean, deviation } => mean + deviation * score,
+            Self::Whole(ref of) if of.uniform_whole().is_none() => of.at_score(score).round(),
             _ => self.quantile(normal_cdf(score).clamp(f64::MIN_POSITIVE, BELOW_ONE)),
+        }
+    }
+
+    /// The probabilities between which a search may look: to the very ends of a bounded quantity, and to quantiles of
+    /// 0.001 and 0.999 where it has no end.
+    pub fn reach(&self) -> [f64; 2] {
+        const FAR: [f64; 2] = [0.001, 0.999];
+        let [has_least, has_most] = self.is_bounded();
+        [
+            if has_least { 0.0 } else { FAR[0] },
+            if has_most { 1.0 } else { FAR[1] },
+        ]
+    }
+
+    /// Whether there is a smallest value and a largest one that searches may look at.
+    pub fn is_bounded(&self) -> [bool; 2] {
+        match *self {
+            Self::Normal { .. } | Self::Lognormal { .. } => [false; 2],
+            Self::TruncatedNormal { min, max, .. } => [min.is_some(), max.is_some()],
+            Self::Whole(ref of) => of.is_bounded(),
+            Self::Uniform { .. }
+            | Self::Triangular { .. }
+            | Self::Sample { .. }
+            | Self::Fixed { .. } => [true; 2],
         }
     }
 
@@ -288,6 +363,59 @@ mod tests {
         close(uniform, 1.0, 4.0 / 12_f64.sqrt());
         // Triangle: mean (a+b+c)/3, variance (a^2+b^2+c^2-ab-ac-bc)/18.
         close(triangular, 5.0 / 3.0, (13.0_f64 / 18.0).sqrt());
+    }
+
+    #[test]
+    fn whole_numbers_from_a_uniform_distribution_are_equally_probable() {
+        let uniform = |min, max| Distribution::Uniform { min, max }.whole();
+        let at = |distribution: &Distribution| -> Vec<f64> {
+            let places = (0..12).map(|k| (f64::from(k) + 0.5) / 12.0);
+            places.map(|u| distribution.quantile(u)).collect()
+        };
+        let thirds = [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0];
+        for three in [uniform(1.0, 3.0), uniform(0.5, 3.5), uniform(0.1, 3.9)] {
+            assert_eq!(at(&three), thirds);
+            assert_eq!(
+                [0.5, 1.0, 2.5, 3.0].map(|x| three.below(x)),
+                [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]
+            );
+            assert!((three.ln_density(2.0) + 3.0_f64.ln()).abs() < 1e-12);
+            assert_eq!(three.ln_density(1.5), f64::NEG_INFINITY);
+        }
+        assert!(
+            uniform(1.2, 1.8)
+                .check()
+                .unwrap_err()
+                .contains("no whole number")
+        );
+        assert_eq!(uniform(1.2, 1.8).quantile(0.9), 2.0);
+        let normal = Distribution::Normal {
+            mean: 2.0,
+            deviation: 0.5,
+        };
+        let rounded = normal.clone().whole();
+        assert_eq!(rounded.quantile(0.9), 3.0);
+        assert_eq!(rounded.at_score(0.9), 2.0);
+        assert!((rounded.below(2.0) - normal.below(2.5)).abs() < 1e-15);
+        assert_eq!(rounded.continuous(), &normal);
+        assert_eq!(
+            Distribution::Fixed { value: 2.4 }.whole(),
+            Distribution::Fixed { value: 2.0 }
+        );
+    }
+
+    #[test]
+    fn a_search_reaches_the_ends_of_what_is_bounded() {
+        let [normal, cut, uniform, triangular, lognormal] = all();
+        assert_eq!(normal.reach(), [0.001, 0.999]);
+        assert_eq!(lognormal.reach(), [0.001, 0.999]);
+        assert_eq!(cut.reach(), [0.0, 0.999]);
+        assert!((cut.quantile(0.0) - 1.5).abs() < 1e-9);
+        for (bounded, ends) in [(uniform, [-1.0, 3.0]), (triangular, [0.0, 4.0])] {
+            assert_eq!(bounded.reach().map(|u| bounded.quantile(u)), ends);
+        }
+        let whole = Distribution::Uniform { min: 1.0, max: 3.0 }.whole();
+        assert_eq!(whole.reach().map(|u| whole.quantile(u)), [1.0, 3.0]);
     }
 
     #[test]

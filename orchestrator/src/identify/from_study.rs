@@ -553,7 +553,7 @@ impl Unknowns<'_> {
 fn prior(input: &plan::Input, slot: &Slot) -> Result<Free, String> {
     let reach = |mean: f64, deviation: f64| [-1.0, 1.0].map(|side| mean + side * REACH * deviation);
     let known = |centre, spread| Some(Prior { centre, spread });
-    let ([low, high], prior) = match input.distribution {
+    let ([low, high], prior) = match *input.distribution.continuous() {
         Distribution::Uniform { min, max } => ([min, max], None),
         Distribution::Normal { mean, deviation } => {
             (reach(mean, deviation), known(mean, deviation))

@@ -53,20 +53,17 @@ fn other_verdict([least, most]: [f64; 2], method: &str) -> String {
     const LITTLE: f64 = 0.001;
     let points = match method {
         "table" => "Other points from the same source",
-        _ => "Another seed",
+        "monte-carlo" => "Another seed",
+        // The points of other designs are not independent, and nothing is known of how their seeds differ.
+        _ => return String::new(),
     };
     let probability = match (least, most) {
         (_, most) if most < LITTLE => "less than 0.1 %".to_owned(),
         (least, most) if least < LITTLE => format!("at most {} %", short(100.0 * most)),
         (least, most) => format!("{} to {} %", short(100.0 * least), short(100.0 * most)),
     };
-    let independent = match method {
-        "monte-carlo" | "table" => "",
-        _ => "; as if the points were independent, which those of this design are not",
-    };
     format!(
-        "{points} would come to the other verdict with a probability of {probability} (at a confidence of 95 \
-         %{independent})."
+        "{points} would come to the other verdict with a probability of {probability} (at a confidence of 95 %)."
     )
 }
 

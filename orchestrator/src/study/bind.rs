@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use serde::Serialize;
 use toml::Spanned;
 
 use super::curves::Binder as CurveBinder;
+use super::input::Input;
 use super::quantity::Scale;
 use super::samples::{self, Together};
 use super::values::{find, slot_of, value_of};
@@ -17,23 +17,7 @@ use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use fmu_points::task::{Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
 use sampling::design::Joint;
-use sampling::distribution::Distribution;
 use sampling::statistics::Statistic;
-
-/// One uncertain parameter.
-#[derive(Clone, Debug, Serialize)]
-pub struct Input {
-    /// The FMU's variable.
-    pub name: String,
-    /// The unit of the study's numbers.
-    pub unit: Option<String>,
-    /// The distribution, in that unit.
-    #[serde(flatten)]
-    pub distribution: Distribution,
-    /// From that unit to the FMU's.
-    #[serde(skip)]
-    pub conversion: Conversion,
-}
 
 /// Finds variables and checks values for one FMU.
 pub(super) struct Binder<'a> {
@@ -86,8 +70,7 @@ impl Binder<'_> {
 
     /// Reads the parameters that come from samples, and gives each its distribution.
     pub(super) fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, FileError> {
-        let units: Vec<Option<&str>> = inputs.iter().map(|input| input.unit.as_deref()).collect();
-        let samples = samples::read(self.study, &units)?;
+        let samples = samples::read(self.study, inputs)?;
         let mut joints = Vec::new();
         for Together { joint, alone } in samples {
             for (index, distribution) in alone {
@@ -113,11 +96,18 @@ impl Binder<'_> {
         let unit = parameter.unit.as_deref().or(parameter.first_unit());
         let scale = Scale::new(unit, self.fmu, variable)?;
         let distribution = parameter.distribution(&scale)?;
+        let is_whole = variable.handle().content == Content::Integer;
+        let distribution = if is_whole {
+            distribution.whole()
+        } else {
+            distribution
+        };
         distribution.check()?;
         Ok(Input {
             name: variable.name.clone(),
             unit: scale.unit.clone(),
             distribution,
+            is_whole,
             conversion: scale.conversion,
         })
     }

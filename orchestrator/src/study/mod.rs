@@ -9,6 +9,7 @@ mod detail;
 pub mod dossier;
 mod error;
 pub mod identification;
+mod input;
 pub(crate) mod inputs;
 pub(crate) mod limit;
 mod once;

@@ -15,7 +15,7 @@ use sampling::design::correlation::Correlation;
 use sampling::design::{self, Design, Joint, Sampling};
 use sampling::distribution::Distribution;
 
-pub use super::bind::Input;
+pub use super::input::Input;
 pub use super::values::{bare, find, slot_of, value_of};
 
 /// A study that fits an FMU.
@@ -136,8 +136,12 @@ impl Plan {
 
     /// The parameters at a point of the unit cube of those that vary; the others have their medians.
     pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
-        // Away from the ends of the unit interval, where a distribution may reach to infinity.
-        let given = cube.iter().map(|u| u.clamp(1e-6, 1.0 - 1e-6));
+        // Away from the ends of the unit interval where a distribution reaches to infinity.
+        let varied = self.varied().into_iter().zip(cube);
+        let given = varied.map(|(k, &u)| match self.inputs[k].distribution.is_bounded() {
+            [true, true] => u,
+            _ => u.clamp(1e-6, 1.0 - 1e-6),
+        });
         let places = self.with_fixed(given, 0.5);
         let pairs = self.inputs.iter().zip(&places);
         let point = pairs.map(|(input, &u)| input.distribution.quantile(u));

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use indexmap::IndexMap;
 use toml::Spanned;
 
+use super::input::Input;
 use super::{Name, ParameterText, Shape, Study};
 use crate::files;
 use crate::files::FileError;
@@ -29,11 +30,11 @@ pub(super) struct Together {
     pub(super) alone: Vec<(usize, Distribution)>,
 }
 
-/// Reads the samples of a study, given the units of its parameters: parameters from one file are drawn together.
+/// Reads the samples of a study for its parameters: those from one file are drawn together.
 ///
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
-pub(super) fn read(study: &Study, units: &[Option<&str>]) -> Result<Vec<Together>, FileError> {
+pub(super) fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, FileError> {
     let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member<'_>>)> = IndexMap::new();
     for (index, (name, text)) in study.parameters.iter().enumerate() {
         if text.distribution != Shape::Sample {
@@ -48,7 +49,7 @@ pub(super) fn read(study: &Study, units: &[Option<&str>]) -> Result<Vec<Together
     }
     let files = files.into_values();
     files
-        .map(|(file, members)| together(study, file, &members, units))
+        .map(|(file, members)| together(study, file, &members, inputs))
         .collect()
 }
 
@@ -56,7 +57,7 @@ fn together(
     study: &Study,
     file: &Spanned<PathBuf>,
     members: &[Member<'_>],
-    units: &[Option<&str>],
+    inputs: &[Input],
 ) -> Result<Together, FileError> {
     let path = study.path_of(file.as_ref());
     let column = |member: &Member<'_>| {
@@ -66,10 +67,13 @@ fn together(
     };
     let columns: Vec<Column> = members.iter().map(column).collect();
     let table = Table::read_points(&path, &columns);
-    let table = table.map_err(|error| study.error_at(file, error.to_string()))?;
+    let mut table = table.map_err(|error| study.error_at(file, error.to_string()))?;
+    for (column, member) in members.iter().enumerate() {
+        inputs[member.index].round(&mut table, column, &path);
+    }
     let stated = stated_units(&path);
     for (member, (names, _)) in members.iter().zip(&columns) {
-        let unit = units[member.index].unwrap_or("1");
+        let unit = inputs[member.index].unit.as_deref().unwrap_or("1");
         if let Some(stated) = stated.get(&names[0]).filter(|stated| *stated != unit) {
             let path = path.display();
             let message = format!(

@@ -77,7 +77,7 @@ fn a_share_of_verified_points_is_told() {
     assert!(said.out.contains("e−10 of the space"), "{}", said.out);
     assert!(
         said.out
-            .contains("nothing shows regions that neither reached"),
+            .contains("nothing shows regions that none of them reached"),
         "{}",
         said.out
     );

@@ -210,49 +210,71 @@ mod tests {
     use std::convert::Infallible;
 
     /// Zitzler, Deb & Thiele (2000), "Comparison of multiobjective evolutionary algorithms:
-    /// empirical results", Evolutionary Computation 8: thirty parameters between 0 and 1.
+    /// empirical results", Evolutionary Computation 8. The second objective is g h(f/g).
     fn zdt(kind: u8, x: &[f64]) -> Vec<f64> {
-        let g = 1.0 + 9.0 * x[1..].iter().sum::<f64>() / (x.len() - 1) as f64;
-        vec![x[0], g * shape(kind, x[0], g)]
+        use std::f64::consts::PI;
+        let (first, others) = (x[0], &x[1..]);
+        let mean = others.iter().sum::<f64>() / others.len() as f64;
+        let f = match kind {
+            6 => 1.0 - (-4.0 * first).exp() * (6.0 * PI * first).sin().powi(6),
+            _ => first,
+        };
+        let g = match kind {
+            4 => {
+                // These parameters lie between -5 and 5.
+                let wave = |u: &f64| {
+                    let x = 10.0 * u - 5.0;
+                    x * x - 10.0 * (4.0 * PI * x).cos()
+                };
+                1.0 + 10.0 * others.len() as f64 + others.iter().map(wave).sum::<f64>()
+            }
+            6 => 1.0 + 9.0 * mean.powf(0.25),
+            _ => 1.0 + 9.0 * mean,
+        };
+        let ratio = f / g;
+        let h = match kind {
+            2 | 6 => 1.0 - ratio * ratio,
+            3 => 1.0 - ratio.sqrt() - ratio * (10.0 * PI * f).sin(),
+            _ => 1.0 - ratio.sqrt(),
+        };
+        vec![f, g * h]
     }
 
-    fn shape(kind: u8, first: f64, g: f64) -> f64 {
-        let ratio = first / g;
-        match kind {
-            1 => 1.0 - ratio.sqrt(),
-            2 => 1.0 - ratio * ratio,
-            _ => 1.0 - ratio.sqrt() - ratio * (10.0 * std::f64::consts::PI * first).sin(),
-        }
-    }
-
-    /// Mean distance from the exact front's points to the nearest that was found.
-    fn miss(kind: u8) -> f64 {
+    /// The area that the front of a search dominates below (1.1, 1.1) (Zitzler and Thiele 1999).
+    fn hypervolume(kind: u8, parameters: usize, seed: u64) -> f64 {
+        const WORST: f64 = 1.1;
         let settings = Evolution {
             population: 100,
             generations: 250,
-            seed: 3,
+            seed,
         };
-        let solutions = minimise(&[[0.0, 1.0]; 30], settings, |points| {
+        let Ok(mut solutions) = minimise(&vec![[0.0, 1.0]; parameters], settings, |points| {
             Ok::<_, Infallible>(points.iter().map(|x| zdt(kind, x)).collect())
         });
-        let Ok(solutions) = solutions;
-        let exact: Vec<Vec<f64>> = (0..=500)
-            .map(|k| f64::from(k) / 500.0)
-            .map(|f| vec![f, shape(kind, f, 1.0)])
-            .collect();
-        let exact: Vec<&Vec<f64>> = front(&exact).into_iter().map(|i| &exact[i]).collect();
-        let nearest = |e: &[f64]| {
-            let distance = |s: &Solution| (s.objectives[0] - e[0]).hypot(s.objectives[1] - e[1]);
-            solutions.iter().map(distance).fold(f64::INFINITY, f64::min)
-        };
-        exact.iter().map(|e| nearest(e)).sum::<f64>() / exact.len() as f64
+        solutions.sort_by(|a, b| a.objectives[0].total_cmp(&b.objectives[0]));
+        let (mut area, mut ceiling) = (0.0, WORST);
+        for solution in &solutions {
+            let (f, other) = (solution.objectives[0], solution.objectives[1]);
+            area += (WORST - f).max(0.0) * (ceiling - other).max(0.0);
+            ceiling = ceiling.min(other);
+        }
+        area
     }
 
+    /// pymoo 0.6.2, NSGA2(pop_size=100), 250 generations, seeds 1 to 3: 0.8696 to 0.8699, 0.5363 to 0.5364, 1.3273 to
+    /// 1.3277, 0.8647 to 0.8684, 0.4932 to 0.4947. Here seeds 1 to 5 came to 0.8688 to 0.8695, 0.5354 to 0.5363, 1.3265 to
+    /// 1.3274, 0.8553 to 0.8673, 0.4938 to 0.4973. The optimum of ZDT6 has nine of ten parameters at their lower limits.
     #[test]
-    fn zdt1_zdt2_and_zdt3_are_solved() {
-        for kind in [1, 2, 3] {
-            let miss = miss(kind);
-            assert!(miss < 0.01, "ZDT{kind}: {miss}");
+    fn the_zdt_functions_are_solved_as_well_as_by_another_program() {
+        for (kind, parameters, other) in [
+            (1, 30, 0.8697),
+            (2, 30, 0.5363),
+            (3, 30, 1.3275),
+            (4, 10, 0.8662),
+            (6, 10, 0.4941),
+        ] {
+            let area = hypervolume(kind, parameters, 3);
+            assert!(area > 0.995 * other, "ZDT{kind}: {area}");
         }
     }
 

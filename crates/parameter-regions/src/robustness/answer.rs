@@ -1,12 +1,17 @@
-//! Whether there is a region that holds the level: found, not found, or impossible. These are three answers: a search
-//! that fails has shown nothing.
+//! Whether there is a region that holds the level: found, not found, or none seen anywhere. These are three answers: a
+//! search that fails has shown nothing.
 
 use serde::{Deserialize, Serialize};
 
 use super::boxes::SEARCHES;
-use super::combinations::CEILING;
+use super::combinations::{CEILING, upper_limit};
 use super::region::Region;
 use super::{Robustness, Stand, TRUSTED};
+
+/// Results of earlier versions do not have it.
+fn all() -> f64 {
+    1.0
+}
 
 /// Whether there is a box that holds the level.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,19 +33,26 @@ pub enum Answer {
         /// The highest probability of verification at any sampled place, by the surrogates.
         highest: f64,
     },
-    /// There is none, as far as the surrogates can be trusted.
-    Impossible {
-        /// Places at which they were asked.
+    /// The surrogates see none, and none of the study's points is verified.
+    #[serde(alias = "impossible")]
+    NoneSeen {
+        /// Places at which the surrogates were asked.
         places: usize,
         /// The highest probability of verification at any of them.
         highest: f64,
         /// The criterion that is met least.
         criterion: String,
+        /// The study's points.
+        #[serde(default)]
+        points: usize,
+        /// So large a part of the space may be verified, at a confidence of 95 %.
+        #[serde(default = "all")]
+        at_most: f64,
     },
 }
 
 impl Answer {
-    /// The answer to a search. It is impossible where surrogates that can be trusted leave no place a chance, and none of
+    /// The answer to a search. None is seen where surrogates that can be trusted leave no place a chance, and none of
     /// the study's points is verified.
     pub(super) fn new(
         result: &Robustness,
@@ -53,14 +65,17 @@ impl Answer {
             return Self::Found;
         }
         let highest = verdicts.iter().copied().fold(0.0, f64::max);
+        let points = verified.len();
         let verified = verified.iter().filter(|ok| **ok).count();
         let mut criteria = result.criteria.iter();
         let trusted = criteria.all(|(_, quality)| quality.predicted >= TRUSTED);
         if trusted && verified == 0 && highest < CEILING {
-            return Self::Impossible {
+            return Self::NoneSeen {
                 places: cloud.len(),
                 highest,
                 criterion: stand.least_met(cloud.iter()),
+                points,
+                at_most: upper_limit(0, points, 0.05),
             };
         }
         Self::NotFound {
@@ -71,8 +86,8 @@ impl Answer {
     }
 
     /// The answer in a line, given whether the statement of the box shows the level.
-    pub fn words(&self, shown: bool) -> &'static str {
-        match self {
+    pub fn words(&self, shown: bool) -> String {
+        let words = match self {
             Self::Found if shown => {
                 "a box was found by the surrogates and the study's own points; --confirm N runs the model in it"
             }
@@ -84,8 +99,16 @@ impl Answer {
             Self::NotFound { .. } => {
                 "no box was found by this search; that does not show that there is none"
             }
-            Self::Impossible { .. } => "no box is possible",
-        }
+            Self::NoneSeen {
+                points, at_most, ..
+            } => {
+                return format!(
+                    "the surrogates see no box; 0 of {points} points met all criteria, up to {:.2} % of the space may",
+                    100.0 * at_most
+                );
+            }
+        };
+        words.to_owned()
     }
 
     /// The answer once fresh runs have been made.
@@ -111,14 +134,15 @@ impl Answer {
                  that there is none: {verified} of the study's points are verified, and the surrogates give up to \
                  {highest:.3} at a place; verify more points, or ask for a lower --level"
             )),
-            Self::Impossible {
+            Self::NoneSeen {
                 places,
                 highest,
                 criterion,
+                ..
             } => Some(format!(
-                "no box can hold a verification probability of {level}: at none of {places} sampled places is it above \
-                 {highest:.2e}, none of the study's points is verified, and {criterion} is met least; a box's \
-                 probability is the mean over its places"
+                "no box with a verification probability of {level} is seen: at none of {places} sampled places do the \
+                 surrogates give more than {highest:.2e}, and {criterion} is met least; what lies between the points, they \
+                 cannot see"
             )),
             _ => None,
         }

@@ -1,12 +1,16 @@
 //! Unsafe combinations: where a parameter alone, or two of them together, leave hardly any chance
 //! of verification, whatever the others are.
+//!
+//! Of many candidates those are chosen that look worst, so what they were chosen by flatters none of them. They are chosen
+//! by surrogates of one half of the study's points, and judged by the other half.
 
 use super::Stand;
 use super::region::{Confirmed, Sample};
+use conformity::interval::clopper_pearson;
 use sampling::statistics::moments::{mean, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
-/// A region is unsafe where the mean probability of verification is less than this.
+/// A region is a candidate where the mean probability of verification is less than this.
 pub const CEILING: f64 = 0.01;
 /// Slices of equal content along each parameter.
 const SLICES: usize = 40;
@@ -52,8 +56,20 @@ pub struct Combination {
     pub probability: f64,
     /// The criterion that is met least there.
     pub lost: String,
-    /// Check against the study's own points.
+    /// Check against the study's own points that took no part in the choice.
     pub confirmed: Confirmed,
+    /// So large a part may be verified by these points: all that are listed hold together at a confidence of 95 %. Results
+    /// of earlier versions lack it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<f64>,
+}
+
+/// The exact upper limit of a share by independent trials, wrong with a probability of `error`.
+pub(super) fn upper_limit(hits: usize, trials: usize, error: f64) -> f64 {
+    match trials {
+        0 => 1.0,
+        _ => clopper_pearson(hits as f64, trials as f64, 1.0 - 2.0 * error)[1],
+    }
 }
 
 impl Combination {
@@ -105,13 +121,13 @@ impl Slices {
 }
 
 /// Lists the unsafe ranges of single parameters and, outside these, the unsafe corners of pairs, the
-/// largest first.
+/// largest first. `judges` are points that the surrogates do not know, each with whether it is verified.
 pub(super) fn combinations(
     stand: &Stand,
     cloud: &Sample<'_>,
-    points: &[Vec<f64>],
-    verified: &[bool],
+    judges: &[(&Vec<f64>, bool)],
 ) -> Vec<Combination> {
+    const ERROR: f64 = 0.05;
     let Some(d) = cloud.points.first().map(Vec::len) else {
         return vec![];
     };
@@ -138,10 +154,12 @@ pub(super) fn combinations(
     listed.retain(|c| c.share >= LEAST_SHARE);
     listed.sort_by(|a, b| b.share.total_cmp(&a.share));
     listed.truncate(MOST_LISTED);
+    let error = ERROR / listed.len().max(1) as f64;
     for combination in &mut listed {
-        let inside = points.iter().zip(verified);
-        let inside = inside.filter(|(x, _)| combination.contains(x));
-        combination.confirmed = Confirmed::count(inside.map(|(_, v)| *v));
+        let inside = judges.iter().filter(|(x, _)| combination.contains(x));
+        let confirmed = Confirmed::count(inside.map(|(_, v)| *v));
+        combination.at_most = Some(upper_limit(confirmed.verified, confirmed.points, error));
+        combination.confirmed = confirmed;
     }
     listed
 }
@@ -207,6 +225,7 @@ fn finish(bounds: Vec<Bound>, stand: &Stand, cloud: &Sample<'_>, open: &[usize])
         probability: mean(&verdicts),
         lost: stand.least_met(some),
         confirmed: Confirmed::default(),
+        at_most: None,
         bounds,
     }
 }

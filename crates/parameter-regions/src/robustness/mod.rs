@@ -17,6 +17,7 @@ use crate::table::{CriterionColumn, PointTable};
 use evidence::Evidence;
 use rayon::prelude::*;
 use region::{Domain, Ellipsoid, Region, Sample, Shape};
+use sampling::random::{Purpose, Random};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
@@ -277,12 +278,7 @@ pub fn refined(
             |target, _| region::largest_ellipsoid(&seen, target),
             &evidence,
         ),
-        unsafe_combinations: combinations::combinations(
-            &stand,
-            &sample(0..cloud.len()),
-            &inputs,
-            &table.verified,
-        ),
+        unsafe_combinations: unsafe_combinations(table, &only(fitted), &cloud),
         margins: margins::margins(table, &stand, &inputs[best]),
         warnings: vec![],
     };
@@ -299,6 +295,34 @@ pub fn refined(
     result.answer = answer::Answer::new(&result, &stand, &cloud, &verdicts, &table.verified);
     result.warnings.extend(result.answer.warning(level));
     Some(result)
+}
+
+/// The unsafe combinations by surrogates of one half of the points (and of those fitted beside them), judged by the other;
+/// none where a half is too small for surrogates.
+fn unsafe_combinations(
+    table: &PointTable,
+    fitted: &PointTable,
+    cloud: &[Vec<f64>],
+) -> Vec<combinations::Combination> {
+    // At random: the points of a net take turns in the halves of the space.
+    let mut random = Random::new(1, Purpose::Resample, 0);
+    let order = random.choice(table.len(), table.len());
+    let (chosen, judging) = order.split_at(table.len() / 2);
+    let further = table.len()..fitted.len();
+    let known: Vec<usize> = chosen.iter().copied().chain(further).collect();
+    let Some(stand) = Stand::fit(&fitted.subset(&known)) else {
+        return Vec::new();
+    };
+    let inputs = rows(table);
+    let judges: Vec<(&Vec<f64>, bool)> = (judging.iter())
+        .map(|&i| (&inputs[i], table.verified[i]))
+        .collect();
+    let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
+    let sample = Sample {
+        points: cloud,
+        verdicts: &verdicts,
+    };
+    combinations::combinations(&stand, &sample, &judges)
 }
 
 /// Warns of failed points: the surrogates are fitted to the others.

@@ -51,10 +51,14 @@ impl Distribution {
                 values.partition_point(|one| *one <= value) as f64 / values.len() as f64
             }
             Self::Fixed { value: only } => f64::from(u8::from(value >= only)),
+            Self::Whole(ref of) => match of.uniform_whole() {
+                Some([first, count]) => ((value.floor() - first + 1.0) / count).clamp(0.0, 1.0),
+                None => of.below(value.floor() + 0.5),
+            },
         }
     }
 
-    /// The logarithm of the density; minus infinity where the quantity never is. A fixed quantity and one
+    /// The logarithm of the density, or of the probability of a whole number; minus infinity where the quantity never is. A fixed quantity and one
     /// from a sample, whose values are all as probable, have none: 0, so
     /// that it changes no sum.
     pub fn ln_density(&self, value: f64) -> f64 {
@@ -94,6 +98,9 @@ impl Distribution {
                 }
             }
             Self::Sample { .. } | Self::Fixed { .. } => 0.0,
+            Self::Whole(ref of) if matches!(**of, Self::Sample { .. }) => 0.0,
+            Self::Whole(_) if value.fract() != 0.0 => f64::NEG_INFINITY,
+            Self::Whole(_) => (self.below(value) - self.below(value - 1.0)).ln(),
         }
     }
 
@@ -109,6 +116,7 @@ impl Distribution {
             Self::Triangular { mode, .. } => mode,
             Self::Sample { .. } => self.median(),
             Self::Fixed { value } => value,
+            Self::Whole(ref of) => of.centre().round(),
         }
     }
 
@@ -148,6 +156,7 @@ impl Distribution {
             },
             // A sample is as wide as it is.
             Self::Sample { .. } | Self::Fixed { .. } => self.clone(),
+            Self::Whole(ref of) => of.scaled(factor).whole(),
         }
     }
 }

@@ -1,22 +1,17 @@
-//! Looks for the regions of the event: subset simulation (Au and Beck 2001) with a population of its own for each region.
+//! The way to the event by levels: subset simulation (Au and Beck 2001).
 //!
 //! The event is approached by levels: of a population those points are kept that come nearest to it, and chains from them
-//! fill the next population. In a single population chance lets one region after the other die out. So a population that
-//! falls into parts is split, and each part goes on with levels of its own.
+//! fill the next population. Chance lets one part of the event after the other die out in a single population; so there
+//! are several, which know nothing of each other (`gather`).
 
 use super::moves::Moves;
 use super::runs::Runs;
-use super::separate::parts;
 use crate::random::Random;
 
 /// The part of a population that is kept at each level.
 const KEPT: f64 = 0.1;
 /// A population is kept to so many points at least.
 const FEWEST: usize = 20;
-/// Further parts of a population are no regions of their own.
-const MOST_REGIONS: usize = 8;
-/// The smallest population of a region.
-const SMALLEST: usize = 500;
 /// So many levels lead below any share that a number can tell.
 const MOST_LEVELS: usize = 60;
 
@@ -29,67 +24,44 @@ pub(super) struct Population {
     reached: f64,
     /// The estimated share of the space that its points stand for.
     pub(super) share: f64,
-    /// The width of the last moves, and how it changed at the last level.
-    width: f64,
-    change: f64,
+    /// The widths of the last moves, and how they changed at the last level.
+    widths: [f64; 2],
+    changes: [f64; 2],
 }
 
-/// The regions in which the event happens: goes down from plain points, whose levels are known, with populations of so
-/// many points and at most so many runs. Notes the levels on the way, each with the share of the space that reaches it.
+/// A population at the event: goes down from plain points, whose levels are known, with at most so many runs. Notes the
+/// levels on the way, each with the share of the space that reaches it. None where it does not arrive.
 pub(super) fn explore<E>(
-    plain: (Vec<Vec<f64>>, Vec<f64>),
+    (points, levels): (Vec<Vec<f64>>, Vec<f64>),
     most_runs: u64,
     runs: &mut Runs<'_, E>,
     random: &mut Random,
-    levels: &mut Vec<(f64, f64)>,
-) -> Result<Vec<Population>, E> {
-    let size = plain.0.len();
-    let end = runs.made + most_runs;
-    let mut regions = Vec::new();
-    let mut open = vec![Population {
-        points: plain.0,
-        levels: plain.1,
+    passed: &mut Vec<(f64, f64)>,
+) -> Result<Option<Population>, E> {
+    let size = points.len();
+    let end = (runs.made + most_runs).min(runs.most);
+    let mut population = Population {
+        points,
+        levels,
         reached: f64::INFINITY,
         share: 1.0,
-        width: 0.6,
-        change: 1.0,
-    }];
+        widths: [0.6, 1.0],
+        changes: [1.0; 2],
+    };
     for _ in 0..MOST_LEVELS {
-        let size = (size / (open.len() + regions.len())).max(SMALLEST.min(size));
-        let mut next = Vec::new();
-        let mut level = (f64::NEG_INFINITY, 0.0);
-        for population in &open {
-            // A region is given up when the runs are used up, or its level does not change.
-            if runs.made + size as u64 > end.min(runs.most) {
-                continue;
-            }
-            let Some(deeper) = population.deeper(size, runs, random)? else {
-                continue;
-            };
-            level = (deeper.reached.max(level.0), level.1 + deeper.share);
-            let split = if open.len() + next.len() + regions.len() < MOST_REGIONS {
-                parts(&deeper.points, deeper.reached, runs, random)?
-            } else {
-                vec![0; deeper.points.len()]
-            };
-            for part in deeper.split(&split) {
-                if part.reached == f64::NEG_INFINITY {
-                    regions.push(part);
-                } else {
-                    next.push(part);
-                }
-            }
-        }
-        if level.1 > 0.0 && level.0 > f64::NEG_INFINITY {
-            let done: f64 = regions.iter().map(|region: &Population| region.share).sum();
-            levels.push((level.0, level.1.max(done)));
-        }
-        open = next;
-        if open.is_empty() {
+        if runs.made + size as u64 > end {
             break;
         }
+        let Some(deeper) = population.deeper(size, runs, random)? else {
+            break;
+        };
+        if deeper.reached == f64::NEG_INFINITY {
+            return Ok(Some(deeper));
+        }
+        passed.push((deeper.reached, deeper.share));
+        population = deeper;
     }
-    Ok(regions)
+    Ok(None)
 }
 
 impl Population {
@@ -100,8 +72,8 @@ impl Population {
             points,
             reached: f64::NEG_INFINITY,
             share,
-            width: 1.0,
-            change: 1.0,
+            widths: [1.0; 2],
+            changes: [1.0; 2],
         }
     }
 
@@ -124,8 +96,8 @@ impl Population {
         let share = self.share * inside.len() as f64 / count as f64;
         let all: Vec<Vec<f64>> = inside.iter().map(|&i| self.points[i].clone()).collect();
         // In a narrowing band the steps become narrower at each level by about the same factor.
-        let width = self.width * self.change;
-        let mut moves = Moves::along(&all, width);
+        let widths = [0, 1].map(|kind| self.widths[kind] * self.changes[kind]);
+        let mut moves = Moves::along(&all, widths);
         let chains = ((KEPT * size as f64) as usize).max(1);
         let chosen = random.choice(chains, inside.len());
         let mut points: Vec<Vec<f64>> = chosen.iter().map(|&k| all[k].clone()).collect();
@@ -156,28 +128,8 @@ impl Population {
             levels,
             reached: level,
             share,
-            change: (moves.width / self.width).clamp(0.05, 1.0),
-            width: moves.width,
+            changes: [0, 1].map(|kind| (moves.widths[kind] / self.widths[kind]).clamp(0.05, 1.0)),
+            widths: moves.widths,
         }))
-    }
-
-    /// The parts of a population, each point's part given.
-    fn split(self, parts: &[usize]) -> Vec<Self> {
-        let count = parts.iter().max().map_or(1, |last| last + 1);
-        if count == 1 {
-            return vec![self];
-        }
-        let part = |number: usize| {
-            let members: Vec<usize> = (0..parts.len()).filter(|&i| parts[i] == number).collect();
-            Self {
-                points: members.iter().map(|&i| self.points[i].clone()).collect(),
-                levels: members.iter().map(|&i| self.levels[i]).collect(),
-                share: self.share * members.len() as f64 / parts.len() as f64,
-                reached: self.reached,
-                width: self.width,
-                change: self.change,
-            }
-        };
-        (0..count).map(part).collect()
     }
 }

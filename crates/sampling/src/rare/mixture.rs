@@ -20,11 +20,19 @@ struct Component {
 }
 
 impl Component {
-    fn fit(points: &[Vec<f64>], weights: &[f64]) -> Self {
+    fn fit(points: &[Vec<f64>], weights: &[f64], told: f64) -> Self {
         // Chance goes a little further than the limit for many points.
         const SLACK: f64 = 1.1;
-        let scatter = Scatter::of(points, weights);
-        let ratio = (scatter.mean.len() as f64 / scatter.effective.max(1.0)).sqrt();
+        const NEGLIGIBLE: f64 = 1e-6;
+        // Of other components' points there is nothing to tell.
+        let most = weights.iter().copied().fold(0.0, f64::max);
+        let matter = |&i: &usize| weights[i] > NEGLIGIBLE * most;
+        let (points, weights): (Vec<&[f64]>, Vec<f64>) = (0..points.len())
+            .filter(matter)
+            .map(|i| (points[i].as_slice(), weights[i]))
+            .unzip();
+        let scatter = Scatter::of(&points, &weights);
+        let ratio = (scatter.mean.len() as f64 / (told * scatter.effective).max(1.0)).sqrt();
         let low = (1.0 - ratio).max(0.0).powi(2) / SLACK;
         let high = (1.0 + ratio).powi(2) * SLACK;
         let pairs = scatter.axes.into_iter().zip(scatter.variances);
@@ -33,6 +41,23 @@ impl Component {
             mean: scatter.mean,
             axes,
             variances,
+        }
+    }
+
+    /// About the centre, with the points' mean square.
+    fn about_centre(points: &[Vec<f64>]) -> Self {
+        let dimensions = points.first().map_or(0, Vec::len);
+        let squares: f64 = points.iter().flatten().map(|x| x * x).sum();
+        let variance = (squares / (points.len() * dimensions).max(1) as f64).max(1.0);
+        let axis = |k: usize| {
+            (0..dimensions)
+                .map(|j| f64::from(u8::from(j == k)))
+                .collect()
+        };
+        Self {
+            mean: vec![0.0; dimensions],
+            axes: (0..dimensions).map(axis).collect(),
+            variances: vec![variance; dimensions],
         }
     }
 
@@ -70,13 +95,13 @@ impl Component {
     }
 }
 
-/// A mixture; each of its components belongs to a region.
+/// A mixture.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mixture {
     parts: Vec<Component>,
     weights: Vec<f64>,
-    /// The region of each component.
-    regions: Vec<usize>,
+    /// As many independent points tell as much as one that it was fitted to.
+    told: f64,
 }
 
 /// The logarithm of a standard normal density.
@@ -86,78 +111,126 @@ pub(super) fn ln_standard(point: &[f64]) -> f64 {
 }
 
 impl Mixture {
-    /// The mixture of at most so many components that explains the points best, by Schwarz's criterion (1978).
-    pub(super) fn fit(
-        points: &[Vec<f64>],
-        weights: &[f64],
-        most: usize,
-        random: &mut Random,
-    ) -> Self {
+    /// The mixture that explains the points best, by Schwarz's criterion (1978), of those that begin with one component.
+    pub(super) fn fit(points: &[Vec<f64>], weights: &[f64], told: f64) -> Self {
         let one = Self {
-            parts: vec![Component::fit(points, weights)],
+            parts: vec![Component::fit(points, weights, told)],
             weights: vec![1.0],
-            regions: vec![0],
+            told,
         };
-        let mut best = (one.criterion(points, weights), one);
-        for count in 2..=most {
-            let Some(mixture) = Self::of(count, points, weights, random) else {
-                continue;
+        one.grown(points, weights).1
+    }
+
+    /// The same, but beginning with what this is.
+    pub(super) fn fit_on(&self, points: &[Vec<f64>], weights: &[f64]) -> Self {
+        let this = Self {
+            told: 1.0,
+            ..self.clone()
+        };
+        this.grown(points, weights).1
+    }
+
+    /// Splits the widest component along its widest axis, again and again: the best mixture on this way, after its
+    /// criterion.
+    fn grown(mut self, points: &[Vec<f64>], weights: &[f64]) -> (f64, Self) {
+        // More components are hardly ever needed, and take long to fit.
+        const MOST: usize = 40;
+        // Where so many more components are no better, none are.
+        const PATIENCE: usize = 3;
+        // A convex part of a normal distribution is nowhere wider than it (Brascamp and Lieb 1976): a wider component has
+        // more than one part of the event.
+        const WIDE: f64 = 1.5;
+        self.refit(points, weights);
+        let mut best = (self.criterion(points, weights), self.clone());
+        let mut failed = 0;
+        while self.len() < MOST {
+            let Some((next, variance)) = self.split(points, weights) else {
+                break;
             };
-            let criterion = mixture.criterion(points, weights);
+            self = next;
+            self.refit(points, weights);
+            let criterion = self.criterion(points, weights);
             if criterion < best.0 {
-                best = (criterion, mixture);
+                (best, failed) = ((criterion, self.clone()), 0);
+            } else {
+                failed += 1;
+            }
+            if failed >= PATIENCE && variance < WIDE {
+                break;
             }
         }
-        best.1
+        best
     }
 
-    /// A mixture of so many components; none where some of them would rest on too few points.
-    fn of(count: usize, points: &[Vec<f64>], weights: &[f64], random: &mut Random) -> Option<Self> {
-        const STEPS: usize = 40;
-        let mut parts = beginning(count, points, weights, random);
-        let mut last = f64::NEG_INFINITY;
-        for _ in 0..STEPS {
-            let mixture = Self::of_parts(points, &parts)?;
-            let (next, fit) = mixture.shares(points, weights);
-            if fit - last < 1e-4 {
-                return Some(mixture);
+    /// The mixture with another component, and the variance along the axis where it was split; none where all rest on too
+    /// few points.
+    fn split(&self, points: &[Vec<f64>], weights: &[f64]) -> Option<(Self, f64)> {
+        let (shares, _) = self.shares(points, weights);
+        let mut widest: Option<(f64, f64, usize, [Vec<f64>; 2])> = None;
+        for (k, (part, share)) in self.parts.iter().zip(&shares).enumerate() {
+            for (axis, &variance) in part.axes.iter().zip(&part.variances) {
+                let score = variance * self.weights[k];
+                if widest.as_ref().is_some_and(|widest| widest.0 >= score) {
+                    continue;
+                }
+                let side = |sign: f64| -> Vec<f64> {
+                    let of = |(point, weight): (&Vec<f64>, &f64)| {
+                        let triples = point.iter().zip(&part.mean).zip(axis);
+                        let place: f64 = triples.map(|((x, m), a)| a * (x - m)).sum();
+                        if sign * place > 0.0 { *weight } else { 0.0 }
+                    };
+                    points.iter().zip(share).map(of).collect()
+                };
+                let sides = [side(1.0), side(-1.0)];
+                if sides.iter().all(|side| self.is_enough(points, side)) {
+                    widest = Some((score, variance, k, sides));
+                }
             }
-            (parts, last) = (next, fit);
         }
-        Self::of_parts(points, &parts)
-    }
-
-    /// A component for each part of the points' weights; none where one of them rests on too few points.
-    fn of_parts(points: &[Vec<f64>], parts: &[Vec<f64>]) -> Option<Self> {
-        if parts.iter().any(|part| effective(part) < fewest(points)) {
-            return None;
-        }
-        let mut mixture = Self {
-            parts: parts.iter().map(|p| Component::fit(points, p)).collect(),
-            weights: parts.iter().map(|p| p.iter().sum()).collect(),
-            regions: vec![0; parts.len()],
-        };
-        mixture.normalise();
-        Some(mixture)
+        let (_, variance, k, sides) = widest?;
+        let mut next = self.clone();
+        next.weights[k] *= 0.5;
+        next.weights.push(next.weights[k]);
+        let [one, other] = sides.map(|side| Component::fit(points, &side, self.told));
+        next.parts[k] = one;
+        next.parts.push(other);
+        Some((next, variance))
     }
 
     /// Fits the components to weighted points, beginning from what they are; none gets lost.
-    pub(super) fn refit(&mut self, points: &[Vec<f64>], weights: &[f64]) {
-        const STEPS: usize = 12;
+    fn refit(&mut self, points: &[Vec<f64>], weights: &[f64]) {
+        const STEPS: usize = 10;
         const LEAST: f64 = 0.02;
         let count = self.parts.len() as f64;
+        let sum: f64 = weights.iter().sum();
+        let mut last = f64::NEG_INFINITY;
         for _ in 0..STEPS {
-            let (parts, _) = self.shares(points, weights);
-            let sum: f64 = weights.iter().sum();
+            let (parts, fit) = self.shares(points, weights);
+            if fit - last < 1e-3 {
+                break;
+            }
+            last = fit;
             for (k, part) in parts.iter().enumerate() {
-                if effective(part) >= fewest(points) {
-                    self.parts[k] = Component::fit(points, part);
+                if self.is_enough(points, part) {
+                    self.parts[k] = Component::fit(points, part, self.told);
                 }
                 let share = part.iter().sum::<f64>() / sum;
                 self.weights[k] = share.max(LEAST / count);
             }
             self.normalise();
         }
+    }
+
+    /// Whether a component can rest on these parts of the points.
+    fn is_enough(&self, points: &[Vec<f64>], part: &[f64]) -> bool {
+        const FEWEST: usize = 15;
+        let dimensions = points.first().map_or(0, Vec::len);
+        let fewest = if self.told < 1.0 {
+            FEWEST
+        } else {
+            FEWEST.max(dimensions)
+        };
+        effective(part) >= fewest as f64
     }
 
     /// The part of each point's weight that belongs to each component, and the mean logarithm of the density.
@@ -177,14 +250,14 @@ impl Mixture {
 
     /// How badly the mixture explains the points, its numbers counted against it.
     fn criterion(&self, points: &[Vec<f64>], weights: &[f64]) -> f64 {
-        let effective = effective(weights);
+        let effective = self.told * effective(weights);
         let numbers = |part: &Component| 1 + part.mean.len() * (1 + part.axes.len());
         let numbers: usize = self.parts.iter().map(numbers).sum();
         -2.0 * effective * self.shares(points, weights).1 + numbers as f64 * effective.ln()
     }
 
     /// Scales the weights to the sum 1.
-    pub(super) fn normalise(&mut self) {
+    fn normalise(&mut self) {
         let sum: f64 = self.weights.iter().sum();
         self.weights.iter_mut().for_each(|w| *w /= sum);
     }
@@ -200,19 +273,6 @@ impl Mixture {
         ln_sum(&self.terms(point))
     }
 
-    /// The component that most probably drew the point.
-    pub(super) fn nearest(&self, point: &[f64]) -> usize {
-        let terms = self.terms(point);
-        (0..terms.len())
-            .max_by(|&a, &b| terms[a].total_cmp(&terms[b]))
-            .expect("a mixture has a component")
-    }
-
-    /// The region to which a point most probably belongs.
-    pub(super) fn region(&self, point: &[f64]) -> usize {
-        self.regions[self.nearest(point)]
-    }
-
     pub(super) fn draw(&self, random: &mut Random) -> Vec<f64> {
         self.parts[random.pick(&self.weights)].draw(random)
     }
@@ -221,60 +281,70 @@ impl Mixture {
         self.parts.len()
     }
 
-    /// Takes the components of another mixture for a region, with this weight in all.
-    pub(super) fn add(&mut self, other: Self, weight: f64, region: usize) {
+    /// Takes the components of another mixture, with this weight in all.
+    pub(super) fn add(&mut self, other: Self, weight: f64) {
+        self.weights.iter_mut().for_each(|w| *w *= 1.0 - weight);
         self.parts.extend(other.parts);
         self.weights
             .extend(other.weights.iter().map(|w| weight * w));
-        self.regions.resize(self.parts.len(), region);
     }
 
     /// The mixture with a part of it drawn wider, so that no weight becomes large where its own tails are too light.
-    pub(super) fn defended(&self) -> Self {
+    pub(super) fn widened(&self) -> Self {
         const WIDER: [(f64, f64); 2] = [(0.2, 1.7), (0.05, 3.0)];
-        let rest = 1.0 - WIDER.iter().map(|(share, _)| share).sum::<f64>();
-        let mut all = Self::default();
-        for (share, factor) in [(rest, 1.0)].into_iter().chain(WIDER) {
-            all.parts.extend(self.parts.iter().map(|p| p.wider(factor)));
-            all.weights.extend(self.weights.iter().map(|w| share * w));
-            all.regions.extend(&self.regions);
+        let mut all = self.clone();
+        for (share, factor) in WIDER {
+            let parts = self.parts.iter().map(|p| p.wider(factor)).collect();
+            let weights = self.weights.clone();
+            let told = self.told;
+            all.add(
+                Self {
+                    parts,
+                    weights,
+                    told,
+                },
+                share,
+            );
         }
         all
     }
-}
 
-/// A component rests on as many effective points at least.
-fn fewest(points: &[Vec<f64>]) -> f64 {
-    let dimensions = points.first().map_or(0, Vec::len);
-    (2 * dimensions).max(15) as f64
-}
+    /// The same with a part about the centre, as wide as the points lie from it, which covers all sides of a shell.
+    pub(super) fn defended(&self, points: &[Vec<f64>]) -> Self {
+        const ABOUT_CENTRE: f64 = 0.1;
+        let mut all = self.widened();
+        let centre = Self {
+            parts: vec![Component::about_centre(points)],
+            weights: vec![1.0],
+            told: 1.0,
+        };
+        all.add(centre, ABOUT_CENTRE);
+        all
+    }
 
-/// Points that lie far apart, and to each the points that are nearest to it (Arthur and Vassilvitskii 2007, "k-means++").
-fn beginning(
-    count: usize,
-    points: &[Vec<f64>],
-    weights: &[f64],
-    random: &mut Random,
-) -> Vec<Vec<f64>> {
-    let square = |a: &[f64], b: &[f64]| -> f64 {
-        a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>()
-    };
-    let mut centres = vec![random.pick(weights)];
-    let nearest = |centres: &[usize], point: &[f64]| {
-        let distances = centres.iter().map(|&c| square(&points[c], point));
-        distances
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .expect("the first centre was chosen above")
-    };
-    while centres.len() < count {
-        let pairs = points.iter().zip(weights);
-        let chances: Vec<f64> = pairs.map(|(p, w)| w * nearest(&centres, p).1).collect();
-        centres.push(random.pick(&chances));
+    /// The component of each point, components between which points lie being one.
+    pub(super) fn regions(&self, points: &[Vec<f64>], weights: &[f64]) -> Vec<usize> {
+        /// Components are one where so much of the lighter one's weight lies between them.
+        const BETWEEN: f64 = 1e-3;
+        let count = self.parts.len();
+        let (shares, _) = self.shares(points, weights);
+        let all: Vec<f64> = shares.iter().map(|share| share.iter().sum()).collect();
+        let mut owner: Vec<usize> = (0..count).collect();
+        for a in 0..count {
+            for b in a + 1..count {
+                let pairs = shares[a].iter().zip(&shares[b]);
+                let between: f64 = pairs.map(|(x, y)| x.min(*y)).sum();
+                let (from, to) = (owner[b], owner[a]);
+                if from != to && between > BETWEEN * all[a].min(all[b]) {
+                    let moved = owner.iter_mut().filter(|o| **o == from);
+                    moved.for_each(|o| *o = to);
+                }
+            }
+        }
+        let nearest = |i: usize| {
+            let largest = (0..count).max_by(|&a, &b| shares[a][i].total_cmp(&shares[b][i]));
+            owner[largest.expect("a mixture has a component")]
+        };
+        (0..points.len()).map(nearest).collect()
     }
-    let mut parts = vec![vec![0.0; points.len()]; count];
-    for (i, point) in points.iter().enumerate() {
-        parts[nearest(&centres, point).0][i] = weights[i];
-    }
-    parts
 }

@@ -4,28 +4,28 @@
 //! [`share`] takes these steps, and every set of points that it asks for depends on the answers to the earlier ones only:
 //!
 //! 1. Plain points. Where the event is frequent, counting is the better method.
-//! 2. Regions of the event are looked for by levels that come nearer to it (`explore`), or, where the model says only
-//!    whether the event happens, by points drawn wider (`widen`).
-//! 3. A mixture of normal distributions is fitted to what was found, and its independent draws give the share with its
-//!    interval (`weigh`).
-//! 4. All this is done twice (`twice`): searches that know nothing of each other have to agree.
+//! 2. Searches that know nothing of each other look for the event by levels that come nearer to it (`explore`), or, where
+//!    the model says only whether the event happens, by points drawn wider (`widen`), until one comes upon nothing that the
+//!    others do not know (`gather`).
+//! 3. A mixture of normal distributions is fitted to what they found and improved by trials, and its independent draws give
+//!    the share with its interval (`weigh`). Draws that lie outside of what the mixture follows are searched from anew.
 //!
-//! A region that no chain has reached is not counted, and nothing can tell that there is none.
+//! There is no interval while searches or draws still come upon something new. A region that none has reached is not
+//! counted, and nothing can tell that there is none.
 
 mod explore;
+mod gather;
 mod mixture;
 mod moves;
 mod runs;
 mod scatter;
-mod separate;
 #[cfg(test)]
 mod tests;
-mod twice;
 mod weigh;
 mod widen;
 
 use crate::random::{Purpose, Random};
-use explore::{Population, explore};
+use gather::gather;
 use runs::Runs;
 
 /// The result of a run.
@@ -135,7 +135,7 @@ pub struct Answer {
     pub share: Option<Share>,
     /// A rough number where the share itself could not be told: it has no interval.
     pub rough: Option<f64>,
-    /// The shares that the two searches came to, where they do not agree: at least one has lost a part of the event.
+    /// The shares by draws and by levels, where they do not agree: a part of the event may be lost.
     pub disagree: Option<[f64; 2]>,
     /// Runs that were made.
     pub runs: u64,
@@ -151,74 +151,59 @@ pub struct Answer {
     pub sample: Vec<Weighted>,
 }
 
-/// The share of the space in which an event happens, by two searches that have to agree.
+/// The share of the space in which an event happens.
 ///
 /// # Errors
 /// Those of `ask`.
 pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
-    twice::twice(search, ask)
-}
-
-/// The share by a single search.
-fn search_once<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
-    // A fiftieth of the runs is a population, 2,000 points at most: a region that takes a hundredth of it is not lost.
-    let size = (search.runs / 50).clamp(100, 2000);
+    /// The levels of populations of 1,000 points err by less than this factor.
+    const FAR: f64 = 5.0;
+    // A hundredth of the runs is a population.
+    let size = (search.runs / 100).clamp(50, 1000);
     let mut runs = Runs::new(ask, search.runs);
     let mut random = Random::new(search.seed, Purpose::Search, 0);
     let mut answer = Answer::default();
-    let points = plain(search, size, &mut random);
+    let points = plain(search, 2 * size, &mut random);
     let results = runs.of(&points)?;
     answer.count(&points, &results);
-    let is_frequent =
-        |plain: Plain| plain.met >= 10 && plain.met as f64 >= FREQUENT * plain.runs as f64;
-    if is_frequent(answer.plain) {
+    let Plain { runs: all, met, .. } = answer.plain;
+    if met >= 10 && met as f64 >= FREQUENT * all as f64 {
         return counted(search, answer, runs, &mut random);
     }
-    let regions = if search.is_binary {
-        let (dimensions, wider) = (search.dimensions, &mut answer.wider);
-        let region = widen::widen(dimensions, size, &mut runs, &mut random, wider)?;
-        region.into_iter().collect()
-    } else {
-        let ranked = (points, results.iter().map(Judged::rank).collect());
-        // What is left must do for the draws.
-        let most = search.runs / 2;
-        explore(ranked, most, &mut runs, &mut random, &mut answer.levels)?
-    };
+    let known = (points, results);
+    let population = size as usize;
+    let gathered = gather(
+        search,
+        population,
+        known,
+        &mut runs,
+        &mut random,
+        &mut answer,
+    )?;
     // Where no way leads to the event, as over flat outputs, the runs that are left tell at least how large its share may be.
-    if rough(&regions) >= FREQUENT || regions.is_empty() {
+    let Some(rough) = gathered.share().filter(|share| *share < FREQUENT) else {
         return counted(search, answer, runs, &mut random);
-    }
-    measured(search, &regions, size, answer, runs, &mut random)
-}
-
-/// The share of all regions, as the sizes of the populations say.
-fn rough(regions: &[Population]) -> f64 {
-    regions.iter().map(|region| region.share).sum()
-}
-
-/// The share by draws from a mixture, where it follows the event; a rough one where it does not.
-fn measured<E>(
-    search: &Search,
-    regions: &[Population],
-    size: u64,
-    mut answer: Answer,
-    mut runs: Runs<'_, E>,
-    random: &mut Random,
-) -> Result<Answer, E> {
-    /// A larger error of the draws says that the mixture does not follow the event.
-    const LARGE: f64 = 0.1;
-    /// The search errs by less than this factor.
-    const FAR: f64 = 5.0;
-    let proposal = weigh::propose(regions, size, &mut runs, random)?;
-    let trusted = proposal.filter(|proposal| {
-        let agrees = search.is_binary || proposal.share > rough(regions) / FAR;
-        agrees && proposal.expected_error(runs.left()) <= LARGE
-    });
-    match trusted {
-        Some(proposal) => proposal.measure(search.confidence, &mut runs, random, &mut answer)?,
-        None => answer.rough = Some(rough(regions)),
-    }
+    };
+    let is_told = gathered.is_settled()
+        && weigh::weigh(
+            gathered,
+            search.confidence,
+            &mut runs,
+            &mut random,
+            &mut answer,
+        )?;
     answer.runs = runs.made;
+    if !is_told {
+        answer.rough = Some(rough);
+    } else if let Some(share) = answer.share.clone()
+        && !search.is_binary
+        && share.value < rough / (FAR * (1000.0 / size as f64).sqrt())
+    {
+        answer.share = None;
+        answer.sample.clear();
+        answer.regions.clear();
+        answer.disagree = Some([share.value, rough]);
+    }
     Ok(answer)
 }
 

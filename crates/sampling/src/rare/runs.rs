@@ -26,6 +26,13 @@ impl<'a, E> Runs<'a, E> {
         (self.ask)(points)
     }
 
+    /// Those of the points at which the event happens.
+    pub(super) fn hits(&mut self, points: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, E> {
+        let results = self.of(&points)?;
+        let pairs = points.into_iter().zip(results);
+        Ok(pairs.filter(|(_, r)| r.met).map(|(p, _)| p).collect())
+    }
+
     /// The levels of points.
     pub(super) fn levels(&mut self, points: &[Vec<f64>]) -> Result<Vec<f64>, E> {
         Ok(self.of(points)?.iter().map(Judged::rank).collect())

@@ -26,20 +26,20 @@ pub(super) fn effective(weights: &[f64]) -> f64 {
 }
 
 impl Scatter {
-    pub(super) fn of(points: &[Vec<f64>], weights: &[f64]) -> Self {
-        let dimensions = points.first().map_or(0, Vec::len);
+    pub(super) fn of(points: &[impl AsRef<[f64]>], weights: &[f64]) -> Self {
+        let dimensions = points.first().map_or(0, |point| point.as_ref().len());
         let sum: f64 = weights.iter().sum();
         let effective = effective(weights);
         let mut mean = vec![0.0; dimensions];
         for (point, weight) in points.iter().zip(weights) {
-            for (m, x) in mean.iter_mut().zip(point) {
+            for (m, x) in mean.iter_mut().zip(point.as_ref()) {
                 *m += weight / sum * x;
             }
         }
         let mut matrix = DMatrix::zeros(dimensions, dimensions);
         let mut centred = vec![0.0; dimensions];
         for (point, weight) in points.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
-            for (c, (x, m)) in centred.iter_mut().zip(point.iter().zip(&mean)) {
+            for (c, (x, m)) in centred.iter_mut().zip(point.as_ref().iter().zip(&mean)) {
                 *c = x - m;
             }
             for (i, a) in centred.iter().enumerate() {
@@ -58,7 +58,7 @@ impl Scatter {
         let variance = |axis: &Vec<f64>| {
             let pairs = points.iter().zip(weights);
             let squares = pairs.map(|(point, weight)| {
-                let triples = axis.iter().zip(point).zip(&mean);
+                let triples = axis.iter().zip(point.as_ref()).zip(&mean);
                 let place: f64 = triples.map(|((a, x), m)| a * (x - m)).sum();
                 weight / sum * place * place
             });

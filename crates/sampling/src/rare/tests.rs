@@ -161,7 +161,7 @@ fn a_search_is_the_same_whenever_it_is_run() {
 #[test]
 fn a_shape_that_no_mixture_follows_is_not_told() {
     let half = 4e-6;
-    let (answer, _) = asked(&search(2, 100_000, 3), |u| {
+    let (answer, _) = asked(&search(2, 20_000, 3), |u| {
         (u[0].hypot(u[1]) - 1.5).abs() / half - 1.0
     });
     assert_eq!((answer.share, answer.sample.len()), (None, 0));

@@ -15,7 +15,7 @@ const ENOUGH: usize = 40;
 /// A step back keeps this part of the points effective.
 const KEPT: f64 = 0.4;
 /// Moves of each chain at a step.
-const MOVES: usize = 3;
+const MOVES: usize = 4;
 const MOST_STEPS: usize = 40;
 /// Chains at a step.
 const CHAINS: u64 = 500;
@@ -61,7 +61,7 @@ fn back<E>(
     random: &mut Random,
 ) -> Result<Option<Population>, E> {
     let size = usize::try_from(size).expect("a population has 2,000 points at most");
-    let mut width = 0.6;
+    let mut widths = [0.6, 1.0];
     for _ in 0..MOST_STEPS {
         if runs.left() < 2 * (size * MOVES) as u64 {
             return Ok(None);
@@ -72,7 +72,7 @@ fn back<E>(
         let chosen: Vec<usize> = (0..size).map(|_| random.pick(&weights)).collect();
         points = chosen.iter().map(|&k| points[k].clone()).collect();
         scale = next;
-        let mut moves = Moves::along(&points, width);
+        let mut moves = Moves::along(&points, widths);
         for _ in 0..MOVES {
             let tried: Vec<Vec<f64>> = points
                 .iter()
@@ -88,7 +88,7 @@ fn back<E>(
             }
             moves.adapt(f64::from(accepted) / size as f64);
         }
-        width = moves.width;
+        widths = moves.widths;
         if scale <= 1.0 {
             return Ok(Some(Population::at_the_event(points, share)));
         }

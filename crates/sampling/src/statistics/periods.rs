@@ -1,5 +1,7 @@
 //! The mean over whole periods of a signal.
 
+use super::turns::SCALE;
+
 /// A value, and the signal whose periods count, over time; both on straight lines.
 ///
 /// A period goes from one rise of the signal through the middle of its range to the next. A rise counts once the signal has
@@ -15,7 +17,7 @@ impl MeanOverPeriods {
     /// Takes a value and the signal at it, `elapsed` after the one before; the first one after zero.
     pub fn add(&mut self, elapsed: f64, value: f64, signal: f64) {
         let time = self.rows.last().map_or(0.0, |[time, ..]| time + elapsed);
-        self.rows.push([time, value, signal]);
+        self.rows.push([time, SCALE * value, SCALE * signal]);
     }
 
     /// The mean from the first rise to the last one; not a number where there are not two of them (one alone makes 0 / 0), and
@@ -30,7 +32,7 @@ impl MeanOverPeriods {
             let middle = (0.5 * (begin + end) - before) / (after - before);
             (begin < end).then_some((end - begin) * (low + middle * (high - low)))
         });
-        pieces.sum::<f64>() / (to - from)
+        pieces.sum::<f64>() / (to - from) / SCALE
     }
 
     /// The first rise and the last one.

@@ -1,5 +1,8 @@
 //! The mean over whole turns of an angle.
 
+/// Values are added up by so much smaller, so that no sum of finite ones is infinite. A power of two rounds nothing.
+pub(super) const SCALE: f64 = 1.0 / (1_u64 << 40) as f64;
+
 /// A signal and an angle on straight lines, until the last turn that is complete. An angle may grow or shrink, but must not
 /// jump back after a turn: a way back of more than half a turn between two values is taken for such a jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +34,7 @@ impl MeanOverTurns {
 
     /// Takes a value and the angle at it, `elapsed` after the one before; the first one after zero.
     pub fn add(&mut self, elapsed: f64, value: f64, angle: f64) {
+        let value = SCALE * value;
         const ROUNDING: f64 = 1e-9;
         const JUMP: f64 = 0.5;
         let signed = (angle - *self.first.get_or_insert(angle)) / self.turn;
@@ -56,7 +60,7 @@ impl MeanOverTurns {
     /// The mean; not a number where no turn was completed, a value before its end or any angle was none, or the angle
     /// jumped back.
     pub fn result(&self) -> f64 {
-        self.whole[1] / self.whole[0]
+        self.whole[1] / self.whole[0] / SCALE
     }
 }
 
@@ -81,6 +85,21 @@ mod tests {
             }
             assert!((mean.result() - 5.0).abs() < 1e-12, "{}", mean.result());
         }
+    }
+
+    #[test]
+    fn the_largest_numbers_have_a_mean() {
+        let mut mean = MeanOverTurns::new(1.0);
+        for (elapsed, value, angle) in
+            [(0.0, 1e308, 0.0), (50.0, -1e308, 0.5), (50.0, 1.7e308, 1.0)]
+        {
+            mean.add(elapsed, value, angle);
+        }
+        assert!(
+            (mean.result() / 0.175e308 - 1.0).abs() < 1e-12,
+            "{}",
+            mean.result()
+        );
     }
 
     /// The signal is the time; the angle goes on, back a little, and on again.

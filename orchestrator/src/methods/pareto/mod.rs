@@ -170,7 +170,18 @@ impl Analysis for Asked {
                 };
                 let table = search(session, pipeline, settings)?;
                 let nominal = nominal(session, pipeline)?;
-                let method = format!("NSGA-II over {generations} generations of {population}");
+                let inputs = &session.plan.inputs;
+                let cut = inputs.iter().filter(|input| input.distribution.reach() != [0.0, 1.0]);
+                let cut: Vec<&str> = cut.map(|input| input.name.as_str()).collect();
+                let within = match cut[..] {
+                    [] => String::new(),
+                    _ => format!(
+                        " (within the quantiles 0.001 and 0.999 where a distribution has no end: {})",
+                        cut.join(", ")
+                    ),
+                };
+                let method =
+                    format!("NSGA-II over {generations} generations of {population}{within}");
                 let result = trade_off(&table, false, Some(nominal), method);
                 result_of(result, asking::origin(session)?)
             }
@@ -212,13 +223,16 @@ fn nominal(session: &Session, pipeline: &mut Pipeline<'_>) -> Result<Member, Err
     Ok(Member::of(&asking::table(session, &points, outcomes), 0))
 }
 
-/// All runs of a search over the middle 99.8 % of every distribution.
+/// All runs of a search, to the ends of bounded distributions and over the middle of others.
 fn search(
     session: &Session,
     pipeline: &mut Pipeline<'_>,
     settings: nsga2::Evolution,
 ) -> Result<PointTable, Error> {
-    let limits = vec![[0.001, 0.999]; session.plan.varied().len()];
+    let varied = session.plan.varied();
+    let limits: Vec<[f64; 2]> = (varied.iter())
+        .map(|&k| session.plan.inputs[k].distribution.reach())
+        .collect();
     let (mut points, mut outcomes) = (Vec::new(), Vec::new());
     nsga2::minimise(&limits, settings, |cube| {
         let asked: Vec<Vec<f64>> = cube.iter().map(|u| session.plan.from_cube(u)).collect();

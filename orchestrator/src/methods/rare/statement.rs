@@ -63,7 +63,7 @@ pub(super) struct Statement {
     method: &'static str,
     /// A number without an interval, where the share could not be told.
     rough: Option<f64>,
-    /// The results of the two searches, where they do not agree.
+    /// The results of the draws and of the levels, where they do not agree.
     disagree: Option<[f64; 2]>,
     runs: u64,
     plain: Counted,
@@ -148,8 +148,8 @@ impl Statement {
                     "Plain points are counted, so the interval assumes nothing"
                 }
                 Some(_) => {
-                    "The interval holds if both searches reached all regions of the event; nothing shows regions that neither \
-                     reached, so a verdict takes from plain points how large the share may be"
+                    "The interval holds if the searches reached all regions of the event; nothing shows regions that none of \
+                     them reached, so a verdict takes from plain points how large the share may be"
                 }
             },
             required: rule.map(|rule| rule.share),
@@ -225,13 +225,13 @@ impl Statement {
     fn say_why_not(&self, told: &mut Document) {
         if let Some([one, other]) = self.disagree.map(|both| both.map(|share| number(share, 2))) {
             told.say(format!(
-                "Two searches came to {one} and {other} and do not agree, so at least one lost a part of the event. More \
+                "The draws came to {one} and the levels to {other} and do not agree, so a part of the event may be lost. More \
                  --points may tell."
             ));
         } else if let Some(rough) = self.rough {
             told.say(format!(
-                "The search came to about {}, without an interval: the draws scatter too much, or only one of two searches \
-                 arrived. More --points may tell.",
+                "The search came to about {}, without an interval: the last search still came upon new parts of the event, or \
+                 the draws scatter too much. More --points may tell.",
                 number(rough, 2)
             ));
         } else if let Some(deepest) = self.levels.last() {

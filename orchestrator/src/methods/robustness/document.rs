@@ -17,7 +17,7 @@ use parameter_regions::robustness::surrogate::Quality;
 pub fn document(result: &Robustness) -> Document {
     let mut told = Document::new("robustness", "Robustness", "How far the parameters may go");
     let answer = result.answer.words(result.shown());
-    told.say(format!("{}.", capitalised(answer)));
+    told.say(format!("{}.", capitalised(&answer)));
     told.warn(&result.warnings);
     told.heading("Margins and box");
     told.table(margins(result));
@@ -30,12 +30,17 @@ pub fn document(result: &Robustness) -> Document {
     }
     if !result.unsafe_combinations.is_empty() {
         told.heading("Unsafe combinations");
-        told.say("Hardly any point is verified there, whatever the other parameters are.");
+        told.say(format!(
+            "These {} are chosen by surrogates of one half of the points, which let hardly any be verified there. The other \
+             half, which took no part in the choice, judges them.",
+            result.unsafe_combinations.len()
+        ));
         told.table(combinations(result));
         told.hint(
             "Single parameters from one of their ends, and corners of two parameters beyond that. *Of the space*: the whole \
              part of the sampled space within these bounds. *New*: what of it lies in no row of one parameter; *Verified \
-             there* and *Lost* are those of this part. Lost is the criterion that is met least.",
+             there* and *Lost* are those of this part. Lost is the criterion that is met least. *At most*: so large a part there may be verified \
+             by the judging points, all rows together at a confidence of 95 %; few points show little.",
         );
     }
     told.heading("Surrogates");
@@ -125,6 +130,7 @@ fn combinations(result: &Robustness) -> Table {
             percent(c.probability),
             c.lost.clone(),
             format!("{} of {}", c.confirmed.verified, c.confirmed.points),
+            c.at_most.map_or_else(|| "–".to_owned(), percent),
         ]
     };
     Table {
@@ -133,9 +139,10 @@ fn combinations(result: &Robustness) -> Table {
             words("Where"),
             numbers("Of the space %"),
             numbers("New %"),
-            numbers("Verified there %"),
+            numbers("Verified there, by surrogates %"),
             words("Lost"),
-            numbers("Own points verified"),
+            numbers("Judging points verified"),
+            numbers("At most %"),
         ],
         rows: result.unsafe_combinations.iter().map(row).collect(),
         ..Table::default()

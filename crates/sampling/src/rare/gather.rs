@@ -1,0 +1,321 @@
+//! Gathers points of the event from searches that know nothing of each other, until the last one comes upon nothing new.
+//!
+//! A search loses parts of the event by chance. Were it the same chance for all, a part that each search loses with the
+//! probability e would be lost by k of them with e^k, and the last one would still show e^(k-1): so that it shows nothing
+//! new tells that little is lost. Points drawn wider, from which chains lead to where the event is most probable, look for
+//! what the levels lead away from.
+
+use super::explore::{Population, explore};
+use super::mixture::{Mixture, ln_standard};
+use super::moves::Moves;
+use super::runs::Runs;
+use super::weigh::draw;
+use super::widen::widen;
+use super::{Answer, Judged, Search, plain};
+use crate::distribution::ln_sum;
+use crate::random::Random;
+
+/// Points of a chain resemble each other: so many independent ones tell as much as one.
+const CHAINED: f64 = 0.15;
+/// Searches at most.
+const MOST_SEARCHES: usize = 10;
+/// Nothing new: a smaller part of a search's points lies outside of what the others know.
+const NEW: f64 = 0.01;
+/// Outside of a mixture is a point with a weight of so many times the share: few draws would ever come there, and each would
+/// move the estimate.
+const OUTSIDE: f64 = 100.0;
+
+/// The mixture is improved by so many trials whenever it has come to know more.
+const TRIALS: usize = 3;
+/// The mixture cannot be trusted when fewer draws of a trial meet the event.
+const FEWEST_HITS: usize = 30;
+
+/// What searches have gathered.
+#[derive(Debug, Default)]
+pub(super) struct Gathered {
+    /// Points of the event.
+    points: Vec<Vec<f64>>,
+    pub(super) mixture: Mixture,
+    /// The share as each search has it, by its levels.
+    shares: Vec<f64>,
+    /// The part of the last search's points that lie outside of what the others know.
+    new: f64,
+    /// The mixtures of all trials, each with the number of its draws, and the hits of all.
+    trials: Vec<(f64, Mixture)>,
+    hits: Vec<Vec<f64>>,
+    /// The share and the variance of the weights over its square, as each of the last trials has it; none where it met the
+    /// event too seldom.
+    told: Vec<Option<[f64; 2]>>,
+    /// The same variance, as the last search's points have it, which the mixture knows nothing of.
+    foretold: f64,
+}
+
+/// Searches with populations of so many points; the first of them begin with plain points whose results are known.
+pub(super) fn gather<E>(
+    search: &Search,
+    size: usize,
+    known: (Vec<Vec<f64>>, Vec<Judged>),
+    runs: &mut Runs<'_, E>,
+    random: &mut Random,
+    answer: &mut Answer,
+) -> Result<Gathered, E> {
+    let mut gathered = Gathered::default();
+    let mut starts = known.0.chunks(size).zip(known.1.chunks(size));
+    for number in 0..MOST_SEARCHES {
+        // What is left must do for the draws.
+        if runs.left() < search.runs / 4 || number > 2 && gathered.shares.is_empty() {
+            break;
+        }
+        let population = if search.is_binary {
+            widen(
+                search.dimensions,
+                size as u64,
+                runs,
+                random,
+                &mut answer.wider,
+            )?
+        } else {
+            let (points, results) = match starts.next() {
+                Some((points, results)) => (points.to_vec(), results.to_vec()),
+                None => {
+                    let points = plain(search, size as u64, random);
+                    let results = runs.of(&points)?;
+                    (points, results)
+                }
+            };
+            let start = (points, results.iter().map(Judged::rank).collect());
+            let mut levels = Vec::new();
+            let population = explore(start, search.runs / 3, runs, random, &mut levels)?;
+            if answer.levels.len() < levels.len() {
+                answer.levels = levels;
+            }
+            population
+        };
+        let Some(population) = population else {
+            continue;
+        };
+        gathered.take(population);
+        if gathered.shares.len() == 1 {
+            gathered.look_wide(search.dimensions, size, runs, random)?;
+        }
+        if gathered.is_settled() {
+            break;
+        }
+        gathered.improve(runs, random)?;
+    }
+    Ok(gathered)
+}
+
+impl Gathered {
+    /// The share as all searches have it; none where none has arrived.
+    pub(super) fn share(&self) -> Option<f64> {
+        let count = self.shares.len() as f64;
+        (count > 0.0).then(|| self.shares.iter().sum::<f64>() / count)
+    }
+
+    /// Whether the last search came upon nothing new.
+    pub(super) fn is_settled(&self) -> bool {
+        self.shares.len() > 1 && self.new < NEW
+    }
+
+    /// The variance of the weights over the square of their mean, as the trials and the last search have it. A single one
+    /// may have missed the largest weights.
+    pub(super) fn scatter(&self) -> Option<f64> {
+        let told: Option<Vec<[f64; 2]>> = self.told.iter().copied().collect();
+        let told = told.filter(|told| !told.is_empty())?;
+        Some(
+            told.iter()
+                .fold(self.foretold, |most, [_, scatter]| most.max(*scatter)),
+        )
+    }
+
+    /// The same from points of the event that the mixture does not know: the mean of p / (P q) over them, less 1.
+    fn foretell(&mut self, points: &[Vec<f64>]) {
+        let shares: Vec<f64> = self
+            .told
+            .iter()
+            .flatten()
+            .map(|[share, _]| *share)
+            .collect();
+        if shares.is_empty() {
+            return;
+        }
+        let share = shares.iter().sum::<f64>() / shares.len() as f64;
+        let from = self.proposal();
+        let ratio = |point: &Vec<f64>| (ln_standard(point) - from.ln_density(point)).exp() / share;
+        self.foretold = points.iter().map(ratio).sum::<f64>() / points.len() as f64 - 1.0;
+    }
+
+    /// Takes the points of another search.
+    fn take(&mut self, population: Population) {
+        self.shares.push(population.share);
+        let outside = match self.mixture.len() {
+            0 => population.points.clone(),
+            _ => self.outside(&population.points),
+        };
+        self.new = outside.len() as f64 / population.points.len() as f64;
+        if self.is_settled() {
+            self.foretell(&population.points);
+        }
+        self.points.extend(population.points);
+        self.add(&outside);
+    }
+
+    /// Adds components for points that lie outside.
+    fn add(&mut self, outside: &[Vec<f64>]) {
+        if outside.is_empty() {
+            return;
+        }
+        let more = Mixture::fit(outside, &vec![1.0; outside.len()], CHAINED);
+        let part = outside.len() as f64 / self.points.len().max(outside.len()) as f64;
+        self.mixture.add(more, part);
+    }
+
+    /// The points that lie outside of the mixture.
+    fn outside(&self, points: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let all = self.mixture.widened();
+        let limit = (OUTSIDE * self.share().unwrap_or(1.0)).ln();
+        let is_outside = |point: &&Vec<f64>| ln_standard(point) - all.ln_density(point) > limit;
+        points.iter().filter(is_outside).cloned().collect()
+    }
+
+    /// The mixture to draw from.
+    pub(super) fn proposal(&self) -> Mixture {
+        self.mixture.defended(&self.points)
+    }
+
+    /// Improves the mixture by trials. Their hits are independent of each other, and count as if drawn from the mean of all
+    /// mixtures that were tried (Veach and Guibas 1995, "Optimally combining sampling techniques").
+    pub(super) fn improve<E>(
+        &mut self,
+        runs: &mut Runs<'_, E>,
+        random: &mut Random,
+    ) -> Result<(), E> {
+        const FEWEST_DRAWS: u64 = 1000;
+        self.told.clear();
+        for _ in 0..TRIALS {
+            let count = FEWEST_DRAWS
+                .min(runs.most / 50)
+                .max(50 * self.mixture.len() as u64);
+            if runs.left() < count {
+                break;
+            }
+            let from = self.proposal();
+            let drawn = draw(&from, count, runs, random)?;
+            let told = [drawn.mean(), drawn.scatter()];
+            self.trials.push((count as f64, from));
+            let (hits, _) = drawn.hits();
+            self.told.push((hits.len() >= FEWEST_HITS).then_some(told));
+            self.hits.extend(hits);
+            if self.hits.len() >= FEWEST_HITS {
+                self.refit();
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the mixture whose weights would scatter least over the hits of all trials.
+    fn refit(&mut self) {
+        let ln_drawn = |point: &Vec<f64>| {
+            let terms = self.trials.iter();
+            let terms: Vec<f64> = terms.map(|(n, m)| n.ln() + m.ln_density(point)).collect();
+            ln_sum(&terms)
+        };
+        let weights: Vec<f64> = (self.hits.iter())
+            .map(|point| ln_standard(point) - ln_drawn(point))
+            .collect();
+        let most = weights.iter().copied().fold(f64::MIN, f64::max);
+        let mut weights: Vec<f64> = weights.iter().map(|w| (w - most).exp()).collect();
+        cap(&mut weights);
+        let scatter = |mixture: &Mixture| -> f64 {
+            let from = mixture.defended(&self.points);
+            let pairs = self.hits.iter().zip(&weights);
+            pairs
+                .map(|(point, w)| w * (ln_standard(point) - from.ln_density(point)).exp())
+                .sum()
+        };
+        let candidates = [
+            Mixture::fit(&self.hits, &weights, 1.0),
+            self.mixture.fit_on(&self.hits, &weights),
+            std::mem::take(&mut self.mixture),
+        ];
+        let scattered = candidates.map(|mixture| (scatter(&mixture), mixture));
+        let least = scattered.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        self.mixture = least.expect("there are three").1;
+    }
+
+    /// Looks for parts of the event among points drawn wider.
+    fn look_wide<E>(
+        &mut self,
+        dimensions: usize,
+        size: usize,
+        runs: &mut Runs<'_, E>,
+        random: &mut Random,
+    ) -> Result<(), E> {
+        const SCALES: [f64; 2] = [2.0, 3.0];
+        for scale in SCALES {
+            let draw = |_| -> Vec<f64> {
+                let scores = random.normals(dimensions);
+                scores.into_iter().map(|z| scale * z).collect()
+            };
+            let points = (0..size / 2).map(draw).collect();
+            let hits = runs.hits(points)?;
+            self.follow(&hits, runs, random)?;
+        }
+        Ok(())
+    }
+
+    /// Follows hits that lie outside to where the event is most probable, and takes what is new there.
+    pub(super) fn follow<E>(
+        &mut self,
+        hits: &[Vec<f64>],
+        runs: &mut Runs<'_, E>,
+        random: &mut Random,
+    ) -> Result<(), E> {
+        const MOST_CHAINS: usize = 100;
+        const FEWEST_CHAINS: usize = 40;
+        const STEPS: usize = 20;
+        const KEPT: usize = 8;
+        let hits = self.outside(hits);
+        let chains = (4 * hits.len()).clamp(FEWEST_CHAINS, MOST_CHAINS);
+        if hits.is_empty() || runs.left() < (chains * STEPS) as u64 {
+            return Ok(());
+        }
+        let chosen = random.choice(hits.len(), hits.len());
+        let mut points: Vec<Vec<f64>> = (0..chains)
+            .map(|k| hits[chosen[k % chosen.len()]].clone())
+            .collect();
+        let mut moves = Moves::along(&points, [0.4, 1.0]);
+        let mut led = Vec::new();
+        for step in 0..STEPS {
+            let tried: Vec<Vec<f64>> = points.iter().map(|p| moves.from(p, 1.0, random)).collect();
+            let results = runs.of(&tried)?;
+            let mut accepted = 0;
+            for ((point, next), result) in points.iter_mut().zip(tried).zip(results) {
+                if result.met {
+                    accepted += 1;
+                    *point = next;
+                }
+            }
+            moves.adapt(f64::from(accepted) / chains as f64);
+            if step >= STEPS - KEPT {
+                led.extend(points.iter().cloned());
+            }
+        }
+        let outside = self.outside(&led);
+        self.points.extend(outside.iter().cloned());
+        self.add(&outside);
+        Ok(())
+    }
+}
+
+/// Lowers the few largest weights to the largest of the others, so that no fit follows a few points.
+fn cap(weights: &mut [f64]) {
+    let mut sorted = weights.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let few = weights.len() / 20;
+    let Some(&most) = sorted.get(few.max(1)) else {
+        return;
+    };
+    weights.iter_mut().for_each(|w| *w = w.min(most));
+}
