@@ -20,7 +20,7 @@ const CHAINED: f64 = 0.15;
 /// Searches at most.
 const MOST_SEARCHES: usize = 10;
 /// Nothing new: a smaller part of a search's points lies outside of what the others know.
-const NEW: f64 = 0.01;
+const NEW: f64 = 0.05;
 /// Outside of a mixture is a point with a weight of so many times the share: few draws would ever come there, and each would
 /// move the estimate.
 const OUTSIDE: f64 = 100.0;
@@ -115,7 +115,9 @@ impl Gathered {
 
     /// Whether the last search came upon nothing new.
     pub(super) fn is_settled(&self) -> bool {
-        self.shares.len() > 1 && self.new < NEW
+        // More draws than there are would be needed: what lies outside has large weights.
+        const HOPELESS: f64 = 200.0;
+        self.shares.len() > 1 && self.new < NEW && self.foretold < HOPELESS
     }
 
     /// The variance of the weights over the square of their mean, as the trials and the last search have it. A single one
@@ -154,7 +156,7 @@ impl Gathered {
             _ => self.outside(&population.points),
         };
         self.new = outside.len() as f64 / population.points.len() as f64;
-        if self.is_settled() {
+        if self.shares.len() > 1 {
             self.foretell(&population.points);
         }
         self.points.extend(population.points);
@@ -208,20 +210,24 @@ impl Gathered {
             self.told.push((hits.len() >= FEWEST_HITS).then_some(told));
             self.hits.extend(hits);
             if self.hits.len() >= FEWEST_HITS {
-                self.refit();
+                self.refit(random);
             }
         }
         Ok(())
     }
 
     /// Takes the mixture whose weights would scatter least over the hits of all trials.
-    fn refit(&mut self) {
+    fn refit(&mut self, random: &mut Random) {
+        // More of them would take long, and tell little more.
+        const MOST: usize = 2500;
+        let chosen = random.choice(MOST, self.hits.len());
+        let hits: Vec<Vec<f64>> = chosen.iter().map(|&k| self.hits[k].clone()).collect();
         let ln_drawn = |point: &Vec<f64>| {
             let terms = self.trials.iter();
             let terms: Vec<f64> = terms.map(|(n, m)| n.ln() + m.ln_density(point)).collect();
             ln_sum(&terms)
         };
-        let weights: Vec<f64> = (self.hits.iter())
+        let weights: Vec<f64> = (hits.iter())
             .map(|point| ln_standard(point) - ln_drawn(point))
             .collect();
         let most = weights.iter().copied().fold(f64::MIN, f64::max);
@@ -229,14 +235,14 @@ impl Gathered {
         cap(&mut weights);
         let scatter = |mixture: &Mixture| -> f64 {
             let from = mixture.defended(&self.points);
-            let pairs = self.hits.iter().zip(&weights);
+            let pairs = hits.iter().zip(&weights);
             pairs
                 .map(|(point, w)| w * (ln_standard(point) - from.ln_density(point)).exp())
                 .sum()
         };
         let candidates = [
-            Mixture::fit(&self.hits, &weights, 1.0),
-            self.mixture.fit_on(&self.hits, &weights),
+            Mixture::fit(&hits, &weights, 1.0),
+            self.mixture.fit_on(&hits, &weights),
             std::mem::take(&mut self.mixture),
         ];
         let scattered = candidates.map(|mixture| (scatter(&mixture), mixture));

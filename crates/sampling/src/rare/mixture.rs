@@ -134,9 +134,10 @@ impl Mixture {
     /// criterion.
     fn grown(mut self, points: &[Vec<f64>], weights: &[f64]) -> (f64, Self) {
         // More components are hardly ever needed, and take long to fit.
-        const MOST: usize = 40;
-        // Where so many more components are no better, none are.
+        const MOST: usize = 24;
+        // Where so many more components are no better, none are; of wide ones so many.
         const PATIENCE: usize = 3;
+        const WIDE_PATIENCE: usize = 8;
         // A convex part of a normal distribution is nowhere wider than it (Brascamp and Lieb 1976): a wider component has
         // more than one part of the event.
         const WIDE: f64 = 1.5;
@@ -155,7 +156,7 @@ impl Mixture {
             } else {
                 failed += 1;
             }
-            if failed >= PATIENCE && variance < WIDE {
+            if failed >= WIDE_PATIENCE || failed >= PATIENCE && variance < WIDE {
                 break;
             }
         }
@@ -199,7 +200,7 @@ impl Mixture {
 
     /// Fits the components to weighted points, beginning from what they are; none gets lost.
     fn refit(&mut self, points: &[Vec<f64>], weights: &[f64]) {
-        const STEPS: usize = 10;
+        const STEPS: usize = 5;
         const LEAST: f64 = 0.02;
         let count = self.parts.len() as f64;
         let sum: f64 = weights.iter().sum();

@@ -166,3 +166,43 @@ fn a_shape_that_no_mixture_follows_is_not_told() {
     });
     assert_eq!((answer.share, answer.sample.len()), (None, 0));
 }
+
+/// 5.612001 is exceeded with a probability of 1e-8.
+const FAR: f64 = 5.612_001_244_174_789;
+
+#[test]
+fn all_of_many_equal_regions_are_found() {
+    let (answer, _) = asked(&search(5, 100_000, 1), |u| {
+        FAR - u.iter().copied().fold(f64::MIN, f64::max)
+    });
+    let share = answer.share.unwrap();
+    assert!((share.value / 5e-8 - 1.0).abs() < 0.1, "{share:?}");
+}
+
+/// Takes minutes: `cargo test --release -p sampling --lib -- --ignored intervals_of_many_regions`. The example `rare` tries
+/// more events.
+#[test]
+#[ignore = "takes minutes"]
+fn intervals_of_many_regions_hold() {
+    const SEEDS: u64 = 20;
+    let (mut all_told, mut all_held) = (0, 0);
+    for regions in [1, 2, 5, 7, 10, 20] {
+        let exact = -(f64::from(regions) * (-1e-8_f64).ln_1p()).exp_m1();
+        let (mut told, mut held) = (0, 0);
+        for seed in 1..=SEEDS {
+            let (answer, _) = asked(&search(regions as usize, 100_000, seed), |u| {
+                FAR - u.iter().copied().fold(f64::MIN, f64::max)
+            });
+            if let Some([low, high]) = answer.share.and_then(|share| share.interval) {
+                told += 1;
+                held += u32::from(low <= exact && exact <= high);
+            }
+        }
+        assert!(
+            20 * held >= 17 * told,
+            "{regions} regions: {held} of {told}"
+        );
+        (all_told, all_held) = (all_told + told, all_held + held);
+    }
+    assert!(100 * all_held >= 93 * all_told, "{all_held} of {all_told}");
+}
