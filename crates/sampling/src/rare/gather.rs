@@ -5,11 +5,11 @@
 //! new tells that little is lost. Points drawn wider, from which chains lead to where the event is most probable, look for
 //! what the levels lead away from.
 
+use super::draws::draw;
 use super::explore::{Population, explore};
 use super::mixture::{Mixture, ln_standard};
 use super::moves::Moves;
 use super::runs::Runs;
-use super::weigh::draw;
 use super::widen::widen;
 use super::{Answer, Judged, Search, plain};
 use crate::distribution::ln_sum;

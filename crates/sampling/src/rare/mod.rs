@@ -13,6 +13,7 @@
 //! There is no interval while searches or draws still come upon something new. A region that none has reached is not
 //! counted, and nothing can tell that there is none.
 
+mod draws;
 mod explore;
 mod gather;
 mod mixture;

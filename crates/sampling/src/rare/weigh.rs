@@ -7,8 +7,9 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::draws::{Drawn, draw, weight};
 use super::gather::Gathered;
-use super::mixture::{Mixture, ln_standard};
+use super::mixture::Mixture;
 use super::runs::Runs;
 use super::scatter::effective;
 use super::{Answer, Method, RegionShare, Share, Weighted};
@@ -28,59 +29,6 @@ const ROUNDS: usize = 4;
 /// The scatter of the weights is itself known from the draws, and large weights are rare: the normal interval held in 89 %
 /// of the trials (the example `rare`), so it is drawn out by this factor.
 const DRAWN_OUT: f64 = 1.3;
-
-/// Draws from a mixture.
-pub(super) struct Drawn {
-    points: Vec<Vec<f64>>,
-    /// Zero for those that do not meet the event.
-    weights: Vec<f64>,
-}
-
-impl Drawn {
-    pub(super) fn mean(&self) -> f64 {
-        self.weights.iter().sum::<f64>() / self.weights.len() as f64
-    }
-
-    /// The variance of the weights over the square of their mean.
-    pub(super) fn scatter(&self) -> f64 {
-        let (mean, count) = (self.mean(), self.weights.len() as f64);
-        let squares: f64 = self.weights.iter().map(|w| (w - mean).powi(2)).sum();
-        squares / (count - 1.0) / (mean * mean)
-    }
-
-    /// Those with a larger weight than this.
-    fn above(&self, limit: f64) -> Vec<Vec<f64>> {
-        let pairs = self.points.iter().zip(&self.weights);
-        let heavy = pairs.filter(|(_, weight)| **weight > limit);
-        heavy.map(|(point, _)| point.clone()).collect()
-    }
-
-    pub(super) fn hits(self) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let pairs = self.points.into_iter().zip(self.weights);
-        pairs.filter(|(_, weight)| *weight > 0.0).unzip()
-    }
-}
-
-pub(super) fn draw<E>(
-    from: &Mixture,
-    count: u64,
-    runs: &mut Runs<'_, E>,
-    random: &mut Random,
-) -> Result<Drawn, E> {
-    let points: Vec<Vec<f64>> = (0..count).map(|_| from.draw(random)).collect();
-    let results = runs.of(&points)?;
-    let weight = |(point, met): (&Vec<f64>, bool)| match met {
-        true => weight(point, from),
-        false => 0.0,
-    };
-    let met = results.iter().map(|result| result.met);
-    let weights = points.iter().zip(met).map(weight).collect();
-    Ok(Drawn { points, weights })
-}
-
-fn weight(point: &[f64], from: &Mixture) -> f64 {
-    (ln_standard(point) - from.ln_density(point)).exp()
-}
 
 /// The share by draws from a mixture for what was gathered; false where the mixture does not follow the event.
 pub(super) fn weigh<E>(
