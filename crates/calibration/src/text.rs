@@ -13,8 +13,13 @@ use super::rounds::ROUNDS;
 use super::shared::SharedOutcome;
 use super::surrogate;
 
-/// The free parameters as the section `[fixed]` of a study.
-pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome) -> String {
+/// The free parameters as the section `[fixed]` of a study, but for those that are no parameters of the model.
+pub fn fixed_section(
+    study: &str,
+    place: usize,
+    outcome: &IdentificationOutcome,
+    others: &[String],
+) -> String {
     let mut text = match outcome.optima.len() {
         0 | 1 => format!("# The optimum of {study}.\n[fixed]\n"),
         of => format!(
@@ -27,6 +32,7 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome)
         .get(place)
         .iter()
         .flat_map(|optimum| &optimum.free)
+        .filter(|free| !others.contains(&free.name))
     {
         let (name, number) = (&free.name, digits(free.value));
         if free.of_case {

@@ -1,6 +1,7 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
 use super::cases::Columns;
+use super::late::Reading;
 use crate::files::FileError;
 use crate::study::identification::{
     DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
@@ -37,6 +38,10 @@ pub struct Bound {
     pub curves: Vec<BoundCurve>,
     /// The quantities whose model discrepancy is unknown.
     pub discrepancies: Vec<Unknown>,
+    /// How readings become the measured quantities' predictions.
+    pub readings: Vec<Reading>,
+    /// The free parameters that are lags of curves, and none of the FMU's.
+    pub lags: Vec<String>,
     /// What is assumed beyond what the study states, a sentence each.
     pub notes: Vec<String>,
 }
@@ -296,6 +301,7 @@ impl Binder<'_> {
             } else {
                 back
             });
+            bound.readings.push(Reading::Value(bound.readings.len()));
             bound.observe(probe);
         }
         Ok(())

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 
 use super::bind::{Bound, BoundCurve, Input, bare, check_difference, free};
+use super::late::{Reading, late};
 use super::scatter::scatter;
 use crate::files::FileError;
 use crate::judge::{Criterion, Judge};
@@ -25,7 +26,7 @@ use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use fmu_import::units::Conversion;
 use fmu_points::names::behind;
-use fmu_points::task::{Delay, MeasuredCurve, Probe, Slot};
+use fmu_points::task::{Delay, MeasuredCurve, Probe, Schedule, Slot};
 use sampling::distribution::Distribution;
 
 /// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as
@@ -82,6 +83,7 @@ pub fn bind(
     let probes = plan.placed_probes().zip(&plan.outputs);
     let tied = Tied::new(&judge);
     let mut shared = Shared::default();
+    let mut lags = Lags::default();
     for (number, (((name, text), criterion), ((case, probe), conversion))) in
         criteria.zip(probes).enumerate()
     {
@@ -104,9 +106,21 @@ pub fn bind(
                     first,
                 };
                 let own = curve.own(&mut bound.notes);
-                let data = own.and_then(|own| curve.samples(probe, &own));
                 shared.add(&curve, sensor);
-                data.map_err(|message| study.error_of(name, message))?
+                let schedule = &bound.simulations[case].task.schedule.clone();
+                let lags = lags.of(&fitted, name, text, curve.curve, &mut bound)?;
+                let data = own.and_then(|own| {
+                    curve.samples((probe, schedule), &own, lags, bound.outputs.len())
+                });
+                let (data, probes, readings) =
+                    data.map_err(|message| study.error_of(name, message))?;
+                bound.readings.extend(readings);
+                // They come in the criterion's unit.
+                bound
+                    .outputs
+                    .extend(probes.iter().map(|_| Conversion::IDENTITY));
+                bound.simulations[case].task.observed.extend(probes);
+                data
             }
             None => {
                 let uncertainty = criterion.uncertainty;
@@ -118,25 +132,19 @@ pub fn bind(
                                           into a case that is held out")
                 })?;
                 let difference = probe.statistic.is_difference();
-                vec![Datum {
-                    name: name.as_ref().clone(),
-                    probe: probe.clone(),
-                    conversion: match difference {
-                        true => conversion.of_differences(),
-                        false => *conversion,
-                    },
-                    measured: Measured { value, accuracy },
-                }]
+                bound.readings.push(Reading::Value(bound.outputs.len()));
+                bound.outputs.push(match difference {
+                    true => conversion.of_differences(),
+                    false => *conversion,
+                });
+                bound.simulations[case].task.observed.push(probe.clone());
+                vec![(name.as_ref().clone(), Measured { value, accuracy })]
             }
         };
-        for datum in data {
-            bound.problem.quantities.push(Quantity {
-                name: datum.name,
-                unit: criterion.unit.clone(),
-            });
-            bound.problem.cases[0].measured.push(datum.measured);
-            bound.outputs.push(datum.conversion);
-            bound.simulations[case].task.observed.push(datum.probe);
+        for (name, measured) in data {
+            let unit = criterion.unit.clone();
+            bound.problem.quantities.push(Quantity { name, unit });
+            bound.problem.cases[0].measured.push(measured);
         }
     }
     if !bound.notes.is_empty() {
@@ -159,13 +167,57 @@ pub fn bind(
     Ok(bound)
 }
 
-/// A measured number, and how the model gets it.
-struct Datum {
-    name: String,
-    probe: Probe,
-    /// From the FMU's unit to the criterion's.
-    conversion: Conversion,
-    measured: Measured,
+/// The name of a measured number, and the number.
+type Datum = (String, Measured);
+
+/// The unknown lags as they are gathered: by name their numbers among the free parameters, and their ranges.
+#[derive(Default)]
+struct Lags {
+    known: IndexMap<String, (usize, [f64; 2])>,
+}
+
+impl Lags {
+    /// The lags of a curve: that of its case, and its own delay where a range is stated.
+    fn of(
+        &mut self,
+        study: &Study,
+        name: &Name,
+        text: &CriterionText,
+        curve: &MeasuredCurve,
+        bound: &mut Bound,
+    ) -> Result<(Vec<usize>, [f64; 2]), FileError> {
+        let case = text.case.and_then(|case| study.cases.get(case));
+        let stated = case.and_then(|case| Some((case, case.lag.as_ref()?)));
+        let mut lags = Vec::new();
+        if let Some((case, lag)) = stated {
+            let ends = lag
+                .ends()
+                .map_err(|message| study.error_of(&case.name, message))?;
+            lags.push((format!("{}/lag", case.name.as_ref()), ends));
+        }
+        if let Delay::Within(ends) = curve.delay {
+            lags.push((format!("{}/delay", name.as_ref()), ends));
+        }
+        let (mut numbers, mut range) = (Vec::new(), [0.0; 2]);
+        for (lag, ends) in lags {
+            let new = bound.problem.free.len();
+            let (number, _) = *self.known.entry(lag.clone()).or_insert_with(|| {
+                bound.lags.push(lag.clone());
+                bound.problem.free.push(Free {
+                    name: lag,
+                    unit: Some("s".to_owned()),
+                    scale: Spacing::Linear,
+                    min: ends[0],
+                    max: ends[1],
+                    prior: None,
+                });
+                (new, ends)
+            });
+            numbers.push(number);
+            range = [range[0] + ends[0], range[1] + ends[1]];
+        }
+        Ok((numbers, range))
+    }
 }
 
 /// Refuses other data beside the cases.
@@ -251,35 +303,47 @@ impl Recorded<'_> {
         format!("{name} states no noise: taken {from}, noise = \"{number}\"")
     }
 
-    /// A datum for each time.
-    fn samples(&self, probe: &Probe, own: &[f64]) -> Result<Vec<Datum>, String> {
-        let Delay::Known(_) = self.curve.delay else {
-            return Err("identify needs a known delay, not a range of delays".to_owned());
-        };
-        let rows = self.curve.times.iter().zip(&self.curve.values).zip(own);
-        let datum = |((&time, &value), &accuracy)| {
-            let single = MeasuredCurve {
-                times: vec![time],
-                values: vec![value],
-                band: Vec::new(),
-                errors: None,
-                resampling: None,
-                reads: true,
-                ..self.curve.clone()
-            };
-            Datum {
-                // Without the rounding of times that were shifted by a delay.
-                name: format!("{} at {} s", self.name.as_ref(), (time * 1e9).round() / 1e9),
-                probe: Probe {
-                    curve: Some(Arc::new(single)),
+    /// A datum for each time, with the probes that read the model, of which the first has the number `first`, and how their
+    /// readings become predictions.
+    fn samples(
+        &self,
+        (probe, schedule): (&Probe, &Schedule),
+        own: &[f64],
+        lags: (Vec<usize>, [f64; 2]),
+        first: usize,
+    ) -> Result<(Vec<Datum>, Vec<Probe>, Vec<Reading>), String> {
+        let rows = self.curve.times.iter().zip(&self.curve.values);
+        let data = rows.clone().zip(own).map(|((time, &value), &accuracy)| {
+            // Without the rounding of times that were shifted by a delay.
+            let time = (time * 1e9).round() / 1e9;
+            (
+                format!("{} at {time} s", self.name.as_ref()),
+                Measured { value, accuracy },
+            )
+        });
+        let (probes, readings) = match lags.0.is_empty() {
+            false => late(probe, self.curve, schedule, lags, first)?,
+            true => {
+                let probe = |(&time, &value): (&f64, &f64)| Probe {
+                    curve: Some(Arc::new(MeasuredCurve {
+                        times: vec![time],
+                        values: vec![value],
+                        band: Vec::new(),
+                        errors: None,
+                        resampling: None,
+                        reads: true,
+                        ..self.curve.clone()
+                    })),
                     ..probe.clone()
-                },
-                // It comes in the criterion's unit.
-                conversion: Conversion::IDENTITY,
-                measured: Measured { value, accuracy },
+                };
+                let numbers = first..first + own.len();
+                (
+                    rows.map(probe).collect(),
+                    numbers.map(Reading::Value).collect(),
+                )
             }
         };
-        Ok(rows.map(datum).collect())
+        Ok((data.collect(), probes, readings))
     }
 }
 

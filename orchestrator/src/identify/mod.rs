@@ -7,5 +7,6 @@
 pub mod bind;
 mod cases;
 pub mod from_study;
+pub mod late;
 pub mod model;
 mod scatter;

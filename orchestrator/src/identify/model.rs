@@ -57,7 +57,9 @@ impl<'a, 'b> FmuModel<'a, 'b> {
 
     /// The point of a query, in the FMU's units.
     fn point(&self, query: &Query) -> Vec<f64> {
-        let sought = query.free.iter().chain(&query.latents);
+        // Lags stand last, and the FMU knows nothing of them.
+        let free = &query.free[..query.free.len() - self.bound.lags.len()];
+        let sought = free.iter().chain(&query.latents);
         let sought = sought.zip(&self.bound.inputs);
         let sought = sought.map(|(&value, conversion)| conversion.value(value));
         let known = self.bound.known[query.case].iter().copied();
@@ -71,9 +73,15 @@ impl Simulate for FmuModel<'_, '_> {
         let asked = self.pipeline.borrow_mut().ask(&points);
         match asked {
             Ok(outcomes) => {
-                let outcomes = outcomes.into_iter();
-                let named = |outcome: Outcome| outcome.map_err(|failure| failure.to_string());
-                Ok(outcomes.map(named).collect())
+                let pairs = queries.iter().zip(outcomes);
+                let predicted = |(query, outcome): (&Query, Outcome)| {
+                    let readings = outcome.map_err(|failure| failure.to_string())?;
+                    let values = self.bound.readings.iter();
+                    Ok(values
+                        .map(|reading| reading.value(&readings, &query.free))
+                        .collect())
+                };
+                Ok(pairs.map(predicted).collect())
             }
             Err(halt) => {
                 *self.halted.borrow_mut() = Some(halt);

@@ -152,6 +152,35 @@ pub struct CaseText {
     /// Whether the case is judged as any other one, but never fitted.
     #[serde(default)]
     pub held_out: bool,
+    /// By how much its measured curves may be later than they state: `identify` finds it.
+    pub lag: Option<LagText>,
+}
+
+/// The range of an unknown lag.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LagText {
+    /// The least one: `-2 ms`.
+    pub min: Quantity,
+    /// The largest one.
+    pub max: Quantity,
+}
+
+impl LagText {
+    /// The ends in seconds.
+    ///
+    /// # Errors
+    /// When they are no times, or no range.
+    pub fn ends(&self) -> Result<[f64; 2], String> {
+        let ends = [window::seconds(&self.min)?, window::seconds(&self.max)?];
+        match ends[0] < ends[1] && ends.iter().all(|end| end.is_finite()) {
+            true => Ok(ends),
+            false => Err(format!(
+                "the lags from {} to {} are no range",
+                self.min, self.max
+            )),
+        }
+    }
 }
 
 /// How long and in which steps.

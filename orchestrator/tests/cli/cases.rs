@@ -522,6 +522,59 @@ fn identify_tells_the_zero_error_of_a_sensor() {
     );
 }
 
+/// The curves are late by 30 ms, each logger with a clock of its own: the lags are found with the rate.
+#[test]
+fn identify_finds_the_lag_of_a_case() {
+    let bench = Bench::new();
+    let range = "lag = { min = \"-20 ms\", max = \"80 ms\" }\ncriteria.Y";
+    let study = curves(&bench).replace("criteria.Y", range);
+    for (name, u) in [("one", 1.0), ("two", 2.0)] {
+        let mut table = String::from("time,y\n");
+        for k in 1..=19_u32 {
+            let time = 0.1 * f64::from(k);
+            let noise = 0.005 * (12.9898 * f64::from(k) + u).sin();
+            let y = u * (1.0 - (-1.1 * (time - 0.03)).exp()) + noise;
+            writeln!(table, "{time},{y}").unwrap();
+        }
+        bench.write(&format!("{name}.csv"), &table);
+    }
+    bench.write("study.toml", &study);
+    let call = [
+        "identify",
+        "study.toml",
+        "--output",
+        "found",
+        "--starts",
+        "4",
+    ];
+    let said = bench.run(&call);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let found = bench.read("found/identification.json");
+    let outcome: serde_json::Value = serde_json::from_str(&found).unwrap();
+    let free = outcome["free"].as_array().unwrap();
+    for (parameter, (name, truth)) in
+        free.iter()
+            .zip([("lag.rate", 1.1), ("one/lag", 0.03), ("two/lag", 0.03)])
+    {
+        assert_eq!(parameter["name"], name);
+        let [low, high] = [0, 1].map(|k| parameter["interval"][k].as_f64().unwrap());
+        assert!(low < truth && truth < high, "{name}: {low} .. {high}");
+        assert!(high - low < 0.06, "{name}: {low} .. {high}");
+    }
+    assert_eq!(free.len(), 3);
+    // A lag is no start value of the FMU.
+    assert!(!bench.read("found/optimum.toml").contains("one/lag"));
+    // The run must reach as far as the lags.
+    bench.write("study.toml", &study.replace("-20 ms", "-200 ms"));
+    bench
+        .run(&["identify", "study.toml"])
+        .is_mistake(&["one/Y", "set `window`"]);
+    bench.write("study.toml", &study.replace("-20 ms", "90 ms"));
+    bench
+        .run(&["identify", "study.toml"])
+        .is_mistake(&["one", "are no range"]);
+}
+
 #[test]
 fn identify_says_what_it_needs_of_cases() {
     let bench = bench();

@@ -234,7 +234,7 @@ impl Analysis for Asked {
                 })
             });
         }
-        files::write(folder, &fit.study, &fit.settings, &outcome)?;
+        files::write(folder, &fit.study, &fit.settings, &outcome, &fit.bound.lags)?;
         posterior::write(folder, &fit.bound, sample.as_ref())?;
         let [posterior, validation] = [
             outcome
