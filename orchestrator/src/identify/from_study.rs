@@ -10,7 +10,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 
 use super::bind::{Bound, BoundCurve, Input, bare, check_difference, free};
-use super::late::{Reading, late};
+use super::late::{Read, Reading, late};
 use super::scatter::scatter;
 use crate::files::FileError;
 use crate::judge::{Criterion, Judge};
@@ -112,7 +112,7 @@ pub fn bind(
                 let data = own.and_then(|own| {
                     curve.samples((probe, schedule), &own, lags, bound.outputs.len())
                 });
-                let (data, probes, readings) =
+                let (data, (probes, readings)) =
                     data.map_err(|message| study.error_of(name, message))?;
                 bound.readings.extend(readings);
                 // They come in the criterion's unit.
@@ -311,7 +311,7 @@ impl Recorded<'_> {
         own: &[f64],
         lags: (Vec<usize>, [f64; 2]),
         first: usize,
-    ) -> Result<(Vec<Datum>, Vec<Probe>, Vec<Reading>), String> {
+    ) -> Result<(Vec<Datum>, Read), String> {
         let rows = self.curve.times.iter().zip(&self.curve.values);
         let data = rows.clone().zip(own).map(|((time, &value), &accuracy)| {
             // Without the rounding of times that were shifted by a delay.
@@ -321,7 +321,7 @@ impl Recorded<'_> {
                 Measured { value, accuracy },
             )
         });
-        let (probes, readings) = match lags.0.is_empty() {
+        let read = match lags.0.is_empty() {
             false => late(probe, self.curve, schedule, lags, first)?,
             true => {
                 let probe = |(&time, &value): (&f64, &f64)| Probe {
@@ -343,7 +343,7 @@ impl Recorded<'_> {
                 )
             }
         };
-        Ok((data.collect(), probes, readings))
+        Ok((data.collect(), read))
     }
 }
 

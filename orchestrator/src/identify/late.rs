@@ -50,6 +50,9 @@ impl Reading {
     }
 }
 
+/// What reads the model, and how that becomes predictions.
+pub(super) type Read = (Vec<Probe>, Vec<Reading>);
+
 /// The readings that a late curve needs, and how they become predictions of its rows; the first reading has the number
 /// `first`.
 ///
@@ -61,7 +64,7 @@ pub(super) fn late(
     schedule: &Schedule,
     (lags, range): (Vec<usize>, [f64; 2]),
     first: usize,
-) -> Result<(Vec<Probe>, Vec<Reading>), String> {
+) -> Result<Read, String> {
     /// More readings a curve take more time than they are worth.
     const MOST: f64 = 4000.0;
     let known = match curve.delay {
@@ -131,7 +134,7 @@ mod tests {
             time: 2.0,
             lags: Arc::new(vec![1]),
         });
-        for lag in [0.0, 0.0123, -0.207, 0.61] {
+        for lag in [0.0_f64, 0.0123, -0.207, 0.61] {
             let exact = (10.0 * (1.0 - lag)).sin();
             let value = reading.value(&readings, &[7.0, lag]);
             assert!((value - exact).abs() < 3e-5, "{lag}: {value} {exact}");

@@ -1,12 +1,12 @@
 //! The files of an identification.
 
-use std::path::{Path, PathBuf};
 use crate::error::Error;
-use crate::results::{write_atomically};
+use crate::results::write_atomically;
 use crate::study::{Identification, Study};
 use crate::table::csv_file::{self, CsvFile};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
+use std::path::{Path, PathBuf};
 
 /// Writes all files.
 pub(super) fn write(
@@ -45,12 +45,7 @@ fn numbered(stem: &str, ending: &str, place: usize, optima: usize) -> String {
 }
 
 /// Removes files of an earlier search that found another number of optima: they would be taken for this one's.
-fn remove_others(
-    folder: &Path,
-    stem: &str,
-    ending: &str,
-    optima: usize,
-) -> Result<(), Error> {
+fn remove_others(folder: &Path, stem: &str, ending: &str, optima: usize) -> Result<(), Error> {
     if optima != 1 {
         remove(&folder.join(format!("{stem}.{ending}")))?;
     }
@@ -64,9 +59,7 @@ fn remove_others(
 
 pub(super) fn remove(path: &Path) -> Result<(), Error> {
     match std::fs::remove_file(path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(Error::io(path)(error))
-        }
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path)(error)),
         _ => Ok(()),
     }
 }

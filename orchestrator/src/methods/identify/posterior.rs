@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use serde::Deserialize;
 
-use crate::error::Error;
 use super::files::remove;
+use crate::error::Error;
 use crate::files;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
@@ -71,7 +71,10 @@ pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence, Error> {
     let other = serde_json::from_str::<Other>(&files::text(&path)?);
     let other = other.map_err(|error| Error::content(&path, error))?;
     let evidence = other.evidence.ok_or_else(|| {
-        Error::content(&path, "there is no evidence in it; run that identify with --posterior N")
+        Error::content(
+            &path,
+            "there is no evidence in it; run that identify with --posterior N",
+        )
     })?;
     let same = evidence.is_of(problem);
     same.map_err(|message| Error::content(&path, message))?;
@@ -96,7 +99,10 @@ pub(super) fn sampled(
         PosteriorStart::Optima => optima,
         PosteriorStart::Prior => &[],
     };
-    let deviations = outcome.discrepancies.iter().map(|discrepancy| discrepancy.deviation);
+    let deviations = outcome
+        .discrepancies
+        .iter()
+        .map(|discrepancy| discrepancy.deviation);
     let discrepancies: Vec<(Unknown, f64)> = unknown.iter().copied().zip(deviations).collect();
     let settings = Settings {
         particles: *particles.as_ref(),
@@ -131,11 +137,7 @@ pub(super) fn sampled(
 }
 
 /// Writes the table of particles. Without a sample an earlier one's goes: it would be taken for this one's.
-pub(super) fn write(
-    folder: &Path,
-    bound: &Bound,
-    sample: Option<&Sample>,
-) -> Result<(), Error> {
+pub(super) fn write(folder: &Path, bound: &Bound, sample: Option<&Sample>) -> Result<(), Error> {
     let path = folder.join(FILE);
     let Some(sample) = sample else {
         return remove(&path);

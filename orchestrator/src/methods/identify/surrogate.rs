@@ -1,7 +1,7 @@
 //! `identify --surrogate`: polynomials in place of the model.
 
-use crate::error::Error;
 use super::Asked;
+use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::study::{Identification, Study};
 use calibration::objective::{Misfit, Objective};
@@ -80,7 +80,10 @@ pub(super) fn run_again(
     replaced: &Replaced,
     optima: &mut [Optimum],
 ) -> Result<SurrogateOutcome, SearchError> {
-    let places: Vec<&[f64]> = optima.iter().map(|optimum| &optimum.minimum.places[..]).collect();
+    let places: Vec<&[f64]> = optima
+        .iter()
+        .map(|optimum| &optimum.minimum.places[..])
+        .collect();
     let misfits = objective.misfits(&places)?;
     let mut told = replaced.told.clone();
     for (Optimum { minimum, .. }, misfit) in optima.iter_mut().zip(misfits) {
