@@ -11,7 +11,6 @@ use sampling::distribution::Distribution;
 use sampling::random::Random;
 
 use super::super::problem::{Population, Problem};
-use super::target::before;
 
 /// The largest spread, in standard deviations of its prior: a half-normal distribution.
 const LARGEST: f64 = 5.0;
@@ -154,5 +153,19 @@ impl Common {
         for (&member, &place) in self.members.iter().zip(&places) {
             self.put(coordinates, member, place);
         }
+    }
+}
+
+/// The prior of a place, given its centre and deviation where there are any.
+pub(super) fn before(prior: Option<(f64, f64)>) -> Distribution {
+    let [min, max] = [0.0, 1.0];
+    match prior {
+        None => Distribution::Uniform { min, max },
+        Some((mean, deviation)) => Distribution::TruncatedNormal {
+            mean,
+            deviation,
+            min: Some(min),
+            max: Some(max),
+        },
     }
 }

@@ -8,7 +8,7 @@ use super::super::errors::Errors;
 use super::super::local::Minimum;
 use super::super::objective::{Misfit, Objective};
 use super::super::problem::NoPrediction;
-use super::population::Common;
+use super::population::{Common, before};
 
 /// The posterior that is sampled.
 pub(super) struct Target<'a> {
@@ -165,19 +165,5 @@ impl<'a> Target<'a> {
             true => Likelihood::none(),
             false => likelihood,
         }
-    }
-}
-
-/// The prior of a place, given its centre and deviation where there are any.
-pub(super) fn before(prior: Option<(f64, f64)>) -> Distribution {
-    let [min, max] = [0.0, 1.0];
-    match prior {
-        None => Distribution::Uniform { min, max },
-        Some((mean, deviation)) => Distribution::TruncatedNormal {
-            mean,
-            deviation,
-            min: Some(min),
-            max: Some(max),
-        },
     }
 }
