@@ -7,6 +7,7 @@ mod cost;
 mod dossier;
 mod init;
 mod inspect;
+mod isolated;
 mod judge;
 mod manual;
 mod merge;

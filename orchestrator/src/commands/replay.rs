@@ -4,8 +4,8 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use super::isolated::{Columns, Isolated};
 use super::output;
-use super::simulate::{Columns, Isolated};
 use crate::cli::Replay;
 use crate::error::Error;
 use crate::judge::Judge;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::Columns;
+use crate::commands::isolated::Columns;
 use crate::error::Error;
 use crate::study::inputs::{
     covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running,
