@@ -21,7 +21,7 @@ use crate::results::summary::Run;
 use crate::results::{Journal, Looked, Summary, lines, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::plan::bare;
-use crate::study::{Name, Setting, Study};
+use crate::study::{Name, Setting};
 use fmu_points::names::behind;
 use fmu_points::task::Case;
 use sampling::design::Method;
@@ -241,18 +241,11 @@ fn set(session: &Session) -> String {
 }
 
 fn request(options: &Verify) -> Result<Request, Error> {
-    // A design that needs all its points keeps those of the study; `check` refuses it then, and says why.
-    let open_ended = || {
-        let study = Study::read(&options.work.study);
-        study.map_or(true, |study| study.design.method.is_extensible())
-    };
-    let until = options
-        .until
-        .filter(|_| options.points_from.is_none() && open_ended());
     Ok(Request {
         study: options.work.study.clone(),
         fmu: options.work.means.fmu.clone(),
-        points: options.points.or(until.map(|_| MOST_POINTS)),
+        points: options.points,
+        most: options.until.map(|_| MOST_POINTS),
         seed: options.seed,
         points_from: options.points_from.clone(),
         shard: options.work.parts.shard()?,

@@ -50,8 +50,11 @@ impl Session {
     ///
     /// # Errors
     /// When either cannot be used.
-    pub fn open_with_risk(request: Request) -> Result<Self, Error> {
+    pub fn open_with_risk(mut request: Request) -> Result<Self, Error> {
         let mut study = Study::read(&request.study)?;
+        // A design that needs all its points keeps those of the study, and so does a table.
+        let goes_on = request.points_from.is_none() && study.design.method.is_extensible();
+        request.points = request.points.or(request.most.filter(|_| goes_on));
         if let Some(folder) = &request.base {
             study.rebase(folder.clone());
         }

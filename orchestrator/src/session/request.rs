@@ -22,6 +22,9 @@ pub struct Request {
     pub fmu: Option<PathBuf>,
     /// Another number of points than the study's.
     pub points: Option<u64>,
+    /// The most points of a run that ends when enough is known, if its design can go on so far.
+    #[serde(skip)]
+    pub most: Option<u64>,
     /// Another seed than the study's.
     pub seed: Option<u64>,
     /// A table of points instead of a design.
