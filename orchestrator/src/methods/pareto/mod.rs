@@ -171,7 +171,9 @@ impl Analysis for Asked {
                 let table = search(session, pipeline, settings)?;
                 let nominal = nominal(session, pipeline)?;
                 let inputs = &session.plan.inputs;
-                let cut = inputs.iter().filter(|input| input.distribution.reach() != [0.0, 1.0]);
+                let cut = inputs
+                    .iter()
+                    .filter(|input| input.distribution.reach() != [0.0, 1.0]);
                 let cut: Vec<&str> = cut.map(|input| input.name.as_str()).collect();
                 let within = match cut[..] {
                     [] => String::new(),

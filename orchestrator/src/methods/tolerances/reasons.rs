@@ -1,8 +1,8 @@
 //! Why no tolerances would do.
 
 use super::goal::Goal;
-use crate::judge::{Criterion, Judge};
 use crate::document::format::number;
+use crate::judge::{Criterion, Judge};
 use parameter_regions::tolerances::Problem;
 
 /// The obstacles, a sentence each: given what comes of the centre of all tolerances, one point or one for each of some rows
