@@ -149,6 +149,8 @@ class Study:
         cross_validate: bool = False,
         posterior: int | None = None,
         surrogate: int | None = None,
+        narrow: str | None = None,
+        against: StrPath | None = None,
         seed: int | None = None,
         time_limit: float | None = None,
         output: StrPath | None = None,
@@ -158,11 +160,13 @@ class Study:
 
         ``cross_validate`` also predicts each case from the others. ``posterior`` draws so many sets of parameters from the
         posterior into ``posterior.csv``. ``surrogate`` searches and samples on polynomials from at most so many runs of each
-        case. ``time_limit``, s, ends the search and takes the best so far.
+        case. ``narrow`` names the parameter for which the next measurement is chosen. ``against`` weighs the model against
+        that of another result on the same data. ``time_limit``, s, ends the search and takes the best so far.
         """
         folder = self._folder(output)
         options: dict[str, Value] = {"starts": starts, "cross_validate": cross_validate, "posterior": posterior}
-        options |= {"surrogate": surrogate, "seed": seed, "time_limit": time_limit}
+        options |= {"surrogate": surrogate, "narrow": narrow, "seed": seed, "time_limit": time_limit}
+        options["against"] = None if against is None else os.path.abspath(against)
         done = self._run("identify", folder, options, running, state="identify")
         return Identification(folder, done.text)
 

@@ -66,15 +66,15 @@ CASES = {
 PUBLISHED = {"one-sided": (0.02514, 0.01096), "rectangular": (0.02640, 0.01211), "bearing, C_m = 1": (0.1338, 0.0984), "load, C_m = 4": (0.0199, 0.0188)}
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_risks_are_the_integrals_of_jcgm_106(tmp_path, case):
-    keys, law, lower, upper, population = CASES[case]
+@pytest.mark.parametrize("given", CASES)
+def test_risks_are_the_integrals_of_jcgm_106(tmp_path, given):
+    keys, law, lower, upper, population = CASES[given]
     values = stats.norm.ppf((np.arange(POINTS) + 0.5) / POINTS, *population)
     risk = judged(tmp_path, f'[criteria.x]\nvariable = "x"\n{keys}\n', [values])["risk"]
     expected = integrated(error_below(*law), lower, upper, *population)
     np.testing.assert_allclose([risk["consumer"], risk["producer"]], expected, rtol=0, atol=1e-4)
-    if case in PUBLISHED:
-        np.testing.assert_allclose(expected, PUBLISHED[case], rtol=0, atol=6e-5)
+    if given in PUBLISHED:
+        np.testing.assert_allclose(expected, PUBLISHED[given], rtol=0, atol=6e-5)
 
 
 def test_a_product_is_no_second_measurement(tmp_path):
