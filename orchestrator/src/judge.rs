@@ -28,6 +28,7 @@ use fmu_points::names::{behind, did_you_mean, nearest};
 use fmu_points::task::Detail;
 use parameter_regions::table::CriterionColumn;
 use sampling::statistics::Statistic;
+use sampling::statistics::moments::length;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -94,12 +95,15 @@ impl Criterion {
     /// How far a value is from the measured one, in tolerances of its side: 1 at a limit. At a limit that stands alone it
     /// is 1, too, and 0 one [unit](Self::room) inside and beyond.
     pub fn deviation(&self, value: f64) -> f64 {
+        let deviation = self.level(value);
+        if deviation < 0.0 { 0.0 } else { deviation }
+    }
+
+    /// The same without an end inside of a limit that stands alone: below 0 it still tells how far inside a value is.
+    pub fn level(&self, value: f64) -> f64 {
         let away = value - self.limits.about;
         match self.distance_unit {
-            Some(unit) => {
-                let deviation = 1.0 - self.limits.rest(value) / unit;
-                if deviation < 0.0 { 0.0 } else { deviation }
-            }
+            Some(unit) => 1.0 - self.limits.rest(value) / unit,
             None if away < 0.0 => -away / self.limits.minus,
             None => away / self.limits.plus,
         }
@@ -415,9 +419,8 @@ impl Judge {
     /// deviations, each relative to its tolerance. The point with the least distance is the nearest one.
     pub fn distance(&self, values: &[f64]) -> f64 {
         let pairs = self.criteria.iter().zip(values);
-        let terms = pairs.map(|(criterion, &value)| criterion.deviation(value).powi(2));
         // A number in any case: the summary has no way to write another one.
-        terms.sum::<f64>().min(f64::MAX).sqrt()
+        length(pairs.map(|(criterion, &value)| criterion.deviation(value))).min(f64::MAX)
     }
 }
 

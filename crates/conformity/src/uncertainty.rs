@@ -1,13 +1,13 @@
 //! The uncertainty of a measured value with its parts, and the distribution of the error that follows from them.
 //!
 //! A reading y of a true value t is `y = t + o + g t + e`: an offset o and a gain error g that all readings of a channel
-//! share, and noise e that is independent from reading to reading. Standard uncertainties, their combination and
-//! effective degrees of freedom after JCGM 100:2008 (GUM), 4.2, 4.3, 5.1 and G.4.
+//! share, and noise e that is independent from reading to reading. Standard uncertainties and their
+//! combination after JCGM 100:2008 (GUM), 4.2, 4.3 and 5.1.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::normal;
 
@@ -72,6 +72,16 @@ impl Uncertainty {
         }
     }
 
+    /// The same uncertainty, so many times as large.
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            expanded: factor * self.expanded,
+            gain: factor * self.gain,
+            noise: factor * self.noise,
+            ..*self
+        }
+    }
+
     /// The standard uncertainty of the offset.
     pub fn offset(&self) -> f64 {
         self.expanded / self.coverage
@@ -90,21 +100,6 @@ impl Uncertainty {
     /// The combined standard uncertainty u of this value.
     pub fn standard(&self, value: f64) -> f64 {
         self.shared(value).hypot(self.independent())
-    }
-
-    /// The effective degrees of freedom of the combined standard uncertainty (Welch and Satterthwaite): infinite where
-    /// the noise is known rather than estimated from repeats.
-    pub fn degrees_of_freedom(&self, value: f64) -> f64 {
-        self.freedom(self.standard(value))
-    }
-
-    fn freedom(&self, combined: f64) -> f64 {
-        match self.repeats {
-            Some(repeats) if self.noise > 0.0 => {
-                (f64::from(repeats) - 1.0) * (combined / self.independent()).powi(4)
-            }
-            _ => f64::INFINITY,
-        }
     }
 
     /// The coverage factor of the parts that are normal.
@@ -145,24 +140,32 @@ impl Uncertainty {
         words
     }
 
-    /// The distribution of the error of this value. The normal parts and the mean of the repeats have Student's
-    /// distribution with the effective degrees of freedom of these parts; the rectangle is convolved with it.
+    /// The distribution of the error of this value: the sum of a normal number, of Student's for the mean of repeats, and of
+    /// one from the rectangle.
     pub fn law(&self, value: f64) -> Law {
+        /// Of so many repeats or more the standard deviation is as good as known.
+        const MANY: u32 = 1_000_000;
         let rectangular = self.distribution == Distribution::Rectangular;
-        let scale = match rectangular {
-            true => (self.gain * value).hypot(self.independent()),
-            false => self.standard(value),
+        let shared = match rectangular {
+            true => self.gain * value,
+            false => self.shared(value),
+        };
+        let repeats = self.repeats.filter(|repeats| *repeats < MANY);
+        let [known, estimated] = match repeats {
+            Some(_) => [0.0, self.independent()],
+            None => [self.independent(), 0.0],
         };
         let mut law = Law {
-            scale,
-            freedom: self.freedom(scale),
+            normal: shared.hypot(known),
+            student: estimated,
+            freedom: repeats.map_or(0.0, |repeats| f64::from(repeats) - 1.0),
             half_width: if rectangular { self.expanded } else { 0.0 },
             expanded: 0.0,
         };
         law.expanded = match law.is_normal() {
-            true => match scale == self.offset() {
+            true => match law.normal == self.offset() {
                 true => self.expanded,
-                false => self.normal_coverage() * scale,
+                false => self.normal_coverage() * law.normal,
             },
             false => law.half_interval(0.95),
         };
@@ -170,13 +173,15 @@ impl Uncertainty {
     }
 }
 
-/// The distribution of the error of a measured value, which is symmetric about 0.
+/// The distribution of the error of a measured value, which is symmetric about 0: that of a sum of up to three independent
+/// parts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Law {
-    /// The scale of the normal or Student's part.
-    pub scale: f64,
-    /// Its degrees of freedom: infinite for a normal part.
-    #[serde(serialize_with = "finite")]
+    /// The standard deviation of the normal part.
+    pub normal: f64,
+    /// The scale of Student's part.
+    pub student: f64,
+    /// Its degrees of freedom.
     pub freedom: f64,
     /// The half-width of the rectangular part.
     pub half_width: f64,
@@ -185,28 +190,26 @@ pub struct Law {
     pub expanded: f64,
 }
 
-fn finite<S: serde::Serializer>(number: &f64, out: S) -> Result<S::Ok, S::Error> {
-    Some(*number).filter(|n| n.is_finite()).serialize(out)
-}
-
 impl Law {
     /// Whether the error is normal.
     pub fn is_normal(&self) -> bool {
-        self.half_width == 0.0 && self.freedom.is_infinite()
+        self.half_width == 0.0 && self.student == 0.0
     }
 
     /// The standard uncertainty. For Student's part its scale, as is usual (GUM, G.3), not its larger standard deviation.
     pub fn standard(&self) -> f64 {
+        let smooth = self.normal.hypot(self.student);
         match self.half_width {
-            0.0 => self.scale,
-            half => self.scale.hypot(half / 3.0_f64.sqrt()),
+            0.0 => smooth,
+            half => smooth.hypot(half / 3.0_f64.sqrt()),
         }
     }
 
     /// The same error, so many times as large.
     pub fn times(&self, factor: f64) -> Self {
         Self {
-            scale: factor * self.scale,
+            normal: factor * self.normal,
+            student: factor * self.student,
             half_width: factor * self.half_width,
             expanded: factor * self.expanded,
             ..*self
@@ -215,25 +218,11 @@ impl Law {
 
     /// The probability of an error up to this one.
     pub fn cdf(&self, error: f64) -> f64 {
-        /// A rectangle below this part of the scale changes nothing; both rules would lose digits there.
-        const NARROW: f64 = 1e-6;
-        let Self {
-            scale, half_width, ..
-        } = *self;
         if error.is_infinite() || error.is_nan() {
             return f64::from(u8::from(error > 0.0));
         }
-        if half_width <= NARROW * scale {
-            return self.smooth(error / scale);
-        }
-        if scale <= NARROW * half_width {
-            return (0.5 + 0.5 * error / half_width).clamp(0.0, 1.0);
-        }
-        // The mean of the smooth part's distribution function over the rectangle, from the tail that loses no digits.
-        let away = -error.abs();
-        let [above, below] = [away + half_width, away - half_width];
-        let integral = self.integral(above / scale) - self.integral(below / scale);
-        let tail = (integral * scale / (2.0 * half_width)).clamp(0.0, 1.0);
+        // From the tail that loses no digits.
+        let tail = self.mean(|scale| below(-error.abs(), scale, self.half_width));
         if error > 0.0 { 1.0 - tail } else { tail }
     }
 
@@ -241,7 +230,7 @@ impl Law {
     /// probabilities take correlations between these numbers (a Gaussian copula).
     pub fn score(&self, error: f64) -> f64 {
         if self.is_normal() {
-            return error / self.scale;
+            return error / self.normal;
         }
         // Of the tail, which keeps its digits.
         let tail = self.cdf(-error.abs());
@@ -258,33 +247,24 @@ impl Law {
         if self.is_normal() {
             return 0.0;
         }
-        let density = match (self.half_width, self.student()) {
-            (0.0, student) => student.map_or(0.0, |student| student.pdf(error / self.scale)),
-            (half, _) if self.scale == 0.0 => f64::from(u8::from(error.abs() <= half)),
-            (half, _) => {
-                let away = -error.abs();
-                self.smooth((away + half) / self.scale) - self.smooth((away - half) / self.scale)
-            }
-        };
+        let away = -error.abs();
+        let density = self.mean(|scale| match self.half_width {
+            0.0 => (-0.5 * (away / scale).powi(2)).exp() / scale,
+            half if scale == 0.0 => f64::from(u8::from(-away <= half)),
+            half => normal::cdf((away + half) / scale) - normal::cdf((away - half) / scale),
+        });
         density.ln() + 0.5 * self.score(error).powi(2)
     }
 
     /// Half the interval about 0 that holds this probability.
     pub fn half_interval(&self, probability: f64) -> f64 {
         let upper = 0.5 + 0.5 * probability;
-        let smooth = match self.scale > 0.0 {
-            true => self.scale * self.smooth_quantile(upper),
-            false => 0.0,
-        };
-        if self.half_width == 0.0 {
-            return smooth;
+        let (mut low, mut high) = (0.0, self.standard());
+        while self.cdf(high) < upper {
+            (low, high) = (high, 2.0 * high);
         }
-        let (mut low, mut high) = (0.0, self.half_width + smooth);
-        for _ in 0..200 {
+        for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
             match self.cdf(middle) < upper {
                 true => low = middle,
                 false => high = middle,
@@ -293,35 +273,47 @@ impl Law {
         high
     }
 
-    fn student(&self) -> Option<StudentsT> {
-        /// With so many degrees of freedom the distribution is normal to 1e-6.
-        const MANY: f64 = 1e6;
-        let freedom = Some(self.freedom).filter(|freedom| *freedom < MANY);
-        StudentsT::new(0.0, 1.0, freedom?).ok()
+    /// The mean of a function of the standard deviation over the normal distributions of which the normal and Student's part
+    /// together are a mixture: Student's number is normal given the chi-square number in its denominator. The trapezoidal rule
+    /// over the logarithm of that number errs by 1e-12.
+    fn mean(&self, of: impl Fn(f64) -> f64) -> f64 {
+        /// Weights below this part of the largest one are left out.
+        const LEAST: f64 = 1e-14;
+        if self.student == 0.0 {
+            return of(self.normal);
+        }
+        let step = 1.1 / (self.freedom + 10.0).sqrt();
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (first, step) in [(0.0, step), (-step, -step)] {
+            let mut place: f64 = first;
+            loop {
+                let weight = (0.5 * self.freedom * (place - place.exp_m1())).exp();
+                if weight < LEAST {
+                    break;
+                }
+                sum += weight * of(self.normal.hypot(self.student * (-0.5 * place).exp()));
+                weights += weight;
+                place += step;
+            }
+        }
+        sum / weights
     }
+}
 
-    fn smooth(&self, z: f64) -> f64 {
-        self.student()
-            .map_or_else(|| normal::cdf(z), |student| student.cdf(z))
+/// The probability that a normal error of this standard deviation and one from a rectangle, together, are below `error`, which is
+/// at most 0: the mean of the normal distribution function over the rectangle.
+fn below(error: f64, scale: f64, half_width: f64) -> f64 {
+    /// One part below this part of the other changes nothing; the general rule would lose digits there.
+    const NARROW: f64 = 1e-6;
+    if half_width <= NARROW * scale {
+        return normal::cdf(error / scale);
     }
-
-    fn smooth_quantile(&self, probability: f64) -> f64 {
-        self.student().map_or_else(
-            || Normal::standard().inverse_cdf(probability),
-            |student| student.inverse_cdf(probability),
-        )
+    if scale <= NARROW * half_width {
+        return (0.5 + 0.5 * error / half_width).clamp(0.0, 1.0);
     }
-
-    /// An integral of the smooth part's distribution function.
-    fn integral(&self, z: f64) -> f64 {
-        let rest = match self.student() {
-            None => (-0.5 * z * z).exp() / TAU.sqrt(),
-            // The limit of the general form, but for a constant.
-            Some(_) if (self.freedom - 1.0).abs() < 1e-7 => -(z * z).ln_1p() / (2.0 * PI),
-            Some(student) => (self.freedom + z * z) / (self.freedom - 1.0) * student.pdf(z),
-        };
-        z * self.smooth(z) + rest
-    }
+    let integral = |z: f64| z * normal::cdf(z) + (-0.5 * z * z).exp() / TAU.sqrt();
+    let [above, below] = [error + half_width, error - half_width].map(|end| integral(end / scale));
+    ((above - below) * scale / (2.0 * half_width)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]

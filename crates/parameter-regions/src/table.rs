@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use indexmap::IndexSet;
+use sampling::statistics::moments::length;
 
 /// A sampled parameter with its value at every point.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,7 +146,7 @@ impl PointTable {
     }
 
     /// The [deviations](CriterionColumn::deviation) of a point's values from the measured ones, a criterion each.
-    pub fn deviations(&self, point: usize) -> impl Iterator<Item = f64> + '_ {
+    pub fn deviations(&self, point: usize) -> impl Iterator<Item = f64> + Clone + '_ {
         let criteria = self.criteria.iter();
         criteria.map(move |c| c.deviation(c.values[point]))
     }
@@ -169,8 +170,7 @@ impl PointTable {
 
     /// How far a point is from the measurement: the root of the sum of its squared deviations.
     pub fn distance(&self, point: usize) -> f64 {
-        let squares = self.deviations(point).map(|deviation| deviation.powi(2));
-        squares.sum::<f64>().sqrt()
+        length(self.deviations(point))
     }
 
     /// Points with values: the verified first, of these the one nearest to the measurement first.

@@ -131,7 +131,10 @@ impl<'a> Aligned<'a> {
             };
             let product = |v| of_product(v, &[of_torque, of_speed]);
             findings.push(DerivedCriterion {
-                from: Some(recording.torque.name.clone()),
+                from: Some([
+                    recording.torque.name.clone(),
+                    recording.speed.variable.clone(),
+                ]),
                 ..self.mean(&channel, &of_both(&power), product)
             });
         }

@@ -23,28 +23,45 @@ pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
         out += &format!("# Note: {warning}.\n");
     }
     let findings = result.findings.iter();
-    let wanted = findings.filter(|f| amplitudes || f.statistic != "amplitude");
-    out.extend(wanted.map(criterion));
-    out.extend(shared(result));
+    let wanted = findings
+        .clone()
+        .filter(|f| amplitudes || f.statistic != "amplitude");
+    out.extend(wanted.map(|finding| criterion(finding, result)));
+    let products = findings.filter(|finding| derived(finding, result).is_none());
+    out.extend(products.filter_map(|finding| shared(finding, result)));
     out
 }
 
-/// The correlation of a value that is a product with the speed, and the one that it follows from: both have that one's error.
-fn shared(result: &Synchronised) -> Option<String> {
-    let product = result.findings.iter().find(|f| f.from.is_some())?;
-    let (name, from) = (&product.name, product.from.as_ref()?);
+/// The correlation of the errors of a product with the speed, and of what it follows from.
+fn correlation(product: &DerivedCriterion, result: &Synchronised) -> Option<f64> {
+    let [from, _] = product.from.as_ref()?;
     let factor = result.findings.iter().find(|f| f.name == *from)?;
     let [m, p] = [&factor.measured, &product.measured];
     let coefficient = (p.value / m.value * m.combined() / p.combined()).clamp(-1.0, 1.0);
-    coefficient.is_finite().then(|| {
+    Some(coefficient).filter(|coefficient| coefficient.is_finite())
+}
+
+/// The lines of a product whose error is that of its factor, since that of the speed is much smaller.
+fn derived(product: &DerivedCriterion, result: &Synchronised) -> Option<String> {
+    const NEARLY_ONE: f64 = 0.99;
+    let [from, by] = product.from.as_ref().filter(|[_, by]| !by.is_empty())?;
+    (correlation(product, result)? >= NEARLY_ONE).then(|| {
         format!(
-            "\n# {name} is {from} times the speed, so the error of {from} is in both.\n[[uncertainty-correlations]]\n\
-             between = [\"{from}\", \"{name}\"]\ncoefficient = {coefficient:.4}\n"
+            "# Its error is that of {from}; the study sets {by}.\nderived = {{ from = \"{from}\", by = \"{by}\" }}\n"
         )
     })
 }
 
-fn criterion(finding: &DerivedCriterion) -> String {
+fn shared(product: &DerivedCriterion, result: &Synchronised) -> Option<String> {
+    let (name, [from, _]) = (&product.name, product.from.as_ref()?);
+    let coefficient = correlation(product, result)?;
+    Some(format!(
+        "\n# {name} is {from} times the speed, so the error of {from} is in both.\n[[uncertainty-correlations]]\n\
+         between = [\"{from}\", \"{name}\"]\ncoefficient = {coefficient:.4}\n"
+    ))
+}
+
+fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
     let DerivedCriterion {
         name,
         variable,
@@ -61,12 +78,14 @@ fn criterion(finding: &DerivedCriterion) -> String {
             change.value, change.low, change.high, s.blocks
         )
     });
+    let uncertainty = derived(finding, result)
+        .unwrap_or_else(|| format!("uncertainty = \"{uncertainty} {unit}\"\n"));
     let group = finding.group.as_ref();
     let group = group.map_or_else(String::new, |group| format!("group = \"{group}\"\n"));
     format!(
         "\n[criteria.{name}]\n# standard uncertainties: scatter {:.2e}, sensor {:.2e} {unit}\n{steady}\
          variable = \"{variable}\"\nstatistic = \"{statistic}\"\nnominal = {value}\n# tolerance = \n\
-         uncertainty = \"{uncertainty} {unit}\"\nunit = \"{unit}\"\n{group}",
+         {uncertainty}unit = \"{unit}\"\n{group}",
         m.scatter, m.sensor
     )
 }

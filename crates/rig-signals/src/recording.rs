@@ -125,8 +125,9 @@ pub struct DerivedCriterion {
     /// The noise of the channel's rows as recorded; `None` of an amplitude, of what follows from several channels, and where
     /// the record is too short to tell.
     pub noise: Option<Noise>,
-    /// The criterion that it is the product of with the speed; its error is in both.
-    pub from: Option<String>,
+    /// The criterion that it is the product of, whose error is in both, and the speed's variable in the FMU, empty where that is
+    /// not named.
+    pub from: Option<[String; 2]>,
     /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
     pub blocks: Vec<f64>,
     /// The tests of the block means; `None` where the window is too short for them.

@@ -156,6 +156,18 @@ fn the_text_is_a_table_of_criteria() {
         ]
     );
     assert!(text.contains("torque shifted by 1"), "{text}");
+    // The error of a product with a speed that is known better is the torque's, and no second measurement.
+    let mut precise = recording(0.0);
+    precise.speed.accuracy = Accuracy::Relative(0.001);
+    let text = criteria::to_toml(&synchronise(&precise).unwrap(), false);
+    assert!(!text.contains("uncertainty-correlations"), "{text}");
+    let power = text.split("[criteria.P_fr]").nth(1).unwrap();
+    let power = power.split("[criteria").next().unwrap();
+    assert!(
+        power.contains("derived = { from = \"M\", by = \"drive.speed\" }"),
+        "{power}"
+    );
+    assert!(!power.contains("uncertainty ="), "{power}");
 }
 
 /// 0.5 % of the samples far off, and the load cut off at the top: the delay stays, and both are said.

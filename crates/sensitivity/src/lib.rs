@@ -18,6 +18,8 @@ mod testing;
 
 pub use sampling::statistics::estimate::Estimate;
 
+use sampling::statistics::moments::moderate_unit;
+
 /// Whether an order of importance can be told: `None` where the interval of the largest estimate
 /// overlaps the next one's, else the index of the largest.
 pub fn dominant(estimates: &[Estimate]) -> Option<usize> {
@@ -41,9 +43,46 @@ pub(crate) fn range(values: &[f64]) -> Option<[f64; 2]> {
     })
 }
 
+/// Outputs in a unit in which their squares are numbers: no part of a variance depends on the unit.
+pub(crate) fn moderate(outputs: &[f64]) -> Vec<f64> {
+    let unit = moderate_unit(outputs.iter().copied());
+    outputs.iter().map(|value| value / unit).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::method::FirstOrder;
+    use crate::testing::{lattice, settled};
+
+    #[test]
+    fn parts_of_a_variance_do_not_depend_on_the_unit() {
+        let outputs = |design: Vec<Vec<f64>>| -> Vec<f64> {
+            let output = |u: &Vec<f64>| u[0] + 2.0 * u[1] * u[1] - u[2];
+            design.iter().map(output).collect()
+        };
+        let settled = settled(64, 1);
+        let pairs = lattice(64, 6);
+        let of_sobol = outputs(sobol::design(&pairs));
+        let of_shapley = outputs(shapley::design(&pairs, None, 1).expect("they are independent"));
+        let told = |unit: f64| {
+            let in_unit = |values: &[f64]| values.iter().map(|v| unit * v).collect::<Vec<f64>>();
+            (
+                sobol::indices(&in_unit(&of_sobol), 3, FirstOrder::default()),
+                shapley::effects(&in_unit(&of_shapley), 3, &settled),
+            )
+        };
+        let usual = told(1.0);
+        assert!(
+            usual
+                .0
+                .as_ref()
+                .is_some_and(|indices| indices.total[0].value > 0.1)
+        );
+        // Powers of two, so that no digit changes.
+        assert_eq!(told(2.0_f64.powi(1000)), usual);
+        assert_eq!(told(2.0_f64.powi(-900)), usual);
+    }
 
     #[test]
     fn no_verdict_on_overlapping_intervals() {

@@ -15,6 +15,7 @@
 
 use crate::Estimate;
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
+use crate::moderate;
 use crate::pairs::pairs;
 use crate::ratio::{self, Parts};
 use nalgebra::{DMatrix, DVector};
@@ -213,6 +214,7 @@ pub struct Effects {
 ///
 /// `None` where the number of outputs fits no such design, or too few runs have values.
 pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<Effects> {
+    let outputs = &moderate(outputs);
     let width = outputs.len().checked_div(settled.size as usize)?;
     if parameters == 0 || width * settled.size as usize != outputs.len() {
         return None;

@@ -5,6 +5,7 @@ use crate::files::FileError;
 use crate::study::cases::SEPARATOR;
 use crate::study::points::Pairs;
 use crate::study::{CriterionText, Name, Study};
+use conformity::measured::Measurement;
 use conformity::uncertainty::Uncertainty;
 
 /// A criterion whose error follows from others'.
@@ -12,8 +13,14 @@ use conformity::uncertainty::Uncertainty;
 pub(super) struct Derived {
     /// Its number.
     number: usize,
-    /// The factors' numbers, each with the correlation of its error with the product's.
+    /// The factors' numbers, each with the product over its value.
     factors: Vec<(usize, f64)>,
+}
+
+impl Derived {
+    fn has_factor(&self, criterion: usize) -> bool {
+        self.factors.iter().any(|(factor, _)| *factor == criterion)
+    }
 }
 
 impl Judge {
@@ -29,68 +36,94 @@ impl Judge {
                 let message = "its error follows from those of its factors; remove `uncertainty` and the keys beside it, or `derived`";
                 return Err(wrong(message.to_owned()));
             }
-            let factors = self.factors(study, text, number).map_err(wrong)?;
-            let value = |k: usize| {
-                self.criteria[k]
-                    .measured()
-                    .value
-                    .filter(|value| *value != 0.0)
-            };
-            let mut parts: Vec<(usize, f64, Uncertainty)> = Vec::new();
-            for factor in factors {
+            let value = |k: usize| self.value(k).filter(|value| *value != 0.0);
+            let mut factors: Vec<(usize, f64)> = Vec::new();
+            for factor in self.factors(study, text, number).map_err(wrong)? {
                 let criterion = &self.criteria[factor];
-                let known = value(number).zip(value(factor)).zip(criterion.uncertainty);
-                let ((product, factor_value), uncertainty) = known.ok_or_else(|| {
+                let known = value(number).zip(value(factor));
+                let known = known.filter(|_| criterion.uncertainty.is_some());
+                let (product, factor_value) = known.ok_or_else(|| {
                     wrong(format!(
                         "an error can only follow where both have a measured value other than 0, and {} its `uncertainty`",
                         criterion.name
                     ))
                 })?;
-                parts.push((factor, product / factor_value, uncertainty));
+                factors.push((factor, product / factor_value));
             }
-            let (_, ratio, first) = parts[0];
+            if let Some(&(factor, _)) = factors.get(1)
+                && self.criteria[factor]
+                    .measured()
+                    .error
+                    .is_none_or(|error| !error.is_normal())
+            {
+                return Err(wrong(format!(
+                    "the error of {} must be normal: state it without `repeats` and not as rectangular, or exchange `from` and `by`",
+                    self.criteria[factor].name
+                )));
+            }
+            let derived = Derived { number, factors };
+            self.follow(&derived);
+            // In what a limit's distance counts may be this uncertainty.
+            let unit = self.criteria[number].distance_unit;
+            self.criteria[number].distance_unit =
+                unit.map(|_| distance_unit(&self.criteria[number]));
+            self.derived.push(derived);
+        }
+        Ok(())
+    }
+
+    /// Sets the uncertainty of a derived criterion to the one that follows from its factors'.
+    fn follow(&mut self, derived: &Derived) {
+        let (first, ratio) = derived.factors[0];
+        self.criteria[derived.number].uncertainty = self.criteria[first].uncertainty.map(|first| {
             let mut uncertainty = Uncertainty {
                 expanded: ratio.abs() * first.expanded,
                 noise: ratio.abs() * first.noise,
                 ..first
             };
-            let standard = |factor: usize| {
-                self.criteria[factor]
-                    .measured()
-                    .error
-                    .filter(|error| error.is_normal())
-            };
-            if let Some(&(factor, ratio, _)) = parts.get(1) {
-                let error = standard(factor).ok_or_else(|| {
-                    wrong(format!(
-                        "the error of {} must be normal: state it without `repeats` and not as rectangular, or exchange `from` and \
-                         `by`",
-                        self.criteria[factor].name
-                    ))
-                })?;
+            for &(factor, ratio) in &derived.factors[1..] {
                 // In the product it is an error in proportion.
-                let relative = ratio * error.standard() / value(number).unwrap_or(1.0);
+                let relative =
+                    ratio * self.size(factor) / self.value(derived.number).unwrap_or(1.0);
                 uncertainty.gain = uncertainty.gain.hypot(relative);
             }
-            self.criteria[number].uncertainty = Some(uncertainty);
-            // In what a limit's distance counts may be this uncertainty.
-            let unit = self.criteria[number].distance_unit;
-            self.criteria[number].distance_unit =
-                unit.map(|_| distance_unit(&self.criteria[number]));
-            let size = |k: usize| {
-                self.criteria[k]
-                    .measured()
-                    .error
-                    .map_or(0.0, |error| error.standard())
-            };
-            let factors = parts.iter().map(|&(factor, ratio, _)| {
-                let correlation = ratio * size(factor) / size(number);
-                (factor, correlation.clamp(-1.0, 1.0))
-            });
-            let factors = factors.collect();
-            self.derived.push(Derived { number, factors });
-        }
-        Ok(())
+            uncertainty
+        });
+    }
+
+    fn value(&self, criterion: usize) -> Option<f64> {
+        self.criteria[criterion].measured().value
+    }
+
+    /// The standard uncertainty of a measured value.
+    fn size(&self, criterion: usize) -> f64 {
+        let error = self.criteria[criterion].measured().error;
+        error.map_or(0.0, |error| error.standard())
+    }
+
+    /// The measurement with half the uncertainty of a criterion from which others follow; none where none does.
+    pub fn with_half_uncertainty(&self, criterion: usize) -> Option<Measurement> {
+        let is_factor = self
+            .derived
+            .iter()
+            .any(|derived| derived.has_factor(criterion));
+        let mut changed = is_factor.then(|| self.clone())?;
+        let uncertainty = &mut changed.criteria[criterion].uncertainty;
+        *uncertainty = uncertainty.map(|uncertainty| uncertainty.times(0.5));
+        self.derived
+            .iter()
+            .for_each(|derived| changed.follow(derived));
+        let follows = |k: usize| self.derived.iter().any(|derived| derived.number == k);
+        let pairs = self.measurement.correlations().iter().copied();
+        let stated = pairs
+            .filter(|&(a, b, _)| !follows(a) && !follows(b))
+            .collect();
+        let criteria = changed
+            .criteria
+            .iter()
+            .map(super::Criterion::measured)
+            .collect();
+        Measurement::new(criteria, &changed.with_following(stated)).ok()
     }
 
     /// The numbers of the criteria that are the factors of a derived one.
@@ -139,20 +172,26 @@ impl Judge {
     }
 
     /// The stated correlations, and those that follow for derived criteria.
-    pub(super) fn with_derived(&self, study: &Study, mut pairs: Pairs) -> Result<Pairs, FileError> {
+    pub(super) fn with_derived(&self, study: &Study, pairs: Pairs) -> Result<Pairs, FileError> {
         for (place, &(a, b, _)) in pairs.iter().enumerate() {
             let follows = self.derived.iter().any(|derived| {
-                let is_factor = |k: usize| derived.factors.iter().any(|(factor, _)| *factor == k);
-                derived.number == a || derived.number == b || is_factor(a) && is_factor(b)
+                derived.number == a
+                    || derived.number == b
+                    || derived.has_factor(a) && derived.has_factor(b)
             });
             if follows {
                 let message = "this correlation follows from `derived`, whose factors' errors are independent; remove one of them";
                 return Err(study.error_at(&study.uncertainty_correlations[place], message));
             }
         }
+        Ok(self.with_following(pairs))
+    }
+
+    fn with_following(&self, mut pairs: Pairs) -> Pairs {
         for Derived { number, factors } in &self.derived {
             let mut following: Pairs = Vec::new();
-            for &(factor, part) in factors {
+            for &(factor, ratio) in factors {
+                let part = (ratio * self.size(factor) / self.size(*number)).clamp(-1.0, 1.0);
                 following.push((*number, factor, part));
                 for &(a, b, coefficient) in &pairs {
                     let other = match factor {
@@ -171,6 +210,6 @@ impl Judge {
                 .map(|(a, b, r)| (a, b, r.clamp(-1.0, 1.0)));
             pairs.extend(clamped);
         }
-        Ok(pairs)
+        pairs
     }
 }

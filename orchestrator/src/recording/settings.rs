@@ -265,7 +265,7 @@ impl Settings {
             torque: signal(&self.torque, "M", TORQUE, Some("N.m"))?,
             speed: Channel {
                 name: "speed".to_owned(),
-                variable: String::new(),
+                variable: self.speed.variable.clone().unwrap_or_default(),
                 unit: "rad/s".to_owned(),
                 values: speed,
                 accuracy: speed_accuracy,

@@ -176,10 +176,23 @@ pub(super) fn improvements(
     }
     let mut halvings: Vec<(Halved, String, Vec<Seen>)> = Vec::new();
     let criteria = judge.names().zip(measurement.criteria());
-    for ((name, measured), seen) in criteria.zip(halved) {
-        if measured.error.is_some() {
-            halvings.push((Halved::Uncertainty, name.clone(), seen));
+    for (k, ((name, measured), seen)) in criteria.zip(halved).enumerate() {
+        // An error that follows from others has no uncertainty of its own to halve.
+        if measured.error.is_none() || judge.criteria[k].derived_from.is_some() {
+            continue;
         }
+        let seen = match judge.with_half_uncertainty(k) {
+            Some(measurement) => {
+                let measurement = measurement.roughly();
+                let all = |values: &Vec<f64>| measurement.assess(values).all;
+                let each = points
+                    .iter()
+                    .map(|(_, values)| values.as_ref().map_or(failed, all));
+                each.map(Seen::new).collect()
+            }
+            None => seen,
+        };
+        halvings.push((Halved::Uncertainty, name.clone(), seen));
     }
     if let Some(plan) = plan.filter(|plan| plan.correlation.is_none()) {
         for k in plan.with_tolerances() {

@@ -14,6 +14,7 @@ use crate::table::csv_file;
 use conformity::measured::Measurement;
 use conformity::risk::Guard;
 use parameter_regions::table::{ParameterColumn, PointTable};
+use sampling::statistics::moments::length;
 
 /// Writes `points.csv` row by row.
 pub struct Writer<W: Write> {
@@ -237,11 +238,10 @@ fn add(table: &mut PointTable, record: &csv::StringRecord) -> Option<()> {
 /// tolerance; nothing where the point failed.
 fn distance(record: &csv::StringRecord, summary: &Summary) -> Option<f64> {
     let cells = record.iter().skip(1 + summary.parameters.len());
-    let mut sum = 0.0;
-    for (cell, count) in cells.zip(summary.criteria.values()) {
-        sum += count.criterion.deviation(cell.parse().ok()?).powi(2);
-    }
-    (!sum.is_nan()).then(|| sum.sqrt())
+    let pairs = cells.zip(summary.criteria.values());
+    let deviations = pairs.map(|(cell, count)| Some(count.criterion.deviation(cell.parse().ok()?)));
+    let deviations: Vec<f64> = deviations.collect::<Option<_>>()?;
+    Some(length(deviations.into_iter())).filter(|distance| !distance.is_nan())
 }
 
 #[cfg(test)]

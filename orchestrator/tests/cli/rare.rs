@@ -67,6 +67,22 @@ fn holds(bench: &Bench, exact: f64) -> serde_json::Value {
     found
 }
 
+/// Beyond 5 deviations, where all points seem equally far from a limit in whose unit they lie hundreds inside: 2.866516e-7.
+#[test]
+fn points_far_inside_of_a_limit_lead_to_it() {
+    let bench = Bench::functions();
+    let lines =
+        "[criteria.C]\nvariable = \"first\"\nat-most = 5\nmeasured = 0\nuncertainty = 0.01\n";
+    let said = searched(&bench, lines, "40000", &["--rare", "not-conforming"]);
+    assert!(
+        said.out.contains("e−7 of the space"),
+        "{}{}",
+        said.out,
+        said.err
+    );
+    holds(&bench, 2.866_516e-7);
+}
+
 /// Between 6 and 6.2 deviations: 7.042718e-10.
 #[test]
 fn a_share_of_verified_points_is_told() {

@@ -606,3 +606,30 @@ fn the_page_shows_the_share_that_was_decided() {
     }
     assert!(page.contains("\"guarded\":true") && page.contains("\"drawn_in\":["));
 }
+
+/// Half the uncertainty of a torque halves that of the power that follows from it, which has none of its own.
+#[test]
+fn half_an_uncertainty_halves_what_follows_from_it() {
+    let study = |uncertainty: f64| {
+        format!(
+            "fmu = \"none.fmu\"\n[fixed]\nspeed = 9\n[criteria.M]\nvariable = \"T\"\nat-most = 82\nmeasured = 81\n\
+             uncertainty = {uncertainty}\nnoise = {}\nrepeats = 3\n\
+             [criteria.P]\nvariable = \"F\"\nnominal = 729\ntolerance = {{ minus = 60, plus = 90 }}\n\
+             derived = {{ from = \"M\", by = \"speed\" }}\n",
+            0.7 * uncertainty
+        )
+    };
+    let [(_, whole), (_, half)] = [1.0, 0.5].map(|uncertainty| judge(&study(uncertainty), 300));
+    let changes = whole["improvements"]["changes"].as_array().unwrap();
+    let names: Vec<&Value> = changes.iter().map(|change| &change["name"]).collect();
+    assert_eq!(names, ["M"]);
+    let close = |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-9;
+    for key in ["consumer", "producer", "conformance_probability"] {
+        assert!(
+            close(&changes[0][key], &half["risk"][key]),
+            "{key}: {changes:?} {}",
+            half["risk"]
+        );
+        assert!(!close(&whole["risk"][key], &half["risk"][key]), "{key}");
+    }
+}

@@ -3,7 +3,7 @@
 
 use super::{dominates, front};
 use crate::table::PointTable;
-use sampling::statistics::moments::{pearson, ranks};
+use sampling::statistics::moments::{length, pearson, ranks};
 use serde::{Deserialize, Serialize};
 
 /// The trade-off between the criteria of a study.
@@ -67,7 +67,7 @@ impl Member {
 
     /// Euclid's distance from the measurement.
     pub fn distance(&self) -> f64 {
-        self.deviations.iter().map(|d| d * d).sum::<f64>().sqrt()
+        length(self.deviations.iter().copied())
     }
 
     /// Whether all criteria are met.
@@ -169,7 +169,7 @@ fn shorten(front: &mut Vec<Member>, nearest: usize) -> usize {
 fn compare(member: Member, front: &[Member]) -> Nominal {
     let to = |other: &Member| {
         let pairs = member.deviations.iter().zip(&other.deviations);
-        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        length(pairs.map(|(a, b)| a - b))
     };
     let beats = |other: &&Member| dominates(&other.deviations, &member.deviations);
     Nominal {

@@ -6,6 +6,7 @@
 //! equations 14-16. The degree is the one with the least leave-one-out error.
 
 use nalgebra::{DMatrix, DVector};
+use sampling::statistics::moments::{deviation, mean, moderate_unit};
 use serde::{Deserialize, Serialize};
 
 /// How well a surrogate predicts points that it was not fitted to.
@@ -75,13 +76,13 @@ impl Surrogate {
         let every = kept.len().div_ceil(MOST_POINTS).max(1);
         let kept: Vec<usize> = kept.into_iter().step_by(every).collect();
         let d = inputs.first()?.len();
-        let column = |k: usize| kept.iter().map(move |&j| inputs[j][k]);
+        let column = |k: usize| kept.iter().map(|&j| inputs[j][k]).collect::<Vec<f64>>();
         let n = kept.len() as f64;
-        let centre: Vec<f64> = (0..d).map(|k| column(k).sum::<f64>() / n).collect();
-        let spread =
-            |k: usize| (column(k).map(|v| (v - centre[k]).powi(2)).sum::<f64>() / n).sqrt();
+        let centre: Vec<f64> = (0..d).map(|k| mean(&column(k))).collect();
+        let spread = |k: usize| deviation(&column(k), 0);
         let scale: Vec<f64> = (0..d).map(|k| spread(k).max(f64::MIN_POSITIVE)).collect();
-        let y = DVector::from_iterator(kept.len(), kept.iter().map(|&j| output[j]));
+        let unit = moderate_unit(kept.iter().map(|&j| output[j]));
+        let y = DVector::from_iterator(kept.len(), kept.iter().map(|&j| output[j] / unit));
         let mut best: Option<Self> = None;
         for degree in 1..=most {
             let terms = terms(d, degree);
@@ -103,7 +104,11 @@ impl Surrogate {
             let fit = Self::solve(basis, inputs, &kept, &y).filter(is_better);
             best = fit.or(best);
         }
-        best
+        let mut best = best?;
+        let numbers = best.coefficients.iter_mut().chain(&mut best.errors);
+        numbers.for_each(|number| *number *= unit);
+        best.quality.error *= unit;
+        Some(best)
     }
 
     fn solve(
@@ -241,6 +246,13 @@ mod tests {
         let s = Surrogate::fit(&x, &y).unwrap();
         assert!(s.quality.predicted > 1.0 - 1e-12, "{:?}", s.quality);
         assert!((s.at(&[0.3, -0.2, 0.9]) - f(&[0.3, -0.2, 0.9])).abs() < 1e-9);
+        // In any unit of parameters and output, whose squares may be beyond all numbers.
+        let scaled = |values: &[f64]| values.iter().map(|v| 1e200 * v).collect::<Vec<f64>>();
+        let x: Vec<Vec<f64>> = x.iter().map(|row| scaled(row)).collect();
+        let large = Surrogate::fit(&x, &scaled(&y)).unwrap();
+        assert!(large.quality.predicted > 1.0 - 1e-12, "{:?}", large.quality);
+        let place = scaled(&[0.3, -0.2, 0.9]);
+        assert!((large.at(&place) / 1e200 - f(&[0.3, -0.2, 0.9])).abs() < 1e-9);
     }
 
     #[test]

@@ -23,6 +23,32 @@ pub fn deviation(values: &[f64], freedom: usize) -> f64 {
     }
 }
 
+/// The root of the sum of the squares, which may be beyond all numbers themselves.
+pub fn length(parts: impl Iterator<Item = f64> + Clone) -> f64 {
+    let in_units = |unit: f64| {
+        let squares = parts.clone().map(|part| (part / unit).powi(2));
+        unit * squares.sum::<f64>().sqrt()
+    };
+    let length = in_units(1.0);
+    match length.is_infinite() {
+        true => in_units(LARGE),
+        false => length,
+    }
+}
+
+/// A power of two in units of which the values' squares, and the squares of these, are numbers other than 0: 1 for usual
+/// values.
+pub fn moderate_unit(values: impl Iterator<Item = f64>) -> f64 {
+    const USUAL: std::ops::Range<f64> = 1e-60..1e60;
+    const MANTISSA: u64 = (1 << 52) - 1;
+    let finite = values.filter(|value| value.is_finite()).map(f64::abs);
+    let largest = finite.fold(0.0, f64::max);
+    match largest == 0.0 || USUAL.contains(&largest) {
+        true => 1.0,
+        false => f64::from_bits(largest.to_bits() & !MANTISSA).max(f64::MIN_POSITIVE),
+    }
+}
+
 /// The variance about the mean, divided by the number of values less `freedom`.
 pub fn variance(values: &[f64], freedom: usize) -> f64 {
     let m = mean(values);
@@ -130,6 +156,7 @@ mod tests {
             let values = values.map(|value| large * value);
             assert!((mean(&values) / large - 3.0).abs() < 1e-12);
             assert!((deviation(&values, 1) / large - 7.0_f64.sqrt()).abs() < 1e-12);
+            assert!((length(values.into_iter()) / large - 41.0_f64.sqrt()).abs() < 1e-12);
         }
     }
 

@@ -20,16 +20,16 @@ pub fn document(result: &Pareto) -> Document {
         return told;
     };
     told.say(format!(
-        "From {}: of {} points {} are beaten by no other in every criterion, and {} of these meet all criteria.",
+        "From {}: for {} of {} points no other one is as near in every criterion and nearer in one; {} of these meet all criteria.",
         result.method,
-        count(result.points),
         count(result.unbeaten),
+        count(result.points),
         count(result.unbeaten_verified)
     ));
     if let Some(nominal) = &result.nominal {
         told.say(format!(
-            "The nominal design (all parameters at their medians) is beaten in every criterion by {} points of the front and \
-             lies {} of a tolerance from it.",
+            "Of the front, {} points are as near as the nominal design (all parameters at their medians) in every criterion and \
+             nearer in one; it lies {} of a tolerance from the front.",
             count(nominal.beaten_by),
             number(nominal.to_front, 3)
         ));

@@ -143,8 +143,8 @@ impl Rare {
 fn deviation(judge: &Judge, values: &[f64]) -> f64 {
     let pairs = judge.criteria.iter().zip(values);
     pairs
-        .map(|(criterion, &value)| criterion.deviation(value))
-        .fold(0.0, f64::max)
+        .map(|(criterion, &value)| criterion.level(value))
+        .fold(f64::NAN, f64::max)
 }
 
 impl Analysis for Rare {

@@ -31,7 +31,7 @@ const Judge = (() => {
     const [minus, plus] = reach(criterion), deviation = value - criterion.nominal;
     return [deviation - plus, deviation + minus];
   };
-  const standard = ({ expanded, coverage, law }) => expanded * (law ? Math.hypot(law.scale, law.half_width / Math.sqrt(3)) : 1 / coverage);
+  const standard = ({ expanded, coverage, law }) => expanded * (law ? Math.hypot(law.normal, law.student, law.half_width / Math.sqrt(3)) : 1 / coverage);
   const limits = (criterion, value) => {
     const { uncertainty } = criterion, { law, expanded } = uncertainty;
     return errorsOf(criterion, value).map(error => law ? Numbers.score(law, error / expanded) : error / standard(uncertainty));

@@ -108,25 +108,32 @@ const Numbers = (() => {
     return x < (a + 1) / (a + b + 2) ? front * betaFraction(a, b, x) / a : 1 - front * betaFraction(b, a, 1 - x) / b;
   };
 
-  // ---- errors that are not normal (`conformity::uncertainty::Law`): { scale, freedom, half_width }, freedom null where infinite ----
-  const smooth = ({ freedom }, z) => {
-    if (freedom === null) return below(z);
-    const tail = 0.5 * beta(freedom / 2, 0.5, freedom / (freedom + z * z));
-    return z > 0 ? 1 - tail : tail;
+  // ---- errors that are not normal (`conformity::uncertainty::Law`): { normal, student, freedom, half_width } ----
+  // The mean over the normal distributions of which the normal and Student's part are a mixture.
+  const mixed = ({ normal, student, freedom }, of) => {
+    if (student === 0) return of(normal);
+    const step = 1.1 / Math.sqrt(freedom + 10);
+    let sum = 0, weights = 0;
+    for (const [first, by] of [[0, step], [-step, -step]]) {
+      for (let place = first; ; place += by) {
+        const weight = Math.exp(0.5 * freedom * (place - Math.expm1(place)));
+        if (weight < 1e-14) break;
+        sum += weight * of(Math.hypot(normal, student * Math.exp(-0.5 * place)));
+        weights += weight;
+      }
+    }
+    return sum / weights;
   };
-  const integral = (law, z) => {
-    const n = law.freedom, density = () => Math.exp(lnGamma((n + 1) / 2) - lnGamma(n / 2) - (n + 1) / 2 * Math.log1p(z * z / n)) / Math.sqrt(n * Math.PI);
-    const rest = n === null ? Math.exp(-0.5 * z * z) / Math.sqrt(2 * Math.PI)
-      : Math.abs(n - 1) < 1e-7 ? -Math.log1p(z * z) / (2 * Math.PI) : (n + z * z) / (n - 1) * density();
-    return z * smooth(law, z) + rest;
+  const belowBoth = (error, scale, half) => {
+    if (half <= 1e-6 * scale) return below(error / scale);
+    if (scale <= 1e-6 * half) return Math.min(Math.max(0.5 + 0.5 * error / half, 0), 1);
+    const integral = z => z * below(z) + Math.exp(-0.5 * z * z) / Math.sqrt(2 * Math.PI);
+    const area = integral((error + half) / scale) - integral((error - half) / scale);
+    return Math.min(Math.max(area * scale / (2 * half), 0), 1);
   };
   const errorBelow = (law, error) => {
-    const { scale, half_width: half } = law;
     if (!Number.isFinite(error)) return error > 0 ? 1 : 0;
-    if (half <= 1e-6 * scale) return smooth(law, error / scale);
-    if (scale <= 1e-6 * half) return Math.min(Math.max(0.5 + 0.5 * error / half, 0), 1);
-    const away = -Math.abs(error), area = integral(law, (away + half) / scale) - integral(law, (away - half) / scale);
-    const tail = Math.min(Math.max(area * scale / (2 * half), 0), 1);
+    const tail = mixed(law, scale => belowBoth(-Math.abs(error), scale, law.half_width));
     return error > 0 ? 1 - tail : tail;
   };
   /** The probability that such an error lies between two limits. */
