@@ -1,7 +1,6 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
 use conformity::uncertainty::Uncertainty;
-use orchestrator::document::Document;
 use orchestrator::judge::Criterion;
 use orchestrator::methods::{pareto, robustness as robust, sensitivity};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
@@ -12,6 +11,7 @@ use parameter_regions::robustness::{region, robustness, rows};
 use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
+use result_document::Document;
 use sampling::statistics::share::Fraction;
 use std::path::Path;
 

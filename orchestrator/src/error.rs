@@ -3,11 +3,22 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::files::{FileError, unusable};
-use fmu_import::FmuError;
+use fmu_import::{ArchiveError, FmuError, FmuFault};
 use fmu_points::RunError;
 use fmu_points::failure::Failure;
 use fmu_points::scratch::ScratchError;
+use number_tables::files::{FileError, missing};
+
+/// Why an FMU cannot be used, with a remedy.
+pub fn unusable(error: &FmuError) -> String {
+    match error {
+        FmuError {
+            path,
+            fault: FmuFault::Archive(ArchiveError::Missing),
+        } => format!("{}: {}", path.display(), missing(path)),
+        other => other.to_string(),
+    }
+}
 
 /// Why something cannot be done.
 #[derive(Debug, thiserror::Error)]

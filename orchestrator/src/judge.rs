@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::concern::Concern;
-use crate::files::FileError;
 use crate::study::plan::find;
 use crate::study::quantity::{Scale, Sense};
 use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, ToleranceText, first_wrong};
@@ -26,6 +25,7 @@ use fmu_import::{Description, Variable};
 use fmu_points::failure::Failure;
 use fmu_points::names::{behind, did_you_mean, nearest};
 use fmu_points::task::Detail;
+use number_tables::files::FileError;
 use parameter_regions::table::CriterionColumn;
 use sampling::statistics::Statistic;
 use sampling::statistics::moments::length;

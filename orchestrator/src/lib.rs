@@ -4,9 +4,7 @@
 pub mod cli;
 pub mod commands;
 pub mod concern;
-pub mod document;
 pub mod error;
-pub mod files;
 pub mod identify;
 pub mod judge;
 pub mod methods;
@@ -19,4 +17,3 @@ pub mod results;
 pub mod session;
 pub mod source;
 pub mod study;
-pub mod table;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use crate::files::FileError;
 use crate::study::plan::Input;
 use crate::study::{ParameterText, Study};
-use crate::table::{Column, Table};
+use number_tables::files::FileError;
+use number_tables::{Column, Table};
 use sampling::design::Design;
 use sampling::distribution::Distribution;
 

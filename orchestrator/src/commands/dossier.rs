@@ -1,9 +1,9 @@
 //! The verdict for other tools: meta data of the summary and of the whole task, after SSP Traceability.
 
 use crate::error::Error;
-use crate::files;
 use crate::results::traceability::{self, criteria, dossier, origin, parameters, verdict};
 use crate::results::{Summary, write_atomically};
+use number_tables::files;
 use std::path::Path;
 
 const SUMMARY: &str = "summary.json";

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::results::points::number;
-use crate::table::csv_file;
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
 use fmu_points::scratch::Scratch;
 use fmu_points::single::Recorder;
 use fmu_points::task::{Case, Task};
 use fmu_points::{Answer, Job, Limits, RunError, stop, working_directory};
+use number_tables::csv_file;
 
 /// The variables that a trajectory shows.
 #[derive(Debug)]

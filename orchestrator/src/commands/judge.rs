@@ -20,10 +20,10 @@ use crate::results::{concerns, lines, write_atomically};
 use crate::session::{FileSet, Request, provenance};
 use crate::study::Study;
 use crate::study::quantity::Scale;
-use crate::table::Table;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
 use fmu_points::failure::{Failure, Partial};
+use number_tables::Table;
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let begun = Instant::now();

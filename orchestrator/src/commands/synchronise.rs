@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use super::output;
 use crate::cli;
 use crate::error::Error;
-use crate::files::FileError;
 use crate::recording::Settings;
 use crate::report::recording;
 use crate::results::{make_folder, write_atomically};
+use number_tables::files::FileError;
 use rig_signals::case::{Case, Frame};
 use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
 

@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
-use crate::document;
 use crate::report::counted::{readings, risks};
 use crate::report::outlook::improve_first;
 use crate::results::asides::Asides;

@@ -2,7 +2,6 @@
 
 use super::cases::Columns;
 use super::late::Reading;
-use crate::files::FileError;
 use crate::study::identification::{
     DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
 };
@@ -19,6 +18,7 @@ use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use fmu_import::units::Conversion;
 use fmu_points::task::{Case as Simulation, Probe, Slot};
+use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 
 /// An identification in terms of an FMU.

@@ -1,8 +1,8 @@
 //! The table of measured cases.
 
-use crate::files::FileError;
 use crate::study::{Identification, Name, Study};
-use crate::table::{self, Column, Table};
+use number_tables::files::FileError;
+use number_tables::{Column, Table};
 
 /// The columns of the table that the section names, or a single case without any.
 pub(super) struct Columns {
@@ -39,7 +39,7 @@ impl Columns {
             });
         };
         let wanted = named.iter();
-        let wanted = wanted.map(|(name, column)| table::column(column, name.as_ref()));
+        let wanted = wanted.map(|(name, column)| number_tables::column(column, name.as_ref()));
         let wanted: Vec<Column> = wanted.collect();
         let table = Table::read_points(&study.path_of(path.as_ref()), &wanted)
             .map_err(|error| study.error_at(path, error.to_string()))?;

@@ -1,12 +1,12 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
 use super::Criterion;
-use crate::files::FileError;
 use crate::study::limit::{error, limit, part};
 use crate::study::quantity::Scale;
 use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, first_wrong};
 use conformity::measured::Limits;
 use curves::{Kind, Metric};
+use number_tables::files::FileError;
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {

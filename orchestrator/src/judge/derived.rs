@@ -1,12 +1,12 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
 use super::{Judge, distance_unit};
-use crate::files::FileError;
 use crate::study::cases::SEPARATOR;
 use crate::study::points::Pairs;
 use crate::study::{CriterionText, Name, Study};
 use conformity::measured::Measurement;
 use conformity::uncertainty::Uncertainty;
+use number_tables::files::FileError;
 
 /// A criterion whose error follows from others'.
 #[derive(Clone, Debug)]

@@ -4,7 +4,6 @@ use toml::Spanned;
 
 use super::{Criterion, Judge, tolerance};
 use crate::concern::{Code, Concern};
-use crate::files::FileError;
 use crate::study::limit::part;
 use crate::study::points::{Pairs, pairs};
 use crate::study::quantity::Scale;
@@ -14,6 +13,7 @@ use conformity::measured::Measurement;
 use conformity::risk::Guard;
 use conformity::uncertainty::{Distribution, Uncertainty};
 use fmu_import::{Causality, Variable};
+use number_tables::files::FileError;
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
 pub(super) fn check_variable(

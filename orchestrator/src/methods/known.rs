@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::files;
 use crate::options::folder_of;
 use crate::results::Summary;
 use crate::results::origin::Origin;
 use crate::study::Study;
+use number_tables::files;
 use parameter_regions::table::PointTable;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;

@@ -9,7 +9,6 @@ pub(crate) mod setup;
 
 use clap::Subcommand;
 
-use crate::document::Document;
 use crate::error::Error;
 use crate::options::Work;
 use crate::session::Request;
@@ -17,6 +16,7 @@ use asking::{Analysis, Delivery};
 use fmu_points::{Isolation, RunError};
 use join::Shards;
 use known::Finished;
+use result_document::Document;
 
 macro_rules! methods {
     ($($(#[$about:meta])* $name:ident = $module:ident;)*) => {

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::files::FileError;
-use crate::table::csv_file::CsvFile;
 use chrono::{DateTime, NaiveDateTime};
 use fmu_points::names::{did_you_mean, nearest};
+use number_tables::csv_file::CsvFile;
+use number_tables::files::FileError;
 
 /// A recording's columns by name.
 pub(super) struct RecordedTable {

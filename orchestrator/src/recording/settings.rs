@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Deserializer};
 
 use super::recorded::RecordedTable;
-use crate::files::FileError;
 use crate::study::{Quantity, exactly_two};
+use number_tables::files::FileError;
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
 use rig_signals::{Accuracy, Channel, Derived, RigRecording};
@@ -114,7 +114,7 @@ impl Settings {
     /// # Errors
     /// With file and line, when it cannot be read or says something else.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = crate::files::text(path)?;
+        let text = number_tables::files::text(path)?;
         let settings = toml::from_str(&text).map_err(|error| {
             let line = error
                 .span()

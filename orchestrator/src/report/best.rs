@@ -1,9 +1,9 @@
 //! The page's table of the best points.
 
 use super::payload::PlotColumn;
-use crate::document::format::{number, percent};
 use parameter_regions::pareto;
 use parameter_regions::table::{PointTable, Ranked};
+use result_document::format::{number, percent};
 use serde::Serialize;
 
 /// Number of best points in the table.

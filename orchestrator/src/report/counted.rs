@@ -1,13 +1,13 @@
 //! Tables of counts that the terminal and the page share: the risk of accepting, the cases, and other readings of the
 //! tolerances.
 
-use crate::document::format::{count, number, percent};
-use crate::document::{Block, Column, Table, numbers, words};
 use crate::results::Summary;
 use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
 use crate::study::cases::SEPARATOR;
 use conformity::measured::{Limits, Measured};
 use conformity::risk::Risk;
+use result_document::format::{count, number, percent};
+use result_document::{Block, Column, Table, numbers, words};
 
 fn heading(title: &str) -> Block {
     Block::Heading(title.to_owned())

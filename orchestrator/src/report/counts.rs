@@ -2,12 +2,12 @@
 
 use super::judgement::Judgement;
 use super::overlay::metric_of;
-use crate::document::format::{count, number, percent};
 use crate::results::Summary;
 use crate::results::summary::Count;
 use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
 use parameter_regions::table::{CriterionColumn, PointTable};
+use result_document::format::{count, number, percent};
 use sampling::statistics::share::Fraction;
 use serde::Serialize;
 

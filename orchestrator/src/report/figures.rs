@@ -4,9 +4,9 @@
 use super::bins::{bins_for, density, histogram, levels};
 use super::overlay::Measured;
 use super::payload::PlotColumn;
-use crate::document::format::{count, number, with_unit};
-use crate::document::svg::{Axis, Frame, area, circle, envelope, path, text, ticks};
 use parameter_regions::table::PointTable;
+use result_document::format::{count, number, with_unit};
+use result_document::svg::{Axis, Frame, area, circle, envelope, path, text, ticks};
 use std::fmt::Write as _;
 
 /// Points of one column against another, with the accepted box: one by one where `points` are

@@ -4,8 +4,6 @@ use super::judgement::Judgement;
 use super::outlook::{comparison, improvements};
 use super::whatif::WhatIf;
 use super::{Report, again, history};
-use crate::document::Document;
-use crate::document::format::count;
 use crate::error::Error;
 use crate::methods;
 use crate::methods::known::Finished;
@@ -17,6 +15,8 @@ use crate::results::table;
 use crate::results::words::capitalised;
 use crate::study::Study;
 use parameter_regions::table::PointTable;
+use result_document::Document;
+use result_document::format::count;
 use std::path::Path;
 
 impl Report {

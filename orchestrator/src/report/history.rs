@@ -3,8 +3,8 @@
 use super::figures::Series;
 use super::overlay::{Measured, is_of, metric_of};
 use crate::study::Study;
-use crate::table::csv_file;
 use indexmap::IndexMap;
+use number_tables::csv_file;
 use parameter_regions::table::PointTable;
 use sampling::statistics::Statistic;
 use std::path::Path;

@@ -21,7 +21,6 @@ pub(crate) mod recording;
 mod shown;
 pub(crate) mod whatif;
 
-use crate::document::{Document, svg};
 use crate::error::Error;
 use crate::results::{Summary, write_atomically};
 use base64::{Engine, engine::general_purpose::STANDARD};
@@ -32,6 +31,7 @@ use judgement::Judgement;
 use parameter_regions::table::PointTable;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
+use result_document::{Document, svg};
 use sampling::statistics::share::Fraction;
 use std::io::Write;
 use std::path::{Path, PathBuf};

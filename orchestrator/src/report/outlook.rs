@@ -1,10 +1,10 @@
 //! The documents on the model's own error, and on what to improve first.
 
-use crate::document::format::{number, percent};
-use crate::document::{Document, Table, numbers, words};
 use crate::results::Summary;
 use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign};
 use conformity::validation::Comparison;
+use result_document::format::{number, percent};
+use result_document::{Document, Table, numbers, words};
 
 /// The model's own error, where the study tells it.
 pub fn comparison(summary: &Summary) -> Option<Document> {

@@ -9,8 +9,6 @@ use super::from_results::{provenance, remarks};
 use super::payload::{self, PlotColumn};
 use super::planes::planes;
 use super::shown::Shown;
-use crate::document::format::{count, number, percent, with_unit};
-use crate::document::{self, Document, marked};
 use crate::error::Error;
 use crate::results::words::capitalised;
 use base64::{Engine, engine::general_purpose::STANDARD};
@@ -20,6 +18,8 @@ use fmu_points::tell::is_hidden;
 use indexmap::IndexMap;
 use minijinja::{Environment, Value, context, value::Serde};
 use parameter_regions::table::PointTable;
+use result_document::format::{count, number, percent, with_unit};
+use result_document::{Document, marked};
 use sampling::statistics::moments::{deviation, mean};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -72,11 +72,11 @@ pub fn render(report: &Report) -> Result<String, Error> {
         study => summary.title.as_deref().unwrap_or(&from.study),
         model => from.fmu.as_deref(),
         date => summary.run.as_ref().map(|run| run.date.as_str()),
-        style => concat!(
-            include_str!("assets/plot.css"),
+        style => [
+            result_document::svg::STYLE,
             include_str!("assets/report.css"),
             include_str!("assets/whatif.css")
-        ),
+        ].concat(),
         script => concat!(
             include_str!("assets/packed.js"),
             include_str!("assets/numbers.js"),
@@ -118,7 +118,7 @@ pub fn render(report: &Report) -> Result<String, Error> {
         crowded => points.len() == total && total > figures::MOST_MARKS,
         rows => Serde(count_rows(table, summary, judgement)),
         decisive => decisive(summary),
-        counted => document::html(&[risks(summary), cases(summary), readings(summary)].concat()),
+        counted => result_document::html(&[risks(summary), cases(summary), readings(summary)].concat()),
         // Summaries of older versions do not name their intervals; those are Wilson's.
         interval_method => match summary.interval_method.as_str() {
             "" => "Wilson's score interval",

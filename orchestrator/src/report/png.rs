@@ -67,7 +67,7 @@ impl Painter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::svg::{Frame, plain};
+    use result_document::svg::{Frame, plain};
 
     #[test]
     fn a_plot_becomes_pixels_with_its_colours() {

@@ -3,10 +3,10 @@
 
 use super::bins::axis_range;
 use super::write_file;
-use crate::document::format::number;
-use crate::document::svg::{Frame, area, envelope, path};
 use crate::error::Error;
 use minijinja::{Environment, context, value::Serde};
+use result_document::format::number;
+use result_document::svg::{Frame, area, envelope, path};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
 use serde::Serialize;
@@ -68,7 +68,7 @@ pub fn write(
     std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
     for figure in figures.iter().chain(&steady) {
         let path = plots.join(format!("{}.svg", figure.file));
-        write_file(&path, &crate::document::svg::standalone(&figure.svg))?;
+        write_file(&path, &result_document::svg::standalone(&figure.svg))?;
     }
     let interval = delay.delay.filter(|_| delay.disturbance.is_none());
     let friction = &result.mean_friction;
@@ -76,10 +76,10 @@ pub fn write(
     let longest = milliseconds(recording.longest_delay);
     let page = context! {
         title,
-        style => concat!(
-            include_str!("assets/plot.css"),
+        style => [
+            result_document::svg::STYLE,
             include_str!("assets/report.css")
-        ),
+        ].concat(),
         delay => delay.delay.map(|d| milliseconds(d.value)),
         interval => interval.map(|d| [d.low, d.high].map(milliseconds).to_vec()),
         before => per_cent(result.friction_scatter[0]),

@@ -1,8 +1,8 @@
 //! The first two lines of the page: what the study has shown, and what it has not.
 
 use super::judgement::Judgement;
-use crate::document::format::{count, number, percent};
 use conformity::decision::{Decision, Rule};
+use result_document::format::{count, number, percent};
 use sampling::statistics::share::Fraction;
 use serde::Serialize;
 

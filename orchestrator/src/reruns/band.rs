@@ -7,9 +7,9 @@ use std::path::Path;
 use super::{Halt, Reruns};
 use crate::report::history;
 use crate::results::{Summary, write_atomically};
-use crate::table::csv_file;
 use curves::Sampler;
 use fmu_points::task::MeasuredCurve;
+use number_tables::csv_file;
 
 /// So many points for each of those that are run once more to see whether they had settled.
 const EACH: usize = 5;

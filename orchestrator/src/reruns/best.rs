@@ -8,8 +8,8 @@ use super::{Halt, Reruns};
 use crate::error::Error;
 use crate::report::history;
 use crate::results::{Summary, write_atomically};
-use crate::table::csv_file;
 use fmu_points::task::Task;
+use number_tables::csv_file;
 
 /// So many numbers a file holds at the most, more or less: of more communication points some are left out.
 const MOST_NUMBERS: u64 = 1_000_000;

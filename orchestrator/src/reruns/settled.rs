@@ -8,7 +8,6 @@ use std::thread;
 use super::finer::{golden, longer};
 use super::{Halt, Reruns};
 use crate::concern::{Code, Concern};
-use crate::document::format::number;
 use crate::judge::Criterion;
 use crate::report::history;
 use crate::results::Summary;
@@ -16,6 +15,7 @@ use crate::results::settled::Moved;
 use crate::study::plan::Plan;
 use fmu_points::single::Recording;
 use fmu_points::task::{Probe, Schedule, Task};
+use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
 

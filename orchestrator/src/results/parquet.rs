@@ -15,8 +15,8 @@ use parquet::schema::types::Type;
 
 use super::{Summary, keep};
 use crate::error::Error;
-use crate::table::csv_file;
-use crate::table::parquet::one_line;
+use number_tables::csv_file;
+use number_tables::parquet::one_line;
 
 /// Rows that are held in memory at a time.
 const GROUP: usize = 1 << 16;

@@ -10,9 +10,9 @@ use super::summary::Summary;
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
-use crate::table::csv_file;
 use conformity::measured::Measurement;
 use conformity::risk::Guard;
+use number_tables::csv_file;
 use parameter_regions::table::{ParameterColumn, PointTable};
 use sampling::statistics::moments::length;
 

@@ -12,10 +12,10 @@ use super::samples::{self, Together};
 use super::values::{find, slot_of, value_of};
 use super::{CaseText, CriterionText, Name, ParameterText, Setting, Study, inputs, ssv};
 use crate::concern::Concern;
-use crate::files::FileError;
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use fmu_points::task::{Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
+use number_tables::files::FileError;
 use sampling::design::Joint;
 use sampling::statistics::Statistic;
 

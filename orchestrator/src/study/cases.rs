@@ -6,7 +6,7 @@
 use indexmap::IndexMap;
 
 use super::{CaseText, CriterionText, Name, Simulation, Study};
-use crate::files::FileError;
+use number_tables::files::FileError;
 
 /// Between the name of a case and that of a criterion.
 pub const SEPARATOR: char = '/';

@@ -7,13 +7,13 @@ use super::quantity::{Quantity, Scale, Sense};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
 use super::{CriterionText, Name, Pair, Study, first_wrong};
-use crate::files::FileError;
-use crate::table::{self, Table};
 use conformity::uncertainty::{Distribution, Uncertainty};
 use curves::{Curve, Metric, iso18571};
 use fmu_import::digest;
 use fmu_import::units::Conversion;
 use fmu_points::task::{CurveErrors, Delay, MeasuredCurve, Resampling};
+use number_tables::Table;
+use number_tables::files::FileError;
 use toml::Spanned;
 
 /// The most samples of which a rating is drawn again: its time grows with their square, and 256 draws of 1,000 take a third of
@@ -212,11 +212,11 @@ impl Binder<'_> {
         let time = reference.time.as_deref().unwrap_or("time");
         let column = self.column();
         let mut columns = vec![
-            table::column(time, "the time"),
-            table::column(column, format!("the criterion {}", self.name.as_ref())),
+            number_tables::column(time, "the time"),
+            number_tables::column(column, format!("the criterion {}", self.name.as_ref())),
         ];
         if let Some(column) = &reference.uncertainty_column {
-            columns.push(table::column(column, "the uncertainty"));
+            columns.push(number_tables::column(column, "the uncertainty"));
         }
         let table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
         let unit = reference.unit.as_ref();

@@ -5,8 +5,8 @@ use std::path::Path;
 use toml::Table;
 use toml::de::DeTable;
 
-use crate::files::FileError;
 use fmu_points::names::{did_you_mean, nearest};
+use number_tables::files::FileError;
 
 /// A text in which errors have a place.
 pub(super) struct Place<'a> {

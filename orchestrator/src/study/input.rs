@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::table::Table;
 use fmu_import::units::Conversion;
+use number_tables::Table;
 use sampling::distribution::Distribution;
 
 /// One uncertain parameter.

@@ -4,12 +4,12 @@ use super::quantity::Scale;
 use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study};
 use crate::concern::{Code, Concern};
-use crate::files::FileError;
-use crate::table::{self, Table};
 use fmu_import::description::Interface;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Content, Description, Variability, Variable};
 use fmu_points::task::{Schedule, Series, Slot, place};
+use number_tables::Table;
+use number_tables::files::FileError;
 use sampling::statistics::moments::{quantile, sorted};
 
 /// The recordings of a study for an FMU.
@@ -37,8 +37,8 @@ pub(super) fn series(
         let time = recording.time.as_deref().unwrap_or("time");
         let column = recording.column.as_deref().unwrap_or(key);
         let columns = [
-            table::column(time, "the time"),
-            table::column(column, format!("the input {key}")),
+            number_tables::column(time, "the time"),
+            number_tables::column(column, format!("the input {key}")),
         ];
         let table = Table::read(&path, &columns);
         let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;

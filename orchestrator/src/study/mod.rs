@@ -47,12 +47,13 @@ pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use window::Window;
 
 use crate::error::Error;
-use crate::files;
-use crate::files::FileError;
+use crate::error::unusable;
 use ::curves::Metric;
 use conformity::uncertainty::Distribution;
 use error::Place;
 use fmu_import::{ArchiveError, FmuError, FmuFault, Package, digest, sha256};
+use number_tables::files;
+use number_tables::files::FileError;
 use sampling::design::Sampling;
 use sampling::statistics::{Direction, Statistic};
 
@@ -536,7 +537,7 @@ impl Study {
             FmuError {
                 fault: FmuFault::Archive(ArchiveError::Missing),
                 ..
-            } if instead.is_none() => self.error_at(&self.fmu, files::unusable(&error)).into(),
+            } if instead.is_none() => self.error_at(&self.fmu, unusable(&error)).into(),
             other => other.into(),
         })
     }

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::{Name, Study};
-use crate::files::FileError;
 use fmu_import::Description;
+use number_tables::files::FileError;
 
 impl Study {
     /// The variables that the study sets, each with the section that does.

@@ -4,8 +4,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Name, Pair, Shape, Study};
-use crate::files::FileError;
 use fmu_points::names::{did_you_mean, nearest};
+use number_tables::files::FileError;
 use sampling::design::correlation::Correlation;
 
 /// Points or levels that the design would ignore are an error: they were meant to do something.

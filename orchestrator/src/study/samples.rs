@@ -9,9 +9,9 @@ use toml::Spanned;
 
 use super::input::Input;
 use super::{Name, ParameterText, Shape, Study};
-use crate::files;
-use crate::files::FileError;
-use crate::table::{self, Column, Table};
+use number_tables::files;
+use number_tables::files::FileError;
+use number_tables::{Column, Table};
 use sampling::design::Joint;
 use sampling::distribution::Distribution;
 
@@ -63,7 +63,7 @@ fn together(
     let column = |member: &Member<'_>| {
         let name = member.name.as_ref();
         let column = member.text.column.as_ref().unwrap_or(name);
-        table::column(column, format!("the parameter {name}"))
+        number_tables::column(column, format!("the parameter {name}"))
     };
     let columns: Vec<Column> = members.iter().map(column).collect();
     let table = Table::read_points(&path, &columns);

@@ -9,9 +9,9 @@ use roxmltree::Node;
 
 use super::Setting;
 use super::values::{find, value_of};
-use crate::files::FileError;
-use crate::files::{self};
 use fmu_import::{Description, Value, xml};
+use number_tables::files;
+use number_tables::files::FileError;
 
 pub(crate) use write::filled;
 pub use write::write;

@@ -8,6 +8,7 @@ use std::path::Path;
 use crate::support::Bench;
 use fmu_import::Package;
 use fmu_points::Separation;
+use number_tables::Table;
 use orchestrator::judge::Judge;
 use orchestrator::results::finished::Finished;
 use orchestrator::results::table;
@@ -15,7 +16,6 @@ use orchestrator::results::{Journal, lines};
 use orchestrator::source::Source;
 use orchestrator::study::plan::Plan;
 use orchestrator::study::{Study, ssv};
-use orchestrator::table::Table;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 

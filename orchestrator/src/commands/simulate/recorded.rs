@@ -10,10 +10,10 @@ use crate::study::inputs::{
 };
 use crate::study::plan::find;
 use crate::study::quantity::Scale;
-use crate::table::csv_file::CsvFile;
-use crate::table::{self, Table};
 use fmu_import::Description;
 use fmu_points::task::{Schedule, Series};
+use number_tables::Table;
+use number_tables::csv_file::CsvFile;
 
 /// The variables of `--record`.
 pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {
@@ -79,8 +79,8 @@ pub(super) fn inputs(
         let slot = slot_while_running(variable).map_err(wrong)?;
         let scale = Scale::new(unit, fmu, variable).map_err(wrong)?;
         let columns = [
-            table::column(TIME, "the time"),
-            table::column(column, format!("the input {name}")),
+            number_tables::column(TIME, "the time"),
+            number_tables::column(column, format!("the input {name}")),
         ];
         let table = Table::read(path, &columns)?;
         let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;

@@ -11,9 +11,9 @@ use minijinja::{Environment, context};
 use sampling::distribution::Distribution;
 use sampling::statistics::moments::{deviation, mean};
 
-use crate::document::format::{count, number};
-use crate::document::svg::{Frame, area, circle, envelope, path};
-use crate::document::{Block, Column, Document, Figure, Key, Table, numbers, words};
+use result_document::format::{count, number};
+use result_document::svg::{Frame, area, circle, envelope, path};
+use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
@@ -77,10 +77,10 @@ impl Page<'_> {
         let (good, headline, told) = self.headline();
         let page = context! {
             title => self.title,
-            style => concat!(
-                include_str!("../../report/assets/plot.css"),
+            style => [
+                result_document::svg::STYLE,
                 include_str!("../../report/assets/report.css")
-            ),
+            ].concat(),
             links, good, headline, told,
             values => self.values(),
             count => self.outcome.free.len(),

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::results::write_atomically;
 use crate::study::{Identification, Study};
-use crate::table::csv_file::{self, CsvFile};
+use number_tables::csv_file::{self, CsvFile};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
 use std::path::{Path, PathBuf};

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
 use super::known::Finished;
 use super::setup::{Source, SourceParts};
-use crate::document::Document;
+use result_document::Document;
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::identify::from_study;
@@ -174,7 +174,7 @@ impl Analysis for Asked {
         } = fit;
         let table = settings.cases.as_ref().map(|path| {
             let path = files::resolve(study, path.as_ref());
-            crate::files::digest(&path).map_err(Error::io(&path))
+            number_tables::files::digest(&path).map_err(Error::io(&path))
         });
         Ok(PointSet {
             seed: settings.seed,

@@ -7,12 +7,12 @@ use serde::Deserialize;
 
 use super::files::remove;
 use crate::error::Error;
-use crate::files;
+use number_tables::files;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
 use crate::study::identification::PosteriorStart;
 use crate::study::{Identification, Study};
-use crate::table::csv_file;
+use number_tables::csv_file;
 use calibration::discrepancy::Unknown;
 use calibration::local::End;
 use calibration::objective::Objective;

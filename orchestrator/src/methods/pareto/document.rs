@@ -1,8 +1,8 @@
 //! The document of trade-offs: the best compromise, and the front, pair by pair of criteria.
 
-use crate::document::format::{count, number};
-use crate::document::svg::{Frame, area, circle, path};
-use crate::document::{Block, Column, Document, Figure, Key, Table, numbers, words};
+use result_document::format::{count, number};
+use result_document::svg::{Frame, area, circle, path};
+use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
 use parameter_regions::pareto::study::{CONFLICT, Member, Pareto};
 
 /// Most pairs of criteria that are drawn; pairs in conflict come first.

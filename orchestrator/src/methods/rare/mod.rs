@@ -17,7 +17,7 @@ use crate::pipeline::Pipeline;
 use crate::results::points::number;
 use crate::results::{Outcome, write_atomically};
 use crate::session::{Request, Session};
-use crate::table::csv_file;
+use number_tables::csv_file;
 use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
 use statement::{Statement, confidence};
 

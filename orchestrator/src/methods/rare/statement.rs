@@ -4,11 +4,11 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::RareEvent;
-use crate::document::Document;
-use crate::document::format::number;
 use crate::session::Session;
 use conformity::decision::{Decision, Rule};
 use conformity::interval::clopper_pearson;
+use result_document::Document;
+use result_document::format::number;
 use sampling::rare::{Answer, Method, Plain, Search};
 
 const USUAL: f64 = 0.95;

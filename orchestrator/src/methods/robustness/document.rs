@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::document::format::{number, percent, with_unit};
-use crate::document::svg::{Axis, picture, text, ticks, upright};
-use crate::document::{Block, Document, Figure, Key, Table, numbers, words};
+use result_document::format::{number, percent, with_unit};
+use result_document::svg::{Axis, picture, text, ticks, upright};
+use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 use crate::results::words::capitalised;
 use parameter_regions::robustness::Robustness;
 use parameter_regions::robustness::combinations::{Bound, Combination};
@@ -276,7 +276,7 @@ fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64
     }
     let shades = paths.iter().enumerate().filter(|(_, d)| !d.is_empty());
     let mut out: String = shades
-        .map(|(s, d)| crate::document::svg::path(&format!("shade s{s}"), d))
+        .map(|(s, d)| result_document::svg::path(&format!("shade s{s}"), d))
         .collect();
     let axis = |[low, high]: [f64; 2], from, to| Axis {
         low,

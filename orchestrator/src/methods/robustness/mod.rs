@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use crate::document::Document;
+use result_document::Document;
 use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;

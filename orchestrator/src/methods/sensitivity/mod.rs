@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use crate::document::Document;
+use result_document::Document;
 use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
@@ -22,7 +22,7 @@ use crate::results::{make_folder, points, table, write_atomically};
 use crate::session::{Request, Session};
 use crate::study::Study;
 use crate::study::plan::Plan;
-use crate::table::csv_file;
+use number_tables::csv_file;
 use ::sensitivity::method::{self, FirstOrder, Settled, Space};
 use ::sensitivity::methods::{RUNS, named};
 use outputs::from_runs;

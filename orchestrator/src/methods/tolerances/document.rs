@@ -1,7 +1,7 @@
 //! The document of the widest tolerances.
 
-use crate::document::format::number;
-use crate::document::{Block, Document, Table, numbers, words};
+use result_document::format::number;
+use result_document::{Block, Document, Table, numbers, words};
 use conformity::decision::Decision;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances, Wanted};
 

@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use crate::document::Document;
-use crate::document::format::number;
+use result_document::Document;
+use result_document::format::number;
 use crate::error::Error;
-use crate::files::FileError;
+use number_tables::files::FileError;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::Outcome;

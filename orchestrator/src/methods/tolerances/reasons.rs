@@ -1,7 +1,7 @@
 //! Why no tolerances would do.
 
 use super::goal::Goal;
-use crate::document::format::number;
+use result_document::format::number;
 use crate::judge::{Criterion, Judge};
 use parameter_regions::tolerances::Problem;
 

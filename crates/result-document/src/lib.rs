@@ -1,4 +1,4 @@
-//! The contents of a result, said once: the terminal and the page are both drawn from them.
+#![doc = include_str!("../README.md")]
 
 pub mod format;
 mod html;

@@ -1,11 +1,11 @@
 //! A small drawing kit: scales, ticks, a framed plot. Text and lines are styled by classes of
-//! `assets/plot.css`, so that a plot looks the same in the page and as a file of its own.
+//! `plot.css`, so that a plot looks the same in the page and as a file of its own.
 
 use super::format::{escape, number};
 use std::fmt::{Display, Write};
 
 /// The style sheet of all plots.
-pub const STYLE: &str = include_str!("../report/assets/plot.css");
+pub const STYLE: &str = include_str!("plot.css");
 
 /// A path of a class of the style sheet.
 pub fn path(class: &str, d: impl Display) -> String {
@@ -217,10 +217,7 @@ fn with_style(svg: &str, style: &str) -> String {
 /// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel. Points that
 /// follow each other in the same column are taken together.
 #[allow(clippy::cast_possible_truncation)]
-pub(crate) fn envelope<'a>(
-    points: impl Iterator<Item = (&'a f64, &'a f64)>,
-    frame: &Frame,
-) -> String {
+pub fn envelope<'a>(points: impl Iterator<Item = (&'a f64, &'a f64)>, frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen: Option<[i64; 2]> = None;
     let mut points = points

@@ -1,6 +1,7 @@
-//! Tables of numbers from csv and Parquet files: columns are found by name, cells that are no numbers by their line.
+#![doc = include_str!("../README.md")]
 
 pub mod csv_file;
+pub mod files;
 pub mod parquet;
 
 use crate::files::FileError;

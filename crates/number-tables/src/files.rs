@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use fmu_import::{ArchiveError, FmuError, FmuFault, hexadecimal, sha256};
+use fmu_import::{hexadecimal, sha256};
 use fmu_points::names::{did_you_mean, nearest};
 
 /// Why a file that a user names cannot be used.
@@ -135,17 +135,6 @@ pub fn reason(path: &Path, error: &io::Error) -> String {
             )
         }
         _ => error.to_string(),
-    }
-}
-
-/// Why an FMU cannot be used, with a remedy.
-pub fn unusable(error: &FmuError) -> String {
-    match error {
-        FmuError {
-            path,
-            fault: FmuFault::Archive(ArchiveError::Missing),
-        } => format!("{}: {}", path.display(), missing(path)),
-        other => other.to_string(),
     }
 }
 
