@@ -5,11 +5,14 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, Take};
+use std::iter::Peekable;
 use std::path::{Path, PathBuf};
+use std::vec::IntoIter;
 
 use csv::StringRecord;
 
 use crate::files::{self, FileError};
+use crate::formats::{How, Rows};
 use fmu_points::tell::{is_hidden, visible};
 
 /// The longest row that is read, MiB.
@@ -107,6 +110,75 @@ impl CsvFile {
     }
 }
 
+/// A csv file as [`Rows`].
+struct CsvRows {
+    file: CsvFile,
+    names: Vec<String>,
+    record: StringRecord,
+    /// Whether `record` has not been given yet: blank rows stand before it.
+    is_ahead: bool,
+    /// The rows that are blank. The reader skips them; in a table of one column they are empty cells, but for those at the end.
+    blanks: Peekable<IntoIter<usize>>,
+    is_blank: bool,
+    count: usize,
+}
+
+/// Opens a csv file.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn rows(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
+    let mut file = CsvFile::open(path, how.comments.then_some(b'#'))?;
+    let names = file.header()?;
+    let blanks = match how.gaps && names.len() == 1 {
+        true => blank_rows(path).map_err(|error| FileError::read(path, error))?,
+        false => Vec::new(),
+    };
+    Ok(Box::new(CsvRows {
+        file,
+        names,
+        record: StringRecord::new(),
+        is_ahead: false,
+        blanks: blanks.into_iter().peekable(),
+        is_blank: false,
+        count: 0,
+    }))
+}
+
+impl Rows for CsvRows {
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn advance(&mut self) -> Result<bool, FileError> {
+        self.is_ahead = self.is_ahead || self.file.row(&mut self.record)?;
+        if !self.is_ahead {
+            return Ok(false);
+        }
+        self.is_blank = self.blanks.next_if_eq(&self.count).is_some();
+        self.is_ahead = self.is_blank;
+        self.count += 1;
+        Ok(true)
+    }
+
+    fn number(&self, place: usize) -> Option<f64> {
+        self.file.number(&self.text(place))
+    }
+
+    fn whole(&self, place: usize) -> Option<u64> {
+        self.text(place).parse().ok()
+    }
+
+    fn text(&self, place: usize) -> Cow<'_, str> {
+        let cell = self.record.get(place).filter(|_| !self.is_blank);
+        Cow::Borrowed(cell.unwrap_or(""))
+    }
+
+    fn line(&self) -> u64 {
+        self.record.position().map_or(0, csv::Position::line)
+    }
+}
+
 /// Whether the points of a number could stand between thousands.
 fn has_thousands(cell: &str) -> bool {
     let mut parts = cell.trim_start_matches(['+', '-']).split('.');
@@ -148,10 +220,10 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
     Ok(most.map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
 }
 
-/// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with `comment`
-/// are no rows.
-pub fn blank_rows(path: &Path, comment: u8) -> io::Result<Vec<usize>> {
-    blank(BufReader::new(files::open(path)?), comment)
+/// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with `#` are no
+/// rows.
+fn blank_rows(path: &Path) -> io::Result<Vec<usize>> {
+    blank(BufReader::new(files::open(path)?), b'#')
 }
 
 fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {

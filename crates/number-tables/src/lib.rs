@@ -2,16 +2,15 @@
 
 pub mod csv_file;
 pub mod files;
+mod formats;
 pub mod parquet;
 
 use crate::files::FileError;
 use std::collections::HashSet;
-use std::ffi::OsStr;
 use std::path::Path;
 
-use csv_file::CsvFile;
 use fmu_points::names::{did_you_mean, nearest};
-use parquet::ParquetFile;
+pub use formats::{How, Rows, is_table, open};
 
 /// The most rows that are read, some gigabytes.
 const MOST_ROWS: usize = 50_000_000;
@@ -70,16 +69,24 @@ impl Table {
 
     /// With `gaps`, an empty cell is not a number instead of an error.
     fn load(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
-        let parquet = |extension: &OsStr| extension.eq_ignore_ascii_case("parquet");
-        let table = if path.extension().is_some_and(parquet) {
-            Self::read_parquet(path, columns, gaps)?
-        } else {
-            Self::read_csv(path, columns, gaps)?
-        };
-        if table.rows.is_empty() {
+        let mut rows = open(
+            path,
+            How {
+                comments: true,
+                gaps,
+            },
+        )?;
+        if rows.names().is_empty() {
             return Err(empty(path));
         }
-        Ok(table)
+        let mut reading = Reading::new(path, rows.names().to_vec(), columns)?;
+        while rows.advance()? {
+            reading.add(&*rows, gaps)?;
+        }
+        if reading.table.rows.is_empty() {
+            return Err(empty(path));
+        }
+        Ok(reading.table)
     }
 
     /// Reads a table of points, whose rows are told apart by their numbers.
@@ -104,60 +111,6 @@ impl Table {
             Some(label) => Err(twice(path, &format!("point {label}"))),
             None => Ok(self),
         }
-    }
-
-    /// Reads a csv file.
-    fn read_csv(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
-        const COMMENT: u8 = b'#';
-        let mut file = CsvFile::open(path, Some(COMMENT))?;
-        let header = file.header()?;
-        if header.is_empty() {
-            return Err(empty(path));
-        }
-        let mut reading = Reading::new(path, header, columns)?;
-        let mut record = csv::StringRecord::new();
-        // The reader skips blank lines. In a table of one column they are empty cells, but for those at the end.
-        let blanks = if gaps && reading.header.len() == 1 {
-            csv_file::blank_rows(path, COMMENT).map_err(|error| FileError::read(path, error))?
-        } else {
-            Vec::new()
-        };
-        let mut blanks = blanks.into_iter().peekable();
-        while file.row(&mut record)? {
-            while blanks.next_if_eq(&reading.table.rows.len()).is_some() {
-                reading.add(0, |_| Ok(f64::NAN), |_| None)?;
-            }
-            let number = |place: usize| {
-                let text = record.get(place).unwrap_or("");
-                let gap = (gaps && text.is_empty()).then_some(f64::NAN);
-                let number = gap.or_else(|| file.number(text));
-                number.ok_or_else(|| text.to_owned())
-            };
-            let line = record.position().map_or(0, csv::Position::line);
-            reading.add(line, number, |place| record.get(place)?.parse().ok())?;
-        }
-        Ok(reading.table)
-    }
-
-    /// Reads a Parquet file.
-    fn read_parquet(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
-        let failed = |message: String| FileError::new(path, message);
-        let source = ParquetFile::open(path).map_err(failed)?;
-        let mut reading = Reading::new(path, source.names(), columns)?;
-        for row in source.rows().map_err(failed)? {
-            let row = row.map_err(failed)?;
-            let number = |place: usize| {
-                let cell = row.get(place);
-                let value = cell.and_then(parquet::number);
-                let value = value.or_else(|| gaps.then_some(f64::NAN));
-                value.ok_or_else(|| cell.map_or_else(String::new, ToString::to_string))
-            };
-            let line = reading.table.rows.len() as u64 + 1;
-            reading.add(line, number, |place| {
-                row.get(place).and_then(parquet::whole)
-            })?;
-        }
-        Ok(reading.table)
     }
 }
 
@@ -190,19 +143,14 @@ impl<'a> Reading<'a> {
         })
     }
 
-    /// Adds a row: `number` gives the number at a place, or the cell's text where it is none.
-    fn add(
-        &mut self,
-        line: u64,
-        number: impl Fn(usize) -> Result<f64, String>,
-        label: impl Fn(usize) -> Option<u64>,
-    ) -> Result<(), FileError> {
+    fn add(&mut self, row: &dyn Rows, gaps: bool) -> Result<(), FileError> {
         let cell = |&place: &usize| {
-            number(place).map_err(|text| {
-                let (column, text) = (shown(&self.header[place]), shown(&text));
+            let gap = || (gaps && row.text(place).is_empty()).then_some(f64::NAN);
+            row.number(place).or_else(gap).ok_or_else(|| {
+                let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
                 let remedy = remedy(&text);
                 let message = format!("column `{column}`: `{text}` is not a number{remedy}");
-                FileError::new(self.path, message).at(line)
+                FileError::new(self.path, message).at(row.line())
             })
         };
         let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
@@ -213,7 +161,8 @@ impl<'a> Reading<'a> {
             return Err(FileError::new(self.path, message));
         }
         rows.push(numbers);
-        labels.push(self.label.and_then(label).unwrap_or(rows.len() as u64));
+        let label = self.label.and_then(|place| row.whole(place));
+        labels.push(label.unwrap_or(rows.len() as u64));
         Ok(())
     }
 }

@@ -1,50 +1,82 @@
 //! Tables of Apache Parquet, read row by row.
 
-use std::fs::File;
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-use crate::files;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::record::{Field, Row};
+use parquet::record::Field;
+use parquet::record::reader::RowIter;
 
-/// A Parquet file that is read row by row.
-pub struct ParquetFile {
-    reader: SerializedFileReader<File>,
+use crate::files::{self, FileError};
+use crate::formats::{How, Rows};
+
+/// A Parquet file as [`Rows`].
+struct ParquetRows {
+    path: PathBuf,
+    names: Vec<String>,
+    rows: RowIter<'static>,
+    cells: Vec<Field>,
+    count: u64,
 }
 
-impl ParquetFile {
-    /// Opens a file.
-    ///
-    /// # Errors
-    /// When there is none, or it is none of Parquet.
-    pub fn open(path: &Path) -> Result<Self, String> {
-        let file = files::open(path).map_err(|error| files::reason(path, &error))?;
-        let reader = SerializedFileReader::new(file).map_err(|error| one_line(&error))?;
-        Ok(Self { reader })
+/// Opens a Parquet file.
+///
+/// # Errors
+/// When there is none, or it is none of Parquet.
+pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
+    let file = files::open(path).map_err(|error| FileError::read(path, error))?;
+    let reader = SerializedFileReader::new(file).map_err(|error| wrong(path, &error))?;
+    let schema = reader.metadata().file_metadata().schema();
+    let fields = schema.get_fields().iter();
+    Ok(Box::new(ParquetRows {
+        path: path.to_owned(),
+        names: fields.map(|field| field.name().to_owned()).collect(),
+        rows: reader.into_iter(),
+        cells: Vec::new(),
+        count: 0,
+    }))
+}
+
+fn wrong(path: &Path, error: &ParquetError) -> FileError {
+    FileError::new(path, one_line(error))
+}
+
+impl Rows for ParquetRows {
+    fn names(&self) -> &[String] {
+        &self.names
     }
 
-    /// The names of the columns.
-    pub fn names(&self) -> Vec<String> {
-        let schema = self.reader.metadata().file_metadata().schema();
-        let fields = schema.get_fields().iter();
-        fields.map(|field| field.name().to_owned()).collect()
-    }
-
-    /// The rows, in order.
-    ///
-    /// # Errors
-    /// When they cannot be read.
-    pub fn rows(&self) -> Result<impl Iterator<Item = Result<Vec<Field>, String>>, String> {
-        let rows = self.reader.get_row_iter(None);
-        let rows = rows.map_err(|error| one_line(&error))?;
-        let cells = |row: Row| {
-            row.into_columns()
-                .into_iter()
-                .map(|(_, cell)| cell)
-                .collect()
+    fn advance(&mut self) -> Result<bool, FileError> {
+        let Some(row) = self.rows.next() else {
+            return Ok(false);
         };
-        Ok(rows.map(move |row| row.map(cells).map_err(|error| one_line(&error))))
+        let columns = row
+            .map_err(|error| wrong(&self.path, &error))?
+            .into_columns();
+        self.cells = columns.into_iter().map(|(_, cell)| cell).collect();
+        self.count += 1;
+        Ok(true)
+    }
+
+    fn number(&self, place: usize) -> Option<f64> {
+        number(self.cells.get(place)?)
+    }
+
+    fn whole(&self, place: usize) -> Option<u64> {
+        whole(self.cells.get(place)?)
+    }
+
+    fn text(&self, place: usize) -> Cow<'_, str> {
+        match self.cells.get(place) {
+            None | Some(Field::Null) => Cow::Borrowed(""),
+            Some(Field::Str(text)) => Cow::Borrowed(text),
+            Some(other) => Cow::Owned(other.to_string()),
+        }
+    }
+
+    fn line(&self) -> u64 {
+        self.count
     }
 }
 
@@ -56,7 +88,7 @@ pub fn one_line(error: &ParquetError) -> String {
 
 /// A cell as a number.
 #[allow(clippy::cast_precision_loss)]
-pub fn number(cell: &Field) -> Option<f64> {
+fn number(cell: &Field) -> Option<f64> {
     Some(match cell {
         Field::Double(value) => *value,
         Field::Float(value) => f64::from(*value),
@@ -68,7 +100,7 @@ pub fn number(cell: &Field) -> Option<f64> {
 }
 
 /// A cell as a count.
-pub fn whole(cell: &Field) -> Option<u64> {
+fn whole(cell: &Field) -> Option<u64> {
     match cell {
         Field::ULong(value) => Some(*value),
         other => u64::try_from(integer(other)?).ok(),

@@ -64,7 +64,7 @@ fn counts(summary: &Summary) -> String {
         None => "all criteria: verified",
     };
     line(&mut text, met, &all);
-    text += &document::text(&[risks(summary), readings(summary)].concat());
+    text += &result_document::text(&[risks(summary), readings(summary)].concat());
     text.push('\n');
     for sentence in words::sentences(summary) {
         let _ = writeln!(text, "{sentence}");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use chrono::{DateTime, NaiveDateTime};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::csv_file::CsvFile;
+use number_tables::How;
 use number_tables::files::FileError;
 
 /// A recording's columns by name.
@@ -67,33 +67,34 @@ fn unit(cell: &str) -> String {
 impl RecordedTable {
     /// Reads a recording; `time` is the column that may hold time stamps.
     pub(super) fn read(path: &Path, time: &str) -> Result<Self, FileError> {
-        let mut file = CsvFile::open(path, None)?;
-        let header = file.header()?;
-        let column = |name: &str| Column {
+        let mut rows = number_tables::open(path, How::default())?;
+        let column = |name: &String| Column {
             name: name.trim_start_matches('\u{feff}').to_owned(),
             unit: None,
             values: Vec::new(),
             stamps: false,
         };
-        let mut columns: Vec<Column> = header.iter().map(|name| column(name)).collect();
+        let mut columns: Vec<Column> = rows.names().iter().map(column).collect();
         let mut first: Option<Stamp> = None;
-        let mut record = csv::StringRecord::new();
-        let mut row = 0;
-        while file.row(&mut record)? {
-            row += 1;
-            let no_value = |cell: &str| file.number(cell).is_none() && stamp(cell).is_none();
-            if row == 1 && record.iter().all(no_value) && record.iter().any(|c| !c.is_empty()) {
-                let units = columns.iter_mut().zip(&record);
-                units.for_each(|(column, cell)| {
-                    column.unit = Some(unit(cell)).filter(|unit| !unit.is_empty());
-                });
+        let mut is_first = true;
+        while rows.advance()? {
+            let texts = || (0..columns.len()).map(|k| rows.text(k));
+            let no_value = |k| rows.number(k).is_none() && stamp(&rows.text(k)).is_none();
+            if std::mem::take(&mut is_first)
+                && (0..columns.len()).all(no_value)
+                && texts().any(|cell| !cell.is_empty())
+            {
+                for (k, column) in columns.iter_mut().enumerate() {
+                    column.unit = Some(unit(&rows.text(k))).filter(|unit| !unit.is_empty());
+                }
                 continue;
             }
-            for (column, cell) in columns.iter_mut().zip(&record) {
-                let mut value = file.number(cell);
+            for (k, column) in columns.iter_mut().enumerate() {
+                let cell = rows.text(k);
+                let mut value = rows.number(k);
                 if value.is_none() && column.name == time && !cell.is_empty() {
-                    let line = record.position().map_or(0, csv::Position::line);
-                    value = Some(seconds(cell, &mut first).map_err(|message| {
+                    let line = rows.line();
+                    value = Some(seconds(&cell, &mut first).map_err(|message| {
                         let name = &column.name;
                         FileError::new(path, format!("line {line}, column `{name}`: {message}"))
                     })?);

@@ -478,18 +478,16 @@ impl Study {
     /// # Errors
     /// When it cannot be read, with line and column when it is not understood.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let message = match ending.to_str() {
-            Some("fmu") => format!(
-                "is an FMU, where a study is needed: `orchestrator init {}` writes one",
-                path.display()
-            ),
-            Some("csv" | "parquet") => {
-                "is a table, where a study (a TOML file) is needed".to_owned()
-            }
-            _ => {
-                return Self::parse(path, files::text(path)?);
-            }
+        let is_fmu = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"));
+        let message = if is_fmu {
+            let path = path.display();
+            format!("is an FMU, where a study is needed: `orchestrator init {path}` writes one")
+        } else if number_tables::is_table(path) {
+            "is a table, where a study (a TOML file) is needed".to_owned()
+        } else {
+            return Self::parse(path, files::text(path)?);
         };
         Err(FileError::new(path, message))
     }

@@ -12,8 +12,7 @@ use crate::study::plan::find;
 use crate::study::quantity::Scale;
 use fmu_import::Description;
 use fmu_points::task::{Schedule, Series};
-use number_tables::Table;
-use number_tables::csv_file::CsvFile;
+use number_tables::{How, Table};
 
 /// The variables of `--record`.
 pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {
@@ -66,7 +65,11 @@ pub(super) fn inputs(
     schedule: &Schedule,
 ) -> Result<Vec<Series>, Error> {
     const TIME: &str = "time";
-    let header = CsvFile::open(path, Some(b'#'))?.header()?;
+    let how = How {
+        comments: true,
+        gaps: false,
+    };
+    let header = number_tables::open(path, how)?.names().to_vec();
     let series = |column: &String| {
         let wrong = |message: String| {
             Error::option(
