@@ -11,12 +11,12 @@ use minijinja::{Environment, context};
 use sampling::distribution::Distribution;
 use sampling::statistics::moments::{deviation, mean};
 
-use result_document::format::{count, number};
-use result_document::svg::{Frame, area, circle, envelope, path};
-use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
+use result_document::format::{count, number};
+use result_document::svg::{Frame, area, circle, envelope, path};
+use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
 
 /// Most rows of the table of values, curves and pairs that are drawn, and points of a scatter.
 const MOST_ROWS: usize = 200;

@@ -3,9 +3,9 @@
 use crate::error::Error;
 use crate::results::write_atomically;
 use crate::study::{Identification, Study};
-use number_tables::csv_file::{self, CsvFile};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
+use number_tables::csv_file::{self, CsvFile};
 use std::path::{Path, PathBuf};
 
 /// Writes all files.

@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
 use super::known::Finished;
 use super::setup::{Source, SourceParts};
-use result_document::Document;
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::identify::from_study;
@@ -40,6 +39,7 @@ use calibration::search::{self, Progress, SearchError};
 use calibration::text;
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
+use result_document::Document;
 use sampling::design::cube;
 
 /// The result's file in a folder of results.

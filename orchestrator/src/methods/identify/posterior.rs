@@ -7,12 +7,10 @@ use serde::Deserialize;
 
 use super::files::remove;
 use crate::error::Error;
-use number_tables::files;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
 use crate::study::identification::PosteriorStart;
 use crate::study::{Identification, Study};
-use number_tables::csv_file;
 use calibration::discrepancy::Unknown;
 use calibration::local::End;
 use calibration::objective::Objective;
@@ -22,6 +20,8 @@ use calibration::problem::Problem;
 use calibration::sample::outcome::{Evidence, PosteriorOutcome};
 use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
 use calibration::search::SearchError;
+use number_tables::csv_file;
+use number_tables::files;
 
 /// The most particles: more would be the table's work, not the posterior's.
 const MOST: u64 = 1_000_000;

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use result_document::Document;
 use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
@@ -20,6 +19,7 @@ use crate::study::Study;
 use parameter_regions::pareto::nsga2;
 use parameter_regions::pareto::study::{Member, Pareto, trade_off};
 use parameter_regions::table::PointTable;
+use result_document::Document;
 
 pub use document::document;
 

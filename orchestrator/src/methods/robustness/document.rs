@@ -2,9 +2,6 @@
 
 use std::fmt::Write;
 
-use result_document::format::{number, percent, with_unit};
-use result_document::svg::{Axis, picture, text, ticks, upright};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 use crate::results::words::capitalised;
 use parameter_regions::robustness::Robustness;
 use parameter_regions::robustness::combinations::{Bound, Combination};
@@ -12,6 +9,9 @@ use parameter_regions::robustness::maps::{CELLS, Map};
 use parameter_regions::robustness::margins::Margin;
 use parameter_regions::robustness::region::Domain;
 use parameter_regions::robustness::surrogate::Quality;
+use result_document::format::{number, percent, with_unit};
+use result_document::svg::{Axis, picture, text, ticks, upright};
+use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 
 /// The document of a result.
 pub fn document(result: &Robustness) -> Document {

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use result_document::Document;
 use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
@@ -22,6 +21,7 @@ use crate::study::plan::Plan;
 use confirm::Confirmation;
 use parameter_regions::robustness::{Robustness, region, robustness, rows};
 use parameter_regions::table::PointTable;
+use result_document::Document;
 use sampling::design::{Design, Method, Sampling, cube};
 
 pub use document::document;

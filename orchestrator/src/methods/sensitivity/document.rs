@@ -1,11 +1,11 @@
 //! The document of sensitivity: an output each, its numbers and bars with intervals, and what decides the verdict.
 
 use super::outputs::{Output, Sensitivity};
+use crate::results::words::capitalised;
+use parameter_regions::table::PointTable;
 use result_document::format::number;
 use result_document::svg::{area, path, picture, text, ticks};
 use result_document::{Block, Document, Figure, Key, Table, numbers, words};
-use crate::results::words::capitalised;
-use parameter_regions::table::PointTable;
 use sensitivity::Estimate;
 use sensitivity::method::Measure;
 use sensitivity::regional::Split;

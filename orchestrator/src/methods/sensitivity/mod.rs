@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use result_document::Document;
 use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
@@ -22,11 +21,12 @@ use crate::results::{make_folder, points, table, write_atomically};
 use crate::session::{Request, Session};
 use crate::study::Study;
 use crate::study::plan::Plan;
-use number_tables::csv_file;
 use ::sensitivity::method::{self, FirstOrder, Settled, Space};
 use ::sensitivity::methods::{RUNS, named};
+use number_tables::csv_file;
 use outputs::from_runs;
 use parameter_regions::table::PointTable;
+use result_document::Document;
 
 pub use document::document;
 pub use outputs::{Sensitivity, from_points};

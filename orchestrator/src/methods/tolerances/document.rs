@@ -1,9 +1,9 @@
 //! The document of the widest tolerances.
 
-use result_document::format::number;
-use result_document::{Block, Document, Table, numbers, words};
 use conformity::decision::Decision;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances, Wanted};
+use result_document::format::number;
+use result_document::{Block, Document, Table, numbers, words};
 
 /// The document of a result.
 pub fn document(result: &Tolerances) -> Document {

@@ -11,10 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
-use result_document::Document;
-use result_document::format::number;
 use crate::error::Error;
-use number_tables::files::FileError;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::Outcome;
@@ -24,9 +21,12 @@ use crate::session::{Request, Session};
 use crate::study::Study;
 use crate::study::plan::{Input, Plan};
 use goal::Goal;
+use number_tables::files::FileError;
 use parameter_regions::table::PointTable;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances};
 use parameter_regions::tolerances::{Problem, Sample};
+use result_document::Document;
+use result_document::format::number;
 use sampling::design::Joint;
 
 pub use document::document;

@@ -1,9 +1,9 @@
 //! Why no tolerances would do.
 
 use super::goal::Goal;
-use result_document::format::number;
 use crate::judge::{Criterion, Judge};
 use parameter_regions::tolerances::Problem;
+use result_document::format::number;
 
 /// The obstacles, a sentence each: given what comes of the centre of all tolerances, one point or one for each of some rows
 /// of the samples, and of the points drawn at the study's own tolerances.
