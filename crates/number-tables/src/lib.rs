@@ -4,6 +4,7 @@ pub mod csv_file;
 pub mod files;
 mod formats;
 pub mod parquet;
+pub mod recorded;
 
 use crate::files::FileError;
 use std::collections::HashSet;

@@ -1,10 +1,10 @@
 //! The plots that need no script: the page shows them until its script takes over, and they are
 //! written beside it as files.
 
-use super::bins::{bins_for, density, histogram, levels};
 use super::overlay::Measured;
 use super::payload::PlotColumn;
 use parameter_regions::table::PointTable;
+use result_document::bins::{axis_range, bins_for, density, histogram, levels};
 use result_document::format::{count, number, with_unit};
 use result_document::svg::{Axis, Frame, area, circle, envelope, path, text, ticks};
 use std::fmt::Write as _;
@@ -385,7 +385,7 @@ pub fn history(series: &Series) -> Option<String> {
         .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let mut all = series.values.clone();
     all.extend(series.measured.iter().flat_map(Measured::extremes));
-    let y = super::bins::axis_range(all, low, high)?;
+    let y = axis_range(all, low, high)?;
     let (start, end) = (*series.time.first()?, *series.time.last()?);
     let frame = Frame::new(
         560.0,

@@ -2,7 +2,6 @@
 
 mod again;
 mod best;
-pub(crate) mod bins;
 pub(crate) mod counted;
 mod counts;
 pub mod figures;

@@ -1,7 +1,7 @@
 //! A measured curve in the picture of a signal, and the model's deviations from it.
 
-use super::bins::axis_range;
 use curves::{Curve, Metric};
+use result_document::bins::axis_range;
 use result_document::svg::{Frame, envelope, path};
 
 /// A measured curve on the model's time, in the criterion's unit.

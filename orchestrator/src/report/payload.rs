@@ -1,11 +1,11 @@
 //! The data inside the page: columns of the points that can be hovered and selected, and
 //! densities of all points where there are too many to draw one by one.
 
-use super::bins;
 use super::judgement::Judgement;
 use super::whatif::WhatIf;
 use crate::results::choice::Even;
 use parameter_regions::table::PointTable;
+use result_document::bins;
 use serde::Serialize;
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -1,10 +1,10 @@
 //! The page of a recording: the delay with its uncertainty, the signals before and after, what
 //! the tests of stationarity say, and the criteria.
 
-use super::bins::axis_range;
 use super::write_file;
 use crate::error::Error;
 use minijinja::{Environment, context, value::Serde};
+use result_document::bins::axis_range;
 use result_document::format::number;
 use result_document::svg::{Frame, area, envelope, path};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};

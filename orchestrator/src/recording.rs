@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer};
 
-use super::recorded::RecordedTable;
 use crate::study::{Quantity, exactly_two};
 use number_tables::files::FileError;
+use number_tables::recorded::RecordedTable;
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
 use rig_signals::{Accuracy, Channel, Derived, RigRecording};

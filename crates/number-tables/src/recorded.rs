@@ -2,26 +2,28 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::files::FileError;
+use crate::formats::{How, open};
 use chrono::{DateTime, NaiveDateTime};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::How;
-use number_tables::files::FileError;
 
 /// A recording's columns by name.
-pub(super) struct RecordedTable {
+#[derive(Debug)]
+pub struct RecordedTable {
     path: PathBuf,
     columns: Vec<Column>,
 }
 
 /// A column.
-pub(super) struct Column {
+#[derive(Debug)]
+pub struct Column {
     name: String,
     /// The unit in the row below the header.
-    pub(super) unit: Option<String>,
+    pub unit: Option<String>,
     /// The numbers; of a column of time stamps the seconds since the first one.
-    pub(super) values: Vec<f64>,
+    pub values: Vec<f64>,
     /// Whether they were time stamps.
-    pub(super) stamps: bool,
+    pub stamps: bool,
 }
 
 /// A time stamp.
@@ -66,8 +68,11 @@ fn unit(cell: &str) -> String {
 
 impl RecordedTable {
     /// Reads a recording; `time` is the column that may hold time stamps.
-    pub(super) fn read(path: &Path, time: &str) -> Result<Self, FileError> {
-        let mut rows = number_tables::open(path, How::default())?;
+    ///
+    /// # Errors
+    /// When it cannot be read, and with the line of a time that is none.
+    pub fn read(path: &Path, time: &str) -> Result<Self, FileError> {
+        let mut rows = open(path, How::default())?;
         let column = |name: &String| Column {
             name: name.trim_start_matches('\u{feff}').to_owned(),
             unit: None,
@@ -111,7 +116,10 @@ impl RecordedTable {
     }
 
     /// A column by its name.
-    pub(super) fn column(&self, name: &str) -> Result<&Column, FileError> {
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn column(&self, name: &str) -> Result<&Column, FileError> {
         let column = self.columns.iter().find(|column| column.name == name);
         column.ok_or_else(|| {
             let names = self.columns.iter().map(|column| column.name.as_str());
@@ -125,7 +133,10 @@ impl RecordedTable {
     }
 
     /// The unit of a column: that of the settings, which the row of units must not contradict, or that row's.
-    pub(super) fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, FileError> {
+    ///
+    /// # Errors
+    /// When the two contradict each other, and when there is none.
+    pub fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, FileError> {
         let known = self.column(name)?.unit.as_deref();
         match (wanted, known) {
             (Some(wanted), Some(known)) if unit(wanted).replace('.', "") != known.replace('.', "") => {
