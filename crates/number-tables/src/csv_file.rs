@@ -12,7 +12,7 @@ use std::vec::IntoIter;
 use csv::StringRecord;
 
 use crate::files::{self, FileError};
-use crate::formats::{How, Rows};
+use crate::rows::{How, Rows};
 use fmu_points::tell::{is_hidden, visible};
 
 /// The longest row that is read, MiB.

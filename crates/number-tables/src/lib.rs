@@ -5,13 +5,15 @@ pub mod files;
 mod formats;
 pub mod parquet;
 pub mod recorded;
+mod rows;
 
 use crate::files::FileError;
 use std::collections::HashSet;
 use std::path::Path;
 
 use fmu_points::names::{did_you_mean, nearest};
-pub use formats::{How, Rows, is_table, open};
+pub use formats::{is_table, open};
+pub use rows::{How, Rows};
 
 /// The most rows that are read, some gigabytes.
 const MOST_ROWS: usize = 50_000_000;

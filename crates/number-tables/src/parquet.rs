@@ -9,7 +9,7 @@ use parquet::record::Field;
 use parquet::record::reader::RowIter;
 
 use crate::files::{self, FileError};
-use crate::formats::{How, Rows};
+use crate::rows::{How, Rows};
 
 /// A Parquet file as [`Rows`].
 struct ParquetRows {

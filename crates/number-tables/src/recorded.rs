@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::files::FileError;
-use crate::formats::{How, open};
+use crate::formats::open;
+use crate::rows::How;
 use chrono::{DateTime, NaiveDateTime};
 use fmu_points::names::{did_you_mean, nearest};
 
