@@ -3,7 +3,7 @@
 use minijinja::{AutoEscape, Environment, Value, context, value::Serde};
 
 use super::format::escape;
-use super::{Block, Document};
+use crate::document::{Block, Document};
 
 impl Document {
     /// The section, with an anchor and a heading.
@@ -89,8 +89,8 @@ pub(super) fn between<'a>(mut text: &'a str, open: &str, close: &str) -> Vec<(&'
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Column, Table, numbers, words};
     use super::*;
+    use crate::{Column, Table, numbers, words};
 
     #[test]
     fn messages_are_escaped_and_their_code_is_marked() {

@@ -2,7 +2,7 @@
 
 use super::format::with_unit;
 use super::html::between;
-use super::{Block, Document, Figure, Table};
+use crate::document::{Block, Document, Figure, Table};
 
 impl Document {
     /// The document for the terminal: without its title, which is the command's name, without explanations, and with the
