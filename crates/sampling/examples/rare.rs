@@ -320,6 +320,80 @@ fn ellipsoid(name: &'static str, means: &'static [f64], exact: f64) -> Case {
     })
 }
 
+/// Three balls of unlike size, in which the level is the distance from the nearest one.
+fn islands(name: &'static str, exact: f64) -> Case {
+    const PLACES: [[f64; 3]; 3] = [[3.0, 1.0, 0.0], [-1.0, -3.5, 2.0], [0.0, 2.0, -4.0]];
+    const PARTS: [f64; 3] = [0.6, 0.3, 0.1];
+    let share = |away: f64, radius: f64| {
+        let at = |r: f64| r / away * (density(r - away) - density(r + away));
+        integral(at, 0.0, radius)
+    };
+    let radius = |k: usize| {
+        let away = PLACES[k].iter().map(|x| x * x).sum::<f64>().sqrt();
+        falls_to(-PARTS[k] * exact, |r| -share(away, r), 0.0, 3.0)
+    };
+    let radii = [0, 1, 2].map(radius);
+    case(name, 3, exact, move |u| {
+        let from = |k: usize| {
+            let square: f64 = u.iter().zip(PLACES[k]).map(|(x, c)| (x - c).powi(2)).sum();
+            square.sqrt() - radii[k]
+        };
+        (0..3).map(from).fold(f64::MAX, f64::min)
+    })
+}
+
+/// All of several uniform parameters are near their ends.
+fn corner(name: &'static str, dimensions: usize, exact: f64) -> Case {
+    let limit = exceeded(exact.powf(1.0 / dimensions as f64));
+    case(name, dimensions, exact, move |u| {
+        u.iter().map(|x| limit - x).fold(f64::MIN, f64::max)
+    })
+}
+
+/// A narrow ridge along a parabola, far out.
+fn ridge(name: &'static str, exact: f64) -> Case {
+    const HALF: f64 = 0.05;
+    let middle = |x: f64| 0.4 * (x - 1.0).powi(2) - 1.0;
+    let beyond = move |b: f64| {
+        let at = |x| density(x) * between(middle(x) - HALF, middle(x) + HALF);
+        integral(at, b, 14.0)
+    };
+    let from = falls_to(exact, beyond, 0.0, 9.0);
+    case(name, 5, exact, move |u| {
+        let v = reflected(u);
+        ((v[1] - middle(v[0])).abs() / HALF - 1.0).max(from - v[0])
+    })
+}
+
+/// The sum of two lognormal parameters with long tails: two regions and a bridge between them.
+fn long_tails(name: &'static str, exact: f64) -> Case {
+    let beyond = |t: f64| {
+        let at = |x: f64| density(x) * below(-(t - x.exp()).ln());
+        integral(at, -9.0, t.ln() - 1e-9) + below(-t.ln())
+    };
+    let limit = falls_to(exact, beyond, 5.0, 2000.0);
+    case(name, 2, exact, move |u| {
+        limit - u.iter().map(|x| x.exp()).sum::<f64>()
+    })
+}
+
+/// A plane, seen through noise and in steps.
+fn stairs(name: &'static str, exact: f64) -> Case {
+    const NOISE: f64 = 0.3;
+    const STEP: f64 = 0.5;
+    let beyond = |b: f64| integral(|e| below(-(b + NOISE * e)), -1.0, 1.0) / 2.0;
+    let limit = falls_to(exact, beyond, 1.0, 9.0);
+    case(name, 6, exact, move |u| {
+        // From -1 to 1, by the last digits of the place.
+        let bits = u
+            .iter()
+            .fold(0_u64, |sum, x| sum.rotate_left(23) ^ x.to_bits());
+        let noise = (bits.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / 2.0_f64.powi(52);
+        let level = limit + NOISE * (noise - 1.0) - u.iter().sum::<f64>() / 6.0_f64.sqrt();
+        STEP * (level / STEP).ceil()
+    })
+}
+
 /// Only whether the event happens is known.
 fn binary(mut case: Case, name: &'static str) -> Case {
     case.is_binary = true;
@@ -369,6 +443,11 @@ fn cases() -> Vec<Case> {
         cases.push(sides("other: sides", 3, 0.5, exact));
         cases.push(sides("other: sides", 5, 0.8, exact));
         cases.push(sides("other: sides", 15, 1.0, exact));
+        cases.push(islands("new: islands", exact));
+        cases.push(corner("new: corner", 4, exact));
+        cases.push(ridge("new: ridge", exact));
+        cases.push(long_tails("new: long tails", exact));
+        cases.push(stairs("new: stairs", exact));
     }
     cases
 }
