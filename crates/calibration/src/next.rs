@@ -168,8 +168,6 @@ pub fn summary(next: &NextOutcome) -> String {
 mod tests {
     use super::super::local::minimise;
     use super::super::objective::{Differences, Objective};
-    use super::super::optima::Optimum;
-    use super::super::posterior::Posterior;
     use super::super::problem::{Channel, Effect, SharedKind, Source};
     use super::super::testing::{limits, one_case};
     use super::*;
@@ -215,14 +213,8 @@ mod tests {
             &limits(50, 1e-12),
         )
         .unwrap();
-        let posterior = Posterior::at(&objective, &minimum).unwrap();
-        let optimum = Optimum {
-            minimum,
-            posterior,
-            reached: 1,
-            weight: 1.0,
-            edge: Default::default(),
-        };
+        let mut optimum = Optimum::new(&objective, minimum, 1).unwrap();
+        optimum.weight = 1.0;
         let group = |name: &str, values: &[usize]| Group {
             name: name.into(),
             values: values.iter().map(|&k| [0, k]).collect(),

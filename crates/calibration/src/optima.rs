@@ -9,6 +9,7 @@
 //! approximations for posterior moments and marginal densities, J. American Statistical Association 81, 82-86), of
 //! which only the part between the bounds counts.
 
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::failures::Edge;
@@ -46,9 +47,135 @@ pub struct Optimum {
     pub weight: f64,
     /// Failed runs around it.
     pub edge: Edge,
+    /// The free parameters' intervals of 95 %, as places, after a look at their ends.
+    pub intervals: Vec<Local>,
+}
+
+/// A free parameter's interval around an optimum.
+#[derive(Clone, Copy, Debug)]
+pub struct Local {
+    /// The ends, as places.
+    pub ends: [f64; 2],
+    /// What the sum of squares there says of the normal approximation.
+    pub approximation: Approximation,
+}
+
+/// Whether the normal approximation holds at the ends of an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Approximation {
+    /// The sum of squares rises about as much as it says, or nobody has looked.
+    #[default]
+    Holds,
+    /// It rises less, so the interval was lengthened.
+    Lengthened,
+    /// It rises much more: the other unknowns go another way.
+    Bends,
+}
+
+impl Local {
+    /// Takes note of the rise of the sum of squares at an end, where another one was predicted; tells by which factor the
+    /// end should be farther away.
+    fn take(&mut self, rise: f64, predicted: f64) -> Option<f64> {
+        /// Standard deviations at the end, over those predicted: within these the approximation serves.
+        const CLOSE: [f64; 2] = [0.9, 1.5];
+        /// A smaller difference of the sum of squares matters to no probability.
+        const LITTLE: f64 = 0.5;
+        /// The most at a time.
+        const FARTHEST: f64 = 2.0;
+        let part = (rise.max(0.0) / predicted).sqrt();
+        if (rise - predicted).abs() <= LITTLE || (CLOSE[0]..=CLOSE[1]).contains(&part) {
+            return None;
+        }
+        if part > 1.0 {
+            if self.approximation == Approximation::Holds {
+                self.approximation = Approximation::Bends;
+            }
+            return None;
+        }
+        self.approximation = Approximation::Lengthened;
+        Some(part.recip().min(FARTHEST))
+    }
 }
 
 impl Optimum {
+    pub(crate) fn new(
+        objective: &Objective<'_>,
+        minimum: Minimum,
+        reached: usize,
+    ) -> Result<Self, NoPrediction> {
+        let posterior = Posterior::at(objective, &minimum)?;
+        let free = 0..objective.problem.free.len();
+        let intervals = free.map(|index| Local {
+            ends: posterior.interval(index),
+            approximation: Approximation::Holds,
+        });
+        Ok(Self {
+            intervals: intervals.collect(),
+            posterior,
+            minimum,
+            reached,
+            weight: 0.0,
+            edge: Edge::default(),
+        })
+    }
+
+    /// Runs the model at the ends of the free parameters' intervals, where the other unknowns go with them as the normal
+    /// approximation has it. Where the sum of squares has risen less than it says, the interval is lengthened.
+    ///
+    /// # Errors
+    /// When there are no further predictions.
+    pub fn look_at_ends(&mut self, objective: &Objective<'_>) -> Result<(), NoPrediction> {
+        /// How often an end may be moved.
+        const ROUNDS: usize = 4;
+        let mut open: Vec<(usize, usize)> = (0..self.intervals.len())
+            .filter(|index| !self.minimum.surrounded.contains(index))
+            .flat_map(|index| [(index, 0), (index, 1)])
+            .collect();
+        let wanted = open.iter().map(|&(index, side)| {
+            let end = self.intervals[index].ends[side];
+            self.posterior
+                .rise(&self.minimum.places, &self.along(index, end))
+        });
+        let wanted: Vec<f64> = wanted.collect();
+        let wanted = |index: usize, side: usize| wanted[2 * index + side];
+        for _ in 0..ROUNDS {
+            open.retain(|&(index, side)| {
+                let end = self.intervals[index].ends[side];
+                end > 0.0 && end < 1.0 && wanted(index, side) > 0.0
+            });
+            let sets = open.iter();
+            let sets =
+                sets.map(|&(index, side)| self.along(index, self.intervals[index].ends[side]));
+            let misfits = objective.misfits(&sets.collect::<Vec<_>>())?;
+            let mut short = Vec::new();
+            for (&(index, side), misfit) in open.iter().zip(misfits) {
+                // Failed runs have words of their own.
+                let Ok(misfit) = misfit else { continue };
+                let rise = misfit.cost() - self.minimum.misfit.cost();
+                let local = &mut self.intervals[index];
+                if let Some(by) = local.take(rise, wanted(index, side)) {
+                    let place = self.minimum.places[index];
+                    let end = place + by * (local.ends[side] - place);
+                    local.ends[side] = end.clamp(0.0, 1.0);
+                    short.push((index, side));
+                }
+            }
+            open = short;
+        }
+        Ok(())
+    }
+
+    /// The unknowns where a free parameter has a place and the others are most probable, by the normal approximation.
+    fn along(&self, index: usize, end: f64) -> Vec<f64> {
+        let covariance = &self.posterior.covariance;
+        let step = (end - self.minimum.places[index]) / covariance[(index, index)];
+        let places = self.minimum.places.iter().enumerate();
+        let moved =
+            places.map(|(k, place)| (place + step * covariance[(k, index)]).clamp(0.0, 1.0));
+        moved.collect()
+    }
+
     /// Looks at the ends of the 95 % region along its axes: do runs fail there?
     ///
     /// # Errors
@@ -124,13 +251,7 @@ impl<'a, 'b> Optima<'a, 'b> {
                 self.optima[known].reached = reached;
             }
             _ => {
-                let optimum = Optimum {
-                    posterior: Posterior::at(self.objective, &minimum)?,
-                    minimum,
-                    reached,
-                    weight: 0.0,
-                    edge: Edge::default(),
-                };
+                let optimum = Optimum::new(self.objective, minimum, reached)?;
                 match known {
                     Some(known) => self.optima[known] = optimum,
                     None => self.optima.push(optimum),

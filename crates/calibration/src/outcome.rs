@@ -9,7 +9,7 @@ use super::discrepancy::Discrepancy;
 use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::next::NextOutcome;
-use super::optima::Optimum;
+use super::optima::{Approximation, Optimum};
 use super::posterior::{Direction, UNDETERMINED};
 use super::problem::{Problem, Quantity, Spacing};
 use super::sample::outcome::{Evidence, PosteriorOutcome};
@@ -119,6 +119,8 @@ pub struct FreeOutcome {
     pub scale: Spacing,
     /// The interval that holds it with 95 % probability, within the bounds.
     pub interval: [f64; 2],
+    /// What the sum of squares at its ends says of the normal approximation.
+    pub approximation: Approximation,
     /// The bounds.
     pub bounds: [f64; 2],
     /// The bound at which it ended.
@@ -323,10 +325,8 @@ fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
         value: free.value(place),
         deviation: free.spread(deviation),
         scale: free.scale,
-        interval: optimum
-            .posterior
-            .interval(index)
-            .map(|place| free.value(place)),
+        interval: optimum.intervals[index].ends.map(|place| free.value(place)),
+        approximation: optimum.intervals[index].approximation,
         bounds: [free.min, free.max],
         at_bound: bound(place),
         left: deviation * optimum.posterior.prior[index].sqrt(),

@@ -130,6 +130,22 @@ impl Posterior {
         })
     }
 
+    /// By how much the sum of squares rises between two sets of places, by the normal approximation.
+    pub fn rise(&self, from: &[f64], to: &[f64]) -> f64 {
+        let step =
+            DVector::from_iterator(to.len(), to.iter().zip(from).map(|(to, from)| to - from));
+        let away = from
+            .iter()
+            .zip(&self.centre)
+            .map(|(from, centre)| from - centre);
+        let away = DVector::from_iterator(from.len(), away);
+        let bounds = step
+            .iter()
+            .zip(&self.bounds)
+            .map(|(step, bounds)| bounds * step * step);
+        (&self.precision * &step).dot(&(&step + 2.0 * away)) - bounds.sum::<f64>()
+    }
+
     /// The ends of the axes of the region that holds each combination of free parameters with 95 % probability, about these
     /// places and between the bounds. All other unknowns stay.
     pub fn ends(&self, places: &[f64]) -> Vec<Vec<f64>> {

@@ -152,8 +152,9 @@ pub fn search(
         )?)?;
     }
     let mut ranked = optima.weighed();
-    if objective.failures().failed > 0 {
-        for optimum in &mut ranked {
+    for optimum in &mut ranked {
+        optimum.look_at_ends(objective)?;
+        if objective.failures().failed > 0 {
             optimum.look_around(objective)?;
         }
     }

@@ -7,6 +7,7 @@ use super::digits::{rounded, shown};
 use super::failures::words;
 use super::local::End;
 use super::next;
+use super::optima::Approximation;
 use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 use super::problem::{SharedKind, Spacing};
 use super::rounds::ROUNDS;
@@ -132,7 +133,12 @@ fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
         ),
     });
     let left = rounded(100.0 * free.left, 2);
-    format!("{bound}; {left} % of the prior's spread is left")
+    let ends = match free.approximation {
+        Approximation::Holds => "",
+        Approximation::Lengthened => "; lengthened to where the sum of squares has risen enough",
+        Approximation::Bends => "; its valley bends, so it may reach farther",
+    };
+    format!("{bound}; {left} % of the prior's spread is left{ends}")
 }
 
 /// What the data leave open, and whether a sample confirms the intervals.

@@ -4,7 +4,6 @@ use super::delay::Delay;
 use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use super::spectrum::Noise;
 use super::uncertainty::from_bound;
-use sampling::statistics::moments::mean;
 
 /// Settings by which a recording becomes a case.
 #[derive(Clone, Debug)]
@@ -191,15 +190,18 @@ impl<'a> Case<'a> {
         (late * 1e7).round() / 1e7
     }
 
-    /// What the uncertainty of the delay adds to the noise of a row: its root mean square slope times that uncertainty.
-    fn by_delay(&self, curve: &Measured<'_>) -> f64 {
-        let Some(uncertainty) = curve.delay.and_then(Delay::uncertainty) else {
+    /// By how much a curve may be later than it is taken to be, to either side, s. Its standard uncertainty comes from few
+    /// blocks, so the range is wide; a delay without an interval may be any that was searched.
+    fn reach(&self, curve: &Measured<'_>) -> f64 {
+        const DEVIATIONS: f64 = 10.0;
+        let Some(delay) = curve.delay.filter(|delay| delay.delay.is_some()) else {
             return 0.0;
         };
-        let Synchronised { time, torque, .. } = self.result;
-        let slopes = time.windows(2).zip(torque.windows(2));
-        let squares = slopes.map(|(t, y)| ((y[1] - y[0]) / (t[1] - t[0])).powi(2));
-        uncertainty * mean(&squares.collect::<Vec<_>>()).sqrt()
+        let longest = self.recording.longest_delay;
+        let reach = delay.uncertainty();
+        let reach = reach.map_or(longest, |one| (DEVIATIONS * one).min(longest));
+        // As it is written.
+        (reach * 1e7).round() / 1e7
     }
 
     fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
@@ -230,13 +232,11 @@ impl<'a> Case<'a> {
             ),
         };
         let noise = criterion.and_then(|criterion| criterion.noise);
-        let by_delay = self.by_delay(curve);
         let about_noise = noise.map_or_else(String::new, |noise| {
-            let all = noise.stated().hypot(by_delay);
-            uncertainty += &stated("noise", format!("{all:.2e} {}", channel.unit));
-            about(noise, by_delay, &channel.unit)
+            uncertainty += &stated("noise", format!("{:.2e} {}", noise.stated(), channel.unit));
+            about(noise, &channel.unit)
         });
-        let late = self.late(curve, frame);
+        let (late, reach) = (self.late(curve, frame), self.reach(curve));
         let words = curve.delay.and_then(Delay::words);
         let delay = words.map_or_else(String::new, |words| {
             let whose = match frame.lag {
@@ -245,14 +245,23 @@ impl<'a> Case<'a> {
             };
             format!(
                 "# late after the load by {words}, {whose}\n\
-                 delay = \"{:.4} ms\"\n",
-                1e3 * late
+                 delay = \"{:.4} ms\"\n{}",
+                1e3 * late,
+                match reach > 0.0 {
+                    true => format!(
+                        "# identify finds the rest with the parameters: both follow from the same rows\n\
+                         lag = {{ min = \"{0:.4} ms\", max = \"{1:.4} ms\" }}\n",
+                        -1e3 * reach,
+                        1e3 * reach
+                    ),
+                    false => String::new(),
+                }
             )
         });
         let [first, last] = self.span();
         let [from, to] = self.recording.window();
-        let from = (from - self.begin).max(first + late.max(0.0));
-        let to = (to - self.begin).min(last);
+        let from = (from - self.begin).max(first + (late + reach).max(0.0));
+        let to = (to - self.begin).min(last + (late - reach).min(0.0));
         let window = match from > first || to < last {
             true => format!("window = {{ from = {}, to = {} }}\n", up(from), up(to)),
             false => String::new(),
@@ -278,16 +287,13 @@ impl<'a> Case<'a> {
 }
 
 /// A comment that says of what the stated noise consists.
-fn about(noise: Noise, by_delay: f64, unit: &str) -> String {
+fn about(noise: Noise, unit: &str) -> String {
     let Noise { row, equivalent } = noise;
     let mut parts = format!("# noise: {row:.2e} {unit} in a row as recorded");
     if noise.is_shared() {
         parts += &format!(
             "; neighbouring rows share it, so a row counts as one with an independent noise of {equivalent:.2e}"
         );
-    }
-    if by_delay > 0.0 {
-        parts += &format!("; {by_delay:.2e} for the uncertainty of the delay");
     }
     parts + "\n"
 }

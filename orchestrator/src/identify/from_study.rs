@@ -21,7 +21,7 @@ use calibration::problem::{
     Case, Channel, Effect, Free, Measured, Population, Prior, Quantity, SharedKind, Source, Spacing,
 };
 use calibration::text::digits;
-use conformity::uncertainty::Uncertainty;
+use conformity::uncertainty::{self, Uncertainty};
 use fmu_import::Description;
 use fmu_import::units::Conversion;
 use fmu_points::names::behind;
@@ -150,6 +150,7 @@ pub fn bind(
     if !bound.notes.is_empty() {
         bound.notes.push(CHANGED.to_owned());
     }
+    bound.notes.extend(rectangular(&fitted, &judge, &plan));
     let populations = bound.problem.populations.iter();
     bound.notes.extend(populations.map(|population| {
         let first = &bound.problem.free[population.members[0]];
@@ -167,6 +168,29 @@ pub fn bind(
     Ok(bound)
 }
 
+/// What is assumed of errors that are stated as rectangular.
+fn rectangular(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
+    let of_curve = |probe: &Probe| {
+        let errors = probe.curve.as_ref().and_then(|curve| curve.errors.as_ref());
+        errors.is_some_and(|errors| errors.rectangular)
+    };
+    let all = study.criteria.keys().zip(&judge.criteria);
+    let names = all.zip(plan.placed_probes());
+    let names = names.filter(|((_, criterion), (_, probe))| {
+        let value = criterion.uncertainty;
+        of_curve(probe)
+            || value.is_some_and(|u| u.distribution == uncertainty::Distribution::Rectangular)
+    });
+    let names: Vec<&str> = names.map(|((name, _), _)| name.as_ref().as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "The rectangular limits of error of {} count as normal errors with the same standard deviation: intervals that rest on one \
+             of them alone are up to 19 % too wide, others less.",
+            names.join(", ")
+        )
+    })
+}
+
 /// The name of a measured number, and the number.
 type Datum = (String, Measured);
 
@@ -177,7 +201,7 @@ struct Lags {
 }
 
 impl Lags {
-    /// The lags of a curve: that of its case, and its own delay where a range is stated.
+    /// The lags of a curve: that of its case and its own, and its delay where a range is stated.
     fn of(
         &mut self,
         study: &Study,
@@ -187,13 +211,13 @@ impl Lags {
         bound: &mut Bound,
     ) -> Result<(Vec<usize>, [f64; 2]), FileError> {
         let case = text.case.and_then(|case| study.cases.get(case));
-        let stated = case.and_then(|case| Some((case, case.lag.as_ref()?)));
+        let of_case = case.and_then(|case| Some((&case.name, case.lag.as_ref()?)));
+        let own = text.lag.as_ref().map(|lag| (name, lag));
         let mut lags = Vec::new();
-        if let Some((case, lag)) = stated {
-            let ends = lag
-                .ends()
-                .map_err(|message| study.error_of(&case.name, message))?;
-            lags.push((format!("{}/lag", case.name.as_ref()), ends));
+        for (name, lag) in of_case.into_iter().chain(own) {
+            let ends = lag.ends();
+            let ends = ends.map_err(|message| study.error_of(name, message))?;
+            lags.push((format!("{}/lag", name.as_ref()), ends));
         }
         if let Delay::Within(ends) = curve.delay {
             lags.push((format!("{}/delay", name.as_ref()), ends));
@@ -416,6 +440,8 @@ impl Shared {
 /// The measured values whose errors are correlated: their numbers, and a factor of the matrix of correlations.
 struct Tied {
     numbers: Vec<usize>,
+    /// Those whose noise is correlated, too: products, and what they are the product of.
+    products: Vec<usize>,
     factor: Vec<Vec<f64>>,
 }
 
@@ -434,7 +460,11 @@ impl Tied {
             (matrix[a][b], matrix[b][a]) = (coefficient, coefficient);
         }
         let factor = factor(&matrix);
-        Self { numbers, factor }
+        Self {
+            numbers,
+            factor,
+            products: judge.products(),
+        }
     }
 
     /// The independent standard uncertainty of a value, number `quantity` of the problem. What it shares with others becomes
@@ -452,7 +482,8 @@ impl Tied {
         let Ok(place) = self.numbers.binary_search(&number) else {
             return uncertainty.standard(value);
         };
-        let standard = match uncertainty.noise > 0.0 {
+        let noise_alone = uncertainty.noise > 0.0 && !self.products.contains(&number);
+        let standard = match noise_alone {
             true => uncertainty.shared(value),
             false => uncertainty.standard(value),
         };
@@ -483,7 +514,10 @@ impl Tied {
             limit: uncertainty.coverage * standard,
             sources,
         });
-        uncertainty.independent().max(LEAST * standard)
+        match noise_alone {
+            true => uncertainty.independent().max(LEAST * standard),
+            false => LEAST * standard,
+        }
     }
 }
 

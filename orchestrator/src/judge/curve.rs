@@ -3,7 +3,7 @@
 use super::Criterion;
 use crate::study::limit::{error, limit, part};
 use crate::study::quantity::Scale;
-use crate::study::{CriterionText, Name, Quantity, ReferenceText, Study, first_wrong};
+use crate::study::{CriterionText, DelayText, Name, Quantity, ReferenceText, Study, first_wrong};
 use conformity::measured::Limits;
 use curves::{Kind, Metric};
 use number_tables::files::FileError;
@@ -16,6 +16,7 @@ pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
         ("band", text.band.is_some()),
         ("least", text.least.is_some()),
         ("delay", text.delay.is_some()),
+        ("lag", text.lag.is_some()),
     ];
     let stray = keys.iter().find(|(_, there)| *there);
     stray.map_or(Ok(()), |(key, _)| {
@@ -39,6 +40,12 @@ pub(super) fn criterion(
     })?;
     check_keys(text, metric).map_err(at)?;
     text.detail().map_err(at)?;
+    if let (Some(_), Some(DelayText::Within(_))) = (&text.lag, &text.delay) {
+        return Err(at(
+            "`lag` adds to a known `delay`; this one is found itself: remove one of them"
+                .to_owned(),
+        ));
+    }
     let (nominal, tolerance, stated) = limit(text, metric, scale).map_err(at)?;
     let reference = text.reference.as_ref();
     Ok(Criterion {

@@ -60,10 +60,13 @@ impl Binder<'_> {
         }
         let band = self.band(&curve, expanded.as_deref()).map_err(named)?;
         let errors = self.errors(&curve, expanded.as_deref())?;
-        let (even, drawn) = self.even(&curve, errors.as_ref())?;
+        // The noise is in the recording, and so in the metric: drawn again it would count twice.
+        let drawn = errors.as_ref().map(|(drawn, _)| drawn);
+        let (even, drawn) = self.even(&curve, drawn)?;
         let resampling = errors.is_some().then(|| self.resampling(drawn, first));
         // Between the rows of an uneven curve the uncertainty of a single value is not known.
         let errors = errors.filter(|_| even.times() == curve.times());
+        let errors = errors.map(|(_, errors)| errors);
         let back = self.scale.conversion.inverse();
         let measured = MeasuredCurve {
             metric: self.metric,
@@ -112,12 +115,12 @@ impl Binder<'_> {
         })
     }
 
-    /// The errors of the rows by parts; none where no uncertainty is stated.
+    /// The errors of the rows by parts, without and with their noise; none where no uncertainty is stated.
     fn errors(
         &self,
         curve: &Curve,
         expanded: Option<&[f64]>,
-    ) -> Result<Option<CurveErrors>, FileError> {
+    ) -> Result<Option<(CurveErrors, CurveErrors)>, FileError> {
         let reference = self.reference;
         let named = |message: String| self.study.error_of(self.name, message);
         let is_rectangular = reference.uncertainty_distribution == Some(Distribution::Rectangular);
@@ -176,15 +179,19 @@ impl Binder<'_> {
         let standard = |row: usize| expanded.map_or(0.0, |widths| widths[row] * of_offset.offset());
         let [shared, own] = [correlation, 1.0 - correlation].map(f64::sqrt);
         let noise = |row: usize| noise.as_ref().map_or(0.0, |noise| noise[row]);
-        Ok(Some(CurveErrors {
+        let without = CurveErrors {
             shared: rows.clone().map(|row| shared * standard(row)).collect(),
             gain: gain.transpose()?.unwrap_or(0.0) / coverage,
-            own: rows
-                .map(|row| (own * standard(row)).hypot(noise(row)))
-                .collect(),
+            own: rows.clone().map(|row| own * standard(row)).collect(),
             coverage: [of_offset.coverage, coverage],
             rectangular: is_rectangular,
-        }))
+        };
+        let with = rows.map(|row| without.own[row].hypot(noise(row)));
+        let with = CurveErrors {
+            own: with.collect(),
+            ..without.clone()
+        };
+        Ok(Some((without, with)))
     }
 
     /// The correlation of the errors of any two rows.

@@ -399,6 +399,8 @@ pub struct CriterionText {
     pub least: Option<Quantity>,
     /// By how much the measured curve is late.
     pub delay: Option<DelayText>,
+    /// By how much it may be later than that: `identify` finds it.
+    pub lag: Option<LagText>,
     /// The expanded uncertainty of the measured value, given like the tolerance.
     pub uncertainty: Option<Spanned<Quantity>>,
     /// How many standard uncertainties that is; 2 otherwise.

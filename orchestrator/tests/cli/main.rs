@@ -14,6 +14,7 @@ mod exchange;
 mod faults;
 mod finale;
 mod folders;
+mod identified;
 mod integrated;
 mod interrupted;
 mod isolation;

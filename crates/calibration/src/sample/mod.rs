@@ -387,9 +387,11 @@ impl<'a> Walk<'a> {
 
     /// Fresh draws from the final sample's shape, and some from the prior: the logarithms of prior and likelihood over the
     /// density of the draw. The mean of these weights is the evidence. It has no bias, and its scatter is that of independent
-    /// numbers; the product of the stages' ratios has neither quality, as the particles remember those before them.
+    /// numbers; the product of the stages' ratios has neither quality, as the particles remember those before them. As many
+    /// draws as particles, and again until they tell enough.
     fn weights(&mut self) -> Result<Vec<f64>, SampleError> {
         const FROM_PRIOR: f64 = 0.1;
+        const MOST_ROUNDS: usize = 5;
         let points: Vec<&[f64]> = self
             .particles
             .iter()
@@ -399,24 +401,30 @@ impl<'a> Walk<'a> {
             return Ok(Vec::new());
         };
         let count = self.particles.len();
-        let shift = self.random.unit();
         let of_prior = (FROM_PRIOR * count as f64) as usize;
-        let draw = |index: usize| match index < of_prior {
-            true => self.target.draw(&mut self.random),
-            false => {
-                let level = ((index - of_prior) as f64 + shift) / (count - of_prior) as f64;
-                mixture.draw(level, moves::WIDER, &mut self.random)
-            }
-        };
-        let places = (0..count).map(draw).collect();
-        let drawn = self.weighed(places)?;
         let part = of_prior as f64 / count as f64;
-        let weight = |particle: &Particle| {
-            let shaped = mixture.log_density(&particle.places, moves::WIDER) + (1.0 - part).ln();
-            let density = ln_sum(&[shaped, particle.log_prior + part.ln()]);
-            particle.log_prior + particle.log_likelihood - density
-        };
-        Ok(drawn.iter().map(weight).collect())
+        let mut weights = Vec::new();
+        for round in 0..MOST_ROUNDS {
+            if round > 0 && outcome::effective_draws(&weights) >= outcome::ENOUGH {
+                break;
+            }
+            let shift = self.random.unit();
+            let draw = |index: usize| match index < of_prior {
+                true => self.target.draw(&mut self.random),
+                false => {
+                    let level = ((index - of_prior) as f64 + shift) / (count - of_prior) as f64;
+                    mixture.draw(level, moves::WIDER, &mut self.random)
+                }
+            };
+            let places = (0..count).map(draw).collect();
+            let drawn = self.weighed(places)?;
+            weights.extend(drawn.iter().map(|particle| {
+                let shaped = mixture.log_density(&particle.places, moves::WIDER);
+                let density = [shaped + (1.0 - part).ln(), particle.log_prior + part.ln()];
+                particle.log_prior + particle.log_likelihood - ln_sum(&density)
+            }));
+        }
+        Ok(weights)
     }
 
     /// One step of all particles, in one batch of runs; tells which have moved.

@@ -49,7 +49,7 @@ pub fn summary(outcome: &PosteriorOutcome, of_data: &Evidence) -> String {
         "{} % of the particles are different\n",
         rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),
     );
-    text += &evidence(of_data);
+    text += &format!("{}\n", of_data.words());
     for note in &outcome.notes {
         text += &format!("{note}\n");
     }
@@ -62,47 +62,53 @@ pub fn summary(outcome: &PosteriorOutcome, of_data: &Evidence) -> String {
     text
 }
 
-/// How probable the measured values are under this model with its prior, and how much more than under another.
-fn evidence(evidence: &Evidence) -> String {
-    let [low, high] = evidence.interval.map(digits);
-    let log = digits(evidence.log);
-    if !evidence.trusted {
-        return format!("ln evidence {log}, NOT to be relied on: more particles may do\n");
+impl Evidence {
+    /// How probable the measured values are under this model with its prior, and how much more than under another.
+    pub fn words(&self) -> String {
+        let [low, high] = self.interval.map(digits);
+        let own = match self.trusted {
+            true => format!("{} ({low} .. {high}, 95 %)", digits(self.log)),
+            false => format!("{}, NOT to be relied on", digits(self.log)),
+        };
+        let Some(Ratio { log, interval }) = &self.against else {
+            let more = match self.trusted {
+                true => {
+                    "another model or setting on the same data can be weighed against this one, with --against this \
+                 identification.json"
+                }
+                false => "more particles may do",
+            };
+            return format!("ln evidence {own}: {more}");
+        };
+        // Factors beyond a million are told by their logarithm.
+        let factor = |log: f64| match log.abs() < 14.0 {
+            true => rounded(log.exp(), 3),
+            false => format!("exp({})", rounded(log, 4)),
+        };
+        let which = if *log > 0.0 { "this" } else { "the other" };
+        let how = match interval {
+            None => format!(
+                "favour {which} one by a factor of at least {} (95 %, from the best fit of the one and a bound of the other's evidence)",
+                factor(log.abs())
+            ),
+            Some([low, high]) if low * high > 0.0 => {
+                let [least, most] =
+                    [low.abs().min(high.abs()), low.abs().max(high.abs())].map(factor);
+                format!(
+                    "favour {which} one by a factor of {} ({least} .. {most}, 95 %)",
+                    factor(log.abs())
+                )
+            }
+            Some(ends) => {
+                let [least, most] = ends.map(factor);
+                format!(
+                    "do not tell the two apart: their ratio is {} ({least} .. {most}, 95 %)",
+                    factor(*log)
+                )
+            }
+        };
+        format!("ln evidence {own}: the data {how}, each with its own prior")
     }
-    let Some(Ratio {
-        log: ratio,
-        interval,
-    }) = &evidence.against
-    else {
-        return format!(
-            "ln evidence {log} ({low} .. {high}, 95 %): another model or setting on the same data can be weighed against this \
-             one, with --against this identification.json\n"
-        );
-    };
-    // Factors beyond a million are told by their logarithm.
-    let factor = |log: f64| match log.abs() < 14.0 {
-        true => rounded(log.exp(), 3),
-        false => format!("exp({})", rounded(log, 4)),
-    };
-    let [least, most] = interval.map(factor);
-    let how = match interval {
-        [low, _] if *low > 0.0 => format!(
-            "favour this one by a factor of {} ({least} .. {most}, 95 %)",
-            factor(*ratio)
-        ),
-        [_, high] if *high < 0.0 => {
-            let [least, most] = [interval[1], interval[0]].map(|log| factor(-log));
-            format!(
-                "favour the other one by a factor of {} ({least} .. {most}, 95 %)",
-                factor(-ratio)
-            )
-        }
-        _ => format!(
-            "do not tell the two apart: their ratio is {} ({least} .. {most}, 95 %)",
-            factor(*ratio)
-        ),
-    };
-    format!("ln evidence {log} ({low} .. {high}, 95 %): the data {how}, each with its own prior\n")
 }
 
 fn marginals(free: &[Marginal]) -> String {

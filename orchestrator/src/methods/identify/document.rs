@@ -7,6 +7,7 @@ use calibration::next::Group;
 use calibration::outcome::{FreeOutcome, IdentificationOutcome, Residual};
 use calibration::problem::{Free, Problem, SharedKind, Spacing};
 use calibration::sample::Sample;
+use calibration::sample::outcome::{Marginal, PopulationOutcome};
 use minijinja::{Environment, context};
 use sampling::distribution::Distribution;
 use sampling::statistics::moments::{deviation, mean};
@@ -346,6 +347,10 @@ impl Page<'_> {
             rows: rows.collect(),
             ..Table::default()
         });
+        told.table(self.populations());
+        if let Some(evidence) = &self.outcome.evidence {
+            told.say(evidence.words());
+        }
         let posterior = match self.sample {
             Some(_) => Key::new(
                 "bar in",
@@ -366,6 +371,39 @@ impl Page<'_> {
         let figures = all.filter_map(|k| self.density(k)).collect();
         told.blocks.push(Block::Figures("thirds", figures));
         told
+    }
+
+    /// Mean and spread of the parameters that vary from case to case.
+    fn populations(&self) -> Table {
+        let sample = self.outcome.posterior.iter();
+        let populations = sample.flat_map(|sample| &sample.populations);
+        let cells = |marginal: &Marginal| {
+            let unit = unit(&marginal.unit);
+            let ends = marginal.intervals.iter();
+            let ends = ends.map(|ends| ends.map(|v| number(v, 4)).join(" … "));
+            [
+                format!("{} {unit}", number(marginal.mean, 4))
+                    .trim_end()
+                    .to_owned(),
+                ends.collect::<Vec<String>>().join(" or "),
+            ]
+        };
+        let row = |each: &PopulationOutcome| {
+            let numbers = [cells(&each.mean), cells(&each.spread)].concat();
+            [vec![each.name.clone()], numbers].concat()
+        };
+        Table {
+            name: "From case to case".into(),
+            columns: vec![
+                words("Parameter"),
+                numbers("Mean of all cases"),
+                numbers("95 %"),
+                numbers("Spread from case to case"),
+                numbers("95 %"),
+            ],
+            rows: populations.map(row).collect(),
+            ..Table::default()
+        }
     }
 
     /// Prior and posterior density of a parameter.

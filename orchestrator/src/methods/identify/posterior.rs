@@ -118,7 +118,9 @@ pub(super) fn sampled(
     match sample(objective, seeds, &settings, &observe) {
         Ok(sample) => {
             let posterior = PosteriorOutcome::new(objective, optima, &sample);
-            outcome.evidence = Some(Evidence::new(objective.problem, &sample, posterior.trusted));
+            // With unknown discrepancies the optima were found with other errors.
+            let fits = if unknown.is_empty() { optima } else { &[] };
+            outcome.evidence = Some(Evidence::new(objective, fits, &sample, posterior.trusted));
             outcome.posterior = Some(posterior);
             let pairs = outcome.discrepancies.iter_mut().zip(unknown).enumerate();
             for (index, (discrepancy, unknown)) in pairs {

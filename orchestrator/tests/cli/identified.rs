@@ -1,0 +1,283 @@
+//! What `identify` tells beyond an optimum: specimens with a common mean and spread, the evidence of two models on the same
+//! data, lags of single curves, and its page. The fixture's closed form is y = u (1 - exp(-rate t)).
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use crate::support::{Bench, Said};
+
+/// Three specimens with the rates 1, 1.1 and 1.2, each of which is measured at its end.
+fn specimens() -> String {
+    let mut study = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 1
+step = 0.05
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.8
+max = 1.4
+varies = "case"
+"#
+    .to_owned();
+    for (name, rate) in [("a", 1.0_f64), ("b", 1.1), ("c", 1.2)] {
+        let end = 1.0 - (-rate).exp();
+        write!(
+            study,
+            r#"
+[[cases]]
+name = "{name}"
+fixed = {{ "drive.u" = 1.0 }}
+criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertainty = 0.006 }}
+"#
+        )
+        .unwrap();
+    }
+    study
+}
+
+fn identify(bench: &Bench, study: &str, options: &[&str]) -> (Said, Value) {
+    bench.write("study.toml", study);
+    let call = [
+        "identify",
+        "study.toml",
+        "--starts",
+        "4",
+        "--isolation",
+        "reuse",
+        "--output",
+        "out",
+    ];
+    let said = bench.run(&[&call[..], options].concat());
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let outcome = serde_json::from_str(&bench.read("out/identification.json")).unwrap();
+    (said, outcome)
+}
+
+fn ends(interval: &Value) -> [f64; 2] {
+    [0, 1].map(|k| interval[k].as_f64().unwrap())
+}
+
+#[test]
+fn specimens_have_a_common_mean_and_a_spread() {
+    let bench = Bench::new();
+    let (said, outcome) = identify(&bench, &specimens(), &["--posterior", "240"]);
+    let populations = outcome["posterior"]["populations"].as_array().unwrap();
+    assert_eq!(populations.len(), 1);
+    let population = &populations[0];
+    assert_eq!(population["name"], "lag.rate");
+    for (what, truth) in [("mean", 1.1), ("spread", 0.1)] {
+        let [low, high] = ends(&population[what]["intervals"][0]);
+        assert!(low < truth && truth < high, "{what}: {low} .. {high}");
+    }
+    for (free, (name, truth)) in outcome["free"].as_array().unwrap().iter().zip([
+        ("a/lag.rate", 1.0),
+        ("b/lag.rate", 1.1),
+        ("c/lag.rate", 1.2),
+    ]) {
+        assert_eq!(free["name"], name);
+        let [low, high] = ends(&free["interval"]);
+        assert!(low < truth && truth < high && high - low < 0.06, "{free}");
+    }
+    let table = bench.read("out/posterior.csv");
+    assert!(
+        table.contains("c/lag.rate,lag.rate.mean,lag.rate.spread,log_likelihood"),
+        "{table}"
+    );
+    for words in [
+        "lag.rate varies from case to case",
+        "lag.rate, mean of all cases",
+        "lag.rate, spread from case to case",
+    ] {
+        assert!(said.out.contains(words), "no `{words}` in {}", said.out);
+    }
+    let page = bench.read("out/report.html");
+    for words in [
+        "Fit and residuals",
+        "From case to case",
+        "Spread from case to case",
+        "ln evidence",
+        "sample of the posterior",
+        "prior: anything within",
+    ] {
+        assert!(page.contains(words), "no `{words}` on the page");
+    }
+    // No other command knows which specimen is meant.
+    bench
+        .run(&["verify", "study.toml", "--output", "v"])
+        .is_mistake(&["varies"]);
+    let one = specimens()
+        .split("[[cases]]\nname = \"b\"")
+        .next()
+        .unwrap()
+        .to_owned();
+    bench.write("one.toml", &one);
+    bench
+        .run(&["identify", "one.toml"])
+        .is_mistake(&["shows no spread from case to case"]);
+}
+
+#[test]
+fn a_wrong_setting_loses_to_the_right_one() {
+    let bench = Bench::new();
+    let study = specimens().replace("varies = \"case\"\n", "");
+    // One rate for all: the specimens' values are those of 1.1.
+    let same = 1.0 - (-1.1_f64).exp();
+    let study: String = study
+        .lines()
+        .map(|line| match line.split_once("nominal = ") {
+            Some((before, after)) => {
+                let rest = after.split_once(',').unwrap().1;
+                format!("{before}nominal = {same},{rest}\n")
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let right = ["--posterior", "200"];
+    let (said, outcome) = identify(&bench, &study, &right);
+    assert!(said.out.contains("--against this"), "{}", said.out);
+    let evidence = &outcome["evidence"];
+    let [low, high] = ends(&evidence["interval"]);
+    assert!(low < high && evidence["data"].is_string(), "{evidence}");
+    std::fs::rename(bench.path("out"), bench.path("right")).unwrap();
+    // No rate within the bounds explains these values with half of the input in one case.
+    let wrong = study.replacen("\"drive.u\" = 1.0", "\"drive.u\" = 0.8", 1);
+    let options = ["--posterior", "200", "--against", "right"];
+    let (said, outcome) = identify(&bench, &wrong, &options);
+    assert!(
+        said.out
+            .contains("the data favour the other one by a factor of"),
+        "{}",
+        said.out
+    );
+    let ratio = &outcome["evidence"]["against"];
+    assert!(ratio["log"].as_f64().unwrap() < -3.0, "{ratio}");
+    assert!(
+        bench
+            .read("out/report.html")
+            .contains("favour the other one")
+    );
+    // Other measured values cannot be compared, and without a sample there is no evidence.
+    bench.write(
+        "other.toml",
+        &study.replacen("nominal = 0.", "nominal = 0.1", 1),
+    );
+    bench
+        .run(
+            &[
+                &["identify", "other.toml", "--output", "o"][..],
+                &options[..],
+            ]
+            .concat(),
+        )
+        .is_mistake(&["other measured values"]);
+    bench
+        .run(&[
+            "identify",
+            "study.toml",
+            "--against",
+            "right",
+            "--output",
+            "n",
+        ])
+        .is_mistake(&["--posterior"]);
+}
+
+/// A curve that is later than it states, and a sensor whose zero is off: the page has fit, sensors and parameters.
+#[test]
+fn a_late_curve_and_a_zero_error_are_found_and_shown() {
+    let bench = Bench::new();
+    let mut table = String::from("time,y\n");
+    for k in 4..=36_u32 {
+        let time = 0.05 * f64::from(k);
+        let noise = 0.003 * (12.9898 * f64::from(k)).sin();
+        let y = 1.0 - (-1.1 * (time - 0.05)).exp() + noise;
+        writeln!(table, "{time},{y}").unwrap();
+    }
+    bench.write("y.csv", &table);
+    let study = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.01
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.8
+max = 1.4
+[[cases]]
+name = "one"
+fixed = { "drive.u" = 1.0 }
+[cases.criteria.Y]
+variable = "lag.y"
+reference = { file = "y.csv", column = "y", uncertainty = 0.02, uncertainty-distribution = "rectangular", noise = 0.003 }
+metric = "rmse"
+tolerance = 0.1
+delay = "20 ms"
+lag = { min = "-60 ms", max = "60 ms" }
+"#;
+    let (said, outcome) = identify(&bench, study, &[]);
+    let free = outcome["free"].as_array().unwrap();
+    for (free, (name, truth)) in free.iter().zip([("lag.rate", 1.1), ("one/Y/lag", 0.03)]) {
+        assert_eq!(free["name"], name);
+        let [low, high] = ends(&free["interval"]);
+        assert!(low < truth && truth < high, "{name}: {low} .. {high}");
+    }
+    assert!(
+        said.out.contains("rectangular limits of error"),
+        "{}",
+        said.out
+    );
+    let page = bench.read("out/report.html");
+    for words in [
+        "Fit and residuals",
+        "What the data say of the sensors",
+        "zero error",
+        "posterior, by its normal approximation",
+        "What to measure next",
+    ] {
+        assert!(page.contains(words), "no `{words}` on the page");
+    }
+    // The other commands take the delay as stated.
+    let said = bench.run(&["verify", "study.toml", "--points", "4", "--output", "v"]);
+    assert!(said.code < 2, "{}", said.err);
+    let found = study.replace("\"20 ms\"", "{ from = \"0 ms\", to = \"40 ms\" }");
+    bench.write("study.toml", &found);
+    bench
+        .run(&["identify", "study.toml"])
+        .is_mistake(&["`lag` adds to a known `delay`"]);
+}
+
+/// A product has the noise of its factor: it is no second measurement, whatever it is measured with.
+#[test]
+fn a_product_tells_no_more_than_its_factor() {
+    let bench = Bench::new();
+    let end = 1.0 - (-1.1_f64).exp();
+    let alone = format!(
+        r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 1
+step = 0.05
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.8
+max = 1.4
+[[cases]]
+name = "one"
+fixed = {{ "drive.u" = 1.0 }}
+criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertainty = 0.002, noise = 0.01 }}
+"#
+    );
+    let product = format!(
+        "criteria.P = {{ variable = \"lag.y\", nominal = {end}, tolerance = 0.1, derived = {{ from = \"Y\", by = \"drive.u\" }} }}\n"
+    );
+    let width = |study: &str| {
+        let (_, outcome) = identify(&bench, study, &["--force"]);
+        let [low, high] = ends(&outcome["free"][0]["interval"]);
+        high - low
+    };
+    let (one, both) = (width(&alone), width(&format!("{alone}{product}")));
+    // As two measurements they would be a factor of 0.71 apart.
+    assert!((both / one - 1.0).abs() < 0.01, "{one} {both}");
+}
