@@ -128,37 +128,35 @@ impl Optimum {
     pub fn look_at_ends(&mut self, objective: &Objective<'_>) -> Result<(), NoPrediction> {
         /// How often an end may be moved.
         const ROUNDS: usize = 4;
-        let mut open: Vec<(usize, usize)> = (0..self.intervals.len())
+        let from = &self.minimum.places;
+        let mut open: Vec<(usize, usize, f64)> = (0..self.intervals.len())
             .filter(|index| !self.minimum.surrounded.contains(index))
             .flat_map(|index| [(index, 0), (index, 1)])
+            .map(|(index, side)| {
+                let to = self.along(index, self.intervals[index].ends[side]);
+                (index, side, self.posterior.rise(from, &to))
+            })
             .collect();
-        let wanted = open.iter().map(|&(index, side)| {
-            let end = self.intervals[index].ends[side];
-            self.posterior
-                .rise(&self.minimum.places, &self.along(index, end))
-        });
-        let wanted: Vec<f64> = wanted.collect();
-        let wanted = |index: usize, side: usize| wanted[2 * index + side];
         for _ in 0..ROUNDS {
-            open.retain(|&(index, side)| {
+            open.retain(|&(index, side, rise)| {
                 let end = self.intervals[index].ends[side];
-                end > 0.0 && end < 1.0 && wanted(index, side) > 0.0
+                end > 0.0 && end < 1.0 && rise > 0.0
             });
             let sets = open.iter();
             let sets =
-                sets.map(|&(index, side)| self.along(index, self.intervals[index].ends[side]));
+                sets.map(|&(index, side, _)| self.along(index, self.intervals[index].ends[side]));
             let misfits = objective.misfits(&sets.collect::<Vec<_>>())?;
             let mut short = Vec::new();
-            for (&(index, side), misfit) in open.iter().zip(misfits) {
+            for (&(index, side, predicted), misfit) in open.iter().zip(misfits) {
                 // Failed runs have words of their own.
                 let Ok(misfit) = misfit else { continue };
                 let rise = misfit.cost() - self.minimum.misfit.cost();
                 let local = &mut self.intervals[index];
-                if let Some(by) = local.take(rise, wanted(index, side)) {
+                if let Some(by) = local.take(rise, predicted) {
                     let place = self.minimum.places[index];
                     let end = place + by * (local.ends[side] - place);
                     local.ends[side] = end.clamp(0.0, 1.0);
-                    short.push((index, side));
+                    short.push((index, side, predicted));
                 }
             }
             open = short;
