@@ -279,10 +279,10 @@ fn of_channel(error: &SharedOutcome) -> String {
         false => "",
     };
     format!(
-        "{} is best explained by {what} of {} ({low} .. {high}, 95 %){}; its limits are +-{limit}{beyond}\n",
+        "{} is best explained by {what} of {} ({low} .. {high}, 95 %){}; the stated limits are +-{limit}{beyond}\n",
         error.name,
         value.trim_end(),
-        if none { ", and none would do" } else { "" }
+        if none { ", which includes 0" } else { "" }
     )
 }
 

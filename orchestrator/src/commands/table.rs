@@ -106,11 +106,10 @@ fn most_probable(summary: &Summary) -> String {
             )
         }
         None if summary.has_samples() => {
-            "most probable point: not known; a sample does not tell the density that it was drawn from\n".to_owned()
+            "most probable point: unknown, since the density of a sample of parameters is unknown\n".to_owned()
         }
         None => {
-            "most probable point: not known; it needs the uncertainty of every measured value, of which no error may \
-             follow from others\n"
+            "most probable point: unknown, since not every measured value has an uncertainty of its own\n"
                 .to_owned()
         }
     }

@@ -95,7 +95,7 @@ pub fn improve_first(summary: &Summary) -> Option<String> {
         format!(" (95 % interval {low} … {high})")
     });
     Some(format!(
-        "To improve first: half the {what} {} gains {} points of the share{interval}.",
+        "To improve first: half the {what} {} raises the share by {} percentage points{interval}.",
         first.name,
         number(100.0 * first.gain, 3)
     ))
