@@ -14,13 +14,14 @@ use toml::Spanned;
 
 use crate::concern::Concern;
 use crate::study::plan::find;
-use crate::study::quantity::{Scale, Sense};
-use crate::study::{BOTH_SIDES, CriterionText, Name, Quantity, Study, ToleranceText, first_wrong};
+use crate::study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong};
 use conformity::decision::Rule;
 use conformity::measured::{Limits, Measured, Measurement};
 use conformity::risk::Guard;
 use conformity::uncertainty::Uncertainty;
 use curves::{Kind, Metric};
+use fmu_import::quantity::Quantity;
+use fmu_import::quantity::{Scale, Sense};
 use fmu_import::{Description, Variable};
 use fmu_points::failure::Failure;
 use fmu_points::names::{behind, did_you_mean, nearest};

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer};
 
-use crate::study::{Quantity, exactly_two};
+use crate::study::exactly_two;
+use fmu_import::quantity::Quantity;
 use number_tables::files::FileError;
 use number_tables::recorded::RecordedTable;
 use rig_signals::case::{Drive, Driven};

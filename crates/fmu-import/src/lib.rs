@@ -17,6 +17,7 @@ mod logger;
 pub mod needed;
 pub mod package;
 mod parse;
+pub mod quantity;
 mod simulation;
 pub mod state;
 mod symbols;

@@ -19,7 +19,7 @@ use crate::results::tally::{Sample, Tally};
 use crate::results::{concerns, lines, write_atomically};
 use crate::session::{FileSet, Request, provenance};
 use crate::study::Study;
-use crate::study::quantity::Scale;
+use fmu_import::quantity::Scale;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
 use fmu_points::failure::{Failure, Partial};

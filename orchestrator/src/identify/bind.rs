@@ -7,8 +7,7 @@ use crate::study::identification::{
 };
 use crate::study::limit::part;
 use crate::study::plan::{Plan, find, slot_of};
-use crate::study::quantity::{Scale, Sense};
-use crate::study::{Name, Quantity as Text, Study};
+use crate::study::{Name, Study};
 use calibration::discrepancy::Unknown;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind,
@@ -16,6 +15,8 @@ use calibration::problem::{
 };
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
+use fmu_import::quantity::Quantity as Text;
+use fmu_import::quantity::{Scale, Sense};
 use fmu_import::units::Conversion;
 use fmu_points::task::{Case as Simulation, Probe, Slot};
 use number_tables::files::FileError;

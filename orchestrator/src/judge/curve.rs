@@ -2,10 +2,11 @@
 
 use super::Criterion;
 use crate::study::limit::{error, limit, part};
-use crate::study::quantity::Scale;
-use crate::study::{CriterionText, DelayText, Name, Quantity, ReferenceText, Study, first_wrong};
+use crate::study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong};
 use conformity::measured::Limits;
 use curves::{Kind, Metric};
+use fmu_import::quantity::Quantity;
+use fmu_import::quantity::Scale;
 use number_tables::files::FileError;
 
 /// Refuses keys of curves on a criterion that has no `reference`.

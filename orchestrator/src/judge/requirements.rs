@@ -6,12 +6,13 @@ use super::{Criterion, Judge, tolerance};
 use crate::concern::{Code, Concern};
 use crate::study::limit::part;
 use crate::study::points::{Pairs, pairs};
-use crate::study::quantity::Scale;
-use crate::study::{CriterionText, Name, Quantity, Required, Study, first_wrong};
+use crate::study::{CriterionText, Name, Required, Study, first_wrong};
 use conformity::decision::Rule;
 use conformity::measured::Measurement;
 use conformity::risk::Guard;
 use conformity::uncertainty::{Distribution, Uncertainty};
+use fmu_import::quantity::Quantity;
+use fmu_import::quantity::Scale;
 use fmu_import::{Causality, Variable};
 use number_tables::files::FileError;
 

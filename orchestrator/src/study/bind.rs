@@ -7,11 +7,11 @@ use toml::Spanned;
 
 use super::curves::Binder as CurveBinder;
 use super::input::Input;
-use super::quantity::Scale;
 use super::samples::{self, Together};
 use super::values::{find, slot_of, value_of};
 use super::{CaseText, CriterionText, Name, ParameterText, Setting, Study, inputs, ssv};
 use crate::concern::Concern;
+use fmu_import::quantity::Scale;
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
 use fmu_points::task::{Detail, MeasuredCurve, Probe, Schedule, Slot, Task};

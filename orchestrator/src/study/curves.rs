@@ -3,13 +3,13 @@
 use std::fmt::Display;
 
 use super::limit::{limit, part};
-use super::quantity::{Quantity, Scale, Sense};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
 use super::{CriterionText, Name, Pair, Study, first_wrong};
 use conformity::uncertainty::{Distribution, Uncertainty};
 use curves::{Curve, Metric, iso18571};
 use fmu_import::digest;
+use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_import::units::Conversion;
 use fmu_points::task::{CurveErrors, Delay, MeasuredCurve, Resampling};
 use number_tables::Table;

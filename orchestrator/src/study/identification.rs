@@ -6,8 +6,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use super::{Name, Quantity};
+use super::Name;
 use calibration::problem::Spacing;
+use fmu_import::quantity::Quantity;
 use sampling::statistics::Statistic;
 
 /// Where the posterior's sample starts. The sample has the same distribution with either.

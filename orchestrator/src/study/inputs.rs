@@ -1,10 +1,10 @@
 //! Inputs that follow a recording.
 
-use super::quantity::Scale;
 use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study};
 use crate::concern::{Code, Concern};
 use fmu_import::description::Interface;
+use fmu_import::quantity::Scale;
 use fmu_import::units::Conversion;
 use fmu_import::{Causality, Content, Description, Variability, Variable};
 use fmu_points::task::{Schedule, Series, Slot, place};

@@ -1,8 +1,9 @@
 //! How far a metric of curves may be from that of equal ones.
 
 use super::CriterionText;
-use super::quantity::{Quantity, Scale, Sense, ToleranceText};
+use super::ToleranceText;
 use curves::{Kind, Metric};
+use fmu_import::quantity::{Quantity, Scale, Sense};
 
 /// How much a corridor's share may fall short of all: less than one of any number of times.
 const ALL: f64 = 1e-9;

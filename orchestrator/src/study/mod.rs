@@ -15,7 +15,6 @@ pub(crate) mod limit;
 mod once;
 pub mod plan;
 pub mod points;
-pub mod quantity;
 mod reference;
 mod samples;
 #[cfg(test)]
@@ -25,6 +24,7 @@ mod shape;
 pub mod ssv;
 #[cfg(test)]
 mod tests;
+mod tolerance;
 mod values;
 mod window;
 
@@ -41,9 +41,9 @@ pub use detail::first_wrong;
 pub use dossier::Dossier;
 pub use error::BOTH_SIDES;
 pub use identification::Identification;
-pub use quantity::{Quantity, ToleranceText};
 pub use reference::{DelayText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
+pub use tolerance::ToleranceText;
 pub use window::Window;
 
 use crate::error::Error;
@@ -51,6 +51,7 @@ use crate::error::unusable;
 use ::curves::Metric;
 use conformity::uncertainty::Distribution;
 use error::Place;
+use fmu_import::quantity::Quantity;
 use fmu_import::{ArchiveError, FmuError, FmuFault, Package, digest, sha256};
 use number_tables::files;
 use number_tables::files::FileError;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::quantity::Quantity;
 use conformity::uncertainty::Distribution;
+use fmu_import::quantity::Quantity;
 
 /// A measured curve.
 #[derive(Clone, Debug, Deserialize)]

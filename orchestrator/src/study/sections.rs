@@ -4,7 +4,8 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Name, Quantity};
+use super::Name;
+use fmu_import::quantity::Quantity;
 
 /// The section `[sensitivity]`: defaults for the options of that command.
 #[derive(Clone, Debug, Default, Deserialize)]

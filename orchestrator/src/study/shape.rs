@@ -1,7 +1,7 @@
 //! The distribution of a parameter, from the numbers that the study gives.
 
-use super::quantity::{Quantity, Scale, Sense};
 use super::{ParameterText, Shape};
+use fmu_import::quantity::{Quantity, Scale, Sense};
 use sampling::distribution::Distribution;
 
 impl ParameterText {

@@ -3,7 +3,7 @@
 use std::num::IntErrorKind;
 
 use super::Setting;
-use super::quantity::{Quantity, Scale, Sense};
+use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_import::{Causality, Description, Kind, Value, Variability, Variable};
 use fmu_points::names::{behind, did_you_mean, nearest};
 use fmu_points::task::Slot;

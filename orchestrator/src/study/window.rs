@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use super::Quantity;
-use super::quantity::to_own;
+use fmu_import::quantity::Quantity;
+use fmu_import::quantity::to_own;
 
 /// A window as the study writes it: `window = 10`, or `window = { from = "140 s", to = "150 s" }`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -9,8 +9,8 @@ use crate::study::inputs::{
     takes_any_step,
 };
 use crate::study::plan::find;
-use crate::study::quantity::Scale;
 use fmu_import::Description;
+use fmu_import::quantity::Scale;
 use fmu_points::task::{Schedule, Series};
 use number_tables::{How, Table};
 

@@ -1,11 +1,11 @@
-//! Numbers with units, as a study gives them.
+//! Numbers with units as people write them, such as `0.02 mm`, and their way to the unit of a variable.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::units::{Conversion, split};
-use fmu_import::{Description, Variable};
+use crate::description::{Description, Variable};
+use crate::units::{Conversion, split};
 
 /// A number in the unit of its table, or a number with a unit of its own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -53,72 +53,6 @@ enum Form {
     Text(String),
 }
 
-/// How far from the measured value a model value may be.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "ToleranceForm")]
-pub enum ToleranceText {
-    /// As far to both sides.
-    Even(Quantity),
-    /// Down and up.
-    Uneven {
-        /// How far below.
-        minus: Quantity,
-        /// How far above.
-        plus: Quantity,
-    },
-}
-
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a number, a text such as \"0.02 mm\", or { minus = \"1 mm\", plus = \"2 mm\" }"
-)]
-enum ToleranceForm {
-    Number(f64),
-    Text(String),
-    Uneven(Uneven),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Uneven {
-    minus: Quantity,
-    plus: Quantity,
-}
-
-impl TryFrom<ToleranceForm> for ToleranceText {
-    type Error = String;
-
-    fn try_from(form: ToleranceForm) -> Result<Self, String> {
-        Ok(match form {
-            ToleranceForm::Number(number) => Self::Even(number.into()),
-            ToleranceForm::Text(text) => Self::Even(text.parse()?),
-            ToleranceForm::Uneven(Uneven { minus, plus }) => Self::Uneven { minus, plus },
-        })
-    }
-}
-
-impl ToleranceText {
-    /// The largest error of a curve, which has one limit.
-    pub(crate) fn of_curve(&self) -> Result<&Quantity, String> {
-        match self {
-            Self::Even(quantity) => Ok(quantity),
-            Self::Uneven { .. } => Err(format!(
-                "the tolerance {self} is that of a measured value; the error of a curve has one limit, such as \"0.02 N.m\""
-            )),
-        }
-    }
-}
-
-impl fmt::Display for ToleranceText {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Even(quantity) => quantity.fmt(f),
-            Self::Uneven { minus, plus } => write!(f, "-{minus}/+{plus}"),
-        }
-    }
-}
-
 impl TryFrom<Form> for Quantity {
     type Error = String;
 
@@ -154,7 +88,10 @@ enum Base<'a> {
 }
 
 /// From a unit of time to seconds, or from one of frequency to hertz.
-pub(super) fn to_own(unit: &str, si_unit: &'static str) -> Result<Conversion, String> {
+///
+/// # Errors
+/// When the unit is none of them.
+pub fn to_own(unit: &str, si_unit: &'static str) -> Result<Conversion, String> {
     let factor = match (si_unit, unit) {
         ("s", "s") | ("Hz", "Hz" | "1/s") => 1.0,
         ("s", "ms") => 1e-3,
