@@ -9,6 +9,7 @@ mod holes;
 mod kernel;
 pub mod motion;
 mod recording;
+pub mod scatter;
 pub mod signal;
 pub mod smooth;
 mod spectrum;

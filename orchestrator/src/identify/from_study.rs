@@ -11,7 +11,6 @@ use indexmap::IndexMap;
 
 use super::bind::{Bound, BoundCurve, Input, bare, check_difference, free};
 use super::late::{Read, Reading, late};
-use super::scatter::scatter;
 use crate::judge::{Criterion, Judge};
 use crate::study::cases::SEPARATOR;
 use crate::study::plan::{self, Plan};
@@ -27,6 +26,7 @@ use fmu_import::units::Conversion;
 use fmu_points::names::behind;
 use fmu_points::task::{Delay, MeasuredCurve, Probe, Schedule, Slot};
 use number_tables::files::FileError;
+use rig_signals::scatter::scatter;
 use sampling::distribution::Distribution;
 
 /// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as

@@ -9,4 +9,3 @@ mod cases;
 pub mod from_study;
 pub mod late;
 pub mod model;
-mod scatter;

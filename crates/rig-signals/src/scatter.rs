@@ -9,7 +9,7 @@ const FEWEST: usize = 40;
 /// scatter times a known factor; the median makes spikes harmless. Rows that were smoothed share their scatter with their
 /// neighbours: then the differences of every second or third row show more of it. They count where orders agree, as they do
 /// of scatter, and not of a signal.
-pub(super) fn scatter(values: &[f64]) -> Option<f64> {
+pub fn scatter(values: &[f64]) -> Option<f64> {
     const STRIDES: std::ops::RangeInclusive<usize> = 1..=3;
     const AGREE: f64 = 0.85;
     // No usual smoothing hides more, but a signal near the highest frequency that so many rows show may look the same.
