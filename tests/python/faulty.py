@@ -246,9 +246,11 @@ class Workshop:
         if missing:
             objects["loading"] = self.compiled(SOURCES / "loading.c", "-DMISSING")
         into = self.folder / f"{behaviour}-{len(flags)}{missing}.so"
+        # Several models have the same behaviour, and are built at the same time: a file is there as a whole or not.
+        under_way = self.folder / f"{into.name}.{threading.get_ident()}"
         self.compile("-shared", "-Wl,-Bsymbolic", f"-DBEHAVIOUR={behaviour}", SOURCES / "model.c", *objects.values(),
-                     *flags, "-o", into, "-lm", "-lpthread")
-        return into
+                     *flags, "-o", under_way, "-lm", "-lpthread")
+        return under_way.replace(into)
 
     def fmu(self, name, binary, text=None):
         into = self.folder / f"{name}.fmu"

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use super::*;
 use crate::failure::Failure;
 
@@ -94,19 +96,22 @@ fn a_run_ends_early_when_asked_to() {
     assert!((10..900_000).contains(&count), "{count}");
 }
 
-/// Finds after a thousand points that used processes err: 1e9 too much from the hundredth point on.
-struct Erring(u64);
+/// Finds after a thousand points that used processes err: 1e9 too much from the hundredth point on. What one worker finds,
+/// all heed from the next point on.
+struct Erring(u64, Arc<AtomicBool>);
 
 impl Worker for Erring {
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         for job in jobs {
             self.0 += 1;
             let (value, separation) = match self.0 {
+                _ if self.1.load(Ordering::Relaxed) => (0.0, Separation::Forked),
                 ..100 => (0.0, Separation::Used),
                 100..1000 => (1e9, Separation::Used),
                 _ => (0.0, Separation::Forked),
             };
             if self.0 == 1000 {
+                self.1.store(true, Ordering::Relaxed);
                 post.send(Event::Void(Separation::Used));
             }
             let answer = Ok(vec![value + job.values[0]].into());
@@ -119,7 +124,9 @@ impl Worker for Erring {
 #[test]
 #[allow(clippy::cast_precision_loss)]
 fn what_does_not_count_is_computed_again() {
-    let mut workers: Vec<Box<dyn Worker>> = vec![Box::new(Erring(0)), Box::new(Erring(0))];
+    let known = Arc::new(AtomicBool::new(false));
+    let erring = || Box::new(Erring(0, known.clone())) as Box<dyn Worker>;
+    let mut workers = vec![erring(), erring()];
     let mut values = vec![f64::NAN; 5000];
     let earlier = |_| vec![7];
     let open = (0..5000).filter(|index| *index != 7);
