@@ -32,7 +32,7 @@ mod stress;
 mod transient;
 
 pub use grid::Grid;
-pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
+pub use quasi_static::{Boundary, Carried, Coefficients, Groove, NotConverged, QuasiStatic};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Cavitation, Drive, FilmError, FilmSettings};
 pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};

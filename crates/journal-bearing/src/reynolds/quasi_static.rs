@@ -10,8 +10,11 @@ use std::f64::consts::PI;
 use nalgebra::{Matrix2, Vector2};
 use thiserror::Error;
 
+mod coefficients;
 #[cfg(test)]
 mod tests;
+
+pub use coefficients::Coefficients;
 
 use super::grid::Grid;
 use super::lanes::LANES;
@@ -26,6 +29,15 @@ pub enum Boundary {
     /// At `theta = -pi`, where `p = 0`: the largest gap when `eps` lies along `+x`. This is the condition of Raimondi &
     /// Boyd (1958) and DIN 31652, for comparison with their tables.
     Seam,
+}
+
+/// An axial groove over the whole width, at ambient pressure: the film begins and ends at its edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Groove {
+    /// Where its middle stands, rad.
+    pub angle: f64,
+    /// From edge to edge, rad.
+    pub extent: f64,
 }
 
 /// The solved film, in the dimensionless quantities of [`reynolds`](super).
@@ -79,6 +91,10 @@ pub struct QuasiStatic {
     boundary: Boundary,
     /// `(D/B)^2`.
     slenderness: f64,
+    /// The eccentricity ratio.
+    eps: Vector2<f64>,
+    /// Which columns are in a groove.
+    grooved: Vec<bool>,
     /// The integral of `n` over each column.
     normal: Vec<Vector2<f64>>,
     /// Conductance between column `i - 1` and `i`, per `zeta`.
@@ -122,6 +138,8 @@ impl QuasiStatic {
         let mut film = Self {
             boundary,
             slenderness: width_to_diameter.powi(-2),
+            eps: Vector2::zeros(),
+            grooved: vec![false; columns],
             normal,
             along: vec![0.0; columns],
             across: vec![0.0; columns],
@@ -137,9 +155,27 @@ impl QuasiStatic {
         film
     }
 
+    /// The film of a bush with grooves: all columns whose middle lies in one are at ambient pressure.
+    #[must_use]
+    pub fn with_grooves(mut self, grooves: &[Groove]) -> Self {
+        for (i, grooved) in self.grooved.iter_mut().enumerate() {
+            let theta = self.grid.theta_centre(i);
+            let away = |groove: &Groove| {
+                (theta - groove.angle)
+                    .sin()
+                    .atan2((theta - groove.angle).cos())
+            };
+            *grooved = grooves
+                .iter()
+                .any(|groove| away(groove).abs() < 0.5 * groove.extent);
+        }
+        self
+    }
+
     /// Puts the journal of a round, aligned bearing at the eccentricity ratio `eps`, `|eps| < 1`.
     pub fn place(&mut self, eps: Vector2<f64>) {
         let gap = |theta: f64| 1.0 - eps.x * theta.cos() - eps.y * theta.sin();
+        self.eps = eps;
         let columns = self.grid.columns();
         let mut before = gap(self.grid.theta_edge(0)).powi(3);
         for i in 0..columns {
@@ -212,7 +248,7 @@ impl QuasiStatic {
         }
         if !self.full.iter().any(|&full| full) {
             for (i, normal) in self.normal.iter().enumerate() {
-                let full = normal.dot(&towards) > 0.0;
+                let full = normal.dot(&towards) > 0.0 && !self.grooved[i];
                 self.full[i * self.stride..][..rows].fill(full);
             }
         }
@@ -270,37 +306,45 @@ impl QuasiStatic {
     }
 
     /// The conductances from a cell to the columns before and after it and to the rows below and above it, with the cells
-    /// there. There are none beyond the open end and a closed seam, where the pressure is zero.
+    /// there. There are none beyond the open end, a closed seam and the edge of a groove, where the pressure is zero.
     fn edges(&self, i: usize, j: usize) -> [(f64, Option<usize>); 4] {
+        self.edges_of(i, j, &self.along, &self.across)
+    }
+
+    /// The same of other conductances between and over the columns.
+    fn edges_of(
+        &self,
+        i: usize,
+        j: usize,
+        along: &[f64],
+        across: &[f64],
+    ) -> [(f64, Option<usize>); 4] {
         let (columns, cell) = (self.grid.columns(), i * self.stride + j);
         let (before, after) = ((i + columns - 1) % columns, (i + 1) % columns);
         let around = |edge: usize, column: usize| {
-            let conductance = self.along[edge] * self.grid.zeta_width(j);
-            if self.boundary == Boundary::Seam && edge == 0 {
+            let conductance = along[edge] * self.grid.zeta_width(j);
+            if self.boundary == Boundary::Seam && edge == 0 || self.grooved[column] {
                 // The pressure falls to zero over half a cell.
-                (2.0 * conductance, None)
+                let [own, other] = [i, column].map(|i| self.grid.theta_width(i));
+                ((own + other) / own * conductance, None)
             } else {
                 (conductance, Some(column * self.stride + j))
             }
         };
+        let across_into = |j: usize| match j {
+            // Nothing flows through the mid-plane.
+            0 => 0.0,
+            j => across[i] * self.inverse_distance[j - 1],
+        };
         [
             around(i, before),
             around(after, after),
-            (self.across_into(i, j), (j > 0).then(|| cell - 1)),
+            (across_into(j), (j > 0).then(|| cell - 1)),
             (
-                self.across_into(i, j + 1),
+                across_into(j + 1),
                 (j + 1 < self.grid.rows()).then_some(cell + 1),
             ),
         ]
-    }
-
-    /// Conductance between rows `j - 1` and `j` of column `i`; nothing flows through the mid-plane.
-    fn across_into(&self, i: usize, j: usize) -> f64 {
-        if j == 0 {
-            0.0
-        } else {
-            self.across[i] * self.inverse_distance[j - 1]
-        }
     }
 
     /// `dW/dv` over the present set of full cells.
@@ -332,6 +376,9 @@ impl QuasiStatic {
     fn update_set(&mut self, v: Vector2<f64>) -> bool {
         let fills = |i: usize, j: usize| {
             let cell = i * self.stride + j;
+            if self.grooved[i] {
+                return false;
+            }
             if j >= self.grid.rows() || self.full[cell] {
                 return self.pressure[cell] > 0.0;
             }
@@ -356,7 +403,7 @@ impl QuasiStatic {
     fn end_flow(&self) -> f64 {
         let rows = self.grid.rows();
         let sum: f64 = (0..self.grid.columns())
-            .map(|i| self.across_into(i, rows) * self.pressure(i, rows - 1))
+            .map(|i| self.across[i] * self.inverse_distance[rows - 1] * self.pressure(i, rows - 1))
             .sum();
         sum / self.slenderness
     }

@@ -1,9 +1,9 @@
 //! Tests of the quasi-static film.
 
 use crate::literature::RAIMONDI_BOYD;
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2};
 
-use super::{Boundary, QuasiStatic};
+use super::{Boundary, Groove, QuasiStatic};
 use crate::reynolds::Grid;
 use std::f64::consts::PI;
 
@@ -119,4 +119,163 @@ fn short_bearing_at_the_centre() {
         (mobility * PI * width * width - 1.0).abs() < 2e-3,
         "{mobility}"
     );
+}
+
+/// A film between two grooves at 90 degrees from a load along `x`, with the journal at rest.
+#[derive(Debug)]
+struct Resting {
+    /// Eccentricity ratio and attitude angle, degrees.
+    place: [f64; 2],
+    /// In loads over the clearance, and in loads over the clearance and the journal's speed.
+    stiffness: Matrix2<f64>,
+    damping: Matrix2<f64>,
+    threshold: f64,
+}
+
+impl Resting {
+    fn scaled(&self) -> [f64; 7] {
+        let (k, b) = (&self.stiffness, &self.damping);
+        [k.m11, k.m12, k.m21, k.m22, b.m11, b.m12, b.m22]
+    }
+}
+
+/// Grooves of some degrees.
+fn grooves(extent: f64) -> [Groove; 2] {
+    [-0.5 * PI, 0.5 * PI].map(|angle| Groove {
+        angle,
+        extent: extent.to_radians(),
+    })
+}
+
+/// The resting place at a Sommerfeld number, by Newton's method.
+fn between_grooves(width: f64, extent: f64, s: f64) -> Resting {
+    let grid = Grid::standard(288, 16, width);
+    let mut film = QuasiStatic::new(grid, width, Boundary::Free).with_grooves(&grooves(extent));
+    let load = 1.0 / (6.0 * PI * s);
+    let mut eps = Vector2::new(0.3, 0.3);
+    for _ in 0..60 {
+        film.place(eps);
+        let (carried, found) = film.coefficients(1.0).unwrap();
+        let missing = Vector2::new(load, 0.0) - carried.load;
+        let step = found.stiffness.try_inverse().unwrap() * missing;
+        if step.norm() < 1e-12 {
+            return Resting {
+                place: [eps.norm(), eps.y.atan2(eps.x).to_degrees()],
+                stiffness: found.stiffness / load,
+                damping: found.damping * (2.0 / load),
+                threshold: found.whirl_threshold(load, 2.0),
+            };
+        }
+        let room = 0.5 * (1.0 - eps.norm());
+        eps += step * (room / step.norm()).min(1.0);
+    }
+    panic!("no resting place at S = {s}");
+}
+
+/// Lund & Thomsen (1978), "A calculation method and data for the dynamic coefficients of oil-lubricated journal bearings": two
+/// axial grooves of 20 degrees, L/D 0.5. Small entries are differences of large ones: an entry may be off by 2.5 % of itself or
+/// by 1 % of its matrix.
+#[test]
+fn lund_and_thomsen() {
+    for ([s, e, angle], published) in [
+        (
+            [1.656, 0.244, 65.85],
+            [1.69, 5.06, -2.20, 1.95, 9.93, 2.15, 4.80],
+        ),
+        (
+            [0.917, 0.372, 57.45],
+            [2.12, 4.01, -1.30, 1.85, 7.70, 2.06, 3.23],
+        ),
+        (
+            [0.580, 0.477, 51.01],
+            [2.67, 3.70, -0.78, 1.75, 6.96, 1.94, 2.40],
+        ),
+        (
+            [0.379, 0.570, 45.43],
+            [3.33, 3.64, -0.43, 1.68, 6.76, 1.87, 1.89],
+        ),
+    ] {
+        let film = between_grooves(0.5, 20.0, s);
+        assert!((film.place[0] - e).abs() < 0.002, "{film:?}");
+        assert!((film.place[1] - angle).abs() < 0.3, "{film:?}");
+        for (n, (computed, published)) in film.scaled().into_iter().zip(published).enumerate() {
+            let of_matrix = if n < 4 {
+                film.stiffness.norm()
+            } else {
+                film.damping.norm()
+            };
+            let bound = f64::max(0.025 * f64::abs(published), 0.01 * of_matrix);
+            assert!(
+                (computed - published).abs() < bound,
+                "{published}: {film:?}"
+            );
+        }
+    }
+}
+
+/// Someya (1989), Journal-Bearing Databook: two axial grooves of 10 degrees, L/D 0.5. Its Kxx, Kyx and Kyy are those of
+/// another model: at a small eccentricity ratio K tends to half the speed times B, turned by 90 degrees, which Kyx = -13.1 and Byy
+/// = 14.9 contradict.
+#[test]
+fn someya() {
+    for [s, e, angle, kxy, bxx] in [
+        [5.96, 0.0750, 82.6, 13.6, 27.2],
+        [2.07, 0.200, 71.6, 5.63, 11.2],
+        [0.798, 0.400, 57.5, 3.75, 7.32],
+        [0.323, 0.600, 44.7, 3.62, 6.81],
+        [0.135, 0.750, 34.9, 4.11, 7.65],
+        [0.0582, 0.850, 27.2, 4.92, 9.12],
+    ] {
+        let film = between_grooves(0.5, 10.0, s);
+        assert!((film.place[0] - e).abs() < 0.002, "{film:?}");
+        assert!((film.place[1] - angle).abs() < 0.9, "{film:?}");
+        for (computed, published) in [(film.stiffness.m12, kxy), (film.damping.m11, bxx)] {
+            assert!(
+                (computed / published - 1.0).abs() < 0.05,
+                "{published}: {film:?}"
+            );
+        }
+    }
+}
+
+/// Nicholas (1980): a rigid rotor in a plain bearing with two grooves begins to whirl at `Omega sqrt(c/g)` = 2.1, at S = 5.3
+/// and at 4.3.
+#[test]
+fn a_rotor_begins_to_whirl_where_it_is_known_to() {
+    for s in [5.3, 4.3] {
+        let film = between_grooves(1.0, 20.0, s);
+        assert!((film.threshold / 2.1 - 1.0).abs() < 0.03, "{film:?}");
+    }
+}
+
+/// Away from resting places, too.
+#[test]
+fn coefficients_are_the_differences_of_loads() {
+    const STEP: f64 = 1e-6;
+    let mut film = QuasiStatic::new(Grid::standard(96, 8, 0.76), 0.76, Boundary::Free)
+        .with_grooves(&grooves(11.0));
+    for place in [
+        Vector2::new(0.3, 0.2),
+        Vector2::new(-0.1, 0.85),
+        Vector2::new(0.0, 0.05),
+    ] {
+        film.place(place);
+        let (_, all) = film.coefficients(1.0).unwrap();
+        let mut load = |place: Vector2<f64>, moved: Vector2<f64>| {
+            film.place(place);
+            let still = Vector2::new(place.y, -place.x);
+            film.load_at(still + moved).unwrap().load
+        };
+        for (k, towards) in [Vector2::x(), Vector2::y()].into_iter().enumerate() {
+            let (step, none) = (STEP * towards, Vector2::zeros());
+            let stiffness = (load(place + step, none) - load(place - step, none)) / (2.0 * STEP);
+            let damping = (load(place, step) - load(place, -step)) / (2.0 * STEP);
+            for (difference, column, size) in [
+                (stiffness, all.stiffness.column(k), all.stiffness.norm()),
+                (damping, all.damping.column(k), all.damping.norm()),
+            ] {
+                assert!((difference - column).norm() < 1e-8 * size, "{place}");
+            }
+        }
+    }
 }
