@@ -22,6 +22,7 @@
 //! The film carries the external load `F = 12 eta (R/c)^2 R B W`, where `W` is the integral of `P n` over `theta` and
 //! `zeta` in 0..1 (the mean over the width). `P`, `v` and `W` have the unit 1/s.
 
+mod coefficients;
 mod grid;
 mod lanes;
 mod quasi_static;
@@ -31,8 +32,9 @@ mod settings;
 mod stress;
 mod transient;
 
+pub use coefficients::Coefficients;
 pub use grid::Grid;
-pub use quasi_static::{Boundary, Carried, Coefficients, Groove, NotConverged, QuasiStatic};
+pub use quasi_static::{Boundary, Carried, Groove, NotConverged, QuasiStatic};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Cavitation, Drive, FilmError, FilmSettings};
 pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};

@@ -14,8 +14,6 @@ mod coefficients;
 #[cfg(test)]
 mod tests;
 
-pub use coefficients::Coefficients;
-
 use super::grid::Grid;
 use super::lanes::LANES;
 use super::ring::Ring;

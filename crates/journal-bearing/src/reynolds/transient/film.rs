@@ -39,7 +39,7 @@ use crate::reynolds::settings::{Drive, FilmError, FilmSettings, positive, within
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "Saved", into = "Saved")]
 pub struct ReynoldsFilm {
-    work: Workspace,
+    pub(super) work: Workspace,
     stepper: Stepper,
     /// The state before the present interval.
     before: State,

@@ -14,6 +14,7 @@ mod active_set;
 mod asperities;
 mod balance;
 mod cells;
+mod coefficients;
 mod compression;
 mod diagnostics;
 mod evaluation;

@@ -142,7 +142,7 @@ impl Stepper {
 }
 
 /// A stage that starts from the masses `mass`.
-fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> Stage<'a> {
+pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> Stage<'a> {
     let settings = &work.geometry.settings;
     let side = match settings.cavitation {
         Cavitation::NonNegative => 0.0,

@@ -4,7 +4,9 @@ use nalgebra::Vector2;
 
 use crate::contact::Surface;
 use crate::mobility::{MobilityMap, SliceFamily};
-use crate::reynolds::{Cavitation, Drive, FilmError, FilmSettings, ReynoldsFilm, RoughFilm};
+use crate::reynolds::{
+    Boundary, Cavitation, Drive, FilmError, FilmSettings, QuasiStatic, ReynoldsFilm, RoughFilm,
+};
 
 /// The bearing of a test stand, 19 x 25 mm with 20 um of clearance; the tests use oil of 0.02 Pa.s.
 fn stand(cavitation: Cavitation) -> ReynoldsFilm {
@@ -364,4 +366,78 @@ fn a_drive_that_cannot_be_is_refused() {
     let pressed = settings(|settings| settings.side_pressure = -1.0);
     let told = "the film's side pressure is -1.0; it must be 0 or more";
     assert_eq!(pressed.as_deref(), Some(told));
+}
+
+/// Lets the journal come to rest.
+fn rest(film: &mut ReynoldsFilm, load: Vector2<f64>) -> Vector2<f64> {
+    let drive = Drive::steady(load, SPEED, VISCOSITY);
+    for _ in 0..40 {
+        film.advance(2.0, &drive, &smooth).unwrap();
+    }
+    film.eccentricity() * film.settings().clearance
+}
+
+/// Stiffness tells the differences of resting places, and damping by how much the journal stays behind a load that grows
+/// slowly: by `B K^-1` times the rate in force.
+#[test]
+fn coefficients_tell_resting_places_and_slow_motions() {
+    const PUSH: f64 = 0.02;
+    let load = Vector2::new(200.0, 0.0);
+    for cavitation in [Cavitation::NonNegative, Cavitation::MassConserving] {
+        let mut film = stand(cavitation);
+        let resting = rest(&mut film, load);
+        let all = film.coefficients(&Drive::steady(load, SPEED, VISCOSITY), &smooth);
+        for towards in [Vector2::x(), Vector2::y()] {
+            let push = PUSH * towards;
+            let places = [push, -push].map(|push| rest(&mut film.clone(), load + push));
+            let answer = all.stiffness * (places[0] - places[1]) * 0.5;
+            assert!(
+                (answer - push).norm() < 1e-5 * PUSH,
+                "{cavitation:?}: {answer}"
+            );
+
+            let (mut film, interval, count) = (film.clone(), 0.01, 200);
+            for k in 0..count {
+                let grown = [k, k + 1].map(|k| load + push * (f64::from(k) / f64::from(count)));
+                let drive = Drive {
+                    load_before: grown[0],
+                    load_after: grown[1],
+                    ..Drive::steady(load, SPEED, VISCOSITY)
+                };
+                film.advance(interval, &drive, &smooth).unwrap();
+            }
+            let rate = push / (interval * f64::from(count));
+            let behind = all.damping * (all.stiffness.try_inverse().unwrap() * rate);
+            let moved = film.eccentricity() * film.settings().clearance - resting;
+            let answer = push - all.stiffness * moved;
+            assert!(
+                (answer - behind).norm() < 0.02 * behind.norm(),
+                "{cavitation:?}: {answer}, {behind}"
+            );
+        }
+    }
+}
+
+/// Without memory both films are the same, up to how they see a cell's gap; the quasi-static one's coefficients are checked
+/// against published ones.
+#[test]
+fn coefficients_are_those_of_the_quasi_static_film() {
+    let load = Vector2::new(200.0, 0.0);
+    let mut film = stand(Cavitation::NonNegative);
+    rest(&mut film, load);
+    let all = film.coefficients(&Drive::steady(load, SPEED, VISCOSITY), &smooth);
+    let width_to_diameter = 0.019 / 0.025;
+    let mut other = QuasiStatic::new(film.grid().clone(), width_to_diameter, Boundary::Free);
+    other.place(film.eccentricity());
+    let (_, other) = other.coefficients(0.5 * SPEED).unwrap();
+    let scale = film.settings().force_scale(VISCOSITY) / film.settings().clearance;
+    for (one, other) in [
+        (all.stiffness, other.stiffness),
+        (all.damping, other.damping),
+    ] {
+        assert!(
+            (one - other * scale).norm() < 2e-3 * one.norm(),
+            "{one} {other}"
+        );
+    }
 }
