@@ -15,7 +15,9 @@ mod clearance;
 mod exchange;
 mod film_leap;
 mod inputs;
+
 mod march;
+mod resting;
 mod scout;
 mod slowest;
 mod steady;
@@ -69,6 +71,8 @@ struct State {
     next_step: f64,
     /// The sensors' means over the last turn.
     means: TurnMeans,
+    /// Whether the log has told that the journal does not rest.
+    moves: bool,
 }
 
 impl State {
@@ -109,6 +113,8 @@ pub struct Stand {
     rates: Readings,
     #[serde(skip)]
     slowest: slowest::Remembered,
+    #[serde(skip)]
+    resting: resting::Remembered,
 }
 
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil, wear depth.
@@ -314,6 +320,22 @@ impl Stand {
         }
     }
 
+    /// Logs once that the journal moves, so that the linearised film is none.
+    fn tell_of_motion(&mut self, log: &mut dyn Log) {
+        let at = self.situation(0.0, &unknowns(&self.state));
+        if self.state.moves || self.rests(&at) {
+            return;
+        }
+        self.state.moves = true;
+        log.log(
+            EVENTS,
+            format_args!(
+                "the journal does not rest at {:?} s: stiffness, damping and whirl threshold are 0 there",
+                self.state.time
+            ),
+        );
+    }
+
     fn command(&self) -> Command {
         Command {
             time: self.state.time,
@@ -388,6 +410,7 @@ impl Model for Stand {
             worn: 0.0,
             next_step: FIRST_STEP,
             means: TurnMeans::default(),
+            moves: false,
         };
         self.check_wear_and_clearance()?;
         self.settle(log)?;
@@ -411,6 +434,7 @@ impl Model for Stand {
 
     fn update(&mut self) -> Result<(), Fault> {
         self.slowest.forget();
+        self.resting = resting::Remembered::default();
         self.fluid.viscosity_scale = self.oil.viscosity_scale;
         self.readings = self.read(0.0, &unknowns(&self.state));
         Ok(())
@@ -452,6 +476,8 @@ impl Model for Stand {
         }
         self.inputs.each(|input| input.slope = 0.0);
         self.readings = self.read(0.0, &unknowns(&self.state));
+        self.resting = resting::Remembered::default();
+        self.tell_of_motion(log);
         Ok(())
     }
 

@@ -7,6 +7,7 @@ mod mobility;
 mod reynolds;
 
 use fmu_export::model::{Enumeration, Fault, Item};
+use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};
 
 use super::journal::{Drift, JournalFilm, Motion, Setup, Situation, TransientFilm};
@@ -152,6 +153,12 @@ impl Film {
     #[inline]
     pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
         self.running.drift(bearing, at, side_flow)
+    }
+
+    /// Stiffness and damping about a resting journal; zero before the start.
+    pub fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
+        let film = self.running.film();
+        film.map_or_else(Coefficients::default, |film| film.coefficients(bearing, at))
     }
 
     /// Whether the film takes steps of its own.

@@ -6,7 +6,9 @@
 
 use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::Contact;
+use journal_bearing::reynolds::Coefficients;
 use journal_bearing::rheology::Rheology;
+use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::parameters::Bearing;
@@ -133,6 +135,40 @@ pub trait JournalFilm {
 
     /// Only what the time integration needs. The side flow may be zero unless it is asked for.
     fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift;
+
+    /// Stiffness, N/m, and damping, N.s/m, of film and contact about a resting journal under a load, in the load's frame: x
+    /// along it, y a quarter turn ahead.
+    ///
+    /// Here from a velocity that follows from the instant alone, `de/dt = f(e, F)`, by differences: a force that keeps a displaced
+    /// journal moving in some way is `dF = (df/dF)^-1 (dv - df/de de)`. A load that turns by an angle turns the whole bearing.
+    fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
+        const NUDGE: f64 = 1e-6;
+        let place = Vector2::from(at.eccentricity);
+        let velocity = |place: Vector2<f64>, load: f64| {
+            let at = Situation {
+                eccentricity: place.into(),
+                load,
+                ..*at
+            };
+            Vector2::from(self.drift(bearing, &at, false).velocity)
+        };
+        let by_place = |towards: Vector2<f64>| {
+            let [ahead, behind] = [NUDGE, -NUDGE].map(|by| velocity(place + towards * by, at.load));
+            (ahead - behind) / (2.0 * NUDGE)
+        };
+        let quarter = |v: Vector2<f64>| Vector2::new(-v.y, v.x);
+        let of_place = Matrix2::from_columns(&[by_place(Vector2::x()), by_place(Vector2::y())]);
+        let nudge = NUDGE * at.load;
+        let [more, less] = [nudge, -nudge].map(|by| velocity(place, at.load + by));
+        let along = (more - less) / (2.0 * nudge);
+        let across = (quarter(velocity(place, at.load)) - of_place * quarter(place)) / at.load;
+        let of_force = Matrix2::from_columns(&[along, across]);
+        let damping = of_force.try_inverse().unwrap_or_default() / at.clearance;
+        Coefficients {
+            stiffness: -damping * of_place,
+            damping,
+        }
+    }
 
     /// Whether the film takes steps of its own.
     fn is_transient(&self) -> bool {

@@ -57,6 +57,11 @@ macro_rules! output {
     };
 }
 
+/// A quantity of the film linearised about a resting journal.
+macro_rules! resting {
+    ($($path:tt)+) => { Kind::Real(computed(|s| s.resting().$($path)+)) };
+}
+
 /// An input that may vary linearly within a step.
 macro_rules! input {
     ($field:ident) => {

@@ -11,6 +11,7 @@ mod hot;
 mod literature;
 mod lives;
 mod means;
+mod resting;
 mod steady;
 mod stribeck;
 mod whole;

@@ -26,7 +26,7 @@ use nalgebra::Matrix2;
 /// assert!((scaled.m11 / 2.67 - 1.0).abs() < 0.025);
 /// # Ok::<(), journal_bearing::reynolds::NotConverged>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coefficients {
     /// `K`, N/m; or the derivative of the load `W` by the eccentricity ratio, 1/s.
     pub stiffness: Matrix2<f64>,

@@ -9,8 +9,8 @@ use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::ContactFamily;
 use journal_bearing::profile::Profile;
 use journal_bearing::reynolds::{
-    Cavitation, Drive, FilmError, FilmSettings, FilmState, Grid, PeriodicSearch, ReynoldsFilm,
-    RoughFilm,
+    Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, PeriodicSearch,
+    ReynoldsFilm, RoughFilm,
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -119,6 +119,16 @@ impl JournalFilm for ReynoldsJournal {
         }
     }
 
+    fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
+        let drive = Drive {
+            contact_friction: bearing.contact_friction(at.speed),
+            ..Drive::steady(Vector2::new(at.load, 0.0), at.speed, at.viscosity)
+        };
+        let contact = self.plain.then_some(&*self.contact);
+        self.film
+            .coefficients(&drive, &|ratio| aligned(contact, ratio, at.clearance))
+    }
+
     fn is_transient(&self) -> bool {
         true
     }
@@ -149,22 +159,17 @@ impl TransientFilm for ReynoldsJournal {
             contact_friction: friction,
             ..Drive::steady(Vector2::zeros(), speed, viscosity)
         };
-        let (contact, plain) = (&self.contact, self.plain);
-        let aligned = |ratio: f64| {
-            if plain {
-                contact.at(ratio, clearance).force
-            } else {
-                0.0
-            }
-        };
+        let contact = self.plain.then_some(&*self.contact);
         let report = Arc::make_mut(&mut self.film)
-            .advance(duration, &drive, &aligned)
+            .advance(duration, &drive, &|ratio| {
+                aligned(contact, ratio, clearance)
+            })
             .map_err(|error| Fault::Failed(message(&error)))?;
 
         let eccentricity = self.film.eccentricity();
         let ratio = eccentricity.norm();
-        let mut touch = contact.at(ratio, clearance);
-        if !plain {
+        let mut touch = self.contact.at(ratio, clearance);
+        if !self.plain {
             touch.normal = report.contact_normal;
             let carried = (drive.load_after - report.film_load).norm();
             touch.force = carried / 1f64.hypot(friction);
@@ -231,6 +236,11 @@ impl ReynoldsJournal {
             .set_clearance(clearance)
             .map_err(|error| Fault::Failed(message(&error)))
     }
+}
+
+/// The force of a round, aligned journal's contact, N; other contact is that of the film's cells.
+fn aligned(contact: Option<&ContactFamily>, ratio: f64, clearance: f64) -> f64 {
+    contact.map_or(0.0, |contact| contact.at(ratio, clearance).force)
 }
 
 /// The form error of the file that `bearing.profileFile` names; round surfaces without one.
