@@ -1,0 +1,63 @@
+"""Writes docs/paper.md from page.md, or checks it against what the paper's tables alone give. See scripts/paper."""
+
+import argparse
+import re
+import string
+import sys
+
+import printed
+import simulated
+
+TEMPLATE = printed.ROOT / "scripts/claims/page.md"
+PAGE = printed.ROOT / "docs/paper.md"
+
+
+def expected(template, known):
+    """The page as a regular expression: what is known as it stands, any number for what a simulation gives."""
+    parts = []
+    for text, name, form, _ in string.Formatter().parse(template):
+        parts.append(re.escape(text))
+        if name == "table_3":
+            parts.append("\n".join(re.escape(row) + ".*" for row in printed_rows()))
+        elif name in known:
+            parts.append(re.escape(format(known[name], form)))
+        elif name is not None:
+            parts.append(r"[-+]?[\d.,e-]+")
+    return "".join(parts)
+
+
+def printed_rows():
+    for row in printed.rows(printed.PAPER / "table3_solutions.csv"):
+        yield "| " + " | ".join(row[c] for c in ("point", *printed.TABLE_3)) + " |"
+
+
+def differing_line(pattern, page):
+    """The first line of the page that is not as expected."""
+    for number, (line, wanted) in enumerate(zip(page.splitlines(), pattern.replace("\\\n", "\n").split("\n")), 1):
+        if not re.fullmatch(wanted, line):
+            return f"line {number}: {line}"
+    return "its length"
+
+
+def check(template):
+    pattern, page = expected(template, printed.values()), PAGE.read_text(encoding="utf-8")
+    if not re.fullmatch(pattern, page):
+        sys.exit(f"docs/paper.md is not what scripts/paper writes ({differing_line(pattern, page)}): run it again")
+    print("docs/paper.md agrees with the paper's tables")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--check", action="store_true")
+    options = parser.parse_args()
+    template = TEMPLATE.read_text(encoding="utf-8")
+    if options.check:
+        return check(template)
+    known = printed.values() | simulated.values(options.program)
+    PAGE.write_text(template.format_map(known), encoding="utf-8")
+    print(PAGE)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,42 @@
+"""docs/paper.md is what scripts/paper writes, as far as the paper's tables alone tell."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+from test_acceptance import ROOT
+
+sys.path.insert(0, str(ROOT / "scripts/claims"))
+import claims  # noqa: E402
+import printed  # noqa: E402
+
+PAGE = (ROOT / "docs/paper.md").read_text(encoding="utf-8")
+
+
+def test_the_page_agrees_with_the_tables():
+    done = subprocess.run([ROOT / "scripts/paper", "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("right, wrong", [
+    ("needs 1.27 mm", "needs 1.28 mm"),                          # arithmetic with the tables
+    ("| 3 | 18.97 | 12.26", "| 3 | 18.97 | 12.62"),              # Table 3
+    ("lacks M", "lacks m"),                                      # a sentence
+])
+def test_a_wrong_page_is_found(right, wrong):
+    pattern = claims.expected(claims.TEMPLATE.read_text(encoding="utf-8"), printed.values())
+    assert re.fullmatch(pattern, PAGE) and right in PAGE
+    assert not re.fullmatch(pattern, PAGE.replace(right, wrong))
+
+
+@pytest.mark.parametrize("table, columns", [
+    ("table1_parameters.csv", ["nominal", "accuracy", "average", "deviation"]),
+    ("table2_criteria.csv", ["nominal", "accuracy"]),
+])
+def test_each_number_of_the_first_two_tables_stands_in_its_row(table, columns):
+    for row in printed.rows(printed.PAPER / table):
+        symbol = row["symbol"]
+        line = next(line for line in PAGE.splitlines() if line.startswith(f"| {symbol}, ") and "±" in line)
+        numbers = set(re.findall(r"\d+(?:\.\d+)?", line))
+        assert {row[column] for column in columns} <= numbers, line
