@@ -37,6 +37,8 @@ pub enum Code {
     GuardBandTooWide,
     /// The uncertainty of a measured value exceeds the tolerance.
     UncertaintyAboveTolerance,
+    /// A measured value is beyond the limit that it stands beside.
+    MeasuredBeyondLimit,
     /// No point reaches a measured value.
     OutOfReach,
     /// A criterion's value is the same at all points.

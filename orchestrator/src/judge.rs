@@ -2,6 +2,7 @@
 
 mod curve;
 mod derived;
+mod product;
 mod requirements;
 
 pub(crate) use requirements::share;
@@ -285,7 +286,7 @@ impl Judge {
             scales.push(scale);
         }
         judge.add_variants(study, &scales)?;
-        judge.derive(study)?;
+        judge.derive(study, fmu)?;
         judge.add_requirements(study)?;
         Ok(judge)
     }

@@ -288,7 +288,9 @@ impl<'a> Case<'a> {
 
 /// A comment that says of what the stated noise consists.
 fn about(noise: Noise, unit: &str) -> String {
-    let Noise { row, equivalent } = noise;
+    let Noise {
+        row, equivalent, ..
+    } = noise;
     let mut parts = format!("# noise: {row:.2e} {unit} in a row as recorded");
     if noise.is_shared() {
         parts += &format!(

@@ -39,12 +39,14 @@ pub struct Noise {
     pub row: f64,
     /// The deviation of independent rows that would tell as much of the signal: neighbouring rows may share their noise.
     pub equivalent: f64,
+    /// The standard uncertainty of the ratio of their squares, where rows share nothing: few bins tell the one, many the other.
+    pub of_ratio: f64,
 }
 
 impl Noise {
-    /// Whether neighbouring rows share more of their noise than the estimate strays.
+    /// Whether neighbouring rows share their noise: of a white one chance says so once in about 50 channels.
     pub fn is_shared(&self) -> bool {
-        self.equivalent > 1.1 * self.row
+        self.equivalent.powi(2) > (1.0 + 2.5 * self.of_ratio) * self.row.powi(2)
     }
 
     /// The deviation to state of a row where rows are taken for independent.
@@ -157,32 +159,33 @@ impl Comb {
         }
         let level = |places: &mut dyn Iterator<Item = &usize>| {
             let (sum, count) = places.fold((0.0, 0.0), |(sum, n), &k| (sum + density[k], n + 1.0));
-            sum / count
+            (sum / count, count)
         };
-        let row = level(&mut places.iter());
+        let (row, all) = level(&mut places.iter());
         // Of noise at frequencies where the signal does not vary a fit knows nothing.
-        let (mut weighted, mut weights) = (0.0, 0.0);
+        let (mut weighted, mut weights, mut variance) = (0.0, 0.0, 0.0);
         if let Some(shaft) = self.shaft {
             for harmonic in 1..=(self.line.len() as f64 / shaft) as usize {
                 let [from, to] = [-0.5, 0.5].map(|off| (harmonic as f64 + off) * shaft);
                 let around = |k: &&usize| (from..to).contains(&(**k as f64));
-                let noise = level(&mut places.iter().filter(around));
+                let (noise, count) = level(&mut places.iter().filter(around));
                 let lines = (0..density.len()).filter(|&k| self.line[k] == Some(harmonic));
                 let power: f64 = lines.map(|k| (density[k] - row).max(0.0)).sum();
                 if noise.is_finite() {
                     weighted += power * noise;
                     weights += power;
+                    variance += power * power / count;
                 }
             }
         }
-        let equivalent = if weights > 0.0 {
-            weighted / weights
-        } else {
-            row
+        let (equivalent, variance) = match weights > 0.0 {
+            true => (weighted / weights, variance / weights.powi(2) + 1.0 / all),
+            false => (row, 0.0),
         };
         Some(Noise {
             row: row.sqrt(),
             equivalent: equivalent.sqrt(),
+            of_ratio: (memory() * variance).sqrt(),
         })
     }
 

@@ -5,7 +5,7 @@ use super::late::Reading;
 use crate::study::identification::{
     DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
 };
-use crate::study::limit::part;
+use crate::study::limit::gain;
 use crate::study::plan::{Plan, find, slot_of};
 use crate::study::{Name, Study};
 use calibration::discrepancy::Unknown;
@@ -325,7 +325,7 @@ impl Binder<'_> {
         for (what, stated, kind) in errors {
             let Some(stated) = stated else { continue };
             let expanded = match kind {
-                SharedKind::Gain => part(stated).filter(|part| *part > 0.0),
+                SharedKind::Gain => Some(gain(stated).map_err(self.at(name))?),
                 _ if stated.unit.as_deref() == Some("%") => None,
                 _ => Some(
                     scale
@@ -335,11 +335,9 @@ impl Binder<'_> {
                 .filter(|number| *number > 0.0),
             };
             let expanded = expanded.ok_or_else(|| {
-                let right = match kind {
-                    SharedKind::Gain => "a positive part of the value, such as \"0.5 %\"",
-                    _ => "a positive number in the quantity's unit: a part of the value is `gain-uncertainty`",
-                };
-                self.at(name)(format!("the {what} {stated} must be {right}"))
+                self.at(name)(format!(
+                    "the {what} {stated} must be a positive number in the quantity's unit: a part of the value is `gain-uncertainty`"
+                ))
             })?;
             let standard = expanded / Uncertainty::USUAL;
             let cases = problem.cases.iter().enumerate();

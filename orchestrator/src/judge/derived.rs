@@ -1,11 +1,12 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
-use super::{Judge, distance_unit};
+use super::{Judge, distance_unit, product};
 use crate::study::cases::SEPARATOR;
 use crate::study::points::Pairs;
 use crate::study::{CriterionText, Name, Study};
 use conformity::measured::Measurement;
 use conformity::uncertainty::Uncertainty;
+use fmu_import::Description;
 use number_tables::files::FileError;
 
 /// A criterion whose error follows from others'.
@@ -26,7 +27,11 @@ impl Derived {
 impl Judge {
     /// Gives criteria that are `derived` the uncertainty that follows from their factors': in a product relative errors
     /// add, and those of two measurements are independent (GUM, 5.1.2 and 5.1.6).
-    pub(super) fn derive(&mut self, study: &Study) -> Result<(), FileError> {
+    pub(super) fn derive(
+        &mut self,
+        study: &Study,
+        fmu: Option<&Description>,
+    ) -> Result<(), FileError> {
         for (number, (name, text)) in study.criteria.iter().enumerate() {
             if text.derived.is_none() {
                 continue;
@@ -49,6 +54,11 @@ impl Judge {
                     ))
                 })?;
                 factors.push((factor, product / factor_value));
+            }
+            let [first, second] = [0, 1].map(|k| factors.get(k).map(|&(k, _)| &self.criteria[k]));
+            if let Some(first) = first {
+                product::check((study, fmu), text, &self.criteria[number], first, second)
+                    .map_err(wrong)?;
             }
             if let Some(&(factor, _)) = factors.get(1)
                 && self.criteria[factor]
@@ -158,8 +168,9 @@ impl Judge {
         })?;
         let second = find(&derived.by);
         // What the study sets itself has no error.
-        let is_set =
-            study.parameters.contains_key(by) || study.fixes(by, text) || study.feeds(by, text);
+        let is_set = study.parameters.contains_key(by)
+            || study.setting(by, text).is_some()
+            || study.feeds(by, text);
         if second.is_none() && !is_set {
             return Err(format!(
                 "`{by}` is no criterion, and no input or parameter that the study sets"

@@ -4,11 +4,11 @@ use toml::Spanned;
 
 use super::{Criterion, Judge, tolerance};
 use crate::concern::{Code, Concern};
-use crate::study::limit::part;
+use crate::study::limit::gain;
 use crate::study::points::{Pairs, pairs};
 use crate::study::{CriterionText, Name, Required, Study, first_wrong};
 use conformity::decision::Rule;
-use conformity::measured::Measurement;
+use conformity::measured::{Limits, Measurement};
 use conformity::risk::Guard;
 use conformity::uncertainty::{Distribution, Uncertainty};
 use fmu_import::quantity::Quantity;
@@ -28,7 +28,9 @@ pub(super) fn check_variable(
         Some(Causality::Parameter) => "a parameter",
         Some(Causality::Independent) => "the time",
         Some(_) => return Ok(()),
-        None if study.parameters.contains_key(name) || study.fixes(name, text) => "a parameter",
+        None if study.parameters.contains_key(name) || study.setting(name, text).is_some() => {
+            "a parameter"
+        }
         None if study.feeds(name, text) => "an input",
         None => return Ok(()),
     };
@@ -78,9 +80,9 @@ pub(super) fn uncertainty(
              remove `repeats`",
         ),
         (
-            text.repeats.is_some_and(|repeats| repeats < 2),
-            "`repeats` must be 2 or more, as a single reading tells no standard deviation; without `repeats` the measured value is \
-             one reading, and `noise` is known",
+            text.repeats.is_some_and(|repeats| repeats < 2.0 || repeats.fract() != 0.0 || repeats > 1e9),
+            "`repeats` must be a whole number, 2 or more, as a single reading tells no standard deviation; without `repeats` the \
+             measured value is one reading, and `noise` is known",
         ),
     ])
     .map_err(|message| study.error_of(name, message))?;
@@ -102,16 +104,11 @@ pub(super) fn uncertainty(
     }
     let offset = amount(&text.uncertainty, "the uncertainty")?;
     let gain = text.gain_uncertainty.as_ref().map(|stated| {
-        let part = part(stated.as_ref()).filter(|part| *part > 0.0);
-        let part = part.ok_or_else(|| {
-            format!(
-                "the tolerance {} must be a part of the value, such as \"0.5 %\"",
-                stated.as_ref()
-            )
-        });
+        let part = gain(stated.as_ref()).map_err(|message| study.error_at(stated, message))?;
         // Where it is not clear of which number it is a part, this says so.
-        let part = part.and_then(|part| scale.part(part, nominal).map(|_| part));
-        part.map_err(|message| at(stated, "the gain uncertainty", message))
+        let is_clear = scale.part(part, nominal);
+        is_clear.map_err(|message| at(stated, "the gain uncertainty", message))?;
+        Ok(part)
     });
     let gain = gain.transpose()?;
     let noise = amount(&text.noise, "the noise")?;
@@ -126,7 +123,8 @@ pub(super) fn uncertainty(
     Ok(Some(Uncertainty {
         gain: gain.unwrap_or(0.0) / coverage,
         noise: noise.unwrap_or(0.0),
-        repeats: text.repeats,
+        // A whole number within the type's range, as refused above otherwise.
+        repeats: text.repeats.map(|repeats| repeats as u32),
         ..offset
     }))
 }
@@ -143,6 +141,7 @@ impl Judge {
         if !self.is_guarded() {
             self.warn_of_uncertainties(study);
         }
+        self.warn_of_readings(study);
         Ok(())
     }
 
@@ -282,13 +281,35 @@ impl Judge {
         Err(study.error_at(at, message))
     }
 
+    /// A measured value beyond the limit that it stands beside is a mistake, or a specimen that fails.
+    fn warn_of_readings(&mut self, study: &Study) {
+        for (criterion, name) in self.criteria.iter().zip(study.criteria.keys()) {
+            let Some(reading) = criterion
+                .reading
+                .filter(|&value| !criterion.limits.accepts(value))
+            else {
+                continue;
+            };
+            let message = format!(
+                "{}: the measured value {reading}{} is itself beyond the limit ({}); correct one of them, or expect the model to fail",
+                criterion.name,
+                criterion.unit_behind(),
+                criterion.wanted()
+            );
+            let warning = study.error_at(name, message).to_string();
+            self.warnings
+                .push(Concern::new(Code::MeasuredBeyondLimit, warning));
+        }
+    }
+
     /// Where the measurement is worse than what it shall tell, acceptance means little.
     fn warn_of_uncertainties(&mut self, study: &Study) {
         for (criterion, (name, text)) in self.criteria.iter().zip(&study.criteria) {
             let Some(error) = criterion.measured().error else {
                 continue;
             };
-            if error.expanded > 0.5 * criterion.limits.width() {
+            let Limits { minus, plus, .. } = criterion.limits;
+            if error.expanded > minus.min(plus) {
                 let message = format!(
                     "{}: the uncertainty {} exceeds the tolerance {}, so that accepted points often \
                      do not conform; add `risk` under [verdict], measure better or widen the \

@@ -25,6 +25,13 @@ fn judge(text: &str) -> Result<Judge, String> {
     Judge::new(&study, None).map_err(|error| error.to_string())
 }
 
+fn describe(xml: &str) -> fmu_import::Description {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("modelDescription.xml"), xml).unwrap();
+    let package = fmu_import::Package::open(folder.path()).unwrap();
+    package.description().clone()
+}
+
 #[test]
 fn percents_are_of_the_nominal_value_as_printed() {
     let judge = judge(STUDY).unwrap();
@@ -48,10 +55,7 @@ fn percents_count_in_the_unit_in_which_the_value_is_written() {
         <DisplayUnit name="mK" factor="1000"/></Unit></UnitDefinitions>
         <ModelVariables><ScalarVariable name="t" valueReference="0" causality="output"><Real unit="K"/>
         </ScalarVariable></ModelVariables><ModelStructure/></fmiModelDescription>"#;
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("modelDescription.xml"), fmu).unwrap();
-    let package = fmu_import::Package::open(folder.path()).unwrap();
-    let fmu = package.description();
+    let fmu = &describe(fmu);
     let of = |nominal: &str, unit: &str| {
         let text = format!(
             "fmu = \"a\"\n[criteria.T]\nvariable = \"t\"\nnominal = {nominal}\ntolerance = \"1 %\"\n\
@@ -379,7 +383,7 @@ fn limits_that_do_not_fit_are_refused_with_the_remedy() {
 const PRODUCT: &str = r#"
     fmu = "a.fmu"
     [fixed]
-    speed = 30
+    speed = 40
     [criteria.M]
     variable = "m"
     nominal = 0.5
@@ -404,6 +408,65 @@ const PRODUCT: &str = r#"
     between = ["M", "F"]
     coefficient = 0.5
 "#;
+
+/// 0.5 N.m at 382 rpm are 20 W; a force is no power, and a power of 20 kW another one.
+#[test]
+fn a_product_has_the_unit_and_the_value_of_its_factors() {
+    let units = [
+        ("N.m", r#"kg="1" m="2" s="-2""#, ""),
+        (
+            "W",
+            r#"kg="1" m="2" s="-3""#,
+            r#"<DisplayUnit name="kW" factor="0.001"/>"#,
+        ),
+        ("N", r#"kg="1" m="1" s="-2""#, ""),
+        (
+            "rad/s",
+            r#"rad="1" s="-1""#,
+            r#"<DisplayUnit name="rpm" factor="9.549296585513721"/>"#,
+        ),
+    ];
+    let units = units.map(|(name, base, shown)| {
+        format!(r#"<Unit name="{name}"><BaseUnit {base}/>{shown}</Unit>"#)
+    });
+    let variables = [("m", "N.m"), ("p", "W"), ("f", "N"), ("n", "rad/s")].map(|(name, unit)| {
+        let kind = match name {
+            "n" => r#"causality="input"><Real start="1""#,
+            _ => r#"causality="output"><Real"#,
+        };
+        format!(r#"<ScalarVariable name="{name}" valueReference="0" {kind} unit="{unit}"/></ScalarVariable>"#)
+    });
+    let fmu = format!(
+        r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><CoSimulation modelIdentifier="m"/>
+        <UnitDefinitions>{}</UnitDefinitions><ModelVariables>{}</ModelVariables><ModelStructure/></fmiModelDescription>"#,
+        units.concat(),
+        variables.concat()
+    );
+    let fmu = describe(&fmu);
+    let with = |power: &str| {
+        let text = format!(
+            "fmu = \"a.fmu\"\n[fixed]\nn = \"382 rpm\"\n[criteria.M]\nvariable = \"m\"\nnominal = 0.5\ntolerance = 1\n\
+             uncertainty = 0.01\n[criteria.P]\n{power}\ntolerance = \"5 %\"\nderived = {{ from = \"M\", by = \"n\" }}\n"
+        );
+        let study = Study::parse(Path::new("s.toml"), text).unwrap();
+        Judge::new(&study, Some(&fmu)).map_err(|error| error.to_string())
+    };
+    assert!(with("variable = \"p\"\nnominal = \"20 W\"").is_ok());
+    assert!(with("variable = \"p\"\nunit = \"kW\"\nnominal = 0.02").is_ok());
+    for (power, remedy) in [
+        (
+            "variable = \"p\"\nunit = \"kW\"\nnominal = 20",
+            "is 999.9263 times",
+        ),
+        (
+            "variable = \"f\"\nnominal = 20",
+            "its unit is not that of M x n",
+        ),
+    ] {
+        let error = with(power).unwrap_err();
+        assert!(error.contains(remedy), "{error}");
+    }
+}
 
 /// Relative uncertainties of 2 and 1.5 % make one of 2.5 %; the shares of the errors are 0.8 and 0.6.
 #[test]
@@ -448,6 +511,16 @@ fn the_error_of_a_product_follows_from_its_factors() {
             "remove `uncertainty`",
         ),
         ("uncertainty = \"2 %\"", "", "its `uncertainty`"),
+        (
+            "nominal = 20",
+            "nominal = 25",
+            "1.2500 times the product of M and n",
+        ),
+        (
+            "nominal = 20\n    tolerance = \"5 %\"\n    derived = { from = \"M\", by = \"n\" }",
+            "nominal = 15\n    tolerance = \"5 %\"\n    derived = { from = \"M\", by = \"speed\" }",
+            "0.7500 times the product of M and speed",
+        ),
     ] {
         let error = judge(&PRODUCT.replacen(from, to, 1)).unwrap_err();
         assert!(

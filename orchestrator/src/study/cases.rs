@@ -5,7 +5,9 @@
 
 use indexmap::IndexMap;
 
-use super::{CaseText, CriterionText, Name, Simulation, Study};
+use toml::Spanned;
+
+use super::{CaseText, CriterionText, Name, Setting, Simulation, Study};
 use number_tables::files::FileError;
 
 /// Between the name of a case and that of a criterion.
@@ -132,10 +134,11 @@ impl Study {
         study
     }
 
-    /// Whether the study sets a variable before the start, in the case of a criterion.
-    pub fn fixes(&self, name: &str, criterion: &CriterionText) -> bool {
+    /// What the study sets a variable to before the start, in the case of a criterion.
+    pub fn setting(&self, name: &str, criterion: &CriterionText) -> Option<&Setting> {
         let case = criterion.case.and_then(|case| self.cases.get(case));
-        self.fixed.contains_key(name) || case.is_some_and(|case| case.fixed.contains_key(name))
+        let of_case = case.and_then(|case| case.fixed.get(name));
+        of_case.or(self.fixed.get(name)).map(Spanned::as_ref)
     }
 
     /// Whether an input follows a recording, in the case of a criterion.
@@ -253,7 +256,7 @@ inputs."drive.speed" = { file = "n.csv" }
         assert_eq!(one.criteria.len(), 3);
         assert_eq!(
             one.fixed["drive.speed"].as_ref(),
-            &super::super::Setting::Text("300 rpm".to_owned())
+            &Setting::Text("300 rpm".to_owned())
         );
         assert_eq!(one.simulation.warm_up, Some(4.0));
         // A recording takes the place of a value.

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::limit::{limit, part};
+use super::limit::{gain, limit};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
 use super::{CriterionText, Name, Pair, Study, first_wrong};
@@ -163,14 +163,7 @@ impl Binder<'_> {
             false => Uncertainty::normal(1.0, coverage),
         };
         let gain = reference.gain_uncertainty.as_ref().map(|stated| {
-            let part = part(stated.as_ref()).filter(|part| *part > 0.0);
-            part.ok_or_else(|| {
-                let message = format!(
-                    "the gain uncertainty {} must be a part of the value, such as \"0.5 %\"",
-                    stated.as_ref()
-                );
-                self.study.error_at(stated, message)
-            })
+            gain(stated.as_ref()).map_err(|message| self.study.error_at(stated, message))
         });
         let noise = reference.noise.as_ref();
         let noise = noise.map(|stated| self.widths(stated, curve.values()));

@@ -71,3 +71,22 @@ pub(crate) fn part(stated: &Quantity) -> Option<f64> {
     };
     part.is_finite().then_some(part)
 }
+
+/// The expanded uncertainty of a gain, as a part of the value.
+///
+/// # Errors
+/// When it is none, or may have been meant in per cent.
+pub(crate) fn gain(stated: &Quantity) -> Result<f64, String> {
+    let gain = part(stated).filter(|part| *part > 0.0);
+    match gain {
+        Some(part) if part >= 0.1 && stated.unit.is_none() => Err(format!(
+            "the gain uncertainty {stated} would be {} % of the value; write \"{stated} %\" or \"{} %\"",
+            100.0 * part,
+            100.0 * part
+        )),
+        Some(part) => Ok(part),
+        None => Err(format!(
+            "the gain uncertainty {stated} must be a positive part of the value, such as \"0.5 %\""
+        )),
+    }
+}

@@ -25,7 +25,7 @@ pub mod ssv;
 #[cfg(test)]
 mod tests;
 mod tolerance;
-mod values;
+pub mod values;
 mod window;
 
 use std::fmt::Display;
@@ -413,7 +413,7 @@ pub struct CriterionText {
     /// The standard deviation of one reading, which is independent from reading to reading.
     pub noise: Option<Spanned<Quantity>>,
     /// Of how many readings the measured value is the mean.
-    pub repeats: Option<u32>,
+    pub repeats: Option<f64>,
     /// The part of the run that it looks at; that of `[simulation]` otherwise.
     pub window: Option<Spanned<Window>>,
     /// The unit of the numbers, and of the column in `points.csv`.

@@ -322,7 +322,10 @@ fn an_uncertainty_has_parts() {
     close(law.expanded, 0.285);
     for (keys, remedy) in [
         ("repeats = 5", "add their standard deviation as `noise`"),
-        ("noise = 0.1\nrepeats = 1", "must be 2 or more"),
+        ("noise = 0.1\nrepeats = 1", "a whole number, 2 or more"),
+        ("noise = 0.1\nrepeats = -3", "a whole number, 2 or more"),
+        ("noise = 0.1\nrepeats = 2.5", "a whole number, 2 or more"),
+        ("gain-uncertainty = 0.5", "write \"0.5 %\" or \"50 %\""),
         (
             "noise = -0.1",
             "the noise -0.1 must be a positive, finite number",
@@ -341,7 +344,7 @@ fn an_uncertainty_has_parts() {
         ),
         (
             "gain-uncertainty = \"0.1 degC\"",
-            "the gain uncertainty 0.1 degC must be a part of the value",
+            "the gain uncertainty 0.1 degC must be a positive part of the value",
         ),
     ] {
         let error = with(keys).unwrap_err();
