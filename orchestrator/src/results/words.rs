@@ -52,19 +52,20 @@ fn firmness(conclusion: &Conclusion, summary: &Summary) -> String {
 fn other_verdict([least, most]: [f64; 2], method: &str) -> String {
     const LITTLE: f64 = 0.001;
     let points = match method {
-        "table" => "Other points from the same source",
-        "monte-carlo" => "Another seed",
+        "table" => "other points from the same source",
+        "monte-carlo" => "other random points",
         // The points of other designs are not independent, and nothing is known of how their seeds differ.
         _ => return String::new(),
     };
-    let probability = match (least, most) {
-        (_, most) if most < LITTLE => "less than 0.1 %".to_owned(),
-        (least, most) if least < LITTLE => format!("at most {} %", short(100.0 * most)),
-        (least, most) => format!("{} to {} %", short(100.0 * least), short(100.0 * most)),
+    let other = |probability: String| {
+        format!("be the other one with a probability of {probability} (at a confidence of 95 %)")
     };
-    format!(
-        "{points} would come to the other verdict with a probability of {probability} (at a confidence of 95 %)."
-    )
+    let verdict = match (least, most) {
+        (_, most) if most < LITTLE => "almost surely (more than 99.9 %) be the same".to_owned(),
+        (least, most) if least < LITTLE => other(format!("at most {} %", short(100.0 * most))),
+        (least, most) => other(format!("{} to {} %", short(100.0 * least), short(100.0 * most))),
+    };
+    format!("If the study were repeated with {points}, the verdict would {verdict}.")
 }
 
 /// How often the study was judged with other numbers of points.
@@ -121,7 +122,7 @@ fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
     let interval = risk.intervals.map_or_else(String::new, |intervals| {
         let [low, high] = intervals.not_conforming_given_accepted;
         let [low, high] = [low, high].map(|limit| short(100.0 * limit));
-        format!(" (95 % interval {low} .. {high} %)")
+        format!("; 95 % interval {low} .. {high} %")
     });
     match accepted {
         1 => format!(
@@ -129,10 +130,10 @@ fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
             short(100.0 * (1.0 - share))
         ),
         n => format!(
-            "Of the {} accepted points {} are expected not to conform, since the measured values are uncertain, too: \
-             {} %{interval}.",
-            grouped(n),
+            "About {} of the {} accepted points ({} %{interval}) probably do not conform, since the measured values are \
+             uncertain, too.",
             counted(share * n as f64),
+            grouped(n),
             short(100.0 * share)
         ),
     }

@@ -200,7 +200,7 @@ const WhatIf = (() => {
     const range = interval ? ` (${page.number(level, 4)} % interval ${ends(interval)} %)` : "";
     const band = found.guard_band ? ` Every tolerance is drawn in by a guard band of ${page.number(found.guard_band, 3)} expanded uncertainties.` : found.guard_band === null ? " No guard band keeps the risk as low as required." : "";
     const wrong = found.risk?.not_conforming_given_accepted;
-    const risk = Number.isFinite(wrong) ? ` Of the accepted points ${percent(wrong)} % are expected not to conform.` : "";
+    const risk = Number.isFinite(wrong) ? ` Of the accepted points ${percent(wrong)} % probably do not conform.` : "";
     return `${count}${percent(found.acceptedShare.fraction)} % of the space accepted${range}.${band}${risk}`;
   };
   const warnings = () => {

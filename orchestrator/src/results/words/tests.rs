@@ -47,9 +47,9 @@ fn the_accepted_points_that_do_not_conform_are_counted() {
     assert_eq!(
         text,
         "Verified by the one-point rule: 1,000 of 10,000 points.\n\
-         Another seed would come to the other verdict with a probability of less than 0.1 % (at a confidence of 95 %).\n\
-         Of the 1,000 accepted points 88.9 are expected not to conform, since the measured values are uncertain, too: \
-         8.9 % (95 % interval 8.9 .. 9.2 %)."
+         If the study were repeated with other random points, the verdict would almost surely (more than 99.9 %) be the same.\n\
+         About 88.9 of the 1,000 accepted points (8.9 %; 95 % interval 8.9 .. 9.2 %) probably do not conform, since the measured \
+         values are uncertain, too."
     );
     let one = said(STUDY, 1, 9);
     assert!(one.contains("with a probability of 0.28 to 98 %"), "{one}");
@@ -92,7 +92,7 @@ fn a_verdict_that_is_open_tells_how_many_points_decide() {
         ),
         "{text}"
     );
-    assert!(!text.contains("Another seed"));
+    assert!(!text.contains("were repeated"));
     assert!(!said(&rule, 50, 50).contains("decide"));
 }
 
