@@ -63,7 +63,11 @@ fn other_verdict([least, most]: [f64; 2], method: &str) -> String {
     let verdict = match (least, most) {
         (_, most) if most < LITTLE => "almost surely (more than 99.9 %) be the same".to_owned(),
         (least, most) if least < LITTLE => other(format!("at most {} %", short(100.0 * most))),
-        (least, most) => other(format!("{} to {} %", short(100.0 * least), short(100.0 * most))),
+        (least, most) => other(format!(
+            "{} to {} %",
+            short(100.0 * least),
+            short(100.0 * most)
+        )),
     };
     format!("If the study were repeated with {points}, the verdict would {verdict}.")
 }

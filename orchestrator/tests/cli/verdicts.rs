@@ -302,11 +302,7 @@ fn the_page_says_what_accepting_risks() {
     ] {
         assert!(page.contains(part), "no {part}");
     }
-    assert!(
-        said.out.contains("probably do not conform"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("probably do not conform"), "{}", said.out);
     let unknown = LAG.replace("uncertainty = \"2 %\"\n", "");
     let (said, _) = verify(&bench, &unknown, &[]);
     let page = bench.read("out/report.html");
