@@ -80,6 +80,8 @@ struct Signal {
 struct InputColumn {
     column: String,
     unit: Option<String>,
+    /// Of its sensor.
+    accuracy: Option<Quantity>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -135,34 +137,52 @@ impl Settings {
     /// The signals that drive the model in a case: the speed, where its variable is named, and the further inputs.
     pub fn drives(&self, measured: &Path) -> Result<Vec<Drive>, FileError> {
         let table = RecordedTable::read(measured, &self.time.column)?;
-        let recorded = |variable: &String, column: &str, unit: Option<&str>| {
-            Ok::<_, FileError>(Drive {
-                variable: variable.clone(),
-                unit: table.unit(column, unit)?,
-                values: Driven::Recorded(table.column(column)?.values.clone()),
-            })
-        };
+        let recorded =
+            |variable: &String, column: &str, unit: Option<&str>, accuracy: Option<&Quantity>| {
+                let unit = table.unit(column, unit)?;
+                let accuracy = accuracy.map(|stated| of_zero(stated, &unit));
+                let accuracy = accuracy
+                    .transpose()
+                    .map_err(|message| self.wrong(message))?;
+                Ok::<_, FileError>(Drive {
+                    variable: variable.clone(),
+                    unit,
+                    accuracy: accuracy.flatten(),
+                    values: Driven::Recorded(table.column(column)?.values.clone()),
+                })
+            };
         let mut drives = Vec::new();
         let Speed {
             variable,
             column,
             value,
             unit,
-            ..
+            accuracy,
         } = &self.speed;
         match (variable, column, value) {
             (Some(variable), Some(column), _) => {
-                drives.push(recorded(variable, column, unit.as_deref())?);
+                drives.push(recorded(variable, column, unit.as_deref(), Some(accuracy))?);
             }
             (Some(variable), None, Some(value)) => drives.push(Drive {
                 variable: variable.clone(),
                 unit: unit.clone().unwrap_or_default(),
+                accuracy: None,
                 values: Driven::Constant(*value),
             }),
             _ => {}
         }
         for (variable, input) in &self.inputs {
-            drives.push(recorded(variable, &input.column, input.unit.as_deref())?);
+            let InputColumn {
+                column,
+                unit,
+                accuracy,
+            } = input;
+            drives.push(recorded(
+                variable,
+                column,
+                unit.as_deref(),
+                accuracy.as_ref(),
+            )?);
         }
         if drives.is_empty() {
             let message = "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
@@ -330,6 +350,14 @@ fn scale(unit: &str, known: &[(&str, f64)]) -> Result<f64, String> {
     entry.map(|(_, factor)| *factor).ok_or_else(|| {
         let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
         format!("unit `{unit}` does not fit; use {}", names.join(", "))
+    })
+}
+
+/// The limit of a zero error; none where the accuracy is a part of the value.
+fn of_zero(quantity: &Quantity, unit: &str) -> Result<Option<f64>, String> {
+    Ok(match accuracy(quantity, unit, 1.0)? {
+        Accuracy::Absolute(limit) => Some(limit),
+        Accuracy::Relative(_) => None,
     })
 }
 

@@ -46,10 +46,10 @@ def test_recordings_become_a_study(fmu, tmp_path):
 
     run(PROGRAM, "identify", "study.toml", "--starts", 1, "--output", "found")
     found = json.loads((tmp_path / "found" / "identification.json").read_text())
-    # What is left of the delay is found with the parameters.
-    assert [parameter["name"] for parameter in found["free"][2:]] == ["300 rpm/M/lag"]
+    # The zero error of the recorded speed and what is left of the delay are found with the parameters.
+    assert [parameter["name"] for parameter in found["free"][2:]] == ["drive.speed/offset", "300 rpm/M/lag"]
     late = float(tomllib.loads(cases[0])["cases"][0]["criteria"]["M"]["delay"].removesuffix(" ms"))
-    for parameter, truth in zip(found["free"], [CLEARANCE, STIFFNESS, 1e-3 * (LATE - late)], strict=True):
+    for parameter, truth in zip(found["free"], [CLEARANCE, STIFFNESS, 0.0, 1e-3 * (LATE - late)], strict=True):
         low, high = parameter["interval"]
         assert low < truth < high
 

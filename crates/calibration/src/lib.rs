@@ -5,6 +5,7 @@ pub mod digits;
 pub mod discrepancy;
 pub mod errors;
 pub mod failures;
+pub mod fit;
 pub mod local;
 pub mod next;
 pub mod objective;
@@ -23,6 +24,9 @@ pub mod search;
 pub mod shared;
 #[cfg(test)]
 mod shared_tests;
+pub(crate) mod stated;
+#[cfg(test)]
+mod stated_tests;
 pub mod surrogate;
 #[cfg(test)]
 mod testing;

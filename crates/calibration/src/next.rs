@@ -12,6 +12,7 @@ use super::digits::{rounded, shown};
 use super::errors::Errors;
 use super::optima::Optimum;
 use super::problem::{Problem, Spacing};
+use super::sample::Sample;
 
 /// A calibration leaves this part of a shared error's uncertainty.
 const CALIBRATED: f64 = 0.1;
@@ -61,9 +62,22 @@ pub struct Measurement {
 }
 
 impl NextOutcome {
-    /// What would narrow the parameter with this number, at an optimum.
-    pub fn new(problem: &Problem, optimum: &Optimum, groups: &[Group], parameter: usize) -> Self {
+    /// What would narrow the parameter with this number, at an optimum. What is known now comes from a sample of the posterior
+    /// where there is one.
+    pub fn new(
+        problem: &Problem,
+        (optimum, sample): (&Optimum, Option<&Sample>),
+        groups: &[Group],
+        parameter: usize,
+    ) -> Self {
         let posterior = &optimum.posterior;
+        let sampled = sample.map(|sample| covariance(sample, problem.unknowns()));
+        let sampled = sampled.and_then(|covariance| {
+            Some((Cholesky::new(covariance.clone())?.inverse(), covariance))
+        });
+        let (precision, now) =
+            sampled.unwrap_or_else(|| (posterior.precision.clone(), posterior.covariance.clone()));
+        let deviation = |unknown: usize| now[(unknown, unknown)].sqrt();
         let errors = Errors::new(problem);
         let [slopes, along] = &posterior.slopes;
         let (n, sources) = (problem.unknowns(), errors.sources());
@@ -71,7 +85,7 @@ impl NextOutcome {
         let halved = errors.halved(along.clone());
         let mut full = DMatrix::zeros(n + sources, n + sources);
         full.view_mut((0, 0), (n, n))
-            .copy_from(&(&posterior.precision + halved.tr_mul(&halved)));
+            .copy_from(&(&precision + halved.tr_mul(&halved)));
         full.view_mut((n, 0), (sources, n)).copy_from(along);
         full.view_mut((0, n), (n, sources))
             .copy_from(&along.transpose());
@@ -81,11 +95,11 @@ impl NextOutcome {
         let measurement = |work: String, more: DMatrix<f64>| {
             let covariance = Cholesky::new(&full + more)?.inverse();
             let left = (0..problem.free.len())
-                .map(|k| covariance[(k, k)].sqrt() / posterior.deviation(k))
+                .map(|k| covariance[(k, k)].sqrt() / deviation(k))
                 .collect::<Vec<f64>>();
             Some(Measurement {
                 work,
-                deviation: free.spread(posterior.deviation(parameter) * left[parameter]),
+                deviation: free.spread(deviation(parameter) * left[parameter]),
                 left,
             })
         };
@@ -118,7 +132,7 @@ impl NextOutcome {
             parameter: free.name.clone(),
             unit: free.unit.clone(),
             scale: free.scale,
-            deviation: free.spread(posterior.deviation(parameter)),
+            deviation: free.spread(deviation(parameter)),
             measurements,
         }
     }
@@ -142,6 +156,28 @@ impl NextOutcome {
             Spacing::Log => format!("{} %", rounded(100.0 * (deviation - 1.0), 2)),
         }
     }
+}
+
+/// The covariance of the first unknowns' places in a sample.
+fn covariance(sample: &Sample, unknowns: usize) -> DMatrix<f64> {
+    let count = sample.particles.len() as f64;
+    let column = |unknown: usize| {
+        let places = sample
+            .particles
+            .iter()
+            .map(|particle| particle.places[unknown]);
+        let places: Vec<f64> = places.collect();
+        let mean = places.iter().sum::<f64>() / count;
+        places
+            .into_iter()
+            .map(|place| place - mean)
+            .collect::<Vec<f64>>()
+    };
+    let columns: Vec<Vec<f64>> = (0..unknowns).map(column).collect();
+    DMatrix::from_fn(unknowns, unknowns, |a, b| {
+        let products = columns[a].iter().zip(&columns[b]).map(|(a, b)| a * b);
+        products.sum::<f64>() / (count - 1.0)
+    })
 }
 
 /// The lines for people.
@@ -189,6 +225,7 @@ mod tests {
         };
         problem.sources.push(Source {
             effects: (0..3).map(effect).collect(),
+            rectangular: false,
         });
         problem.channels.push(Channel {
             name: "y".into(),
@@ -220,7 +257,7 @@ mod tests {
             values: values.iter().map(|&k| [0, k]).collect(),
         };
         let groups = [group("a", &[0, 1]), group("d", &[3])];
-        let next = NextOutcome::new(&problem, &optimum, &groups, 1);
+        let next = NextOutcome::new(&problem, (&optimum, None), &groups, 1);
         // Rows of the data, and by how much the zero error counts.
         let expected = |rows: &[usize], offset_part: f64| {
             let n = rows.len();
@@ -247,5 +284,41 @@ mod tests {
         }
         let order = next.measurements.windows(2);
         assert!(order.into_iter().all(|w| w[0].deviation <= w[1].deviation));
+    }
+
+    /// A value y = p^3 / 3 of a parameter from 0 to 2 that is measured as 0: at the optimum the model does not hang on p, so only
+    /// the bounds seem to say something of it; the sample knows that p is small.
+    #[test]
+    fn what_is_known_now_is_what_the_sample_says() {
+        let problem = one_case(&[(0.0, 2.0)], &[(0.0, 0.01)]);
+        let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0].powi(3) / 3.0]);
+        let objective = Objective::new(&problem, &model, 1e-3);
+        let minimum = minimise(
+            &objective,
+            vec![0.5],
+            &[],
+            Differences::Central,
+            &limits(200, 1e-12),
+        )
+        .unwrap();
+        let optimum = Optimum::new(&objective, minimum, 1).unwrap();
+        let settings = super::super::testing::settings(2000, 3);
+        let sample = super::super::sample::sample(
+            &objective,
+            std::slice::from_ref(&optimum),
+            &settings,
+            &|_, _| (),
+        )
+        .unwrap();
+        let groups = [Group {
+            name: "y".into(),
+            values: vec![[0, 0]],
+        }];
+        let of = |sample| NextOutcome::new(&problem, (&optimum, sample), &groups, 0).deviation;
+        // By quadrature of exp(-(p^3 / 0.03)^2 / 2).
+        let expected = 0.10275;
+        assert!(of(None) > 1.5 * expected, "{}", of(None));
+        let got = of(Some(&sample));
+        assert!((got / expected - 1.0).abs() < 0.1, "{got}");
     }
 }

@@ -7,6 +7,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::cross::outcome::CrossValidation;
 use super::discrepancy::Discrepancy;
 use super::failures::{Edge, Excluded};
+use super::fit::Order;
 use super::local::{End, Minimum};
 use super::next::NextOutcome;
 use super::optima::{Approximation, Optimum};
@@ -42,11 +43,17 @@ pub struct IdentificationOutcome {
     pub data_cost: f64,
     /// Measured values and priors, less the unknowns that are not at a bound.
     pub degrees_of_freedom: usize,
-    /// The probability of a larger sum, if model and accuracies were right.
+    /// How many more unknowns than these values and priors there are.
+    #[serde(skip)]
+    pub surplus: usize,
+    /// The probability of a larger sum, if model and accuracies were right; none without degrees of freedom.
     pub probability: Option<f64>,
     /// The same by a fit without shared errors, about.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probability_without_shared: Option<f64>,
+    /// The order of the residuals along each measured curve.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub orders: Vec<Order>,
     /// The shared errors of the measured channels.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shared: Vec<SharedOutcome>,
@@ -199,6 +206,13 @@ pub struct Residual {
     pub accuracy: f64,
 }
 
+impl Residual {
+    /// The misfit in standard uncertainties, after the shared errors that the data prefer.
+    pub fn missed(&self) -> f64 {
+        (self.difference + self.shared) / self.accuracy
+    }
+}
+
 /// The largest misfit of a quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct WorstOutcome {
@@ -238,10 +252,10 @@ impl IdentificationOutcome {
         let squares = minimum.misfit.residuals.len() - problem.sources.len();
         let degrees_of_freedom = squares.saturating_sub(inside);
         let distribution = ChiSquared::new(degrees_of_freedom as f64).ok();
-        let probability = |cost| {
-            distribution
-                .as_ref()
-                .map(|distribution| distribution.sf(cost))
+        let more = beyond_normal(problem, minimum);
+        let probability = |cost: f64| {
+            let distribution = distribution.as_ref();
+            distribution.map(|distribution| distribution.sf((cost + more).max(0.0)))
         };
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
         let directions = posterior.directions.iter();
@@ -260,10 +274,12 @@ impl IdentificationOutcome {
             cost,
             data_cost,
             degrees_of_freedom,
+            surplus: inside.saturating_sub(squares),
             probability: probability(cost),
             probability_without_shared: (!problem.sources.is_empty())
                 .then(|| probability(posterior.without_shared))
                 .flatten(),
+            orders: Vec::new(),
             shared: shared(problem, &posterior.shared),
             free: free.clone(),
             correlations: (0..n).map(correlation).collect(),
@@ -287,6 +303,20 @@ impl IdentificationOutcome {
             optima: outcomes,
         }
     }
+}
+
+/// What Student's errors add to the sum of squares by which a fit is judged: the squares of their normal scores, in place of
+/// those over the wider accuracies that stand for them in the search.
+fn beyond_normal(problem: &Problem, minimum: &Minimum) -> f64 {
+    let values = problem.not_normal.iter();
+    let values = values.filter(|value| value.law.student > 0.0);
+    let more = values.map(|value| {
+        let place = value.case * problem.quantities.len() + value.quantity;
+        let residual = minimum.misfit.residuals[place];
+        let accuracy = problem.cases[value.case].measured[value.quantity].accuracy;
+        value.law.score(residual * accuracy).powi(2) - residual.powi(2)
+    });
+    more.sum()
 }
 
 fn optimum(problem: &Problem, optimum: &Optimum) -> OptimumOutcome {

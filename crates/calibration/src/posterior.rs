@@ -178,24 +178,30 @@ impl Posterior {
 }
 
 /// The interval that holds a number between bounds with 95 % probability, given its quantiles: from the 2.5 % quantile to the
-/// 97.5 % quantile, or from a bound on where that is clearly shorter, since the number is most probable there: an interval
-/// with two ends inside would never hold a truth at the bound.
+/// 97.5 % quantile, or from a bound on where that is clearly shorter and the number may well be at the bound: an interval
+/// with two ends inside would never hold a truth there.
 pub fn interval(bounds: [f64; 2], quantile: impl Fn(f64) -> f64) -> [f64; 2] {
     /// So much shorter is clearly shorter; of what is known by its bounds alone, none is.
     const SHORTER: f64 = 0.97;
-    let central = [0.025, 0.975].map(&quantile);
-    let sides = [[bounds[0], quantile(0.95)], [quantile(0.05), bounds[1]]];
-    let width = |ends: &[f64; 2]| ends[1] - ends[0];
-    let [lower, upper] = sides;
-    let shortest = if width(&upper) < width(&lower) {
-        upper
-    } else {
-        lower
+    /// Near a bound the probability grows like the distance from it where there is a density, and like a power of the
+    /// distance above this one where it vanishes.
+    const VANISHES: f64 = 1.5;
+    let tails = [[0.025, 0.1], [0.975, 0.9]].map(|parts| parts.map(&quantile));
+    let central = [tails[0][0], tails[1][0]];
+    let from = |side: usize| {
+        let [near, far] = tails[side].map(|end| (end - bounds[side]).abs());
+        let power = 4.0_f64.ln() / (far / near).ln();
+        let ends = match side {
+            0 => [bounds[0], quantile(0.95)],
+            _ => [quantile(0.05), bounds[1]],
+        };
+        (power < VANISHES).then_some(ends)
     };
-    match width(&shortest) < SHORTER * width(&central) {
-        true => shortest,
-        false => central,
-    }
+    let width = |ends: &[f64; 2]| ends[1] - ends[0];
+    let sides = [0, 1].into_iter().filter_map(from);
+    let shortest = sides.min_by(|a, b| width(a).total_cmp(&width(b)));
+    let shorter = |ends: &[f64; 2]| width(ends) < SHORTER * width(&central);
+    shortest.filter(shorter).unwrap_or(central)
 }
 
 /// Mean and standard deviation of each channel's shared error, where the unknowns are as uncertain as their covariance says.

@@ -1,5 +1,6 @@
 //! The problem: unknown parameters, and the measurements that determine them.
 
+use conformity::uncertainty::Law;
 use nalgebra::DVector;
 use sampling::random::mix;
 use serde::{Deserialize, Serialize};
@@ -172,6 +173,18 @@ pub struct Measured {
     pub accuracy: f64,
 }
 
+/// A measured value whose own error is not normal. The search takes a normal one with the value's accuracy; the posterior's
+/// sample takes the error as it is, where the value shares none with others.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NotNormal {
+    /// The value's case.
+    pub case: usize,
+    /// Its quantity.
+    pub quantity: usize,
+    /// How the error is distributed.
+    pub law: Law,
+}
+
 /// A quantity's name and unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Named {
@@ -198,12 +211,16 @@ pub struct Case {
     pub measured: Vec<Measured>,
 }
 
-/// An error that several measured values share, such as the zero error of a sensor: a standard normal number before the
-/// measurement, and independent of all others.
+/// An error that several measured values share, such as the zero error of a sensor: a number with mean 0 and standard deviation
+/// 1 before the measurement, and independent of all others.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Source {
     /// The values that it touches.
     pub effects: Vec<Effect>,
+    /// Whether all errors within limits are equally probable, instead of a normal distribution. The search takes a normal
+    /// one, the posterior's sample the limits.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub rectangular: bool,
 }
 
 /// The effect of a shared error on a measured value.
@@ -230,6 +247,15 @@ pub enum SharedKind {
 }
 
 impl SharedKind {
+    /// What of a sensor it is.
+    pub(crate) fn of_sensor(self) -> &'static str {
+        match self {
+            Self::Offset => "zero",
+            Self::Gain => "gain",
+            Self::Scaled => "zero or gain",
+        }
+    }
+
     /// Its name for people.
     pub fn words(self) -> &'static str {
         match self {
@@ -293,6 +319,9 @@ pub struct Problem {
     pub sources: Vec<Source>,
     /// What is told of them.
     pub channels: Vec<Channel>,
+    /// The values whose own errors are not normal.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_normal: Vec<NotNormal>,
 }
 
 impl Problem {
@@ -362,6 +391,9 @@ impl Problem {
             for (quantity, measured) in changed.measured.iter_mut().enumerate() {
                 measured.accuracy = measured.accuracy.hypot(more(case, quantity));
             }
+        }
+        for value in &mut problem.not_normal {
+            value.law.normal = value.law.normal.hypot(more(value.case, value.quantity));
         }
         problem
     }

@@ -19,6 +19,8 @@ pub struct SharedOutcome {
     pub interval: [f64; 2],
     /// How large it may be, as stated.
     pub limit: f64,
+    /// The stated limit over the standard uncertainty: the coverage factor k, or the root of 3 of a limit of error.
+    pub coverage: f64,
     /// The part of its standard uncertainty that the data leave.
     pub left: f64,
 }
@@ -33,6 +35,7 @@ impl SharedOutcome {
             value,
             interval,
             limit: channel.limit,
+            coverage: channel.limit / channel.standard(),
             left: deviation / channel.standard(),
         }
     }

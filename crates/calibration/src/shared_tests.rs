@@ -57,7 +57,10 @@ fn add(problem: &mut Problem, name: &str, kind: SharedKind, effects: Vec<Effect>
         limit: 2.0 * standard,
         sources: vec![(problem.sources.len(), standard)],
     });
-    problem.sources.push(Source { effects });
+    problem.sources.push(Source {
+        effects,
+        rectangular: false,
+    });
 }
 
 /// The covariance of all values, entry by entry.
@@ -222,10 +225,7 @@ fn shared_errors_are_unknowns_with_a_prior() {
     assert!(shared.probability.unwrap() > 0.01);
     assert!(shared.probability_without_shared.unwrap() < 1e-6);
     let said = text::summary(&shared);
-    assert!(
-        said.contains("M is best explained by a zero error of"),
-        "{said}"
-    );
+    assert!(said.contains("The sensor of M most likely reads"), "{said}");
     assert!(
         said.contains("the fit is good only with these shared errors"),
         "{said}"

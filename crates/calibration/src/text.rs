@@ -3,12 +3,13 @@
 use std::fmt::Write;
 
 pub use super::digits::digits;
-use super::digits::{rounded, shown};
+use super::digits::{cleared, enough, rounded, shown};
 use super::failures::words;
+use super::fit::DOUBTFUL;
 use super::local::End;
 use super::next;
 use super::optima::Approximation;
-use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
+use super::outcome::{CaseOutcome, DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 use super::problem::{SharedKind, Spacing};
 use super::rounds::ROUNDS;
 use super::shared::SharedOutcome;
@@ -109,7 +110,9 @@ fn parameters(parameters: &[FreeOutcome], on_ridges: &[&str]) -> String {
     let mut text = format!("{:width$}  {:>11}  95 % interval\n", "parameter", "value");
     for free in parameters {
         let (name, unit) = (&free.name, shown(&free.unit));
-        let [value, low, high] = [free.value, free.interval[0], free.interval[1]].map(digits);
+        let reach = free.interval[1] - free.interval[0];
+        let number = |value| rounded(cleared(value, reach), enough(free.interval));
+        let [value, low, high] = [free.value, free.interval[0], free.interval[1]].map(number);
         let remark = remark(free, on_ridges.contains(&name.as_str()));
         let interval = format!("{low} .. {high} {unit}");
         text += &format!(
@@ -136,9 +139,9 @@ fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
     let ends = match free.approximation {
         Approximation::Holds => "",
         Approximation::Lengthened => "; lengthened to where the sum of squares has risen enough",
-        Approximation::Bends => "; its valley bends, so it may reach farther",
+        Approximation::DrawnIn => "; drawn in to where the sum of squares has risen enough",
     };
-    format!("{bound}; {left} % of the prior's spread is left{ends}")
+    format!("{bound}; the measurement has narrowed it to {left} % of what was open before{ends}")
 }
 
 /// What the data leave open, and whether a sample confirms the intervals.
@@ -199,7 +202,7 @@ fn confirmed(outcome: &IdentificationOutcome) -> String {
         .collect();
     match (sample.trusted, &other[..]) {
         (false, _) => String::new(),
-        (true, []) => "\nThe data determine every parameter: the sample of the posterior below confirms the intervals.\n".to_owned(),
+        (true, []) => "\nA second calculation, by sampling, gives the same intervals.\n".to_owned(),
         (true, other) => format!(
             "\nThe normal approximation does not hold for {}: take the intervals of the sample below.\n",
             other.join(", ")
@@ -241,12 +244,10 @@ fn shared(outcome: &IdentificationOutcome) -> String {
     if !text.is_empty() {
         text = format!("\n{text}");
     }
-    let fits = |probability: Option<f64>| probability.is_some_and(|p| p >= DOUBTFUL);
-    if fits(outcome.probability)
-        && outcome
-            .probability_without_shared
-            .is_some_and(|p| p < DOUBTFUL)
-    {
+    /// Without them a fit with a smaller probability of its misfit is none.
+    const NONE: f64 = 0.001;
+    let without = outcome.probability_without_shared;
+    if outcome.probability.is_some_and(|p| p >= DOUBTFUL) && without.is_some_and(|p| p < NONE) {
         text += "the fit is good only with these shared errors: without them no parameters explain the measured values\n";
     }
     text
@@ -256,7 +257,6 @@ fn shared(outcome: &IdentificationOutcome) -> String {
 fn of_channel(error: &SharedOutcome) -> String {
     /// Where so much of the stated uncertainty is left, the data say nothing.
     const NOTHING: f64 = 0.9;
-    let what = error.kind.words();
     let (factor, unit) = match error.kind {
         SharedKind::Offset => (1.0, shown(&error.unit)),
         SharedKind::Gain => (100.0, "%"),
@@ -267,22 +267,42 @@ fn of_channel(error: &SharedOutcome) -> String {
     let limit = limit.trim_end();
     if error.left > NOTHING {
         return format!(
-            "{}: the data do not tell {what}, which may be +-{limit}\n",
+            "These data cannot show whether the {} of {}'s sensor is off; up to +-{limit} is allowed, and the intervals include it.\n",
+            error.kind.of_sensor(),
             error.name
         );
     }
-    let value = format!("{} {unit}", number(error.value));
-    let [low, high] = error.interval.map(number);
-    let none = error.interval[0] <= 0.0 && error.interval[1] >= 0.0;
+    let side = if error.value < 0.0 { -1.0 } else { 1.0 };
+    let value = format!("{} {unit}", number(side * error.value));
+    let mut ends = error.interval.map(|end| side * end);
+    ends.sort_by(f64::total_cmp);
+    let [low, high] = ends.map(number);
     let beyond = match error.value.abs() > error.limit {
         true => ", which this is beyond: doubt the model or the sensor",
         false => "",
     };
     format!(
-        "{} is best explained by {what} of {} ({low} .. {high}, 95 %){}; the stated limits are +-{limit}{beyond}\n",
+        "The sensor of {} most likely reads {} too {}{} ({low} .. {high}, 95 %{}); {}{beyond}.\n",
         error.name,
         value.trim_end(),
-        if none { ", which includes 0" } else { "" }
+        if side < 0.0 { "low" } else { "high" },
+        if error.kind == SharedKind::Gain {
+            ", as a part of the value"
+        } else {
+            ""
+        },
+        if ends[0] <= 0.0 {
+            ", which includes 0"
+        } else {
+            ""
+        },
+        match (error.coverage.powi(2) - 3.0).abs() < 1e-6 {
+            true => format!("its limits of error are +-{limit}"),
+            false => format!(
+                "its data sheet allows +-{limit} (k = {})",
+                rounded(error.coverage, 3)
+            ),
+        }
     )
 }
 
@@ -363,8 +383,7 @@ fn discrepancies(outcome: &IdentificationOutcome) -> String {
 /// The measured value that is missed most, where there are too many for a table.
 fn largest(outcome: &IdentificationOutcome) -> String {
     let all = outcome.cases.iter().flat_map(|case| &case.residuals);
-    let missed =
-        |residual: &Residual| ((residual.difference + residual.shared) / residual.accuracy).abs();
+    let missed = |residual: &Residual| residual.missed().abs();
     let count = all.clone().count();
     let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)));
     worst.map_or_else(String::new, |worst| {
@@ -384,6 +403,9 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
     const MANY: usize = 12;
     if outcome.worst.len() > MANY {
         return largest(outcome);
+    }
+    if let ([case], false) = (&outcome.cases[..], outcome.worst.is_empty()) {
+        return one_case(case, outcome);
     }
     let which = if outcome.ambiguous {
         "\nAt optimum 1:"
@@ -408,7 +430,8 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
         for residual in &case.residuals {
             let predicted = digits(residual.predicted);
             let sign = if residual.difference >= 0.0 { "+" } else { "" };
-            let misfit = sign.to_owned() + &rounded(residual.difference, 3);
+            let difference = cleared(residual.difference, residual.accuracy);
+            let misfit = sign.to_owned() + &rounded(difference, 3);
             let _ = write!(text, "  {predicted:>12} {misfit:>9}");
         }
     }
@@ -426,21 +449,47 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
     text
 }
 
-/// A fit with a smaller probability of its misfit is no fit.
-const DOUBTFUL: f64 = 0.001;
+/// The values of a single case, a line each.
+fn one_case(case: &CaseOutcome, outcome: &IdentificationOutcome) -> String {
+    let name = |residual: &Residual| residual.quantity.chars().count();
+    let width = case.residuals.iter().map(name).max().unwrap_or(0).max(5);
+    let which = match outcome.ambiguous {
+        true => "At optimum 1:\n",
+        false => "",
+    };
+    let mut text = format!(
+        "\n{which}{:width$}  {:>12}  {:>12}  {:>10}  in standard uncertainties\n",
+        "value", "measured", "model", "misfit"
+    );
+    for (residual, worst) in case.residuals.iter().zip(&outcome.worst) {
+        let [measured, predicted] = [residual.measured, residual.predicted].map(digits);
+        let difference = cleared(residual.difference, residual.accuracy);
+        text += &format!(
+            "{:width$}  {measured:>12}  {predicted:>12}  {:>10}  {} {}\n",
+            residual.quantity,
+            rounded(difference, 3),
+            rounded(cleared(residual.missed(), 1.0), 3),
+            match shown(&worst.unit) {
+                "" => String::new(),
+                unit => format!("({unit})"),
+            },
+        );
+    }
+    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+    lines.join("\n") + "\n"
+}
 
 fn goodness(outcome: &IdentificationOutcome) -> String {
-    let doubtful = |probability| probability < DOUBTFUL;
-    let misses = outcome.end == End::Converged && outcome.probability.is_some_and(doubtful);
+    let doubts = match outcome.end {
+        End::Converged => outcome.doubts(),
+        _ => Vec::new(),
+    };
+    let doubts: String = doubts.iter().map(|doubt| format!("{doubt}\n")).collect();
     let search = &outcome.search;
     format!(
-        "\nsum of squares {} with {} degrees of freedom\n{}{} starts screened ({} failed), {} followed down, {}\n{}",
+        "\nsum of squares {} with {} degrees of freedom\n{doubts}{} starts screened ({} failed), {} followed down, {}\n{}",
         digits(outcome.cost),
         outcome.degrees_of_freedom,
-        match misses {
-            true => "the model misses the measurement by more than the stated accuracies allow\n",
-            false => "",
-        },
         search.screened,
         search.failed,
         search.minima.len(),

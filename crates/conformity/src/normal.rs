@@ -21,6 +21,33 @@ pub fn between(lower: f64, upper: f64) -> f64 {
     }
 }
 
+/// The logarithm of the probability that a standard normal number lies between two limits, also where it is too small for a
+/// number.
+pub fn ln_between(lower: f64, upper: f64) -> f64 {
+    if lower >= upper {
+        return f64::NEG_INFINITY;
+    }
+    // The lower tail keeps its digits.
+    let [lower, upper] = match lower > 0.0 {
+        true => [-upper, -lower],
+        false => [lower, upper],
+    };
+    let most = ln_cdf(upper);
+    most + (-(ln_cdf(lower) - most).exp_m1()).ln()
+}
+
+/// The logarithm of the probability that a standard normal number is below `z`.
+fn ln_cdf(z: f64) -> f64 {
+    /// Farther below, four terms of the asymptotic series give all digits (Abramowitz & Stegun 1964, 26.2.12).
+    const FAR: f64 = -30.0;
+    if z > FAR {
+        return cdf(z).ln();
+    }
+    let square = z.powi(-2);
+    let series = square * (-1.0 + square * (3.0 + square * (-15.0 + 105.0 * square)));
+    series.ln_1p() - 0.5 * z * z - (-z * TAU.sqrt()).ln()
+}
+
 /// The probability that both of two standard normal numbers with this correlation lie between
 /// their limits.
 ///

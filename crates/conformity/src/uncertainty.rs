@@ -244,16 +244,38 @@ impl Law {
     /// The logarithm of the error's density over that of its [score](Self::score) as a normal number, but for a constant: 0
     /// for normal errors.
     pub(super) fn ln_against_normal(&self, error: f64) -> f64 {
-        if self.is_normal() {
-            return 0.0;
+        match self.is_normal() {
+            true => 0.0,
+            false => self.ln_density(error) + 0.5 * self.score(error).powi(2),
         }
-        let away = -error.abs();
-        let density = self.mean(|scale| match self.half_width {
-            0.0 => (-0.5 * (away / scale).powi(2)).exp() / scale,
-            half if scale == 0.0 => f64::from(u8::from(-away <= half)),
-            half => normal::cdf((away + half) / scale) - normal::cdf((away - half) / scale),
+    }
+
+    /// The logarithm of the density of an error, also where the density itself is too small for a number.
+    pub fn ln_density(&self, error: f64) -> f64 {
+        let (mut most, mut sum, mut weights) = (f64::NEG_INFINITY, 0.0, 0.0);
+        self.mixture(|weight, scale| {
+            let ln = ln_density(error.abs(), scale, self.half_width);
+            if ln > most {
+                sum *= (most - ln).exp();
+                most = ln;
+            }
+            if ln.is_finite() {
+                sum += weight * (ln - most).exp();
+            }
+            weights += weight;
         });
-        density.ln() + 0.5 * self.score(error).powi(2)
+        most + (sum / weights).ln()
+    }
+
+    /// The standard deviation of the normal error that stands for this one where only normal errors can: with Student's part
+    /// the one whose 95 % interval is as wide, as its standard uncertainty would be too narrow.
+    pub fn as_normal(&self) -> f64 {
+        /// Half of a normal 95 % interval, in standard deviations.
+        const REACH: f64 = 1.959_964;
+        match self.student > 0.0 {
+            true => self.standard().max(self.half_interval(0.95) / REACH),
+            false => self.standard(),
+        }
     }
 
     /// Half the interval about 0 that holds this probability.
@@ -273,17 +295,26 @@ impl Law {
         high
     }
 
-    /// The mean of a function of the standard deviation over the normal distributions of which the normal and Student's part
-    /// together are a mixture: Student's number is normal given the chi-square number in its denominator. The trapezoidal rule
-    /// over the logarithm of that number errs by 1e-12.
+    /// The mean of a function of the standard deviation over the normal distributions of the [mixture](Self::mixture).
     fn mean(&self, of: impl Fn(f64) -> f64) -> f64 {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        self.mixture(|weight, scale| {
+            sum += weight * of(scale);
+            weights += weight;
+        });
+        sum / weights
+    }
+
+    /// Weights and standard deviations of the normal distributions of which the normal and Student's part together are a
+    /// mixture: Student's number is normal given the chi-square number in its denominator. The trapezoidal rule over the
+    /// logarithm of that number errs by 1e-12.
+    fn mixture(&self, mut take: impl FnMut(f64, f64)) {
         /// Weights below this part of the largest one are left out.
         const LEAST: f64 = 1e-14;
         if self.student == 0.0 {
-            return of(self.normal);
+            return take(1.0, self.normal);
         }
         let step = 1.1 / (self.freedom + 10.0).sqrt();
-        let (mut sum, mut weights) = (0.0, 0.0);
         for (first, step) in [(0.0, step), (-step, -step)] {
             let mut place: f64 = first;
             loop {
@@ -291,13 +322,28 @@ impl Law {
                 if weight < LEAST {
                     break;
                 }
-                sum += weight * of(self.normal.hypot(self.student * (-0.5 * place).exp()));
-                weights += weight;
+                take(
+                    weight,
+                    self.normal.hypot(self.student * (-0.5 * place).exp()),
+                );
                 place += step;
             }
         }
-        sum / weights
     }
+}
+
+/// The logarithm of the density of the sum of a normal error and one from a rectangle, at a distance from 0.
+fn ln_density(away: f64, scale: f64, half_width: f64) -> f64 {
+    /// A rectangle narrower than this part of the normal error changes nothing.
+    const NARROW: f64 = 1e-6;
+    if half_width <= NARROW * scale {
+        return -0.5 * (away / scale).powi(2) - (scale * TAU.sqrt()).ln();
+    }
+    let inside = match scale == 0.0 {
+        true => f64::from(u8::from(away <= half_width)).ln(),
+        false => normal::ln_between((away - half_width) / scale, (away + half_width) / scale),
+    };
+    inside - (2.0 * half_width).ln()
 }
 
 /// The probability that a normal error of this standard deviation and one from a rectangle, together, are below `error`, which is

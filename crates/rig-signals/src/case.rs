@@ -29,6 +29,8 @@ pub struct Drive {
     pub variable: String,
     /// Its unit.
     pub unit: String,
+    /// How far all its values together may be off: the limit of the sensor's error, in its unit.
+    pub accuracy: Option<f64>,
     /// Its values.
     pub values: Driven,
 }
@@ -40,6 +42,11 @@ pub enum Driven {
     Constant(f64),
     /// One for each row of the recording.
     Recorded(Vec<f64>),
+}
+
+/// The expanded uncertainty (k = 2) that follows from a limit of error.
+fn expanded(bound: f64) -> f64 {
+    2.0 * from_bound(bound)
 }
 
 /// A measured curve.
@@ -170,10 +177,17 @@ impl<'a> Case<'a> {
                     let value = quoted(&format!("{value} {}", drive.unit));
                     format!("fixed.{name} = {value}\n")
                 }
-                Driven::Recorded(_) => format!(
-                    "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{ends} }}\n",
-                    quoted(frame.file)
-                ),
+                Driven::Recorded(_) => {
+                    let accuracy = drive.accuracy.filter(|accuracy| *accuracy > 0.0);
+                    let stated = accuracy.map_or_else(String::new, |bound| {
+                        let expanded = format!("{:.4e} {}", expanded(bound), drive.unit);
+                        format!(", uncertainty = {}", quoted(&expanded))
+                    });
+                    format!(
+                        "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{stated}{ends} }}\n",
+                        quoted(frame.file)
+                    )
+                }
             };
         }
         out.extend(self.curves.iter().map(|curve| self.criterion(curve, frame)));
@@ -217,18 +231,17 @@ impl<'a> Case<'a> {
                 change.value, change.low, change.high, channel.unit
             )
         });
-        let expanded = 2.0 * from_bound(1.0);
         let stated = |key: &str, text: String| format!(", {key} = {}", quoted(&text));
         let mut uncertainty = match channel.accuracy {
             // Of a sensor without errors there is nothing to state.
             Accuracy::Absolute(0.0) | Accuracy::Relative(0.0) => String::new(),
             Accuracy::Absolute(bound) => stated(
                 "uncertainty",
-                format!("{:.4e} {}", bound * expanded, channel.unit),
+                format!("{:.4e} {}", expanded(bound), channel.unit),
             ),
             Accuracy::Relative(part) => stated(
                 "gain-uncertainty",
-                format!("{:.4} %", 100.0 * part * expanded),
+                format!("{:.4} %", 100.0 * expanded(part)),
             ),
         };
         let noise = criterion.and_then(|criterion| criterion.noise);

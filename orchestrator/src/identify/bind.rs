@@ -43,6 +43,8 @@ pub struct Bound {
     pub readings: Vec<Reading>,
     /// The free parameters that are lags of curves, and none of the FMU's.
     pub lags: Vec<String>,
+    /// The free parameters that are zero errors of recorded inputs.
+    pub offsets: Vec<String>,
     /// What is assumed beyond what the study states, a sentence each.
     pub notes: Vec<String>,
 }
@@ -103,6 +105,11 @@ impl Bound {
         self.inputs.push(conversion);
         self.vary(slot);
         Ok(())
+    }
+
+    /// The free parameters that are none of the FMU's.
+    pub fn others(&self) -> Vec<String> {
+        [&self.lags[..], &self.offsets].concat()
     }
 
     fn observe(&mut self, probe: Probe) {
@@ -358,6 +365,7 @@ impl Binder<'_> {
             });
             problem.sources.push(Source {
                 effects: effects.collect(),
+                rectangular: false,
             });
         }
         Ok(())

@@ -11,16 +11,18 @@ use indexmap::IndexMap;
 
 use super::bind::{Bound, BoundCurve, Input, bare, check_difference, free};
 use super::late::{Read, Reading, late};
+use super::offsets;
 use crate::judge::{Criterion, Judge};
 use crate::study::cases::SEPARATOR;
 use crate::study::plan::{self, Plan};
 use crate::study::{CriterionText, Identification, Name, Study};
 use calibration::digits::rounded;
 use calibration::problem::{
-    Case, Channel, Effect, Free, Measured, Population, Prior, Quantity, SharedKind, Source, Spacing,
+    Case, Channel, Effect, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind,
+    Source, Spacing,
 };
 use calibration::text::digits;
-use conformity::uncertainty::{self, Uncertainty};
+use conformity::uncertainty::{self, Law, Uncertainty};
 use fmu_import::Description;
 use fmu_import::units::Conversion;
 use fmu_points::names::behind;
@@ -36,7 +38,7 @@ const LEAST: f64 = 0.05;
 const CHANGED: &str = "The uncertainty of such a curve is one error that all its rows share; earlier versions took it as \
                        independent in each row (now: correlation = 0), so their answer was another one";
 /// How far the bounds of a normal parameter are from its mean, in standard deviations.
-const REACH: f64 = 5.0;
+pub(super) const REACH: f64 = 5.0;
 
 /// The unknowns and the data of a study with cases.
 ///
@@ -79,6 +81,8 @@ pub fn bind(
         plan: &plan,
     }
     .bind(&mut bound)?;
+    offsets::add(&fitted, fmu, &mut bound)?;
+    let mut assumed = std::mem::take(&mut bound.notes);
     let criteria = fitted.criteria.iter().zip(&judge.criteria);
     let probes = plan.placed_probes().zip(&plan.outputs);
     let tied = Tied::new(&judge);
@@ -126,7 +130,13 @@ pub fn bind(
                 let uncertainty = criterion.uncertainty;
                 let uncertainty =
                     uncertainty.ok_or_else(|| without_uncertainty(study, name, text))?;
-                let accuracy = tied.value(number, first, criterion, &uncertainty, &mut shared);
+                let (accuracy, law) =
+                    tied.value(number, first, criterion, &uncertainty, &mut shared);
+                bound.problem.not_normal.extend(law.map(|law| NotNormal {
+                    case: 0,
+                    quantity: first,
+                    law,
+                }));
                 let value = criterion.measured().value.ok_or_else(|| {
                     study.error_of(name, "a limit that stands alone is no measured value to fit; add `measured`, or put the criterion \
                                           into a case that is held out")
@@ -150,22 +160,44 @@ pub fn bind(
     if !bound.notes.is_empty() {
         bound.notes.push(CHANGED.to_owned());
     }
+    bound.notes.append(&mut assumed);
+    bound.notes.extend(repeated(&fitted, &judge));
     bound.notes.extend(rectangular(&fitted, &judge, &plan));
     let populations = bound.problem.populations.iter();
     bound.notes.extend(populations.map(|population| {
         let first = &bound.problem.free[population.members[0]];
         let prior = digits(first.spread(population.scale(&bound.problem)));
         format!(
-            "{name} varies from case to case. The table takes each case by itself; the common mean and the spread (standard \
-             deviation) come with --posterior N alone, as a density that has both is highest where the spread is 0. There the \
+            "{name} differs from specimen to specimen. Above, each is fitted alone; their common mean and spread {where_told}. There the \
              mean has the parameter's own distribution, and the spread is half-normal with {prior}{unit}, before the measurement.",
             name = population.name,
+            where_told = match settings.posterior {
+                Some(_) => "stand below, in the sample",
+                None => "come with --posterior N",
+            },
             unit = behind(first.unit.as_deref()),
         )
     }));
     bound.problem.sources = shared.sources;
     bound.problem.channels = shared.channels;
     Ok(bound)
+}
+
+/// What is assumed of means of repeats.
+fn repeated(study: &Study, judge: &Judge) -> Option<String> {
+    let all = study.criteria.keys().zip(&judge.criteria);
+    let repeated = all.filter_map(|(name, criterion)| {
+        let uncertainty = criterion.uncertainty.filter(|u| u.repeats.is_some())?;
+        let law = uncertainty.law(criterion.measured().value?);
+        Some((name.as_ref().as_str(), law.as_normal() / law.standard()))
+    });
+    let (names, factors): (Vec<&str>, Vec<f64>) = repeated.unzip();
+    let most = factors.into_iter().reduce(f64::max)?;
+    Some(format!(
+        "The noise of {} is known from the repeats alone, so the error of their mean is Student's. The table takes a normal error with          as wide a 95 % interval (up to {} times the standard uncertainty), --posterior N Student's distribution.",
+        names.join(", "),
+        rounded(most, 3)
+    ))
 }
 
 /// What is assumed of errors that are stated as rectangular.
@@ -184,8 +216,9 @@ fn rectangular(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
     let names: Vec<&str> = names.map(|((name, _), _)| name.as_ref().as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "The rectangular limits of error of {} count as normal errors with the same standard deviation: intervals that rest on one \
-             of them alone are up to 19 % too wide, others less.",
+            "The table takes the rectangular limits of error of {} as normal errors with the same standard deviation: an interval that \
+             rests on one of them alone is 19 % too wide, and where the data speak for an error near its limit one is too wide or \
+             too narrow by up to a half. --posterior N takes the limits as they are.",
             names.join(", ")
         )
     })
@@ -381,6 +414,20 @@ struct Shared {
 }
 
 impl Shared {
+    /// Tells of a channel's error: together with a channel that has the same one from the same sensor.
+    fn tell(&mut self, channel: Channel) {
+        let same = |known: &&mut Channel| {
+            known.kind == channel.kind
+                && known.unit == channel.unit
+                && known.sources == channel.sources
+                && known.limit == channel.limit
+        };
+        match self.channels.iter_mut().find(same) {
+            Some(known) => known.name = format!("{} and {}", known.name, channel.name),
+            None => self.channels.push(channel),
+        }
+    }
+
     /// Adds the offset and the gain of a curve's sensor.
     fn add(&mut self, recorded: &Recorded<'_>, (sensor, sign): (String, f64)) {
         let Some(errors) = &recorded.curve.errors else {
@@ -417,22 +464,24 @@ impl Shared {
                 .sensors
                 .entry((sensor.clone(), kind))
                 .or_insert_with(|| {
-                    self.channels.push(Channel {
-                        name: recorded.name.as_ref().clone(),
-                        kind,
-                        unit: recorded.unit.clone(),
-                        limit,
-                        sources: vec![(sources.len(), sign * one)],
-                    });
                     sources.push(Source::default());
                     sources.len() - 1
                 });
+            let channel = Channel {
+                name: recorded.name.as_ref().clone(),
+                kind,
+                unit: recorded.unit.clone(),
+                limit,
+                sources: vec![(source, sign * one)],
+            };
+            sources[source].rectangular |= errors.rectangular && kind != SharedKind::Gain;
             let effects = changes.iter().enumerate().map(|(row, change)| Effect {
                 case: 0,
                 quantity: recorded.first + row,
                 change: sign * change,
             });
             sources[source].effects.extend(effects);
+            self.tell(channel);
         }
     }
 }
@@ -467,8 +516,8 @@ impl Tied {
         }
     }
 
-    /// The independent standard uncertainty of a value, number `quantity` of the problem. What it shares with others becomes
-    /// sources.
+    /// The independent standard uncertainty of a value, number `quantity` of the problem, and its distribution where that is not
+    /// normal. What it shares with others becomes sources.
     fn value(
         &self,
         number: usize,
@@ -476,16 +525,17 @@ impl Tied {
         criterion: &Criterion,
         uncertainty: &Uncertainty,
         shared: &mut Shared,
-    ) -> f64 {
+    ) -> (f64, Option<Law>) {
         let measured = criterion.measured().value;
         let value = measured.unwrap_or(criterion.limits.about);
+        let law = uncertainty.law(value);
         let Ok(place) = self.numbers.binary_search(&number) else {
-            return uncertainty.standard(value);
+            return (law.as_normal(), Some(law).filter(|law| !law.is_normal()));
         };
         let noise_alone = uncertainty.noise > 0.0 && !self.products.contains(&number);
         let standard = match noise_alone {
             true => uncertainty.shared(value),
-            false => uncertainty.standard(value),
+            false => law.as_normal(),
         };
         let mut sources = Vec::new();
         for (column, part) in self.factor[place]
@@ -507,17 +557,25 @@ impl Tied {
             });
             sources.push((source, change));
         }
-        shared.channels.push(Channel {
+        shared.tell(Channel {
             name: criterion.name.clone(),
             kind: SharedKind::Offset,
             unit: criterion.unit.clone(),
             limit: uncertainty.coverage * standard,
             sources,
         });
-        match noise_alone {
-            true => uncertainty.independent().max(LEAST * standard),
-            false => LEAST * standard,
+        if !noise_alone {
+            return (LEAST * standard, None);
         }
+        let noise = Uncertainty {
+            expanded: 0.0,
+            gain: 0.0,
+            ..*uncertainty
+        };
+        let law = noise.law(value);
+        let is_student = law.student > 0.0;
+        let accuracy = law.as_normal().max(LEAST * standard);
+        (accuracy, Some(law).filter(|_| is_student))
     }
 }
 

@@ -285,6 +285,9 @@ pub struct RecordingText {
     pub time: Option<String>,
     /// The unit of the column.
     pub unit: Option<String>,
+    /// How much all its rows together may be off, expanded (k = 2): the zero error of the sensor. `identify` finds it with the
+    /// parameters; other commands take the recording as it is.
+    pub uncertainty: Option<Quantity>,
     /// Whether a value holds until the next row; straight lines otherwise.
     #[serde(default)]
     pub hold: bool,

@@ -498,7 +498,7 @@ fn identify_tells_the_zero_error_of_a_sensor() {
         "{low} .. {high}"
     );
     assert!(
-        said.contains("one/Y is best explained by a zero error of 0.0"),
+        said.contains("The sensor of one/Y and two/Y most likely reads 0.0"),
         "{said}"
     );
     assert!(

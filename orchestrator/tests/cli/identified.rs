@@ -86,7 +86,7 @@ fn specimens_have_a_common_mean_and_a_spread() {
         "{table}"
     );
     for words in [
-        "lag.rate varies from case to case",
+        "lag.rate differs from specimen to specimen",
         "lag.rate, mean of all cases",
         "lag.rate, spread from case to case",
     ] {
@@ -280,4 +280,78 @@ criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertaint
     let (one, both) = (width(&alone), width(&format!("{alone}{product}")));
     // As two measurements they would be a factor of 0.71 apart.
     assert!((both / one - 1.0).abs() < 0.01, "{one} {both}");
+}
+
+/// An input of 1 that was recorded 0.05 too high, in the first two of three cases: its zero error is found with the rate. As an exact
+/// one it would become one of the rate.
+#[test]
+fn a_recorded_input_has_a_zero_error() {
+    let bench = Bench::new();
+    let rate = 1.1_f64;
+    let curve = |input: f64| {
+        let rows = (1..=20).map(|k| {
+            let time = 0.1 * f64::from(k);
+            let noise = 0.002 * (12.7 * f64::from(k)).sin();
+            format!("{time},{}\n", input * (1.0 - (-rate * time).exp()) + noise)
+        });
+        "time,y\n".to_owned() + &rows.collect::<String>()
+    };
+    bench.write("u.csv", "time,u\n0,1.05\n1,1.05\n2,1.05\n");
+    bench.write("y.csv", &curve(1.0));
+    bench.write("other.csv", &curve(0.5));
+    let reference = |file: &str| format!("{{ file = \"{file}\", column = \"y\", noise = 0.0015 }}");
+    let case = |name: &str, drive: &str, file: &str| {
+        format!(
+            "[[cases]]\nname = \"{name}\"\n{drive}\ncriteria.Y = {{ variable = \"lag.y\", reference = {}, metric = \"rmse\", tolerance \
+             = 0.1 }}\n",
+            reference(file)
+        )
+    };
+    let recorded = "inputs.\"drive.u\" = { file = \"u.csv\", column = \"u\", uncertainty = 0.1 }";
+    let study = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.05
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.5
+max = 2
+"#
+    .to_owned()
+        + &case("one", recorded, "y.csv")
+        + &case("two", recorded, "y.csv")
+        + &case("set", "fixed = { \"drive.u\" = 0.5 }", "other.csv");
+    let (said, outcome) = identify(&bench, &study, &[]);
+    let free = outcome["free"].as_array().unwrap();
+    assert_eq!(free.len(), 2, "the two cases have one sensor: {free:?}");
+    assert_eq!(free[1]["name"], "drive.u/offset");
+    for (free, truth) in free.iter().zip([rate, 0.05]) {
+        let [low, high] = ends(&free["interval"]);
+        assert!(
+            low < truth && truth < high && high - low < 0.02,
+            "{truth}: {low} .. {high}"
+        );
+    }
+    assert!(!said.out.contains("count as exact"), "{}", said.out);
+    assert!(!bench.read("out/optimum.toml").contains("offset"));
+    let exact = study.replace(", uncertainty = 0.1", "");
+    let (said, outcome) = identify(&bench, &exact, &["--force"]);
+    assert!(
+        said.out
+            .contains("Recorded inputs without an `uncertainty` count as exact: drive.u"),
+        "{}",
+        said.out
+    );
+    let [low, high] = ends(&outcome["free"][0]["interval"]);
+    assert!(high < rate || low > rate, "{low} .. {high}");
+    let wrong = study.replace("uncertainty = 0.1", "uncertainty = \"2 %\"");
+    bench.write("study.toml", &wrong);
+    let said = bench.run(&["identify", "study.toml", "--output", "wrong"]);
+    assert!(
+        said.err
+            .contains("must be a positive number in the input's unit"),
+        "{}",
+        said.err
+    );
 }

@@ -27,7 +27,7 @@ use super::errors::Errors;
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective, finite};
 use super::problem::{
-    Effect, Interval, NoPrediction, Prediction, Problem, Query, Simulate, Source,
+    Effect, Interval, NoPrediction, NotNormal, Prediction, Problem, Query, Simulate, Source,
 };
 use outcome::{CrossValidation, HeldOut, Needed};
 
@@ -165,11 +165,17 @@ fn with_cases(problem: &Problem, cases: &[usize]) -> Problem {
         });
         Source {
             effects: effects.collect(),
+            rectangular: source.rectangular,
         }
+    });
+    let not_normal = problem.not_normal.iter().filter_map(|value| {
+        let case = cases.iter().position(|&case| case == value.case)?;
+        Some(NotNormal { case, ..*value })
     });
     Problem {
         cases: some.collect(),
         sources: sources.collect(),
+        not_normal: not_normal.collect(),
         ..problem.clone()
     }
 }
@@ -195,6 +201,7 @@ fn alone(whole: &Problem, case: usize, (others, means): (&Problem, &[f64])) -> P
         });
         Source {
             effects: effects.filter(|effect| effect.change != 0.0).collect(),
+            rectangular: false,
         }
     });
     problem.sources = mixed.collect();

@@ -125,10 +125,10 @@ impl Evidence {
         let log = ln_sum(&sample.weights) - count.ln();
         let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0);
         let error = error.sqrt();
-        let fits = optima.iter().map(|optimum| {
-            let squares = optimum.minimum.misfit.data_cost(problem);
-            objective.errors.log_density(squares)
-        });
+        let target = Target::new(objective, Vec::new());
+        let fits = optima
+            .iter()
+            .map(|optimum| target.log_likelihood(&optimum.minimum));
         let particles = sample.particles.iter();
         let best = particles
             .map(|particle| particle.log_likelihood)
@@ -398,8 +398,10 @@ impl PosteriorOutcome {
             .particles
             .first()
             .map_or(0, |particle| particle.places.len());
-        if all > objective.problem.unknowns() {
-            // The search took the discrepancies as known, so its densities are others.
+        let problem = objective.problem;
+        let rectangular = problem.sources.iter().any(|source| source.rectangular);
+        if all > problem.unknowns() || rectangular || !problem.not_normal.is_empty() {
+            // The search took the discrepancies as known, and all errors as normal, so its densities are others.
             return notes;
         }
         // A place of so much higher density is no place that the search was at.
@@ -637,7 +639,11 @@ fn shared(problem: &Problem, sample: &Sample) -> Vec<SharedOutcome> {
             mean(&means),
             (mean(&squares) + deviation(&means, 1).powi(2)).sqrt(),
         ];
-        let interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
+        let mut interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
+        let mut sources = channel.sources.iter();
+        if sources.all(|(source, _)| problem.sources[*source].rectangular) {
+            interval = interval.map(|end| end.clamp(-channel.limit, channel.limit));
+        }
         SharedOutcome::new(channel, [centre, spread], interval)
     });
     outcomes.collect()

@@ -59,6 +59,7 @@ mod tests {
     use rand::rngs::StdRng;
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
+    use statrs::distribution::{ContinuousCDF, Normal};
 
     const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
@@ -83,6 +84,25 @@ mod tests {
         assert!(
             (low - 0.025).abs() < 1e-3 && (high - 0.975).abs() < 1e-3,
             "{low} .. {high}"
+        );
+    }
+
+    /// The density of a lognormal number vanishes at 0: its interval does not begin there, though that would be shorter.
+    #[test]
+    fn a_skewed_sample_that_keeps_off_a_bound_has_two_ends() {
+        let normal = Normal::standard();
+        let at = |part: f64| (0.8 * normal.inverse_cdf(part)).exp();
+        let values: Vec<f64> = (0..4000)
+            .map(|k| at((f64::from(k) + 0.5) / 4000.0))
+            .collect();
+        let [[low, high]] = regions(&values, [0.0, f64::INFINITY])[..] else {
+            panic!("one interval");
+        };
+        assert!(at(0.95) < 0.97 * (at(0.975) - at(0.025)));
+        let expected = [at(0.025), at(0.975)];
+        assert!(
+            (low - expected[0]).abs() < 0.01 && (high - expected[1]).abs() < 0.2,
+            "{low} .. {high}, not {expected:?}"
         );
     }
 

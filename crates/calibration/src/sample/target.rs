@@ -8,6 +8,7 @@ use super::super::errors::Errors;
 use super::super::local::Minimum;
 use super::super::objective::{Misfit, Objective};
 use super::super::problem::NoPrediction;
+use super::super::stated::Stated;
 use super::population::{Common, before};
 
 /// The posterior that is sampled.
@@ -19,6 +20,8 @@ pub(super) struct Target<'a> {
     populations: Vec<Common>,
     /// Quantities with an unknown discrepancy, whose places stand behind all others.
     discrepancies: Vec<Unknown>,
+    /// What is beyond normal errors; with unknown discrepancies it hangs on them.
+    stated: Stated,
 }
 
 /// How probable the measured values are at a place.
@@ -56,6 +59,7 @@ impl<'a> Target<'a> {
             before: before.collect(),
             populations,
             discrepancies,
+            stated: Stated::new(problem, &objective.errors),
         }
     }
 
@@ -133,19 +137,25 @@ impl<'a> Target<'a> {
 
     /// The logarithm of prior and likelihood at a minimum.
     pub(super) fn log_density(&self, minimum: &Minimum) -> f64 {
-        self.log_prior(&minimum.places) + self.likelihood(&minimum.places, &minimum.misfit).log
+        self.log_prior(&minimum.places) + self.log_likelihood(minimum)
+    }
+
+    /// The logarithm of the likelihood at a minimum.
+    pub(super) fn log_likelihood(&self, minimum: &Minimum) -> f64 {
+        self.likelihood(&minimum.places, &minimum.misfit).log
     }
 
     fn likelihood(&self, places: &[f64], misfit: &Misfit) -> Likelihood {
         let problem = self.objective.problem;
-        let at = |errors: &Errors, squares: f64, sources: &[f64]| Likelihood {
-            log: errors.log_density(squares),
-            shared: errors.channels(problem, sources),
+        let at = |errors: &Errors, stated: &Stated, squares: f64, sources: &[f64]| Likelihood {
+            log: errors.log_density(squares)
+                + stated.ln_beyond(problem, errors, &misfit.predicted, sources),
+            shared: stated.channels(problem, errors.channels(problem, sources), sources),
         };
         let likelihood = match self.discrepancies.is_empty() {
             true => {
-                let errors = &self.objective.errors;
-                at(errors, misfit.data_cost(problem), misfit.sources(problem))
+                let (errors, squares) = (&self.objective.errors, misfit.data_cost(problem));
+                at(errors, &self.stated, squares, misfit.sources(problem))
             }
             false => {
                 let places = places.iter().skip(problem.unknowns());
@@ -158,7 +168,8 @@ impl<'a> Target<'a> {
                 });
                 let residuals = errors.residuals(problem, &misfit.predicted);
                 let sources = &residuals.as_slice()[problem.values()..];
-                at(&errors, residuals.norm_squared(), sources)
+                let stated = Stated::new(problem, &errors);
+                at(&errors, &stated, residuals.norm_squared(), sources)
             }
         };
         match likelihood.log.is_nan() {

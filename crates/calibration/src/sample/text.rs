@@ -73,12 +73,11 @@ impl Evidence {
         let Some(Ratio { log, interval }) = &self.against else {
             let more = match self.trusted {
                 true => {
-                    "another model or setting on the same data can be weighed against this one, with --against this \
-                 identification.json"
+                    ". To compare with another model on the same data: `identify OTHER --posterior N --against` this folder"
                 }
-                false => "more particles may do",
+                false => ": more particles may do",
             };
-            return format!("ln evidence {own}: {more}");
+            return format!("ln evidence {own}{more}");
         };
         // Factors beyond a million are told by their logarithm.
         let factor = |log: f64| match log.abs() < 14.0 {

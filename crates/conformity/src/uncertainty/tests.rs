@@ -169,3 +169,44 @@ fn stated_intervals_hold_the_true_value() {
         }
     }
 }
+
+#[test]
+fn the_density_is_the_derivative_of_the_distribution_function() {
+    let all = [
+        law(0.2, 0.0, 0.0, 0.433),
+        law(0.0, 0.2, 4.0, 0.433),
+        law(0.3, 0.4, 2.0, 0.5),
+        law(0.0, 0.4, 2.0, 0.0),
+        law(0.3, 0.0, 0.0, 0.0),
+        law(0.3, 0.0, 0.0, 1e-8),
+    ];
+    for law in all {
+        for place in [-1.3, -0.4, 0.1, 0.9] {
+            let slope = (law.cdf(place + 1e-4) - law.cdf(place - 1e-4)) / 2e-4;
+            close(law.ln_density(place).exp() / slope, 1.0, 1e-5);
+        }
+    }
+    close(
+        law(0.0, 0.0, 0.0, 2.0).ln_density(1.9),
+        -(4.0_f64.ln()),
+        1e-12,
+    );
+    // Where the density is no number any more: the tail of a normal error beyond the end of the rectangle.
+    let far = law(0.01, 0.0, 0.0, 0.433).ln_density(10.433);
+    let expected = -0.5e6 - 1e3_f64.ln() - 0.5 * TAU.ln() - 0.866_f64.ln();
+    close(far, expected, 1e-5);
+}
+
+/// `t.ppf(0.975, 2) / norm.ppf(0.975)` of scipy.
+#[test]
+fn a_normal_error_in_place_of_students_has_an_interval_as_wide() {
+    let uncertainty = Uncertainty {
+        noise: 0.1,
+        repeats: Some(3),
+        ..Uncertainty::normal(0.0, 2.0)
+    };
+    let law = uncertainty.law(5.0);
+    close(law.as_normal() / law.standard(), 2.195_271, 1e-6);
+    let known = Uncertainty::rectangular(0.3).law(5.0);
+    assert_eq!(known.as_normal(), known.standard());
+}

@@ -19,6 +19,8 @@ pub(super) struct Scene {
     /// The other probes that are read there: all of them where one has a window, or looks at another variable, too.
     pub(super) gauges: Vec<Gauge>,
     pub(super) has_windows: bool,
+    /// By how much each recorded input is too high in this point.
+    shifts: Vec<f64>,
     pub(super) results: Vec<f64>,
 }
 
@@ -39,6 +41,7 @@ impl Scene {
                 .map(|(number, probe)| Gauge::new(number, probe, usual))
                 .collect(),
             has_windows,
+            shifts: vec![0.0; task.inputs.len()],
             watched: Watched::new(&task, probes.iter().map(|(number, _)| *number).collect()),
             results: vec![0.0; task.observed.len()],
             stops,
@@ -47,24 +50,39 @@ impl Scene {
     }
 
     /// Sets the start values and initialises.
-    pub(super) fn start(&self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+    pub(super) fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+        self.shift(values);
         let (task, schedule) = (&self.task, &self.task.schedule);
         instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
         for (reference, value) in &task.fixed {
             instance.set(*reference, value)?;
         }
         let taken = task.varied.iter().zip(values);
-        for (slot, &value) in taken.filter(|(slot, _)| !slot.idle) {
+        for (slot, &value) in taken.filter(|(slot, _)| !slot.idle && !slot.shifts) {
             instance.set(slot.handle.reference, &slot.value(value))?;
         }
         self.feed(instance, schedule.start)?;
         instance.initialise()
     }
 
+    /// Notes by how much the recorded inputs are too high.
+    fn shift(&mut self, values: &[f64]) {
+        self.shifts.fill(0.0);
+        let taken = self.task.varied.iter().zip(values);
+        for (slot, &value) in taken.filter(|(slot, _)| slot.shifts && !slot.idle) {
+            let inputs = self.task.inputs.iter();
+            for (series, shift) in inputs.zip(&mut self.shifts) {
+                if series.slot.handle == slot.handle {
+                    *shift += value;
+                }
+            }
+        }
+    }
+
     /// Sets the inputs that change over time.
     fn feed(&self, instance: &mut Instance, time: f64) -> Result<(), Call> {
-        for series in &self.task.inputs {
-            let value = series.slot.value(series.at(time));
+        for (series, shift) in self.task.inputs.iter().zip(&self.shifts) {
+            let value = series.slot.value(series.at(time) - shift);
             instance.set(series.slot.handle.reference, &value)?;
         }
         Ok(())

@@ -186,6 +186,7 @@ mod tests {
                 max: None,
                 items: Vec::new(),
                 idle: false,
+                shifts: false,
             },
             hold: false,
             ramp: true,

@@ -21,6 +21,9 @@ pub struct Slot {
     /// Whether the value is that of another case, and this simulation leaves the variable as it is.
     #[serde(default)]
     pub idle: bool,
+    /// Whether the value is by how much the recorded input of this variable is too high: it is taken off every row.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub shifts: bool,
 }
 
 impl Slot {
@@ -40,6 +43,7 @@ impl Slot {
             max,
             items,
             idle: false,
+            shifts: false,
         })
     }
 
@@ -51,6 +55,9 @@ impl Slot {
         let name = &self.name;
         if !value.is_finite() {
             return Err(format!("{name} = {value} is not a finite number"));
+        }
+        if self.shifts {
+            return Ok(());
         }
         // The limits apply to the number that the FMU gets, after rounding.
         let stored = match self.handle.content {
@@ -131,6 +138,7 @@ mod tests {
             max: Some(4.0),
             items: Vec::new(),
             idle: false,
+            shifts: false,
         };
         for (value, allowed) in [(0.51, true), (4.49, true), (0.49, false), (4.51, false)] {
             assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
@@ -148,6 +156,7 @@ mod tests {
             max: None,
             items: vec![1, 2, 5],
             idle: false,
+            shifts: false,
         };
         for (value, allowed) in [
             (0.4, false),

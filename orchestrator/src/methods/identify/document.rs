@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use calibration::digits::{cleared, enough};
+use calibration::fit::Fit;
 use calibration::local::End;
 use calibration::next::Group;
 use calibration::outcome::{FreeOutcome, IdentificationOutcome, Residual};
@@ -15,7 +17,7 @@ use sampling::statistics::moments::{deviation, mean};
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::results::write_atomically;
-use result_document::format::{count, number};
+use result_document::format::{count, number, with_unit as with_unit_in_brackets};
 use result_document::svg::{Frame, area, circle, envelope, path};
 use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
 
@@ -26,8 +28,8 @@ const MOST_PAIRS: usize = 6;
 const MOST_POINTS: usize = 600;
 /// With so many cases the residuals are drawn.
 const MANY_CASES: usize = 6;
-/// A fit with a smaller probability of its misfit is no fit.
-const DOUBTFUL: f64 = 0.001;
+/// A right model misses by less with this probability: then uncertainties are stated too large.
+const TOO_LITTLE: f64 = 0.001;
 
 /// An identification for its page.
 pub(super) struct Page<'a> {
@@ -39,19 +41,26 @@ pub(super) struct Page<'a> {
     pub(super) text: &'a str,
 }
 
-/// What was measured together: the curves, and the single quantities.
-pub(super) fn groups(bound: &Bound) -> Vec<Group> {
+/// The measured curves.
+pub(super) fn curves(bound: &Bound) -> Vec<Group> {
     let cases = 0..bound.problem.cases.len();
     let values = |quantity: usize| cases.clone().map(move |case| [case, quantity]);
     let curves = bound.curves.iter().map(|curve| Group {
         name: curve.name.clone(),
         values: curve.quantities.clone().flat_map(values).collect(),
     });
+    curves.collect()
+}
+
+/// What was measured together: the curves, and the single quantities.
+pub(super) fn groups(bound: &Bound) -> Vec<Group> {
+    let cases = 0..bound.problem.cases.len();
+    let values = |quantity: usize| cases.clone().map(move |case| [case, quantity]);
     let singles = singles(bound).map(|quantity| Group {
         name: bound.problem.quantities[quantity].name.clone(),
         values: values(quantity).collect(),
     });
-    curves.chain(singles).collect()
+    curves(bound).into_iter().chain(singles).collect()
 }
 
 /// The quantities that are no rows of a curve.
@@ -104,30 +113,32 @@ impl Page<'_> {
     fn headline(&self) -> (bool, String, String) {
         let outcome = self.outcome;
         let values = count(self.bound.problem.values());
-        let fits = outcome.probability.is_none_or(|p| p >= DOUBTFUL);
-        let headline = match (outcome.end, outcome.ambiguous) {
-            (End::Converged, true) => format!("{} sets of parameters fit", outcome.optima.len()),
-            (End::Converged, false) if fits => "The model fits the measured values".to_owned(),
-            (End::Converged, false) => "The model misses the measured values".to_owned(),
+        let fit = outcome.fit();
+        let headline = match (outcome.end, outcome.ambiguous, fit) {
+            (End::Converged, true, Fit::Misses) => "No set of parameters fits the measured values".to_owned(),
+            (End::Converged, true, _) => format!("{} sets of parameters fit", outcome.optima.len()),
+            (End::Converged, false, Fit::Good) => "The model fits the measured values".to_owned(),
+            (End::Converged, false, Fit::Certain) => "Nothing is left to test the model by".to_owned(),
+            (End::Converged, false, Fit::Misses) => "The model misses the measured values".to_owned(),
             _ => "The search ended before it converged".to_owned(),
         };
-        let agreement = match outcome.probability {
-            Some(p) if p < DOUBTFUL => "more than the stated uncertainties allow".to_owned(),
-            Some(p) if p > 1.0 - DOUBTFUL => {
-                "less than the stated uncertainties leave: some are stated too large, and the intervals are wider than need be".to_owned()
+        let agreement = match outcome.probability.filter(|_| fit == Fit::Good) {
+            Some(p) if p > 1.0 - TOO_LITTLE => {
+                "Less than the stated uncertainties leave: some are stated too large, and the intervals are wider than need be.".to_owned()
             }
             Some(p) => format!(
-                "within what the stated uncertainties allow: a right model misses by more in {} % of such tests",
+                "A right model misses by more in {} % of such tests.",
                 number(100.0 * p, 2)
             ),
-            None => "no degrees of freedom are left to judge the fit".to_owned(),
+            None => outcome.doubts().join(" "),
         };
         let told = format!(
-            "{values} measured values; sum of squares {} with {} degrees of freedom, {agreement}",
+            "{values} measured value{}; sum of squares {} with {} degrees of freedom. {agreement}",
+            if self.bound.problem.values() == 1 { "" } else { "s" },
             number(outcome.cost, 4),
             outcome.degrees_of_freedom
         );
-        let good = outcome.end == End::Converged && !outcome.ambiguous && fits;
+        let good = outcome.end == End::Converged && !outcome.ambiguous && fit == Fit::Good;
         (good, headline, told)
     }
 
@@ -137,8 +148,8 @@ impl Page<'_> {
         let free = self.outcome.free.iter();
         let few = free.len() <= FEW && !self.outcome.ambiguous;
         let line = |free: &FreeOutcome| {
-            let [low, high] = free.interval.map(|v| number(v, 5));
-            let value = with_unit(number(free.value, 5), free);
+            let [value, low, high] = told(free);
+            let value = with_unit(value, free);
             format!("{} {value} ({low} … {high}, 95 %)", free.name)
         };
         free.filter(|_| few).map(line).collect()
@@ -166,7 +177,7 @@ impl Page<'_> {
                 let rows: Vec<&Residual> = rows.map(|k| self.residual(0, k)).collect();
                 fitted(
                     &curve.name,
-                    curve.unit.as_deref().unwrap_or("1"),
+                    unit(&curve.unit),
                     &curve.times,
                     &rows,
                 )
@@ -212,13 +223,13 @@ impl Page<'_> {
             };
             let [measured, model] = [value.measured, value.predicted]
                 .map(|v| format!("{} {unit}", number(v, 5)).trim_end().to_owned());
-            let missed = missed(value);
+            let missed = value.missed();
             vec![
                 name,
                 measured,
                 model,
-                number(value.difference, 3),
-                number(missed, 3),
+                number(cleared(value.difference, value.accuracy), 3),
+                number(cleared(missed, 1.0), 3),
             ]
         };
         (0..cases.len().min(MOST_ROWS)).map(row).collect()
@@ -228,7 +239,7 @@ impl Page<'_> {
     fn by_case(&self, quantity: usize, rows: Vec<Vec<String>>) -> Option<Figure> {
         let name = &self.bound.problem.quantities[quantity].name;
         let missed: Vec<f64> = (0..self.outcome.cases.len())
-            .map(|case| missed(self.residual(case, quantity)))
+            .map(|case| self.residual(case, quantity).missed())
             .collect();
         let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
         let frame = Frame::new(360.0, 200.0, [0.0, missed.len() as f64 + 1.0], y);
@@ -324,10 +335,10 @@ impl Page<'_> {
                         true => format!("{}, optimum {}", free.name, place + 1),
                         false => free.name.clone(),
                     };
-                    let [low, high] = free.interval.map(|v| number(v, 5));
+                    let [value, low, high] = self::told(free);
                     vec![
                         name,
-                        with_unit(number(free.value, 5), free),
+                        with_unit(value, free),
                         match free.at_bound {
                             Some(side) => format!("{low} … {high}, at its {side} bound"),
                             None => format!("{low} … {high}"),
@@ -368,8 +379,8 @@ impl Page<'_> {
             posterior,
         ]));
         let all = 0..self.bound.problem.free.len();
-        let figures = all.filter_map(|k| self.density(k)).collect();
-        told.blocks.push(Block::Figures("thirds", figures));
+        let figures = all.filter_map(|k| self.density(k)).chain(self.common());
+        told.blocks.push(Block::Figures("thirds", figures.collect()));
         told
     }
 
@@ -424,35 +435,14 @@ impl Page<'_> {
                 ]
             })
             .collect();
-        let reach = match &sampled {
-            Some(values) => {
-                let (centre, width) = (mean(values), deviation(values, 1));
-                [centre - 5.0 * width, centre + 5.0 * width]
+        let x = match &sampled {
+            Some(values) => reach(values, ends)?,
+            None => {
+                let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]);
+                within(around, ends)?
             }
-            None => normals.iter().fold(
-                [f64::INFINITY, f64::NEG_INFINITY],
-                |[low, high], [_, v, d]| [low.min(v - 5.0 * d), high.max(v + 5.0 * d)],
-            ),
         };
-        let x = [reach[0].max(ends[0]), reach[1].min(ends[1])];
-        if x[1].partial_cmp(&x[0]) != Some(std::cmp::Ordering::Greater) {
-            return None;
-        }
         let before = prior_density(free, ends);
-        let bins = sampled.as_ref().map_or(0, |v| {
-            ((2.0 * (v.len() as f64).cbrt()) as usize).clamp(8, 40)
-        });
-        let bars = sampled.as_ref().map(|values| {
-            let mut counts = vec![0.0; bins];
-            for v in values.iter().filter(|v| (x[0]..x[1]).contains(*v)) {
-                counts[((v - x[0]) / (x[1] - x[0]) * bins as f64) as usize] += 1.0;
-            }
-            let width = (x[1] - x[0]) / bins as f64;
-            counts
-                .iter()
-                .map(|c| c / (values.len() as f64 * width))
-                .collect::<Vec<f64>>()
-        });
         let after = |v: f64| -> f64 {
             let parts = normals.iter().map(|[weight, centre, width]| {
                 weight / width * (-0.5 * ((v - centre) / width).powi(2)).exp()
@@ -460,38 +450,57 @@ impl Page<'_> {
             });
             parts.sum()
         };
-        let grid: Vec<f64> = (0..=200)
-            .map(|k| x[0] + (x[1] - x[0]) * f64::from(k) / 200.0)
-            .collect();
-        let line = |of: &dyn Fn(f64) -> f64| grid.iter().map(|v| of(*v)).collect::<Vec<f64>>();
-        let (before, after) = (line(&before), line(&after));
-        let highest = bars
-            .as_ref()
-            .unwrap_or(&after)
-            .iter()
-            .chain(&before)
-            .copied()
-            .fold(0.0, f64::max);
-        let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08 * highest]);
-        let mut out = frame.axes(&axis(free), None);
-        match &bars {
-            Some(bars) => {
-                for (k, height) in bars.iter().enumerate() {
-                    let [a, b] = [k, k + 1]
-                        .map(|k| frame.x.at(x[0] + (x[1] - x[0]) * k as f64 / bins as f64));
-                    out += &area("bar in", [a, b], [frame.y.at(0.0), frame.y.at(*height)]);
-                }
-            }
-            None => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
-        }
-        out += &path("line before", envelope(grid.iter().zip(&before), &frame));
+        let after: &dyn Fn(f64) -> f64 = &after;
+        let shape = sampled.as_deref().map_or(Shape::Line(after), Shape::Sample);
+        let (svg, scaled) = densities(&free.name, &axis(free), x, &before, &shape);
         Some(Figure {
             file: format!("parameter-{index}"),
             caption: free.name.clone(),
-            svg: frame.wrap(&format!("{}: prior and posterior", free.name), &out),
-            note: note(free),
+            svg,
+            note: note(free) + &scaled,
             ..Figure::default()
         })
+    }
+
+    /// Densities of the means and spreads of the parameters that vary from case to case.
+    fn common(&self) -> Vec<Figure> {
+        let Some(sample) = self.sample else {
+            return Vec::new();
+        };
+        let problem = &self.bound.problem;
+        let all = sample.particles.first().map_or(0, |particle| particle.places.len());
+        let first = all - 2 * problem.populations.len();
+        let figures = problem.populations.iter().enumerate().flat_map(|(number, population)| {
+            let free = &problem.free[population.members[0]];
+            let at = first + 2 * number;
+            let places = |at: usize| sample.particles.iter().map(move |particle| particle.places[at]);
+            let means: Vec<f64> = places(at).map(|place| drawn(free, free.value(place))).collect();
+            let spreads: Vec<f64> = places(at + 1).map(|place| step(free, free.spread(place))).collect();
+            let scale = step(free, free.spread(population.scale(problem)));
+            let half_normal = move |v: f64| {
+                let z = v / scale;
+                (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
+            };
+            let ends = [free.min, free.max].map(|v| drawn(free, v));
+            let figure = |what: &str, values: &[f64], ends: [f64; 2], before: &dyn Fn(f64) -> f64| {
+                let x = reach(values, ends)?;
+                let name = format!("{}, {what}", population.name);
+                let axis = axis(&Free { name: name.clone(), ..free.clone() });
+                let (svg, note) = densities(&name, &axis, x, before, &Shape::Sample(values));
+                Some(Figure {
+                    file: format!("{what}-{number}"),
+                    caption: name,
+                    svg,
+                    note: note.trim_start_matches("; ").to_owned(),
+                    ..Figure::default()
+                })
+            };
+            [
+                figure("mean", &means, ends, &prior_density(free, ends)),
+                figure("spread", &spreads, [0.0, f64::INFINITY], &half_normal),
+            ]
+        });
+        figures.flatten().collect()
     }
 
     fn pairs(&self) -> Option<Document> {
@@ -632,15 +641,11 @@ impl Page<'_> {
         told.hint(
             "*Again*: the same values once more with the same sensors, whose shared errors stay. *Calibrate*: the shared error is known ten times \
              better. Both from the sensitivities at the optimum, by the normal approximation: the result does not depend on what \
-             would be measured, as long as the model is right.",
+             would be measured, as long as the model is right. Where there is a single optimum and a sample to rely on, what is known now \
+             is what the sample says.",
         );
         Some(told)
     }
-}
-
-/// A residual in standard uncertainties, after the shared errors that the data prefer.
-fn missed(value: &Residual) -> f64 {
-    (value.difference + value.shared) / value.accuracy
 }
 
 /// The range of an axis with a margin; none of equal values.
@@ -650,6 +655,13 @@ fn range(all: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     });
     let margin = 0.05 * (high - low);
     (margin > 0.0).then_some([low - margin, high + margin])
+}
+
+/// Value and interval of a parameter, with digits that tell them apart.
+fn told(free: &FreeOutcome) -> [String; 3] {
+    let [low, high] = free.interval;
+    let digits = enough(free.interval).max(6) as usize - 1;
+    [free.value, low, high].map(|v| number(cleared(v, high - low), digits))
 }
 
 /// A unit for people: nothing of a number without one.
@@ -678,7 +690,7 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     let of = |value: &dyn Fn(&Residual) -> f64| rows.iter().map(|r| value(r)).collect::<Vec<f64>>();
     let (measured, model) = (of(&|r| r.measured), of(&|r| r.predicted));
     let [low, high] = [-2.0, 2.0].map(|side| of(&|r| r.measured + side * r.accuracy));
-    let missed = of(&missed);
+    let missed = of(&Residual::missed);
     let (start, end) = (*times.first()?, *times.last()?);
     if end <= start {
         return None;
@@ -686,7 +698,7 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     let y = range(low.iter().chain(&high).chain(&model).copied())?;
     let frame = Frame::new(560.0, 230.0, [start, end], y);
     let back = times.iter().zip(&high).rev();
-    let mut out = frame.axes("time (s)", Some(unit));
+    let mut out = frame.axes("time (s)", Some(if unit.is_empty() { name } else { unit }));
     out += &path(
         "band",
         envelope(times.iter().zip(&low).chain(back), &frame) + "z",
@@ -715,8 +727,8 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     let taken = match shared == 0.0 {
         true => String::new(),
         false => format!(
-            "; shared errors of up to {} {unit} are taken out of them",
-            number(shared, 2)
+            "; shared errors of up to {} are taken out of them",
+            format!("{} {unit}", number(shared, 2)).trim_end()
         ),
     };
     Some(Figure {
@@ -730,6 +742,82 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
         ),
         ..Figure::default()
     })
+}
+
+/// What is drawn of a posterior.
+enum Shape<'a> {
+    Sample(&'a [f64]),
+    Line(&'a dyn Fn(f64) -> f64),
+}
+
+/// The range of these values between ends.
+fn within(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Option<[f64; 2]> {
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    });
+    let [low, high] = [low.max(ends[0]), high.min(ends[1])];
+    (high > low).then_some([low, high])
+}
+
+/// The range in which a sample is drawn.
+fn reach(values: &[f64], ends: [f64; 2]) -> Option<[f64; 2]> {
+    let (centre, width) = (mean(values), deviation(values, 1));
+    within([-5.0, 5.0].into_iter().map(|side| centre + side * width), ends)
+}
+
+/// Prior and posterior over a range, and words on the scale of the prior: where the posterior is far narrower, the prior is drawn
+/// higher, as it would lie on the axis.
+fn densities(
+    name: &str,
+    axis: &str,
+    x: [f64; 2],
+    before: &dyn Fn(f64) -> f64,
+    shape: &Shape<'_>,
+) -> (String, String) {
+    /// The least height of the prior, as a part of the posterior's.
+    const LEAST: f64 = 0.2;
+    let width = x[1] - x[0];
+    let grid: Vec<f64> = (0..=200).map(|k| x[0] + width * f64::from(k) / 200.0).collect();
+    let line = |of: &dyn Fn(f64) -> f64| grid.iter().map(|v| of(*v)).collect::<Vec<f64>>();
+    let highest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+    let mut before = line(before);
+    let after = match shape {
+        Shape::Line(of) => line(of),
+        Shape::Sample(values) => histogram(values, x),
+    };
+    let times = LEAST * highest(&after) / highest(&before);
+    let mut scaled = String::new();
+    if times > 1.0 && times.is_finite() {
+        before.iter_mut().for_each(|height| *height *= times);
+        scaled = format!("; the prior is drawn {} times as high", number(times, 2));
+    }
+    let top = highest(&after).max(highest(&before));
+    let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08 * top]);
+    let mut out = frame.axes(axis, None);
+    match shape {
+        Shape::Sample(_) => {
+            let bins = after.len() as f64;
+            for (k, height) in after.iter().enumerate() {
+                let ends = [k, k + 1].map(|k| frame.x.at(x[0] + width * k as f64 / bins));
+                out += &area("bar in", ends, [frame.y.at(0.0), frame.y.at(*height)]);
+            }
+        }
+        Shape::Line(_) => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
+    }
+    out += &path("line before", envelope(grid.iter().zip(&before), &frame));
+    (frame.wrap(&format!("{name}: prior and posterior"), &out), scaled)
+}
+
+/// The density of a sample in even bins of a range.
+fn histogram(values: &[f64], x: [f64; 2]) -> Vec<f64> {
+    let bins = ((2.0 * (values.len() as f64).cbrt()) as usize).clamp(8, 40);
+    let width = (x[1] - x[0]) / bins as f64;
+    let mut counts = vec![0.0; bins];
+    for v in values.iter().filter(|v| (x[0]..x[1]).contains(*v)) {
+        counts[(((v - x[0]) / width) as usize).min(bins - 1)] += 1.0;
+    }
+    let all = values.len() as f64 * width;
+    counts.into_iter().map(|count: f64| count / all).collect()
 }
 
 /// A value as it is drawn: on a logarithmic scale its decimal logarithm.
@@ -749,10 +837,10 @@ fn step(free: &Free, deviation: f64) -> f64 {
 }
 
 fn axis(free: &Free) -> String {
-    let unit = free.unit.as_deref().unwrap_or("1");
+    let name = with_unit_in_brackets(&free.name, unit(&free.unit));
     match free.scale {
-        Spacing::Linear => format!("{} ({unit})", free.name),
-        Spacing::Log => format!("log10 of {} ({unit})", free.name),
+        Spacing::Linear => name,
+        Spacing::Log => format!("log10 of {name}"),
     }
 }
 

@@ -14,7 +14,7 @@ pub(super) fn write(
     study: &Study,
     settings: &Identification,
     outcome: &IdentificationOutcome,
-    lags: &[String],
+    others: &[String],
 ) -> Result<(), Error> {
     let name = study
         .path()
@@ -23,7 +23,7 @@ pub(super) fn write(
         .to_string_lossy();
     let optima = outcome.optima.len();
     for place in 0..optima {
-        let section = text::fixed_section(&name, place, outcome, lags);
+        let section = text::fixed_section(&name, place, outcome, others);
         let file = numbered("optimum", "toml", place, optima);
         write_atomically(&folder.join(file), |out| out.write_all(section.as_bytes()))?;
     }

@@ -234,7 +234,8 @@ impl Analysis for Asked {
                 })
             });
         }
-        files::write(folder, &fit.study, &fit.settings, &outcome, &fit.bound.lags)?;
+        let others = fit.bound.others();
+        files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
         posterior::write(folder, &fit.bound, sample.as_ref())?;
         let [posterior, validation] = [
             outcome
@@ -363,11 +364,7 @@ fn find(
             notes: bound.notes.clone(),
             ..searched.outcome()
         };
-        let narrow = document::to_narrow(&searched.problem, &outcome, options.narrow.as_deref());
-        outcome.next = narrow.map(|parameter| {
-            let groups = document::groups(bound);
-            NextOutcome::new(&searched.problem, &optima[0], &groups, parameter)
-        });
+        outcome.look_along(&document::curves(bound));
         if let Some(replaced) = &replaced {
             // Only the model's own runs tell where it fails.
             let ended = replaced.screened.iter().copied();
@@ -383,6 +380,16 @@ fn find(
             &mut outcome,
             &|text| model.say(text),
         )?;
+        let problem = &searched.problem;
+        let narrow = document::to_narrow(problem, &outcome, options.narrow.as_deref());
+        outcome.next = narrow.map(|parameter| {
+            // Of several optima, or of common means, the sample is about more than the first one.
+            let is_one = !outcome.ambiguous && problem.populations.is_empty();
+            let trusted = outcome.posterior.as_ref().is_some_and(|told| told.trusted);
+            let sample = sample.as_ref().filter(|_| is_one && trusted);
+            let groups = document::groups(bound);
+            NextOutcome::new(problem, (&optima[0], sample), &groups, parameter)
+        });
         Ok((outcome, sample))
     };
     let fitted = search();

@@ -1,0 +1,209 @@
+//! Whether a fit speaks for the model: by the size of the misfits, and by their order along each measured curve.
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::digits::rounded;
+use super::next::Group;
+use super::outcome::IdentificationOutcome;
+
+/// A right model misses by more with this probability, or its residuals are more in order: then the fit is in doubt.
+pub const DOUBTFUL: f64 = 0.05;
+
+/// How well the model fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fit {
+    /// As a right model would.
+    Good,
+    /// With as many unknowns as measured values nothing could have shown.
+    Certain,
+    /// Worse than a right model would, in size or in order.
+    Misses,
+}
+
+/// The order of the residuals along a curve.
+#[derive(Clone, Debug, Serialize)]
+pub struct Order {
+    /// The curve.
+    pub name: String,
+    /// The correlation of each residual with the next one.
+    pub correlation: f64,
+    /// The probability of a larger one, if the errors of the rows were independent.
+    pub probability: f64,
+}
+
+impl Order {
+    /// That of residuals as they follow each other; none where they are too few to tell.
+    ///
+    /// The correlation is Durbin & Watson's statistic in another form (1950, Testing for serial correlation in least squares
+    /// regression I, Biometrika 37, 409-428), with the variance of Ljung & Box (1978, On a measure of lack of fit in time series
+    /// models, Biometrika 65, 297-303).
+    fn of(name: &str, residuals: &[f64]) -> Option<Self> {
+        const FEWEST: usize = 10;
+        if residuals.len() < FEWEST {
+            return None;
+        }
+        let n = residuals.len() as f64;
+        let squares: f64 = residuals.iter().map(|r| r * r).sum();
+        let products = residuals.windows(2).map(|pair| pair[0] * pair[1]);
+        let correlation = products.sum::<f64>() / squares;
+        let deviation = ((n - 1.0) / (n * (n + 2.0))).sqrt();
+        correlation.is_finite().then(|| Self {
+            name: name.to_owned(),
+            correlation,
+            probability: Normal::standard().sf(correlation / deviation),
+        })
+    }
+
+    /// Whether it is more than chance, one of so many curves, and enough to matter: independent errors with a correlation of
+    /// 0.1 make intervals a tenth too narrow.
+    fn is_doubtful(&self, curves: usize) -> bool {
+        const MATTERS: f64 = 0.1;
+        self.correlation > MATTERS && self.probability < DOUBTFUL / curves as f64
+    }
+}
+
+impl IdentificationOutcome {
+    /// Looks at the order of the residuals of curves.
+    pub fn look_along(&mut self, curves: &[Group]) {
+        let orders = curves.iter().filter_map(|curve| {
+            let residuals = curve.values.iter();
+            let residuals =
+                residuals.map(|&[case, quantity]| self.cases[case].residuals[quantity].missed());
+            Order::of(&curve.name, &residuals.collect::<Vec<f64>>())
+        });
+        self.orders = orders.collect();
+    }
+
+    /// How well the model fits.
+    pub fn fit(&self) -> Fit {
+        match self.probability {
+            None => Fit::Certain,
+            Some(_) if self.doubts().is_empty() => Fit::Good,
+            Some(_) => Fit::Misses,
+        }
+    }
+
+    /// What speaks against the model, or the stated uncertainties, a sentence each.
+    pub fn doubts(&self) -> Vec<String> {
+        let size = match self.probability {
+            None => Some(
+                match self.surplus {
+                    0 => {
+                        "As many unknowns as measured values: a fit was certain and shows nothing."
+                    }
+                    _ => "More unknowns than measured values: a fit was certain and shows nothing.",
+                }
+                .to_owned(),
+            ),
+            Some(p) if p < DOUBTFUL => Some(format!(
+                "A right model would miss by this much in fewer than {} tests: something is missing, in the model or in the \
+                 stated uncertainties.",
+                times(p)
+            )),
+            Some(_) => None,
+        };
+        let orders = self.orders.iter();
+        let orders = orders.filter(|order| order.is_doubtful(self.orders.len()));
+        let orders = orders.map(|order| {
+            format!(
+                "The residuals of {} are no noise: each is like the one before (correlation {}). The model, or the stated noise, \
+                 leaves something out, and the intervals are too narrow.",
+                order.name,
+                rounded(order.correlation, 2)
+            )
+        });
+        size.into_iter().chain(orders).collect()
+    }
+}
+
+/// A small probability as a count: 1 of 100, of 1,000 or of a million.
+fn times(probability: f64) -> String {
+    match probability {
+        p if p < 1e-6 => "1 of a million".to_owned(),
+        p if p < 1e-3 => "1 of 1,000".to_owned(),
+        p => format!("{} of 100", (100.0 * p).floor() + 1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::problem::{Measured, Spacing};
+    use super::super::search::search;
+    use super::super::testing::{effort, free, measured, problem, starts};
+    use super::super::{objective::Objective, text};
+    use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+
+    fn fitted(values: Vec<Measured>, model: &dyn Fn(f64, usize) -> f64) -> IdentificationOutcome {
+        let count = values.len();
+        let problem = problem(vec![free("p", Spacing::Linear, -10.0, 10.0)], vec![values]);
+        let model =
+            |_: usize, p: &[f64], _: &[f64]| Ok((0..count).map(|k| model(p[0], k)).collect());
+        let objective = Objective::new(&problem, &model, 1e-4);
+        let (optima, progress) =
+            search(&objective, &starts(1, 4), &effort(2, 40), &|_| ()).unwrap();
+        let mut outcome = IdentificationOutcome::new(&problem, &optima, &progress);
+        outcome.look_along(&[Group {
+            name: "curve".into(),
+            values: (0..count).map(|k| [0, k]).collect(),
+        }]);
+        outcome
+    }
+
+    /// Two values 3.72 standard uncertainties apart: chi-square 6.92 with one degree of freedom, p = 0.0085.
+    #[test]
+    fn a_misfit_of_one_in_a_hundred_is_none_of_a_right_model() {
+        let outcome = fitted(measured(&[0.0, 3.72], 1.0), &|p, _| p);
+        assert!((outcome.probability.unwrap() - 0.0085).abs() < 1e-4);
+        assert_eq!(outcome.fit(), Fit::Misses);
+        let text = text::summary(&outcome);
+        assert!(
+            text.contains("A right model would miss by this much in fewer than 1 of 100 tests"),
+            "{text}"
+        );
+        let outcome = fitted(measured(&[0.0, 2.0], 1.0), &|p, _| p);
+        assert_eq!(outcome.fit(), Fit::Good);
+    }
+
+    #[test]
+    fn a_fit_that_was_certain_shows_nothing() {
+        let outcome = fitted(measured(&[1.0], 1.0), &|p, _| p);
+        assert_eq!(outcome.fit(), Fit::Certain);
+        let text = text::summary(&outcome);
+        assert!(
+            text.contains(
+                "As many unknowns as measured values: a fit was certain and shows nothing."
+            ),
+            "{text}"
+        );
+    }
+
+    /// Noise alone is in order in about 5 % of the records; a wave of its size always is, though the sum of squares is as it
+    /// should be.
+    #[test]
+    fn waves_in_the_residuals_are_a_doubt() {
+        let mut random = StdRng::seed_from_u64(3);
+        let mut doubted = 0;
+        for _ in 0..200 {
+            let noise: Vec<f64> = (0..100).map(|_| random.sample(StandardNormal)).collect();
+            let outcome = fitted(measured(&noise, 1.0), &|p, _| p);
+            let order = &outcome.orders[0];
+            doubted += usize::from(order.probability < DOUBTFUL);
+        }
+        assert!((3..=20).contains(&doubted), "{doubted}");
+        let wave =
+            |k: usize| (0.2 * k as f64).sin() + 0.7 * random.sample::<f64, _>(StandardNormal);
+        let values: Vec<f64> = (0..100).map(wave).collect();
+        let outcome = fitted(measured(&values, 1.0), &|p, _| p);
+        assert!(outcome.probability.unwrap() > 0.05);
+        assert_eq!(outcome.fit(), Fit::Misses);
+        let text = text::summary(&outcome);
+        assert!(
+            text.contains("The residuals of curve are no noise"),
+            "{text}"
+        );
+    }
+}
