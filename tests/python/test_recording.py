@@ -24,7 +24,7 @@ def test_recordings_become_a_study(fmu, tmp_path):
 
     for file in EXAMPLE.iterdir():
         shutil.copy(file, tmp_path)
-    run(sys.executable, "record.py", ".", 1, fmu)
+    run(sys.executable, "record.py", ".", 2, fmu)
     cases = []
     for rpm, held_out in [(300, []), (450, ["--held-out"])]:
         run(PROGRAM, "synchronise", f"{rpm}rpm.csv", "--settings", "signals.toml", "--case", f"{rpm} rpm",
