@@ -210,7 +210,7 @@ accuracy = 0.01
     };
     let (narrow, said) = deviation(&study(""), &[]);
     assert!(
-        said.contains("misses the measurement by more than"),
+        said.contains("A right model would miss by this much in fewer than 1 of a million tests"),
         "{said}"
     );
     let (known, _) = deviation(&study("discrepancy = \"0.1\""), &[]);

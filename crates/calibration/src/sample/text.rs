@@ -73,7 +73,7 @@ impl Evidence {
         let Some(Ratio { log, interval }) = &self.against else {
             let more = match self.trusted {
                 true => {
-                    ". To compare with another model on the same data: `identify OTHER --posterior N --against` this folder"
+                    ". To compare with another model on the same data: `identify OTHER --posterior N --against FOLDER`, this result's folder"
                 }
                 false => ": more particles may do",
             };
