@@ -1,10 +1,8 @@
 //! Whether a fit speaks for the model: by the size of the misfits, and by their order along each measured curve.
 
-use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal};
-
 use super::digits::rounded;
 use super::next::Group;
+use super::order::Order;
 use super::outcome::IdentificationOutcome;
 
 /// A right model misses by more with this probability, or its residuals are more in order: then the fit is in doubt.
@@ -19,48 +17,6 @@ pub enum Fit {
     Certain,
     /// Worse than a right model would, in size or in order.
     Misses,
-}
-
-/// The order of the residuals along a curve.
-#[derive(Clone, Debug, Serialize)]
-pub struct Order {
-    /// The curve.
-    pub name: String,
-    /// The correlation of each residual with the next one.
-    pub correlation: f64,
-    /// The probability of a larger one, if the errors of the rows were independent.
-    pub probability: f64,
-}
-
-impl Order {
-    /// That of residuals as they follow each other; none where they are too few to tell.
-    ///
-    /// The correlation is Durbin & Watson's statistic in another form (1950, Testing for serial correlation in least squares
-    /// regression I, Biometrika 37, 409-428), with the variance of Ljung & Box (1978, On a measure of lack of fit in time series
-    /// models, Biometrika 65, 297-303).
-    fn of(name: &str, residuals: &[f64]) -> Option<Self> {
-        const FEWEST: usize = 10;
-        if residuals.len() < FEWEST {
-            return None;
-        }
-        let n = residuals.len() as f64;
-        let squares: f64 = residuals.iter().map(|r| r * r).sum();
-        let products = residuals.windows(2).map(|pair| pair[0] * pair[1]);
-        let correlation = products.sum::<f64>() / squares;
-        let deviation = ((n - 1.0) / (n * (n + 2.0))).sqrt();
-        correlation.is_finite().then(|| Self {
-            name: name.to_owned(),
-            correlation,
-            probability: Normal::standard().sf(correlation / deviation),
-        })
-    }
-
-    /// Whether it is more than chance, one of so many curves, and enough to matter: independent errors with a correlation of
-    /// 0.1 make intervals a tenth too narrow.
-    fn is_doubtful(&self, curves: usize) -> bool {
-        const MATTERS: f64 = 0.1;
-        self.correlation > MATTERS && self.probability < DOUBTFUL / curves as f64
-    }
 }
 
 impl IdentificationOutcome {
@@ -104,7 +60,7 @@ impl IdentificationOutcome {
             Some(_) => None,
         };
         let orders = self.orders.iter();
-        let orders = orders.filter(|order| order.is_doubtful(self.orders.len()));
+        let orders = orders.filter(|order| order.is_doubtful(DOUBTFUL / self.orders.len() as f64));
         let orders = orders.map(|order| {
             format!(
                 "The residuals of {} are no noise: each is like the one before (correlation {}). The model, or the stated noise, \

@@ -12,6 +12,7 @@ pub mod objective;
 pub mod optima;
 #[cfg(test)]
 mod optima_tests;
+pub mod order;
 pub mod outcome;
 pub mod posterior;
 pub mod problem;

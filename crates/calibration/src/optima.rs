@@ -9,8 +9,6 @@
 //! approximations for posterior moments and marginal densities, J. American Statistical Association 81, 82-86), of
 //! which only the part between the bounds counts.
 
-use std::time::Instant;
-
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -71,36 +69,33 @@ pub enum Approximation {
     Holds,
     /// It rises less, so the interval was lengthened.
     Lengthened,
-    /// It rises more, wherever the other unknowns go, so an end was drawn in.
-    DrawnIn,
+    /// It rises much more: the other unknowns go another way.
+    Bends,
 }
 
 impl Local {
     /// Takes note of the rise of the sum of squares at an end, where another one was predicted; tells by which factor the
-    /// end should be farther away, or nearer.
+    /// end should be farther away.
     fn take(&mut self, rise: f64, predicted: f64) -> Option<f64> {
+        /// Standard deviations at the end, over those predicted: within these the approximation serves.
+        const CLOSE: [f64; 2] = [0.9, 1.5];
+        /// A smaller difference of the sum of squares matters to no probability.
+        const LITTLE: f64 = 0.5;
         /// The most at a time.
         const FARTHEST: f64 = 2.0;
-        if holds(rise, predicted) {
+        let part = (rise.max(0.0) / predicted).sqrt();
+        if (rise - predicted).abs() <= LITTLE || (CLOSE[0]..=CLOSE[1]).contains(&part) {
             return None;
         }
-        let part = (rise.max(0.0) / predicted).sqrt();
-        self.approximation = match part < 1.0 {
-            true => Approximation::Lengthened,
-            false => Approximation::DrawnIn,
-        };
-        Some(part.recip().clamp(FARTHEST.recip(), FARTHEST))
+        if part > 1.0 {
+            if self.approximation == Approximation::Holds {
+                self.approximation = Approximation::Bends;
+            }
+            return None;
+        }
+        self.approximation = Approximation::Lengthened;
+        Some(part.recip().min(FARTHEST))
     }
-}
-
-/// Whether the sum of squares rises about as predicted.
-fn holds(rise: f64, predicted: f64) -> bool {
-    /// Standard deviations at the end, over those predicted: within these the approximation serves.
-    const CLOSE: [f64; 2] = [0.9, 1.1];
-    /// A smaller difference of the sum of squares matters to no probability.
-    const LITTLE: f64 = 0.5;
-    let part = (rise.max(0.0) / predicted).sqrt();
-    (rise - predicted).abs() <= LITTLE || (CLOSE[0]..=CLOSE[1]).contains(&part)
 }
 
 impl Optimum {
@@ -126,17 +121,11 @@ impl Optimum {
     }
 
     /// Runs the model at the ends of the free parameters' intervals, where the other unknowns go with them as the normal
-    /// approximation has it. Where the sum of squares has risen less than it says, the interval is lengthened. Where it has
-    /// risen more, the others first go where it is least; if that is still too much, the interval is drawn in (the profile
-    /// likelihood; Raue et al. 2009, Structural and practical identifiability analysis, Bioinformatics 25, 1923-1929).
+    /// approximation has it. Where the sum of squares has risen less than it says, the interval is lengthened.
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub fn look_at_ends(
-        &mut self,
-        objective: &Objective<'_>,
-        deadline: Option<Instant>,
-    ) -> Result<(), NoPrediction> {
+    pub fn look_at_ends(&mut self, objective: &Objective<'_>) -> Result<(), NoPrediction> {
         /// How often an end may be moved.
         const ROUNDS: usize = 4;
         let from = &self.minimum.places;
@@ -161,13 +150,7 @@ impl Optimum {
             for (&(index, side, predicted), misfit) in open.iter().zip(misfits) {
                 // Failed runs have words of their own.
                 let Ok(misfit) = misfit else { continue };
-                let least = self.minimum.misfit.cost();
-                let mut rise = misfit.cost() - least;
-                if rise > predicted && !holds(rise, predicted) {
-                    let at = self.along(index, self.intervals[index].ends[side]);
-                    rise =
-                        profiled(objective, at, index, deadline)?.unwrap_or(misfit.cost()) - least;
-                }
+                let rise = misfit.cost() - self.minimum.misfit.cost();
                 let local = &mut self.intervals[index];
                 if let Some(by) = local.take(rise, predicted) {
                     let place = self.minimum.places[index];
@@ -204,27 +187,6 @@ impl Optimum {
             failed: misfits.iter().filter(|misfit| misfit.is_err()).count(),
         };
         Ok(())
-    }
-}
-
-/// The sum of squares where an unknown stays and all others are as they fit best; none where runs fail.
-fn profiled(
-    objective: &Objective<'_>,
-    at: Vec<f64>,
-    held: usize,
-    deadline: Option<Instant>,
-) -> Result<Option<f64>, NoPrediction> {
-    /// The least relative decrease that is worth another iteration, and the most of these.
-    const LIMITS: (f64, usize) = (0.02, 6);
-    let limits = Limits {
-        iterations: LIMITS.1,
-        decrease: LIMITS.0,
-        deadline,
-    };
-    match minimise(objective, at, &[held], Differences::Forward, &limits) {
-        Ok(minimum) => Ok(Some(minimum.misfit.cost())),
-        Err(NoPrediction::Here(_)) => Ok(None),
-        Err(NoPrediction::Stopped) => Err(NoPrediction::Stopped),
     }
 }
 

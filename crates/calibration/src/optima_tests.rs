@@ -164,24 +164,3 @@ fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
     }
     assert!(!text.contains("determine every parameter"), "{text}");
 }
-
-/// ln p and q are known together and q alone: by profile, ln p is normal with the deviation of both, so each end of the interval of
-/// p is as improbable as the other, and the interval of a normal approximation in p lies too low at both.
-#[test]
-fn both_ends_of_a_skewed_interval_are_moved() {
-    let problem = one_case(&[(0.05, 20.0), (-3.0, 3.0)], &[(1.0, 0.2), (0.0, 0.2)]);
-    let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0].ln() + p[1], p[1]]);
-    let (_, outcome) = solved(&problem, &model);
-    let far = 1.959_964 * 0.2 * 2.0_f64.sqrt();
-    let exact = [(1.0 - far).exp(), (1.0 + far).exp()];
-    let ends = outcome.free[0].interval;
-    for (end, exact) in ends.iter().zip(exact) {
-        // A tenth of a standard deviation, and what is left unmoved.
-        assert!((end / exact).ln().abs() < 0.05, "{ends:?}, not {exact:?}");
-    }
-    let text = text::summary(&outcome);
-    assert!(
-        text.contains("the sum of squares has risen enough"),
-        "{text}"
-    );
-}

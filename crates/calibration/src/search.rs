@@ -153,7 +153,7 @@ pub fn search(
     }
     let mut ranked = optima.weighed();
     for optimum in &mut ranked {
-        optimum.look_at_ends(objective, settings.deadline)?;
+        optimum.look_at_ends(objective)?;
         if objective.failures().failed > 0 {
             optimum.look_around(objective)?;
         }

@@ -139,7 +139,7 @@ fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
     let ends = match free.approximation {
         Approximation::Holds => "",
         Approximation::Lengthened => "; lengthened to where the sum of squares has risen enough",
-        Approximation::DrawnIn => "; drawn in to where the sum of squares has risen enough",
+        Approximation::Bends => "; its valley bends, so it may reach farther",
     };
     format!("{bound}; the measurement has narrowed it to {left} % of what was open before{ends}")
 }

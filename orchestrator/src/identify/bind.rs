@@ -22,6 +22,9 @@ use fmu_points::task::{Case as Simulation, Probe, Slot};
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 
+/// How far the bounds of a normal parameter are from its mean, in standard deviations.
+pub(super) const REACH: f64 = 5.0;
+
 /// An identification in terms of an FMU.
 #[derive(Clone, Debug, Default)]
 pub struct Bound {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
-use super::bind::{Bound, BoundCurve, Input, bare, check_difference, free};
+use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_difference, free};
 use super::late::{Read, Reading, late};
 use super::offsets;
 use crate::judge::{Criterion, Judge};
@@ -37,8 +37,6 @@ const LEAST: f64 = 0.05;
 /// Why a study of before has another answer.
 const CHANGED: &str = "The uncertainty of such a curve is one error that all its rows share; earlier versions took it as \
                        independent in each row (now: correlation = 0), so their answer was another one";
-/// How far the bounds of a normal parameter are from its mean, in standard deviations.
-pub(super) const REACH: f64 = 5.0;
 
 /// The unknowns and the data of a study with cases.
 ///

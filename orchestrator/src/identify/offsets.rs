@@ -3,8 +3,7 @@
 
 use indexmap::IndexMap;
 
-use super::bind::Bound;
-use super::from_study::REACH;
+use super::bind::{Bound, REACH};
 use crate::study::cases::SEPARATOR;
 use crate::study::plan::find;
 use crate::study::{Name, RecordingText, Study};

@@ -115,11 +115,17 @@ impl Page<'_> {
         let values = count(self.bound.problem.values());
         let fit = outcome.fit();
         let headline = match (outcome.end, outcome.ambiguous, fit) {
-            (End::Converged, true, Fit::Misses) => "No set of parameters fits the measured values".to_owned(),
+            (End::Converged, true, Fit::Misses) => {
+                "No set of parameters fits the measured values".to_owned()
+            }
             (End::Converged, true, _) => format!("{} sets of parameters fit", outcome.optima.len()),
             (End::Converged, false, Fit::Good) => "The model fits the measured values".to_owned(),
-            (End::Converged, false, Fit::Certain) => "Nothing is left to test the model by".to_owned(),
-            (End::Converged, false, Fit::Misses) => "The model misses the measured values".to_owned(),
+            (End::Converged, false, Fit::Certain) => {
+                "Nothing is left to test the model by".to_owned()
+            }
+            (End::Converged, false, Fit::Misses) => {
+                "The model misses the measured values".to_owned()
+            }
             _ => "The search ended before it converged".to_owned(),
         };
         let agreement = match outcome.probability.filter(|_| fit == Fit::Good) {
@@ -134,7 +140,11 @@ impl Page<'_> {
         };
         let told = format!(
             "{values} measured value{}; sum of squares {} with {} degrees of freedom. {agreement}",
-            if self.bound.problem.values() == 1 { "" } else { "s" },
+            if self.bound.problem.values() == 1 {
+                ""
+            } else {
+                "s"
+            },
             number(outcome.cost, 4),
             outcome.degrees_of_freedom
         );
@@ -175,12 +185,7 @@ impl Page<'_> {
             let figures = curves.by_ref().take(MOST_CURVES).filter_map(|curve| {
                 let rows = curve.quantities.clone();
                 let rows: Vec<&Residual> = rows.map(|k| self.residual(0, k)).collect();
-                fitted(
-                    &curve.name,
-                    unit(&curve.unit),
-                    &curve.times,
-                    &rows,
-                )
+                fitted(&curve.name, unit(&curve.unit), &curve.times, &rows)
             });
             told.blocks
                 .push(Block::Figures("planes", figures.collect()));
@@ -380,7 +385,8 @@ impl Page<'_> {
         ]));
         let all = 0..self.bound.problem.free.len();
         let figures = all.filter_map(|k| self.density(k)).chain(self.common());
-        told.blocks.push(Block::Figures("thirds", figures.collect()));
+        told.blocks
+            .push(Block::Figures("thirds", figures.collect()));
         told
     }
 
@@ -438,7 +444,9 @@ impl Page<'_> {
         let x = match &sampled {
             Some(values) => reach(values, ends)?,
             None => {
-                let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]);
+                let around = normals
+                    .iter()
+                    .flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]);
                 within(around, ends)?
             }
         };
@@ -468,38 +476,59 @@ impl Page<'_> {
             return Vec::new();
         };
         let problem = &self.bound.problem;
-        let all = sample.particles.first().map_or(0, |particle| particle.places.len());
+        let all = sample
+            .particles
+            .first()
+            .map_or(0, |particle| particle.places.len());
         let first = all - 2 * problem.populations.len();
-        let figures = problem.populations.iter().enumerate().flat_map(|(number, population)| {
-            let free = &problem.free[population.members[0]];
-            let at = first + 2 * number;
-            let places = |at: usize| sample.particles.iter().map(move |particle| particle.places[at]);
-            let means: Vec<f64> = places(at).map(|place| drawn(free, free.value(place))).collect();
-            let spreads: Vec<f64> = places(at + 1).map(|place| step(free, free.spread(place))).collect();
-            let scale = step(free, free.spread(population.scale(problem)));
-            let half_normal = move |v: f64| {
-                let z = v / scale;
-                (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
-            };
-            let ends = [free.min, free.max].map(|v| drawn(free, v));
-            let figure = |what: &str, values: &[f64], ends: [f64; 2], before: &dyn Fn(f64) -> f64| {
-                let x = reach(values, ends)?;
-                let name = format!("{}, {what}", population.name);
-                let axis = axis(&Free { name: name.clone(), ..free.clone() });
-                let (svg, note) = densities(&name, &axis, x, before, &Shape::Sample(values));
-                Some(Figure {
-                    file: format!("{what}-{number}"),
-                    caption: name,
-                    svg,
-                    note: note.trim_start_matches("; ").to_owned(),
-                    ..Figure::default()
-                })
-            };
-            [
-                figure("mean", &means, ends, &prior_density(free, ends)),
-                figure("spread", &spreads, [0.0, f64::INFINITY], &half_normal),
-            ]
-        });
+        let figures = problem
+            .populations
+            .iter()
+            .enumerate()
+            .flat_map(|(number, population)| {
+                let free = &problem.free[population.members[0]];
+                let at = first + 2 * number;
+                let places = |at: usize| {
+                    sample
+                        .particles
+                        .iter()
+                        .map(move |particle| particle.places[at])
+                };
+                let means: Vec<f64> = places(at)
+                    .map(|place| drawn(free, free.value(place)))
+                    .collect();
+                let spreads: Vec<f64> = places(at + 1)
+                    .map(|place| step(free, free.spread(place)))
+                    .collect();
+                let scale = step(free, free.spread(population.scale(problem)));
+                let half_normal = move |v: f64| {
+                    let z = v / scale;
+                    (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
+                };
+                let ends = [free.min, free.max].map(|v| drawn(free, v));
+                let figure =
+                    |what: &str, values: &[f64], ends: [f64; 2], before: &dyn Fn(f64) -> f64| {
+                        let x = reach(values, ends)?;
+                        let name = format!("{}, {what}", population.name);
+                        let axis = axis(&Free {
+                            name: name.clone(),
+                            ..free.clone()
+                        });
+                        let (svg, note) =
+                            densities(&name, &axis, x, before, &Shape::Sample(values));
+                        Some(Figure {
+                            file: format!("{what}-{number}"),
+                            caption: name,
+                            svg,
+                            note: note.trim_start_matches("; ").to_owned(),
+                            ..Figure::default()
+                        })
+                    };
+                [
+                    figure("mean", &means, ends, &prior_density(free, ends)),
+                    figure("spread", &spreads, [0.0, f64::INFINITY], &half_normal),
+                ]
+            });
         figures.flatten().collect()
     }
 
@@ -762,7 +791,10 @@ fn within(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Option<[f64; 2]>
 /// The range in which a sample is drawn.
 fn reach(values: &[f64], ends: [f64; 2]) -> Option<[f64; 2]> {
     let (centre, width) = (mean(values), deviation(values, 1));
-    within([-5.0, 5.0].into_iter().map(|side| centre + side * width), ends)
+    within(
+        [-5.0, 5.0].into_iter().map(|side| centre + side * width),
+        ends,
+    )
 }
 
 /// Prior and posterior over a range, and words on the scale of the prior: where the posterior is far narrower, the prior is drawn
@@ -777,7 +809,9 @@ fn densities(
     /// The least height of the prior, as a part of the posterior's.
     const LEAST: f64 = 0.2;
     let width = x[1] - x[0];
-    let grid: Vec<f64> = (0..=200).map(|k| x[0] + width * f64::from(k) / 200.0).collect();
+    let grid: Vec<f64> = (0..=200)
+        .map(|k| x[0] + width * f64::from(k) / 200.0)
+        .collect();
     let line = |of: &dyn Fn(f64) -> f64| grid.iter().map(|v| of(*v)).collect::<Vec<f64>>();
     let highest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
     let mut before = line(before);
@@ -805,7 +839,10 @@ fn densities(
         Shape::Line(_) => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
     }
     out += &path("line before", envelope(grid.iter().zip(&before), &frame));
-    (frame.wrap(&format!("{name}: prior and posterior"), &out), scaled)
+    (
+        frame.wrap(&format!("{name}: prior and posterior"), &out),
+        scaled,
+    )
 }
 
 /// The density of a sample in even bins of a range.
