@@ -25,7 +25,7 @@ fn judge(text: &str) -> Result<Judge, String> {
     Judge::new(&study, None).map_err(|error| error.to_string())
 }
 
-fn describe(xml: &str) -> fmu_import::Description {
+fn describe(xml: &str) -> Description {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("modelDescription.xml"), xml).unwrap();
     let package = fmu_import::Package::open(folder.path()).unwrap();
