@@ -394,6 +394,90 @@ fn stairs(name: &'static str, exact: f64) -> Case {
     })
 }
 
+/// Half-spaces of unlike share, and the level falls at an unlike rate towards each.
+fn slopes(name: &'static str, exact: f64) -> Case {
+    const PARTS: [(f64, f64); 3] = [(0.7, 1.0), (0.25, 5.0), (0.05, 0.3)];
+    let limits = PARTS.map(|(part, _)| exceeded(part * exact));
+    let none: f64 = PARTS.iter().map(|(part, _)| (-part * exact).ln_1p()).sum();
+    case(name, 6, -none.exp_m1(), move |u| {
+        let falls = |k: usize| PARTS[k].1 * (limits[k] - u[2 * k]);
+        (0..3).map(falls).fold(f64::MAX, f64::min)
+    })
+}
+
+/// Two thin layers, turned in space.
+fn layers(name: &'static str, exact: f64) -> Case {
+    let half = |place: f64, part: f64| {
+        let of = |h: f64| between(place - h, place + h);
+        falls_to(-part * exact, |h| -of(h), 0.0, 1.0)
+    };
+    let (near, far) = (half(2.5, 0.8), half(3.0, 0.2));
+    case(name, 8, exact, move |u| {
+        let v = reflected(u)[0];
+        ((v - 2.5).abs() - near).min((v + 3.0).abs() - far)
+    })
+}
+
+/// At least so many of 20 numbers exceed 2: the level is a whole number.
+fn many_of_20(name: &'static str, least: i32) -> Case {
+    let p = below(-2.0);
+    let choose = |k: i32| {
+        (0..k)
+            .map(|j| f64::from(20 - j) / f64::from(k - j))
+            .product::<f64>()
+    };
+    let terms = (least..=20).map(|k| choose(k) * p.powi(k) * (1.0 - p).powi(20 - k));
+    case(name, 20, terms.sum(), move |u| {
+        f64::from(least) - u.iter().filter(|x| **x > 2.0).count() as f64
+    })
+}
+
+/// The largest of four correlated numbers.
+fn largest_correlated(name: &'static str, exact: f64) -> Case {
+    const CORRELATION: f64 = 0.6;
+    let (shared, own) = (CORRELATION.sqrt(), (1.0 - CORRELATION).sqrt());
+    let beyond = move |t: f64| {
+        let none = |x: f64| 4.0 * (-below((shared * x - t) / own)).ln_1p();
+        integral(|x| density(x) * -none(x).exp_m1(), -14.0, 14.0)
+    };
+    let limit = falls_to(exact, beyond, 1.0, 9.0);
+    case(name, 5, exact, move |u| {
+        let largest = u[1..].iter().copied().fold(f64::MIN, f64::max);
+        limit - shared * u[0] - own * largest
+    })
+}
+
+/// The mean of three Cauchy numbers, which is another one.
+fn cauchy(name: &'static str, exact: f64) -> Case {
+    let tail = |p: f64| 1.0 / (PI * p).tan();
+    case(name, 3, exact, move |u| {
+        tail(exact) - u.iter().map(|&z| tail(below(-z))).sum::<f64>() / 3.0
+    })
+}
+
+/// Both of two numbers are large, and the level is the same everywhere else.
+fn plateau(name: &'static str) -> Case {
+    case(name, 3, below(-2.7) * below(-2.9), |u| {
+        f64::from(u8::from(u[0] < 2.7 || u[1] < 2.9))
+    })
+}
+
+/// A number beyond a paraboloid in 19 dimensions, around which it bends.
+fn paraboloid(name: &'static str, exact: f64) -> Case {
+    let beyond = |t: f64| {
+        integral(
+            |x| density(x) * erlang(9, (9.0 + (t - x) / 0.2).max(0.0)),
+            -9.0,
+            9.0,
+        )
+    };
+    let limit = falls_to(exact, beyond, 1.0, 30.0);
+    case(name, 19, exact, move |u| {
+        let squares: f64 = u[1..].iter().map(|x| x * x).sum();
+        limit - u[0] - 0.1 * (squares - 18.0)
+    })
+}
+
 /// Only whether the event happens is known.
 fn binary(mut case: Case, name: &'static str) -> Case {
     case.is_binary = true;
@@ -449,6 +533,15 @@ fn cases() -> Vec<Case> {
         cases.push(long_tails("new: long tails", exact));
         cases.push(stairs("new: stairs", exact));
     }
+    cases.extend([
+        slopes("unseen: slopes", 1e-6),
+        layers("unseen: layers", 1e-6),
+        many_of_20("unseen: 6 exceed 2", 6),
+        largest_correlated("unseen: largest correlated", 1e-6),
+        cauchy("unseen: Cauchy", 1e-6),
+        plateau("unseen: plateau"),
+        paraboloid("unseen: paraboloid", 1e-6),
+    ]);
     cases
 }
 

@@ -88,10 +88,12 @@ impl Population {
         let kept = ((KEPT * count as f64) as usize).max(FEWEST).min(count);
         let mut sorted = self.levels.clone();
         sorted.sort_by(f64::total_cmp);
-        let level = sorted[kept - 1];
-        if level >= self.reached {
+        // Of levels in steps the next one may have fewer points.
+        let below = sorted.partition_point(|level| *level < self.reached);
+        if below < FEWEST.min(kept) {
             return Ok(None);
         }
+        let level = sorted[kept.min(below) - 1];
         let inside: Vec<usize> = (0..count).filter(|&i| self.levels[i] <= level).collect();
         let share = self.share * inside.len() as f64 / count as f64;
         let all: Vec<Vec<f64>> = inside.iter().map(|&i| self.points[i].clone()).collect();

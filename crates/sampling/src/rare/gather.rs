@@ -2,9 +2,11 @@
 //!
 //! A search loses parts of the event by chance. Were it the same chance for all, a part that each search loses with the
 //! probability e would be lost by k of them with e^k, and the last one would still show e^(k-1): so that it shows nothing
-//! new tells that little is lost. Points drawn wider, from which chains lead to where the event is most probable, look for
-//! what the levels lead away from.
+//! new tells that little is lost. Parts that all searches lose alike are looked for by walks (`descend`), and what the levels
+//! lead away from by points drawn wider; chains lead from their hits to where the event is most probable.
 
+use super::bridge::needed;
+use super::descend::descend;
 use super::draws::draw;
 use super::explore::{Population, explore};
 use super::mixture::{Mixture, ln_standard};
@@ -21,6 +23,8 @@ const CHAINED: f64 = 0.15;
 const MOST_SEARCHES: usize = 10;
 /// Nothing new: a smaller part of a search's points lies outside of what the others know.
 const NEW: f64 = 0.05;
+/// With fewer walks little is looked for.
+const FEWEST_WALKS: usize = 10;
 /// Outside of a mixture is a point with a weight of so many times the share: few draws would ever come there, and each would
 /// move the estimate.
 const OUTSIDE: f64 = 100.0;
@@ -38,6 +42,12 @@ pub(super) struct Gathered {
     pub(super) mixture: Mixture,
     /// The share as each search has it, by its levels.
     shares: Vec<f64>,
+    /// The runs of the dearest of them.
+    pub(super) dearest: u64,
+    /// The plain points that the last search began with, and their levels.
+    starts: (Vec<Vec<f64>>, Vec<f64>),
+    /// Whether no level leads to the event.
+    is_flat: bool,
     /// The part of the last search's points that lie outside of what the others know.
     new: f64,
     /// The mixtures of all trials, each with the number of its draws, and the hits of all.
@@ -59,58 +69,87 @@ pub(super) fn gather<E>(
     random: &mut Random,
     answer: &mut Answer,
 ) -> Result<Gathered, E> {
-    let mut gathered = Gathered::default();
-    let mut starts = known.0.chunks(size).zip(known.1.chunks(size));
+    let mut gathered = Gathered {
+        is_flat: search.is_binary,
+        ..Gathered::default()
+    };
+    let mut known = known.0.chunks(size).zip(known.1.chunks(size));
     for number in 0..MOST_SEARCHES {
-        // What is left must do for the draws.
-        if runs.left() < search.runs / 4 || number > 2 && gathered.shares.is_empty() {
+        // What is left must do for the draws, or for the bridge.
+        let bridge = needed(search, gathered.dearest).min(search.runs / 5 * 3);
+        let kept = bridge.max(search.runs / 4);
+        if runs.left() < kept || number > 2 && gathered.shares.is_empty() {
             break;
         }
-        let population = if search.is_binary {
-            widen(
-                search.dimensions,
-                size as u64,
-                runs,
-                random,
-                &mut answer.wider,
-            )?
-        } else {
-            let (points, results) = match starts.next() {
-                Some((points, results)) => (points.to_vec(), results.to_vec()),
-                None => {
-                    let points = plain(search, size as u64, random);
-                    let results = runs.of(&points)?;
-                    (points, results)
-                }
-            };
-            let start = (points, results.iter().map(Judged::rank).collect());
-            let mut levels = Vec::new();
-            let population = explore(start, search.runs / 3, runs, random, &mut levels)?;
-            if answer.levels.len() < levels.len() {
-                answer.levels = levels;
-            }
-            population
-        };
-        let Some(population) = population else {
+        let known = known.next();
+        let Some(population) = gathered.reach(known, search, size, runs, random, answer)? else {
+            // Over flat levels nothing leads to the event.
+            gathered.is_flat |= gathered.shares.is_empty();
             continue;
         };
         gathered.take(population);
-        if gathered.shares.len() == 1 {
+        // Once there is a mixture, fewer walks do.
+        let is_first = gathered.shares.len() == 1;
+        let walks = (size / if is_first { 25 } else { 50 }).max(FEWEST_WALKS);
+        let is_wider = gathered.walk(walks, runs, random)?;
+        if is_first {
             gathered.look_wide(search.dimensions, size, runs, random)?;
         }
-        if gathered.is_settled() {
+        let is_settled = gathered.is_settled();
+        if is_wider || !is_settled {
+            gathered.improve(runs, random)?;
+        }
+        if is_settled {
             break;
         }
-        gathered.improve(runs, random)?;
     }
     Ok(gathered)
 }
 
 impl Gathered {
+    /// The points of the event that another search comes to; none where it does not arrive. It begins with plain points
+    /// whose results are known, or with new ones.
+    pub(super) fn reach<E>(
+        &mut self,
+        known: Option<(&[Vec<f64>], &[Judged])>,
+        search: &Search,
+        size: usize,
+        runs: &mut Runs<'_, E>,
+        random: &mut Random,
+        answer: &mut Answer,
+    ) -> Result<Option<Population>, E> {
+        let before = runs.made;
+        let population = if self.is_flat {
+            let wider = &mut answer.wider;
+            widen(search.dimensions, size as u64, runs, random, wider)?
+        } else {
+            self.starts = match known {
+                Some((points, results)) => {
+                    (points.to_vec(), results.iter().map(Judged::rank).collect())
+                }
+                None => {
+                    let points = plain(search, size as u64, random);
+                    let levels = runs.levels(&points)?;
+                    (points, levels)
+                }
+            };
+            let mut levels = Vec::new();
+            let starts = self.starts.clone();
+            let population = explore(starts, search.runs / 3, runs, random, &mut levels)?;
+            if answer.levels.len() < levels.len() {
+                answer.levels = levels;
+            }
+            population
+        };
+        self.dearest = self.dearest.max(runs.made - before);
+        Ok(population)
+    }
+
     /// The share as all searches have it; none where none has arrived.
     pub(super) fn share(&self) -> Option<f64> {
         let count = self.shares.len() as f64;
-        (count > 0.0).then(|| self.shares.iter().sum::<f64>() / count)
+        let sum = self.shares.iter().sum::<f64>();
+        (count > 0.0).then(|| sum / count)
     }
 
     /// Whether the last search came upon nothing new.
@@ -159,7 +198,7 @@ impl Gathered {
         if self.shares.len() > 1 {
             self.foretell(&population.points);
         }
-        self.points.extend(population.points);
+        self.points.extend_from_slice(&population.points);
         self.add(&outside);
     }
 
@@ -173,10 +212,15 @@ impl Gathered {
         self.mixture.add(more, part);
     }
 
+    /// The weight of a point from which on it lies outside of a mixture.
+    pub(super) fn limit(&self) -> f64 {
+        OUTSIDE * self.share().unwrap_or(1.0)
+    }
+
     /// The points that lie outside of the mixture.
     fn outside(&self, points: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let all = self.mixture.widened();
-        let limit = (OUTSIDE * self.share().unwrap_or(1.0)).ln();
+        let limit = self.limit().ln();
         let is_outside = |point: &&Vec<f64>| ln_standard(point) - all.ln_density(point) > limit;
         points.iter().filter(is_outside).cloned().collect()
     }
@@ -250,7 +294,27 @@ impl Gathered {
         self.mixture = least.expect("there are three").1;
     }
 
-    /// Looks for parts of the event among points drawn wider.
+    /// Looks for parts of the event that the searches lose, by walks from so many of the last one's plain points; tells
+    /// whether there are any. Where few walks come to one, the mixture follows it from now on; many show that there are more.
+    fn walk<E>(
+        &mut self,
+        count: usize,
+        runs: &mut Runs<'_, E>,
+        random: &mut Random,
+    ) -> Result<bool, E> {
+        const MANY: f64 = 0.1;
+        let (points, levels) = std::mem::take(&mut self.starts);
+        let chosen = random.choice(count, points.len());
+        let starts = chosen.iter().map(|&k| (points[k].clone(), levels[k]));
+        let hits = descend(starts, runs, random)?;
+        let new = self.follow(&hits, runs, random)? * hits.len() as f64 / count as f64;
+        if new > MANY {
+            self.new = self.new.max(new);
+        }
+        Ok(new > 0.0)
+    }
+
+    /// The same among points drawn wider.
     fn look_wide<E>(
         &mut self,
         dimensions: usize,
@@ -271,21 +335,24 @@ impl Gathered {
         Ok(())
     }
 
-    /// Follows hits that lie outside to where the event is most probable, and takes what is new there.
+    /// Follows hits that lie outside to where the event is most probable, and takes what is new there; tells which
+    /// part of the hits is.
     pub(super) fn follow<E>(
         &mut self,
         hits: &[Vec<f64>],
         runs: &mut Runs<'_, E>,
         random: &mut Random,
-    ) -> Result<(), E> {
+    ) -> Result<f64, E> {
         const MOST_CHAINS: usize = 100;
         const FEWEST_CHAINS: usize = 40;
         const STEPS: usize = 20;
         const KEPT: usize = 8;
+        let all = hits.len();
         let hits = self.outside(hits);
+        let part = hits.len() as f64 / all as f64;
         let chains = (4 * hits.len()).clamp(FEWEST_CHAINS, MOST_CHAINS);
         if hits.is_empty() || runs.left() < (chains * STEPS) as u64 {
-            return Ok(());
+            return Ok(0.0);
         }
         let chosen = random.choice(hits.len(), hits.len());
         let mut points: Vec<Vec<f64>> = (0..chains)
@@ -311,7 +378,7 @@ impl Gathered {
         let outside = self.outside(&led);
         self.points.extend(outside.iter().cloned());
         self.add(&outside);
-        Ok(())
+        Ok(outside.len() as f64 / led.len() as f64 * part)
     }
 }
 

@@ -5,14 +5,17 @@
 //!
 //! 1. Plain points. Where the event is frequent, counting is the better method.
 //! 2. Searches that know nothing of each other look for the event by levels that come nearer to it (`explore`), or, where
-//!    the model says only whether the event happens, by points drawn wider (`widen`), until one comes upon nothing that the
-//!    others do not know (`gather`).
+//!    the model says only whether the event happens, by points drawn wider (`widen`), until neither the last one nor walks
+//!    that only go down (`descend`) come upon anything that the others do not know (`gather`).
 //! 3. A mixture of normal distributions is fitted to what they found and improved by trials, and its independent draws give
 //!    the share with its interval (`weigh`). Draws that lie outside of what the mixture follows are searched from anew.
 //!
-//! There is no interval while searches or draws still come upon something new. A region that none has reached is not
-//! counted, and nothing can tell that there is none.
+//! Where searches or draws still come upon something new, further searches tell which part of the event the mixture follows,
+//! and the interval is wide (`bridge`). A region that none has reached is not counted, and nothing can tell that there is
+//! none.
 
+mod bridge;
+mod descend;
 mod draws;
 mod explore;
 mod gather;
@@ -83,6 +86,8 @@ pub enum Method {
     Counted,
     /// Weighted draws from a mixture.
     Weighted,
+    /// Weighted draws for a part of the event, and searches that tell which part that is.
+    Bridged,
 }
 
 /// Points that were drawn from the parameters' own distribution.
@@ -173,7 +178,7 @@ pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     }
     let known = (points, results);
     let population = size as usize;
-    let gathered = gather(
+    let mut gathered = gather(
         search,
         population,
         known,
@@ -187,13 +192,21 @@ pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     };
     let is_told = gathered.is_settled()
         && weigh::weigh(
-            gathered,
+            &mut gathered,
             search.confidence,
             &mut runs,
             &mut random,
             &mut answer,
         )?;
-    answer.runs = runs.made;
+    let is_told = is_told
+        || bridge::tell(
+            &mut gathered,
+            search,
+            population,
+            &mut runs,
+            &mut random,
+            &mut answer,
+        )?;
     if !is_told {
         answer.rough = Some(rough);
     } else if let Some(share) = answer.share.clone()
@@ -205,6 +218,7 @@ pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
         answer.regions.clear();
         answer.disagree = Some([share.value, rough]);
     }
+    answer.runs = runs.made;
     Ok(answer)
 }
 

@@ -24,6 +24,8 @@ const FEWEST_DRAWS: u64 = 6000;
 const LARGE: f64 = 0.1;
 /// A draw with so large a part of the share lies outside of what the mixture follows.
 const HEAVY: f64 = 0.02;
+/// No region has so small a part of the share.
+const NEGLIGIBLE: f64 = 1e-4;
 /// Mixtures that are tried: each is told of what the draws of the one before found outside of it.
 const ROUNDS: usize = 4;
 /// The scatter of the weights is itself known from the draws, and large weights are rare: the normal interval held in 89 %
@@ -32,7 +34,7 @@ const DRAWN_OUT: f64 = 1.3;
 
 /// The share by draws from a mixture for what was gathered; false where the mixture does not follow the event.
 pub(super) fn weigh<E>(
-    mut gathered: Gathered,
+    gathered: &mut Gathered,
     confidence: f64,
     runs: &mut Runs<'_, E>,
     random: &mut Random,
@@ -92,7 +94,7 @@ fn state(drawn: Drawn, scatter: f64, mixture: &Mixture, confidence: f64, answer:
 }
 
 /// The regions of the points that meet the event, the largest first.
-fn regions(mixture: &Mixture, points: &[Vec<f64>], weights: &[f64]) -> Vec<RegionShare> {
+pub(super) fn regions(mixture: &Mixture, points: &[Vec<f64>], weights: &[f64]) -> Vec<RegionShare> {
     let of = mixture.regions(points, weights);
     let region = |number: usize| {
         let members = || (0..points.len()).filter(|&k| of[k] == number);
@@ -109,7 +111,10 @@ fn regions(mixture: &Mixture, points: &[Vec<f64>], weights: &[f64]) -> Vec<Regio
         let centre = points[middle].clone();
         Some(RegionShare { share, centre })
     };
+    let all: f64 = weights.iter().sum();
     let mut regions: Vec<RegionShare> = (0..mixture.len()).filter_map(region).collect();
+    // A component may follow what is no part of its own but the edge of another one.
+    regions.retain(|region| region.share > NEGLIGIBLE * all);
     regions.sort_by(|a, b| b.share.total_cmp(&a.share));
     regions
 }

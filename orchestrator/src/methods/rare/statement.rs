@@ -67,7 +67,7 @@ pub(super) struct Statement {
     disagree: Option<[f64; 2]>,
     runs: u64,
     plain: Counted,
-    /// Draws wider than the study's distribution, and how many of them failed.
+    /// Draws wider than the study's distribution, and how many of them met the event.
     wider: [u64; 2],
     levels: Vec<Level>,
     regions: Vec<Region>,
@@ -115,6 +115,7 @@ impl Statement {
             method: match share.map(|share| share.method) {
                 Some(Method::Counted) => "counted",
                 Some(Method::Weighted) => "weighted draws",
+                Some(Method::Bridged) => "weighted draws and searches",
                 None => "not reached",
             },
             rough: answer.rough,
@@ -245,7 +246,7 @@ impl Statement {
         let [drawn, met] = self.wider;
         if drawn > 0 {
             told.say(format!(
-                "{met} of {drawn} runs drawn wider than the study's distribution failed"
+                "{met} of {drawn} runs drawn wider than the study's distribution met the event"
             ));
         }
     }
