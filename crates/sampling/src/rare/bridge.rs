@@ -54,43 +54,70 @@ pub(super) fn tell<E>(
     if parts.len() < FEWEST {
         return Ok(false);
     }
-    let mut drawn = draw(&from, runs.left(), runs, random)?;
-    for weight in &mut drawn.weights {
-        if *weight > limit {
-            *weight = 0.0;
-        }
-    }
-    let (draws, inside, scatter) = (drawn.weights.len() as f64, drawn.mean(), drawn.scatter());
-    let count = parts.len() as f64;
-    let part = parts.iter().sum::<f64>() / count;
-    let squares: f64 = parts.iter().map(|p| (p - part).powi(2)).sum();
-    let deviation = (squares / (count - 1.0) / count).sqrt().max(UNSEEN);
-    let error = (scatter / draws + (deviation / part).powi(2)).sqrt();
-    let half = StudentsT::new(0.0, 1.0, count - 1.0).map_or(f64::INFINITY, |t| {
-        t.inverse_cdf(0.5 + 0.5 * search.confidence) * error
-    });
-    // No comparison holds where no draw or no search met the event.
-    if !(half < WIDEST.ln()) {
+    let count = runs.left();
+    let mut drawn = draw(&from, count, runs, random)?;
+    let too_large = drawn.weights.iter_mut().filter(|weight| **weight > limit);
+    too_large.for_each(|weight| *weight = 0.0);
+    let count = count as f64;
+    let inside = drawn.mean();
+    let Some(share) = joined(&parts, inside, drawn.scatter() / count, search.confidence) else {
         return Ok(false);
-    }
-    let value = inside / part;
-    let (mut points, weights) = drawn.hits();
-    let mut weights: Vec<f64> = weights.iter().map(|weight| weight / draws).collect();
-    weights.resize(
-        points.len() + outside.len(),
-        (value - inside) / outside.len() as f64,
-    );
-    points.append(&mut outside);
+    };
+    let (mut points, mut weights) = drawn.hits();
+    weights.iter_mut().for_each(|weight| *weight /= count);
+    let each = (share.value - inside) / outside.len() as f64;
+    weights.resize(points.len() + outside.len(), each);
+    points.extend(outside);
     answer.regions = regions(&gathered.mixture, &points, &weights);
     let pairs = points.into_iter().zip(weights);
     let sample = pairs.map(|(scores, weight)| Weighted { scores, weight });
     answer.sample = sample.collect();
-    answer.share = Some(Share {
+    answer.share = Some(share);
+    Ok(true)
+}
+
+/// The share of which draws tell a part, with a relative variance, and each search which part that is. None where the interval
+/// is too wide.
+fn joined(parts: &[f64], inside: f64, variance: f64, confidence: f64) -> Option<Share> {
+    let count = parts.len() as f64;
+    let part = parts.iter().sum::<f64>() / count;
+    let squares: f64 = parts.iter().map(|p| (p - part).powi(2)).sum();
+    let deviation = (squares / (count - 1.0) / count).sqrt().max(UNSEEN);
+    let error = (variance + (deviation / part).powi(2)).sqrt();
+    let student = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
+    let half = student.inverse_cdf(0.5 + 0.5 * confidence) * error;
+    let value = inside / part;
+    // Nothing is less than what is no number: where no draw or no search met the event.
+    (half < WIDEST.ln()).then(|| Share {
         value,
         interval: Some([value * (-half).exp(), (value * half.exp()).min(1.0)]),
         error,
         effective: error.powi(-2),
         method: Method::Bridged,
-    });
-    Ok(true)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_part_that_draws_do_not_tell_is_added_with_its_scatter() {
+        let share = joined(&[0.9, 0.7, 0.8, 0.8], 8e-8, 1e-4, 0.95).unwrap();
+        assert!((share.value - 1e-7).abs() < 1e-20);
+        // The deviation of the mean of the parts is 0.0408; Student's quantile with 3 degrees of freedom is 3.182.
+        let error = (1e-4_f64 + 0.040_824_829_f64.powi(2) / 0.64).sqrt();
+        assert!((share.error - error).abs() < 1e-8);
+        let [low, high] = share.interval.unwrap();
+        let half = 3.182_446 * error;
+        assert!(
+            (low / 1e-7 - (-half).exp()).abs() < 1e-6 && (high / 1e-7 - half.exp()).abs() < 1e-6
+        );
+        // Searches that all see the same may lose the same.
+        let error = joined(&[1.0; 4], 1e-7, 0.0, 0.95).unwrap().error;
+        assert_eq!(error, UNSEEN);
+        assert_eq!(joined(&[1.0, 0.1, 0.2, 0.9], 1e-7, 1e-4, 0.95), None);
+        assert_eq!(joined(&[1.0; 4], 0.0, f64::NAN, 0.95), None);
+        assert_eq!(joined(&[0.0; 4], 0.0, 1e-4, 0.95), None);
+    }
 }

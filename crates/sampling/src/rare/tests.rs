@@ -179,6 +179,38 @@ fn all_of_many_equal_regions_are_found() {
     assert!((share.value / 5e-8 - 1.0).abs() < 0.1, "{share:?}");
 }
 
+/// A ball near the centre and another one further away, which is larger: on the way to both, nearly all points are at the
+/// first one.
+#[test]
+fn a_part_that_all_searches_lose_is_found() {
+    const PLACES: [([f64; 2], f64); 2] = [([2.5, 0.0], 0.002), ([-3.0, 3.0], 0.02)];
+    // The density hardly changes within them.
+    let share = |([x, y], r): ([f64; 2], f64)| 0.5 * r * r * (-0.5 * (x * x + y * y)).exp();
+    let exact: f64 = PLACES.into_iter().map(share).sum();
+    for seed in 1..=3 {
+        let (answer, _) = asked(&search(2, 60_000, seed), |u| {
+            let away = |([x, y], r): ([f64; 2], f64)| (u[0] - x).hypot(u[1] - y) - r;
+            PLACES.into_iter().map(away).fold(f64::MAX, f64::min)
+        });
+        let share = answer.share.unwrap();
+        assert!(
+            (share.value / exact - 1.0).abs() < 0.1,
+            "{share:?}, {exact}"
+        );
+        assert_eq!(answer.regions.len(), 2);
+    }
+}
+
+#[test]
+fn the_way_leads_down_steps_and_through_plains() {
+    let (steps, _) = asked(&search(3, 60_000, 1), |u| (FAR - u[0] - 1e-9).ceil());
+    let share = steps.share.unwrap();
+    assert!((share.value / 1e-8 - 1.0).abs() < 0.2, "{share:?}");
+    let (plain, _) = asked(&search(3, 60_000, 1), |u| f64::from(u8::from(u[0] < FAR)));
+    let share = plain.share.unwrap();
+    assert!((share.value / 1e-8 - 1.0).abs() < 0.2, "{share:?}");
+}
+
 /// Takes minutes: `cargo test --release -p sampling --lib -- --ignored intervals_of_many_regions`. The example `rare` tries
 /// more events.
 #[test]
