@@ -48,7 +48,7 @@ pub(super) fn tell<E>(
         let all = found.points.len() as f64;
         let points = found.points.into_iter();
         let missed: Vec<Vec<f64>> = points.filter(|p| weight(p, &from) > limit).collect();
-        parts.push(1.0 - missed.len() as f64 / all);
+        parts.push((found.share, 1.0 - missed.len() as f64 / all));
         outside.extend(missed);
     }
     if parts.len() < FEWEST {
@@ -76,13 +76,16 @@ pub(super) fn tell<E>(
     Ok(true)
 }
 
-/// The share of which draws tell a part, with a relative variance, and each search which part that is. None where the interval
-/// is too wide.
-fn joined(parts: &[f64], inside: f64, variance: f64, confidence: f64) -> Option<Share> {
+/// The share of which draws tell a part, with a relative variance, and each search, with its own share, which part that is.
+/// A search counts by its share: one that came to little of the event knows little of its parts. None where the interval is
+/// too wide.
+fn joined(parts: &[(f64, f64)], inside: f64, variance: f64, confidence: f64) -> Option<Share> {
     let count = parts.len() as f64;
-    let part = parts.iter().sum::<f64>() / count;
-    let squares: f64 = parts.iter().map(|p| (p - part).powi(2)).sum();
-    let deviation = (squares / (count - 1.0) / count).sqrt().max(UNSEEN);
+    let all: f64 = parts.iter().map(|(share, _)| share).sum();
+    let part = parts.iter().map(|(share, p)| share * p).sum::<f64>() / all;
+    let apart = parts.iter().map(|(share, p)| share / all * (p - part));
+    let squares: f64 = apart.map(|apart| apart * apart).sum();
+    let deviation = (squares * count / (count - 1.0)).sqrt().max(UNSEEN);
     let error = (variance + (deviation / part).powi(2)).sqrt();
     let student = StudentsT::new(0.0, 1.0, count - 1.0).ok()?;
     let half = student.inverse_cdf(0.5 + 0.5 * confidence) * error;
@@ -103,7 +106,13 @@ mod tests {
 
     #[test]
     fn the_part_that_draws_do_not_tell_is_added_with_its_scatter() {
-        let share = joined(&[0.9, 0.7, 0.8, 0.8], 8e-8, 1e-4, 0.95).unwrap();
+        let share = joined(
+            &[0.9, 0.7, 0.8, 0.8].map(|part| (2e-7, part)),
+            8e-8,
+            1e-4,
+            0.95,
+        )
+        .unwrap();
         assert!((share.value - 1e-7).abs() < 1e-20);
         // The deviation of the mean of the parts is 0.0408; Student's quantile with 3 degrees of freedom is 3.182.
         let error = (1e-4_f64 + 0.040_824_829_f64.powi(2) / 0.64).sqrt();
@@ -113,11 +122,22 @@ mod tests {
         assert!(
             (low / 1e-7 - (-half).exp()).abs() < 1e-6 && (high / 1e-7 - half.exp()).abs() < 1e-6
         );
+        // A search counts by its share.
+        let parts = [(1e-7, 0.8), (1e-7, 0.8), (1e-7, 0.8), (0.0, 0.1)];
+        assert!((joined(&parts, 8e-8, 0.0, 0.95).unwrap().value - 1e-7).abs() < 1e-20);
         // Searches that all see the same may lose the same.
-        let error = joined(&[1.0; 4], 1e-7, 0.0, 0.95).unwrap().error;
+        let error = joined(&[(1e-7, 1.0); 4], 1e-7, 0.0, 0.95).unwrap().error;
         assert_eq!(error, UNSEEN);
-        assert_eq!(joined(&[1.0, 0.1, 0.2, 0.9], 1e-7, 1e-4, 0.95), None);
-        assert_eq!(joined(&[1.0; 4], 0.0, f64::NAN, 0.95), None);
-        assert_eq!(joined(&[0.0; 4], 0.0, 1e-4, 0.95), None);
+        assert_eq!(
+            joined(
+                &[1.0, 0.1, 0.2, 0.9].map(|part| (2e-7, part)),
+                1e-7,
+                1e-4,
+                0.95
+            ),
+            None
+        );
+        assert_eq!(joined(&[(1e-7, 1.0); 4], 0.0, f64::NAN, 0.95), None);
+        assert_eq!(joined(&[(1e-7, 0.0); 4], 0.0, 1e-4, 0.95), None);
     }
 }
