@@ -6,27 +6,17 @@
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::draws::{draw, weight};
-use super::gather::Gathered;
+use super::gather::{DRAWS, FEWEST, Gathered};
 use super::runs::Runs;
 use super::weigh::regions;
 use super::{Answer, Method, Search, Share, Weighted};
 use crate::random::Random;
 
-/// Fewer searches do not tell how they scatter.
-const FEWEST: usize = 4;
 const MOST: usize = 8;
-/// This part of all runs is left for the draws.
-const DRAWS: u64 = 12;
 /// Chance leaves a part of so much unseen.
 const UNSEEN: f64 = 0.02;
 /// The widest interval that tells anything: it ends at the share divided and multiplied by this.
 const WIDEST: f64 = 3.0;
-
-/// The runs that must be left for this before another search is gathered, where one takes so many: with all that follows it,
-/// that takes as many as two or three.
-pub(super) fn needed(search: &Search, of_search: u64) -> u64 {
-    (FEWEST as u64 + 3) * of_search + search.runs / DRAWS
-}
 
 /// States the share with the runs that are left; false where they do not tell it.
 pub(super) fn tell<E>(

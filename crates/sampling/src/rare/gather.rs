@@ -5,7 +5,6 @@
 //! new tells that little is lost. Parts that all searches lose alike are looked for by walks (`descend`), and what the levels
 //! lead away from by points drawn wider; chains lead from their hits to where the event is most probable.
 
-use super::bridge::needed;
 use super::descend::descend;
 use super::draws::draw;
 use super::explore::{Population, explore};
@@ -33,6 +32,17 @@ const OUTSIDE: f64 = 100.0;
 const TRIALS: usize = 3;
 /// The mixture cannot be trusted when fewer draws of a trial meet the event.
 const FEWEST_HITS: usize = 30;
+
+/// Fewer fresh searches do not tell how they scatter, where they take part in telling the share.
+pub(super) const FEWEST: usize = 4;
+/// This part of all runs is left for the draws that tell the other part.
+pub(super) const DRAWS: u64 = 12;
+
+/// The runs that must be left for both before another search is gathered, where one takes so many: with all that follows it,
+/// that takes as many as two or three.
+fn needed(search: &Search, of_search: u64) -> u64 {
+    (FEWEST as u64 + 3) * of_search + search.runs / DRAWS
+}
 
 /// What searches have gathered.
 #[derive(Debug, Default)]
