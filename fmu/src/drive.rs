@@ -67,7 +67,30 @@ impl Drive {
         let swing = tau * (speed * sin * even + command.slope * h * cos * odd);
         steady + self.fluctuation_amplitude * swing
     }
+
+    /// Whether the speed fluctuates.
+    pub fn fluctuates(&self) -> bool {
+        self.fluctuation_amplitude != 0.0 && self.fluctuation_frequency != 0.0
+    }
+
+    /// The fewest turns, at a commanded speed (rad/s) that stays, after which the fluctuation repeats itself, too: it takes them a
+    /// whole number of its own periods, and the shaft a whole number of turns. `None` if there are none up to [`MOST_TURNS`].
+    pub fn common_turns(&self, speed: f64) -> Option<u32> {
+        if !self.fluctuates() {
+            return Some(1);
+        }
+        let periods_per_turn = self.fluctuation_frequency * TAU / speed.abs();
+        (1..=MOST_TURNS).find(|turns| {
+            let periods = f64::from(*turns) * periods_per_turn;
+            (periods - periods.round()).abs() <= WHOLE * periods
+        })
+    }
 }
+
+/// Over more turns than these, temperatures do more than drift.
+pub const MOST_TURNS: u32 = 64;
+/// A number of periods counts as whole up to this relative rounding.
+const WHOLE: f64 = 1e-9;
 
 impl Drive {
     /// Friction torque of the bearings that support the shaft, N.m, at a load (N) and a shaft speed (rad/s); `radius` (m) is
@@ -138,6 +161,48 @@ mod tests {
             (turned - expected).abs() < 1e-12 * expected,
             "{fluctuation_frequency} Hz: {turned}, {expected}"
         );
+    }
+
+    /// At 300 rpm a turn takes 0.2 s.
+    #[test]
+    fn speed_and_angle_repeat_after_their_common_turns() {
+        for (fluctuation_frequency, turns) in [(0.5, 10), (1.5, 10), (5.0, 1), (50.0, 1), (0.0, 1)]
+        {
+            let drive = Drive {
+                fluctuation_amplitude: 0.5,
+                fluctuation_frequency,
+                ..Drive::default()
+            };
+            let command = Command {
+                time: 1.3,
+                speed: -10.0 * std::f64::consts::PI,
+                slope: 0.0,
+            };
+            assert_eq!(drive.common_turns(command.speed), Some(turns));
+            let span = 0.2 * f64::from(turns);
+            let turned = drive.turned(&command, span) / TAU;
+            assert!((turned + f64::from(turns)).abs() < 1e-12, "{turned}");
+            let [now, then] = [0.0, span].map(|tau| drive.speed(&command, tau));
+            assert!((now - then).abs() < 1e-11, "{now} {then}");
+        }
+    }
+
+    #[test]
+    fn not_every_fluctuation_repeats_with_the_turns() {
+        let turns = |fluctuation_frequency, speed| {
+            let drive = Drive {
+                fluctuation_amplitude: 0.5,
+                fluctuation_frequency,
+                ..Drive::default()
+            };
+            drive.common_turns(speed)
+        };
+        assert_eq!(turns(5.0 / 64.0, TAU * 5.0), Some(64));
+        for frequency in [5.0 / 65.0, 0.5 * std::f64::consts::SQRT_2, 1e-12] {
+            assert_eq!(turns(frequency, TAU * 5.0), None);
+        }
+        assert_eq!(turns(0.5, 0.0), None);
+        assert_eq!(Drive::default().common_turns(0.0), Some(1));
     }
 
     #[test]

@@ -5,7 +5,8 @@
 //! smooth function of these two alone, as long as speed and load repeat themselves. So a few orbits
 //! span a curve, or a family of curves where the clearance changes, and temperatures and wear follow the averaged heat with a stiff solver and error control
 //! (the averaging principle: Sanders, Verhulst & Murdock 2007, Averaging Methods in Nonlinear
-//! Dynamical Systems, ch. 2). The turn at the end is for the caller to resolve.
+//! Dynamical Systems, ch. 2). The turn at the end is for the caller to resolve. Where speed and load repeat themselves only after
+//! several turns of the shaft, a turn here is all of these.
 //!
 //! Three errors are controlled, each as a multiple of the solver's tolerance: a turn's own (its place and its
 //! mean heat, by the embedded method), what a turn misses its beginning by (what is left of it is extrapolated
@@ -56,6 +57,10 @@ pub enum NoLeap {
 pub trait TwoScales {
     /// Duration of a turn, s.
     fn period(&self) -> f64;
+    /// The shaft's turns in it.
+    fn turns(&self) -> usize {
+        1
+    }
     /// Rate of the eccentricity-ratio vector, 1/s, and the flows, `tau` seconds into a turn, at a film viscosity, Pa.s, and a
     /// clearance, m.
     fn journal(

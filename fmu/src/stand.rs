@@ -12,6 +12,7 @@
 //! The shaft angle is not one of them: it follows from the speed in closed form.
 
 mod clearance;
+mod cycle;
 mod exchange;
 mod film_leap;
 mod inputs;
@@ -462,6 +463,9 @@ impl Model for Stand {
             "with every turn resolved"
         };
         log.log(EVENTS, format_args!("{step:?} s from {time:?} s {how}"));
+        if let Some(why) = self.hindrance().filter(|_| self.is_long(step)) {
+            log.log(EVENTS, format_args!("no leap: {why}"));
+        }
         let done = if leaps {
             self.leap(step, log)
         } else {

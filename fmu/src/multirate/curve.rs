@@ -36,13 +36,13 @@ const WIDENING: f64 = 4.0;
 const FARTHEST: f64 = 0.5;
 /// No orbits are found closer together than this.
 const CLOSEST: f64 = 0.01;
-/// Internal steps in all turns of a leap, at the most: a leap takes some thousands.
+/// Internal steps in all turns of a leap, at the most, for each of the shaft's turns in one: a leap takes some thousands.
 const MOST_STEPS: usize = 200_000;
-/// Steps per turn with which the first turn begins.
+/// Steps per turn of the shaft with which the first turn begins.
 const FIRST_STEPS: f64 = 6.0;
 /// Error allowed in the place per step within a turn, at a relative tolerance of one.
 const PLACE_ERROR: f64 = 100.0;
-/// The same of a turn's mean heat, as a part of it.
+/// The same of the mean heat of one of the shaft's turns, as a part of it.
 const HEAT_ERROR: f64 = 100.0;
 /// The same of what the last term of the polynomial between the orbits contributes to it.
 const CURVE_ERROR: f64 = 500.0;
@@ -103,8 +103,8 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             piece: None,
             slope: SMatrix::zeros(),
             heat: flows.viscous + flows.boundary,
-            step: model.period() / FIRST_STEPS,
-            left: MOST_STEPS,
+            step: model.period() / (model.turns() as f64 * FIRST_STEPS),
+            left: MOST_STEPS * model.turns(),
         };
         // The resolved turn gives a better slope.
         let turn = curve.turn(viscosity, end)?;
@@ -300,7 +300,8 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             allowed: [PLACE_ERROR * self.tolerance; 2],
             budget: Budget::of(self.left),
         };
-        let heat_error = HEAT_ERROR * self.tolerance * self.heat * period;
+        let heat_error =
+            HEAT_ERROR * self.tolerance * self.heat * period / self.model.turns() as f64;
         let along = [heat_error, heat_error, f64::INFINITY];
         let mut y = start.into();
         let (work, integrals) =

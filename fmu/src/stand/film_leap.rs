@@ -1,4 +1,5 @@
-//! Leaps of a film that takes steps of its own: turns of its approach to its orbit, the leap, and the turns of its landing.
+//! Leaps of a film that takes steps of its own: turns of its approach to its orbit, the leap, and the turns of its landing. Turns
+//! are those of its [scout](super::scout).
 
 use super::scout::{SETTLED, Scout, Turn, share};
 use super::{EVENTS, Stand};
@@ -56,13 +57,14 @@ impl Stand {
 
     /// Leaps over all but the last turns of `span` seconds.
     fn leap_over_most(&mut self, span: f64) -> Result<Scout, NoLeap> {
-        let period = self.period();
-        let whole = (span / period) as usize;
+        let cycle = self.cycle();
+        let whole = (span / cycle) as usize;
         let most = APPROACH_TURNS.min((APPROACH_SHARE * whole as f64) as usize);
         let mut resolved = Vec::new();
         while resolved.len() < most && !repeats(&resolved, share(SETTLED, self)) {
-            resolved.push(self.resolve_turn()?);
+            resolved.push(self.resolve_cycle()?);
         }
+        self.check_swing()?;
         let mut scout = self.scout(&resolved)?;
         let first = scout.approach;
         if let Some(share) = first.map(|first| first.share).filter(|&share| share > FAR) {
@@ -75,11 +77,12 @@ impl Stand {
             let needed = resolved.len() + more;
             if needed as f64 > LONGEST_APPROACH * whole as f64 {
                 return Err(NoLeap::Untold(format!(
-                    "the film needs {needed} turns to come near its orbit"
+                    "the film needs {} turns to come near its orbit",
+                    needed * self.turns_of_a_cycle()
                 )));
             }
             for _ in 0..more {
-                resolved.push(self.resolve_turn()?);
+                resolved.push(self.resolve_cycle()?);
             }
             scout = self.scout(&resolved)?;
         }
@@ -89,7 +92,8 @@ impl Stand {
         let landing = scout.landing(first, turns, &end)?;
         if landing as f64 > LONGEST_LANDING * whole as f64 {
             return Err(NoLeap::Untold(format!(
-                "the film stays behind its orbit for {landing} turns"
+                "the film stays behind its orbit for {} turns",
+                landing * self.turns_of_a_cycle()
             )));
         }
         if landing > 0 {
@@ -103,7 +107,7 @@ impl Stand {
         let eccentricity = film
             .expect("only a transient film leads a leap")
             .eccentricity();
-        self.arrive(turns as f64 * period, eccentricity, end);
+        self.arrive(turns as f64 * cycle, eccentricity, end);
         self.state.means.restart();
         Ok(scout)
     }

@@ -1,4 +1,4 @@
-//! Communication steps: turn by turn, or with a leap over whole turns.
+//! Communication steps: turn by turn, or with a leap over whole turns, in whole [cycles](super::cycle).
 
 use super::scout::Turn;
 use super::{EVENTS, SCALES, Stand, Unknowns, temperatures, unknowns, worn};
@@ -9,16 +9,12 @@ use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
 
-/// Shorter communication steps, in turns, are resolved turn by turn.
-const FEWEST_TURNS: f64 = 12.0;
-/// The same with a film that takes steps of its own.
-const FEWEST_TURNS_OF_A_FILM: f64 = 40.0;
-/// Turns that are resolved after a leap.
-const TURNS_AT_THE_END: usize = 1;
-/// The journal is near its orbit if a turn moves it by less than this share of the clearance.
+/// Cycles that are resolved after a leap.
+const CYCLES_AT_THE_END: usize = 1;
+/// The journal is near its orbit if a cycle moves it by less than this share of the clearance.
 const SETTLED: f64 = 1e-2;
-/// Turns after which it leaps even if it is not near its orbit, as the rest of its approach adds little heat.
-const MOST_SETTLING_TURNS: usize = 1;
+/// Cycles after which it leaps even if it is not near its orbit, as the rest of its approach adds little heat.
+const MOST_SETTLING_CYCLES: usize = 1;
 /// Factor on the solver's tolerance in the turns before a leap, of which only their heat matters later.
 const SETTLING_SLACK: f64 = 1000.0;
 /// Factor on the solver's tolerance in the turns after a leap, whose start is not known any better.
@@ -65,7 +61,7 @@ impl Stand {
             allowed: SCALES.map(|scale| slack * self.solver.tolerance * scale),
             budget: Budget {
                 at_once: STEPS_AT_ONCE,
-                per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.period(),
+                per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.turn(),
                 most: MOST_STEPS,
             },
         };
@@ -111,9 +107,9 @@ impl Stand {
         }
     }
 
-    /// Lets a turn pass with a transient film, in longer steps than those of other turns: its mean heat hardly depends on them.
-    pub(super) fn resolve_turn(&mut self) -> Result<Turn, Fault> {
-        self.resolve_transient(self.period(), ROUGH_STEPS)
+    /// Lets a cycle pass with a transient film, in longer steps than those of other cycles: its mean heat hardly depends on them.
+    pub(super) fn resolve_cycle(&mut self) -> Result<Turn, Fault> {
+        self.resolve_transient(self.cycle(), ROUGH_STEPS)
     }
 
     /// Lets `span` seconds pass with a transient film, in steps that are `longer` by a factor: in each of them first the film
@@ -177,7 +173,7 @@ impl Stand {
     }
 
     fn longest_film_step(&self) -> f64 {
-        LONGEST_FILM_STEP.min(self.period() / FILM_STEPS_PER_TURN)
+        LONGEST_FILM_STEP.min(self.turn() / FILM_STEPS_PER_TURN)
     }
 
     /// The first inner step of a communication step of `span` seconds, s: one of the film or of the time integration. Where that
@@ -228,37 +224,38 @@ impl Stand {
         self.inputs.each(|input| input.value = input.at(span));
     }
 
-    /// Lets `span` seconds pass with a leap over most of its turns: turns until the journal is near its orbit are
-    /// resolved, then it leaps, and the last turns are resolved. If there is no leap, the log says why, and all turns
+    /// Lets `span` seconds pass with a leap over most of its cycles: cycles until the journal is near its orbit are
+    /// resolved, then it leaps, and the last cycles are resolved. If there is no leap, the log says why, and all turns
     /// are resolved.
     pub(super) fn leap(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Fault> {
         if self.film.is_transient() {
             return self.leap_with_film(span, log);
         }
         let before = self.state;
-        let period = self.period();
+        let cycle = self.cycle();
         let mut slack = 1.0;
-        let mut left = (span / period) as usize;
-        let mut settling = MOST_SETTLING_TURNS;
-        while left > TURNS_AT_THE_END {
+        let mut left = (span / cycle) as usize;
+        let mut settling = MOST_SETTLING_CYCLES;
+        while left > CYCLES_AT_THE_END {
             let start = self.state.eccentricity;
-            self.resolve_within(SETTLING_SLACK, period)?;
+            self.resolve_within(SETTLING_SLACK, cycle)?;
             left -= 1;
             let end = self.state.eccentricity;
             settling -= 1;
             let settled = settling == 0 || (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
-            if !settled || left <= TURNS_AT_THE_END {
+            if !settled || left <= CYCLES_AT_THE_END {
                 continue;
             }
-            let turns = left - TURNS_AT_THE_END;
+            let cycles = left - CYCLES_AT_THE_END;
             let from = Departure {
                 before: start,
                 ..self.state.departure()
             };
-            match multirate::leap(self, self.solver.tolerance, turns, from) {
+            let steady = self.check_swing();
+            match steady.and_then(|()| multirate::leap(self, self.solver.tolerance, cycles, from)) {
                 Ok(landing) => {
                     self.state.worn = landing.worn;
-                    let span = turns as f64 * period;
+                    let span = cycles as f64 * cycle;
                     self.arrive(span, landing.eccentricity, landing.temperatures);
                     self.state.means.restart();
                     slack = LANDING_SLACK;
@@ -267,39 +264,27 @@ impl Stand {
                     self.state.temperatures = at;
                     self.check_clearance()?;
                 }
-                Err(reason) => log.log(
-                    EVENTS,
-                    format_args!("no leap over {turns} turns, they are resolved: {reason}"),
-                ),
+                Err(reason) => {
+                    let turns = cycles * self.turns_of_a_cycle();
+                    log.log(
+                        EVENTS,
+                        format_args!("no leap over {turns} turns, they are resolved: {reason}"),
+                    );
+                }
             }
             break;
         }
         self.resolve_within(slack, span - (self.state.time - before.time))
     }
-
-    /// Whether a step can leap: speed and load must repeat every turn, and the step must have enough turns.
-    pub(super) fn can_leap(&self, span: f64) -> bool {
-        let steady = (self.inputs.all().iter()).all(|input| input.slope == 0.0);
-        let fewest = if self.film.is_transient() {
-            FEWEST_TURNS_OF_A_FILM
-        } else {
-            FEWEST_TURNS
-        };
-        self.solver.multirate
-            && steady
-            && self.drive.fluctuation_amplitude == 0.0
-            && !(self.film.is_transient() && self.wears())
-            && span > fewest * self.period()
-    }
-
-    pub(super) fn period(&self) -> f64 {
-        std::f64::consts::TAU / self.inputs.speed.value.abs()
-    }
 }
 
 impl TwoScales for Stand {
     fn period(&self) -> f64 {
-        self.period()
+        self.cycle()
+    }
+
+    fn turns(&self) -> usize {
+        self.turns_of_a_cycle()
     }
 
     fn journal(

@@ -8,6 +8,8 @@
 //!
 //! Where thick oil leaves a narrow film slowly, the approach to the orbit lasts tens of turns. The resolved turns before the leap
 //! show how it shrinks. The heat that the rest of it adds comes into the leap.
+//!
+//! Where speed and load repeat themselves only after several turns of the shaft, a turn here is all of these.
 
 use super::Stand;
 use crate::bearing::{Film, Flows};
@@ -80,7 +82,7 @@ pub(super) struct Scout {
     pub approach: Option<Approach>,
     /// The temperatures where it began to look.
     departure: Temperatures,
-    /// Turns ahead so far.
+    /// The shaft's turns ahead so far.
     pub turns: usize,
 }
 
@@ -127,8 +129,8 @@ impl Scout {
         }
         let mut before: Option<Flows> = None;
         for _ in 0..ORBIT_TURNS {
-            let turn = ahead.resolve_turn()?;
-            self.turns += 1;
+            let turn = ahead.resolve_cycle()?;
+            self.turns += ahead.turns_of_a_cycle();
             let Some(film) = ahead.film.transient() else {
                 break;
             };
@@ -143,7 +145,8 @@ impl Scout {
             before = Some(turn.flows);
         }
         Err(NoLeap::Untold(format!(
-            "the film's heat does not repeat itself after {ORBIT_TURNS} turns"
+            "the film's heat does not repeat itself after {} turns",
+            ORBIT_TURNS * self.ahead.turns_of_a_cycle()
         )))
     }
 
@@ -274,7 +277,7 @@ impl Scout {
             multirate::vector(&self.mobility.thermal_rates(0.0, t, clearance, flows))
         };
         let added = rates(flows) - rates(&Flows::default());
-        multirate::temperatures(&(multirate::vector(t) + added * self.mobility.period()))
+        multirate::temperatures(&(multirate::vector(t) + added * self.mobility.cycle()))
     }
 
     fn part(&self, turns: usize, from: &Departure) -> Result<Vec<Temperatures>, NoLeap> {

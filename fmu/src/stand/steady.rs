@@ -11,12 +11,14 @@
 //! Most of the cost is that of the last turns, which must be exact. So the first ones are rough, and the averaged balance knows
 //! the clearance's part from few orbits ([`Across::Parabolas`]).
 //!
-//! For the Reynolds film the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
+//! Where speed and load repeat themselves only after several turns of the shaft, a turn here is all of these. For the Reynolds film
+//! the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
 //! of the Reynolds film, so that its own heat is balanced.
 
 mod newton;
 
 use super::{EVENTS, Stand, State, Unknowns, unknowns};
+use crate::drive::MOST_TURNS;
 use crate::multirate::{
     self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector,
 };
@@ -55,7 +57,7 @@ const LANDING_TURNS: usize = 20;
 const LARGEST_CHANGE: f64 = 10.0;
 /// The refinement may not leave the averaged equilibrium by more than this, K.
 const FARTHEST: f64 = 5.0;
-/// Internal steps in one such turn, at most.
+/// Internal steps in one such turn, at most, for each of the shaft's turns in it.
 const STEPS: usize = 1_000_000;
 
 impl Stand {
@@ -115,7 +117,7 @@ impl Stand {
         } else {
             self.refine(&equilibrium)?
         };
-        Ok((equilibrium.drift, turns))
+        Ok((equilibrium.drift, turns * self.turns_of_a_cycle()))
     }
 
     /// Refuses what has no steady state: there must be a turn that repeats, and heat must be able to leave.
@@ -125,10 +127,13 @@ impl Stand {
                 "drive.speed is 0, so that there is no turn over which heat could be averaged: set a speed",
             ));
         }
-        if self.drive.fluctuation_amplitude != 0.0 {
-            return Err(refusal(
-                "turns do not repeat while the speed fluctuates: set drive.fluctuationAmplitude = 0",
-            ));
+        if self.turns().is_none() {
+            return Err(refusal(format_args!(
+                "turns of {:.4e} s and a fluctuation of drive.fluctuationFrequency = {:?} Hz have no common period of up to \
+                 {MOST_TURNS} turns: set another frequency, or drive.fluctuationAmplitude = 0",
+                self.turn(),
+                self.drive.fluctuation_frequency
+            )));
         }
         if !self.thermal.isothermal && !self.thermal.loses_heat() {
             return Err(refusal(
@@ -160,11 +165,11 @@ impl Stand {
     fn refine(&mut self, equilibrium: &Equilibrium) -> Result<usize, Fault> {
         self.state.eccentricity = equilibrium.eccentricity;
         self.state.temperatures = equilibrium.temperatures;
-        let period = self.period();
+        let period = self.cycle();
         let slow = vector(&equilibrium.temperatures);
         let quick = (0.0..QUICK).contains(&multirate::slowest_time_constant(&equilibrium.drift));
         let mut newton = Newton::new(equilibrium, period, self.thermal.isothermal);
-        let mut step = period / 100.0;
+        let mut step = self.turn() / 100.0;
         let mut slack = if quick { ROUGH } else { 1.0 };
         for turn in 1..=TURNS {
             let start = unknowns(&self.state);
@@ -185,7 +190,7 @@ impl Stand {
             self.state.temperatures = multirate::temperatures(&t);
             let (warmer, moved) = (change.temperatures.amax(), seen.miss.norm());
             if slack == 1.0 && warmer < CLOSE && moved < CLOSE_PLACE {
-                self.state.means = TurnMeans::after(means);
+                self.state.means = self.last_turn(means)?;
                 return Ok(turn);
             }
             let off = moved.max(warmer / WARMING);
@@ -213,7 +218,7 @@ impl Stand {
                 eccentricity: start,
                 ..begin
             };
-            self.resolve(self.period()).map_err(refusal)?;
+            self.resolve(self.cycle()).map_err(refusal)?;
             let end = self.state.eccentricity;
             let moved = (end[0] - start[0]).hypot(end[1] - start[1]);
             let miss = vector(&self.state.temperatures) - t;
@@ -245,7 +250,7 @@ impl Stand {
         }
         let from = Departure::at([0.0; 2], multirate::temperatures(t), self.state.worn);
         let drift = multirate::drift(self, AVERAGED, &from).map_err(refusal)?;
-        (Matrix4::identity() - lasting(&drift, self.period()))
+        (Matrix4::identity() - lasting(&drift, self.cycle()))
             .lu()
             .solve(miss)
             .ok_or_else(|| refusal("the heat balance has no definite solution"))
@@ -262,15 +267,26 @@ impl Stand {
         let integrator = DormandPrince {
             allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T, f64::INFINITY]
                 .map(|error| slack * error),
-            budget: Budget::of(STEPS),
+            budget: Budget::of(STEPS * self.turns_of_a_cycle()),
         };
         let mut y = *start;
         let mut oil = self.nearby;
         let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil);
         let any = [f64::INFINITY; SENSORS];
-        let (_, integrals) =
-            integrator.integrate_along(course, &mut y, any, self.period(), step)?;
-        Ok((y, integrals.map(|integral| integral / self.period())))
+        let (_, integrals) = integrator.integrate_along(course, &mut y, any, self.cycle(), step)?;
+        Ok((y, integrals.map(|integral| integral / self.cycle())))
+    }
+
+    /// The sensors' means over the shaft's last turn, from those over all turns of a cycle. If there are several, another cycle
+    /// shows the last one.
+    fn last_turn(&self, means: Sensed) -> Result<TurnMeans, Fault> {
+        if self.turns_of_a_cycle() == 1 {
+            return Ok(TurnMeans::after(means));
+        }
+        let mut ahead = self.clone();
+        ahead.solver.tolerance = PLACE_ERROR;
+        ahead.resolve(ahead.cycle()).map_err(refusal)?;
+        Ok(ahead.state.means.begin_turn())
     }
 }
 

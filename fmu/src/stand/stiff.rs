@@ -35,7 +35,7 @@ impl Stand {
             allowed: [ex, ey, film, bush, shaft, bath, worn, f64::INFINITY],
             budget: Budget {
                 at_once: STEPS_AT_ONCE,
-                per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.period(),
+                per_second: STEPS_PER_SECOND + STEPS_PER_TURN / self.turn(),
                 most: MOST_STEPS,
             },
         };

@@ -104,6 +104,17 @@ fn a_leap_is_what_resolved_turns_are() {
     }
 }
 
+/// Two turns take one period of the fluctuation.
+#[test]
+fn a_leap_goes_over_a_fluctuating_speed() {
+    let fluctuating = |stand: &mut Stand| {
+        stand.drive.fluctuation_amplitude = 0.025;
+        stand.drive.fluctuation_frequency = 2.5;
+    };
+    let turns = check(fluctuating, 40.0);
+    assert!(turns < 30, "{turns} of 200 turns were needed");
+}
+
 /// Point 194 of 200 of studies/paper-table3.toml: a clearance of 3.8 um, in which the film heats by 35 K. A leap would be off by
 /// more than 1 % of the tolerances.
 #[test]

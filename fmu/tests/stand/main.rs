@@ -7,6 +7,7 @@ mod energy;
 mod exchange;
 mod extremes;
 mod film_leaps;
+mod fluctuation;
 mod hot;
 mod literature;
 mod lives;

@@ -124,6 +124,20 @@ fn a_steady_start_knows_its_turn() {
     }
 }
 
+/// The last of the ten turns that take one period of the fluctuation.
+#[test]
+fn a_steady_start_knows_its_last_turn_of_several() {
+    let mut stand = start(|stand| {
+        stand.thermal.initialization = Initialization::SteadyState;
+        stand.drive.fluctuation_amplitude = 0.025;
+    });
+    let known = stand.means();
+    stand.advance(0.0, 9.0 * TURN, &mut ()).unwrap();
+    assert!((stand.means()[1] / known[1] - 1.0).abs() > 1e-4);
+    stand.advance(9.0 * TURN, TURN, &mut ()).unwrap();
+    assert_close(stand.means(), known, 2e-6);
+}
+
 #[test]
 fn the_means_follow_the_speed() {
     // Twice as fast backwards: the load's turn takes half the time.

@@ -30,11 +30,13 @@ fn temperatures(r: &Readings) -> [f64; 4] {
     ]
 }
 
+/// The time after which speed and load repeat themselves.
 fn period(stand: &Stand) -> f64 {
-    TAU / stand.inputs.speed.value.abs()
+    let speed = stand.inputs.speed.value.abs();
+    f64::from(stand.drive.common_turns(speed).unwrap()) * TAU / speed
 }
 
-/// Means over the turn that follows.
+/// Means over the period that follows.
 fn means<const N: usize>(
     stand: &mut Stand,
     begin: f64,
@@ -89,11 +91,19 @@ fn random(number: usize) -> Stand {
     stand
 }
 
-/// The steady start of a random stand against a run with every turn resolved, over twenty time constants.
-fn check_against_resolved_turns(number: usize) {
-    let mut steady = start(random(number), Initialization::SteadyState);
+/// The same with a speed that fluctuates, and repeats itself after four turns.
+fn fluctuating(number: usize) -> Stand {
+    let mut stand = random(number);
+    stand.drive.fluctuation_amplitude = draw(number)(0.02, 0.3);
+    stand.drive.fluctuation_frequency = 0.25 * stand.inputs.speed.value / TAU;
+    stand
+}
+
+/// The steady start of a stand against a run with every turn resolved, over twenty time constants.
+fn check_against_resolved_turns(number: usize, stand: Stand) {
+    let mut given = stand.clone();
+    let mut steady = start(stand, Initialization::SteadyState);
     let slowest = steady.slowest_time_constant();
-    let mut given = random(number);
     given.solver.multirate = false;
     given.solver.tolerance = 1e-8;
     let mut given = start(given, Initialization::Given);
@@ -118,7 +128,7 @@ fn check_against_resolved_turns(number: usize) {
 #[test]
 fn the_steady_start_is_where_resolved_turns_end() {
     for number in [1, 2] {
-        check_against_resolved_turns(number);
+        check_against_resolved_turns(number, random(number));
     }
 }
 
@@ -126,8 +136,14 @@ fn the_steady_start_is_where_resolved_turns_end() {
 #[ignore = "takes a minute: scripts/test --long"]
 fn ten_steady_starts_are_where_resolved_turns_end() {
     for number in 1..=10 {
-        check_against_resolved_turns(number);
+        check_against_resolved_turns(number, random(number));
+        check_against_resolved_turns(number, fluctuating(number));
     }
+}
+
+#[test]
+fn the_steady_start_of_a_fluctuating_speed_is_where_resolved_turns_end() {
+    check_against_resolved_turns(3, fluctuating(3));
 }
 
 /// Table 2 of the paper: the rig's measured values and their accuracies.
@@ -285,8 +301,11 @@ fn a_refusal_names_its_cause() {
     assert!(refusal(no_loss).contains("no heat can leave: thermal.bushAmbientConductance"));
     let still = |stand: &mut Stand| stand.inputs.speed.value = 0.0;
     assert!(refusal(still).contains("drive.speed is 0"));
-    let swinging = |stand: &mut Stand| stand.drive.fluctuation_amplitude = 0.025;
-    assert!(refusal(swinging).contains("drive.fluctuationAmplitude = 0"));
+    let swinging = |stand: &mut Stand| {
+        stand.drive.fluctuation_amplitude = 0.025;
+        stand.drive.fluctuation_frequency = 0.5 * std::f64::consts::SQRT_2;
+    };
+    assert!(refusal(swinging).contains("drive.fluctuationFrequency = 0.707"));
     let thin = |stand: &mut Stand| {
         stand.bearing.surface.roughness = 0.0;
         stand.oil.viscosity_scale = 1e-3;
@@ -325,9 +344,8 @@ fn the_time_constant_of_any_state() {
     assert!((network / NETWORK - 1.0).abs() < 1e-3, "{network}");
 }
 
-/// A turn of the Reynolds film from its steady start stores nothing: less than 1e-6 of the friction power.
-fn check_the_turn_of_a_reynolds_film(number: usize) {
-    let mut stand = random(number);
+/// A period of the Reynolds film from its steady start stores nothing: less than 1e-6 of the friction power.
+fn check_the_turn_of_a_reynolds_film(number: usize, mut stand: Stand) {
     stand.film.model = FilmModel::Reynolds;
     let mut stand = start(stand, Initialization::SteadyState);
     let before = temperatures(stand.readings());
@@ -357,13 +375,14 @@ fn check_the_turn_of_a_reynolds_film(number: usize) {
 
 #[test]
 fn the_turn_of_a_reynolds_film_is_balanced() {
-    check_the_turn_of_a_reynolds_film(10);
+    check_the_turn_of_a_reynolds_film(10, random(10));
 }
 
 #[test]
 #[ignore = "takes minutes: scripts/test --long"]
 fn ten_turns_of_reynolds_films_are_balanced() {
     for number in 1..=10 {
-        check_the_turn_of_a_reynolds_film(number);
+        check_the_turn_of_a_reynolds_film(number, random(number));
+        check_the_turn_of_a_reynolds_film(number, fluctuating(number));
     }
 }
