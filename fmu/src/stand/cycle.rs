@@ -24,13 +24,13 @@ impl Stand {
     }
 
     /// The turns of a cycle; `None` if speed and load do not repeat themselves.
-    pub(super) fn turns(&self) -> Option<u32> {
+    pub(super) fn common_turns(&self) -> Option<u32> {
         self.drive.common_turns(self.inputs.speed.value)
     }
 
     /// The same as a number. Nothing asks for it where they do not.
     pub(super) fn turns_of_a_cycle(&self) -> usize {
-        self.turns().unwrap_or(1) as usize
+        self.common_turns().unwrap_or(1) as usize
     }
 
     /// The duration of a cycle, s.
@@ -56,7 +56,7 @@ impl Stand {
 
     /// Why no step leaps, however long it is.
     pub(super) fn hindrance(&self) -> Option<&'static str> {
-        if self.turns().is_none() {
+        if self.common_turns().is_none() {
             return Some("drive.fluctuationFrequency and drive.speed have no common period");
         }
         let wears = self.bearing.wear.coefficient > 0.0;

@@ -11,9 +11,10 @@
 //! Most of the cost is that of the last turns, which must be exact. So the first ones are rough, and the averaged balance knows
 //! the clearance's part from few orbits ([`Across::Parabolas`]).
 //!
-//! Where speed and load repeat themselves only after several turns of the shaft, a turn here is all of these. For the Reynolds film
-//! the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
+//! For the Reynolds film the mobility film's balance chooses the equilibrium and gives J. Every turn of the refinement is one
 //! of the Reynolds film, so that its own heat is balanced.
+//!
+//! Where speed and load repeat themselves only after several turns of the shaft, a turn here is all of these.
 
 mod newton;
 
@@ -127,7 +128,7 @@ impl Stand {
                 "drive.speed is 0, so that there is no turn over which heat could be averaged: set a speed",
             ));
         }
-        if self.turns().is_none() {
+        if self.common_turns().is_none() {
             return Err(refusal(format_args!(
                 "turns of {:.4e} s and a fluctuation of drive.fluctuationFrequency = {:?} Hz have no common period of up to \
                  {MOST_TURNS} turns: set another frequency, or drive.fluctuationAmplitude = 0",

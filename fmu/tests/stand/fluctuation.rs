@@ -17,6 +17,9 @@ impl Log for Messages {
     }
 }
 
+/// Sets a stand's parameters.
+type Case = fn(&mut Stand);
+
 /// The stand with the paper's fluctuation after `stop` seconds in one step, and what it said.
 fn run(case: impl Fn(&mut Stand), multirate: bool, stop: f64) -> (Stand, String) {
     let mut stand = Stand::default();
@@ -53,7 +56,7 @@ fn check_over_a_fluctuation(case: impl Fn(&mut Stand), stop: f64) {
 
 #[test]
 fn a_leap_goes_over_a_fluctuating_speed() {
-    let cases: [fn(&mut Stand); 4] = [
+    let cases: [Case; 4] = [
         |stand| stand.thermal.initial_bearing = 330.0,
         |stand| stand.oil.viscosity_scale = 60.0,
         |stand| stand.bearing.wear.coefficient = 1e-13,
@@ -85,7 +88,7 @@ fn a_leap_over_an_hour_of_a_fluctuating_speed() {
 /// Where a leap would be wrong, the turns are resolved, and the log names the cause.
 #[test]
 fn a_fluctuation_that_forbids_leaps_is_named() {
-    let cases: [(fn(&mut Stand), &str); 3] = [
+    let cases: [(Case, &str); 3] = [
         (
             |stand| stand.drive.fluctuation_frequency = 0.5 * std::f64::consts::SQRT_2,
             "no leap: drive.fluctuationFrequency and drive.speed have no common period",
