@@ -1,4 +1,4 @@
-"""Writes docs/paper.md from page.md, or checks it against what the paper's tables alone give. See scripts/paper."""
+"""Writes docs/paper.md from page.template, or checks it against what the paper's tables alone give. See scripts/paper."""
 
 import argparse
 import re
@@ -8,7 +8,7 @@ import sys
 import printed
 import simulated
 
-TEMPLATE = printed.ROOT / "scripts/claims/page.md"
+TEMPLATE = printed.ROOT / "scripts/claims/page.template"
 PAGE = printed.ROOT / "docs/paper.md"
 
 
