@@ -4,6 +4,8 @@
 //! The force is `F = i*(F0 + C*x + beta*dx/dt)` with the spring travel `x = k*eps*sin(angle + phase) - x0`. The paper does
 //! not give the lever ratio `i`, the travel ratio `k`, the offset `x0` and the phase. They are fitted to the twelve forces
 //! of its Table 3, which the law reproduces within the printed digits.
+//!
+//! The lever presses and cannot pull: where the law has a negative force, it has lifted off.
 
 use serde::{Deserialize, Serialize};
 
@@ -44,13 +46,21 @@ impl Default for Load {
 }
 
 impl Load {
-    /// Force on the bearing, N, at a shaft angle (rad) and shaft speed (rad/s).
+    /// Force on the bearing, N, at a shaft angle (rad) and shaft speed (rad/s); zero while the lever has lifted off.
     pub fn force(&self, angle: f64, speed: f64) -> f64 {
         let (sin, cos) = (angle + self.phase).sin_cos();
         let reach = self.travel_ratio * self.eccentricity;
         let travel = reach * sin - self.spring_offset;
         let travel_rate = reach * cos * speed;
-        self.lever_ratio * (self.preload + self.stiffness * travel + self.damping * travel_rate)
+        let force = self.preload + self.stiffness * travel + self.damping * travel_rate;
+        (self.lever_ratio * force).max(0.0)
+    }
+
+    /// The smallest force of the law in a turn, N, at a shaft speed (rad/s); negative where the lever lifts off.
+    pub fn least_force(&self, speed: f64) -> f64 {
+        let reach = self.travel_ratio * self.eccentricity;
+        let swing = reach * self.stiffness.hypot(self.damping * speed);
+        self.lever_ratio * (self.preload - self.stiffness * self.spring_offset - swing.abs())
     }
 }
 
@@ -80,5 +90,11 @@ mod tests {
         let base = 16.621 * (48.0 - 100.0 * 0.03267);
         assert!((top - base - 16.621 * 100.0 * 15.74 * 4.1e-4).abs() < 1e-9);
         assert!((middle - base - 16.621 * 14.0 * 15.74 * 4.1e-4 * speed).abs() < 1e-9);
+        let least = |angles: std::ops::Range<i32>, speed: f64| {
+            let forces = angles.map(|k| load.force(f64::from(k) * 1e-3, speed));
+            forces.fold(f64::INFINITY, f64::min)
+        };
+        assert!((least(0..6284, speed) - load.least_force(speed)).abs() < 1e-3);
+        assert!(load.least_force(600.0) < 0.0 && least(0..6284, 600.0) == 0.0);
     }
 }

@@ -59,6 +59,8 @@ pub struct Properties {
     expansion: f64,
     /// Factor on the viscosity, 1; may change while running.
     pub viscosity_scale: f64,
+    /// Temperatures of the first and the last measured row, K; without a file the viscosity law's own limit holds alone.
+    measured: Option<[f64; 2]>,
 }
 
 impl Oil {
@@ -83,6 +85,7 @@ impl Oil {
             density_15: self.density_15,
             expansion: expansion(self.density_15),
             viscosity_scale: self.viscosity_scale,
+            measured: None,
         }
     }
 
@@ -108,6 +111,10 @@ impl Oil {
             density_15,
             expansion,
             viscosity_scale: self.viscosity_scale,
+            measured: Some(rows.iter().fold([f64::INFINITY, 0.0], |[low, high], row| {
+                let temperature = row.temperature + CELSIUS_0;
+                [low.min(temperature), high.max(temperature)]
+            })),
         }
     }
 }
@@ -123,6 +130,23 @@ impl Properties {
         let shifted = (self.d341_factor * temperature.powf(-self.d341_exponent)).exp();
         // Far below 2 mm²/s, where the law no longer holds, subtracting the shift would give a negative viscosity.
         (shifted - D341_SHIFT).max(0.01) * 1e-6
+    }
+
+    /// Why the laws do not hold at a temperature, K: beyond the measured rows, or where the viscosity law ends.
+    pub fn beyond(&self, temperature: f64) -> Option<String> {
+        const LEAST: f64 = 2e-6;
+        if let Some([low, high]) = self.measured
+            && !(low..=high).contains(&temperature)
+        {
+            return Some(format!("the oil was measured from {low:.2} to {high:.2} K"));
+        }
+        let viscosity = self.kinematic_viscosity(temperature);
+        (viscosity < LEAST).then(|| {
+            format!(
+                "its viscosity law (ASTM D341) ends at {:e} m2/s, where it gives {viscosity:.2e}",
+                LEAST
+            )
+        })
     }
 
     /// Density, kg/m³, at a temperature, K (ASTM D1250-80: `exp(-alpha*dT*(1 + 0.8*alpha*dT))`).

@@ -24,6 +24,7 @@ mod slowest;
 mod steady;
 mod stiff;
 mod stuck;
+mod validity;
 
 use crate::bearing::{Bearing, Drift, Film, Flows, Setup, Situation};
 use crate::drive::{Command, Drive};
@@ -74,6 +75,8 @@ struct State {
     means: TurnMeans,
     /// Whether the log has told that the journal does not rest.
     moves: bool,
+    /// The limits that have been passed.
+    validity: i32,
 }
 
 impl State {
@@ -368,10 +371,16 @@ impl Model for Stand {
         copyright: "Copyright (c) 2026 The plain-bearing-stand authors",
         default_step: 0.001,
         default_stop: 150.0,
-        log_categories: &[(
-            EVENTS,
-            "The model's set-up, and how each step is made: with every turn resolved, or in a leap",
-        )],
+        log_categories: &[
+            (
+                EVENTS,
+                "The model's set-up, and how each step is made: with every turn resolved, or in a leap",
+            ),
+            (
+                validity::VALIDITY,
+                "Limits of the model's laws that a run passes, once each",
+            ),
+        ],
         ..fmu_export::info!()
     };
 
@@ -412,10 +421,12 @@ impl Model for Stand {
             next_step: FIRST_STEP,
             means: TurnMeans::default(),
             moves: false,
+            validity: 0,
         };
         self.check_wear_and_clearance()?;
         self.settle(log)?;
         self.update()?;
+        self.check_validity(log);
         log.log(
             EVENTS,
             format_args!(
@@ -482,6 +493,7 @@ impl Model for Stand {
         self.readings = self.read(0.0, &unknowns(&self.state));
         self.resting = resting::Remembered::default();
         self.tell_of_motion(log);
+        self.check_validity(log);
         Ok(())
     }
 

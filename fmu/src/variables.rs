@@ -246,6 +246,11 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.hotRadialClearance" => output!(hot_radial_clearance),
         "bearing.wearDepth" => output!(wear_depth),
         "bearing.journalVelocity" => output!(journal_velocity),
+        "bearing.pressureLimit" => real(field!(bearing.pressure_limit)),
+        "status.validity" => whole(Access {
+            get: |s| s.validity(),
+            set: None,
+        }),
         "bearing.stiffnessXX" => resting!(coefficients.stiffness.m11),
         "bearing.stiffnessXY" => resting!(coefficients.stiffness.m12),
         "bearing.stiffnessYX" => resting!(coefficients.stiffness.m21),

@@ -24,6 +24,8 @@ pub struct Bearing {
     pub wear: Wear,
     /// How a Reynolds film is solved.
     pub resolution: Resolution,
+    /// Film pressure that is still taken for possible, Pa.
+    pub pressure_limit: f64,
 }
 
 /// How a Reynolds film is solved.
@@ -58,6 +60,7 @@ impl Default for Bearing {
             expansion: Expansion::default(),
             wear: Wear::default(),
             resolution: Resolution::default(),
+            pressure_limit: 2e8,
         }
     }
 }

@@ -120,12 +120,22 @@ proptest! {
 fn what_makes_a_step_impossible_is_named() {
     let cases: [(&[(&str, f64)], &str); 6] = [
         (
-            &[("load.stiffness", 1e7), ("thermal.filmCapacity", 1e-3)],
+            &[
+                ("load.stiffness", 1e7),
+                ("load.springOffset", 0.005),
+                ("load.preload", 1e5),
+                ("thermal.filmCapacity", 1e-3),
+            ],
             "the film's temperature settles within",
         ),
         (
-            &[("load.stiffness", 1e7), ("thermal.filmCapacity", 1e-3)],
-            "check load.stiffness: it is 10000000.0 N/m, by default 100.0 N/m",
+            &[
+                ("load.stiffness", 1e7),
+                ("load.springOffset", 0.005),
+                ("load.preload", 1e5),
+                ("thermal.filmCapacity", 1e-3),
+            ],
+            "check load.springOffset: it is 0.005 m, by default 0.03267 m",
         ),
         (
             &[("bearing.width", 1e-4), ("bearing.asperityDensity", 1.0)],

@@ -122,7 +122,7 @@ fn a_film_far_from_its_orbit_does_not_leap() {
     let narrow = |stand: &mut Stand| {
         table3(stand);
         stand.bearing.radial_clearance = 3.843_126e-6;
-        stand.load.stiffness = 89_366.0;
+        stand.load.stiffness = 89.366;
         stand.load.damping = 13.267;
         stand.load.preload = 42.996;
         stand.load.eccentricity = 3.634e-4;

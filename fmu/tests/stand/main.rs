@@ -15,4 +15,5 @@ mod means;
 mod resting;
 mod steady;
 mod stribeck;
+mod validity;
 mod whole;

@@ -272,9 +272,9 @@ fn outputs_follow_at_once_only_the_inputs_that_they_name() {
         };
         let readings = |stand: &Stand| {
             let outputs = Stand::variables().iter().filter(|v| v.role == Role::Output);
-            Vec::from_iter(outputs.map(|variable| match &variable.kind {
-                Kind::Real(Quantity { access, .. }) => (variable, (access.get)(stand)),
-                _ => unreachable!("{} is no Real", variable.name),
+            Vec::from_iter(outputs.filter_map(|variable| match &variable.kind {
+                Kind::Real(Quantity { access, .. }) => Some((variable, (access.get)(stand))),
+                _ => None,
             }))
         };
         let mut stand = configured(&|_| ());
@@ -334,7 +334,7 @@ fn the_log_says_why_there_is_no_leap() {
     stand.advance(0.0, 40.0, &mut log).unwrap();
     let said = "logEvents: no leap over 198 turns, they are resolved: no periodic orbit at a film viscosity of";
     assert!(
-        log.0.len() == 3 && log.0[1].starts_with(said),
+        log.0.len() == 4 && log.0[1].starts_with(said),
         "{:?}",
         log.0
     );

@@ -1,0 +1,85 @@
+//! Limits of the stand's laws: beyond them a run goes on, and `status.validity` and the log say so.
+
+use super::{Stand, unknowns};
+use fmu_export::model::Log;
+
+/// The log category.
+pub(super) const VALIDITY: &str = "validity";
+
+/// The laminar film ends at this Reynolds number over the root of R/c, where Taylor's vortices begin (ISO 7902-1:2013),
+const TAYLOR: f64 = 41.3;
+/// and in narrow gaps, before vortices begin, at about this Reynolds number.
+const REYNOLDS: f64 = 2000.0;
+
+/// Bits of `status.validity`.
+const TURBULENT: i32 = 1;
+const OIL: i32 = 2;
+const PRESSURE: i32 = 4;
+const LEVER: i32 = 8;
+
+impl Stand {
+    /// The limits that have been passed since the start, as a sum of bits.
+    pub fn validity(&self) -> i32 {
+        self.state.validity
+    }
+
+    /// Sets the bits of the limits that are passed now, and logs each that was not passed before.
+    pub(super) fn check_validity(&mut self, log: &mut dyn Log) {
+        let limits: [(i32, fn(&Self) -> Option<String>); 4] = [
+            (TURBULENT, Self::turbulent),
+            (OIL, Self::beyond_the_oil),
+            (PRESSURE, Self::overpressed),
+            (LEVER, Self::lifted),
+        ];
+        for (bit, passed) in limits {
+            if self.state.validity & bit != 0 {
+                continue;
+            }
+            if let Some(passed) = passed(self) {
+                self.state.validity |= bit;
+                log.log(
+                    VALIDITY,
+                    format_args!("at {:?} s: {passed}", self.state.time),
+                );
+            }
+        }
+    }
+
+    fn turbulent(&self) -> Option<String> {
+        let at = self.situation(0.0, &unknowns(&self.state));
+        let radius = self.bearing.radius();
+        let density = self.fluid.density(self.readings.film_temperature);
+        let number = density * at.speed.abs() * radius * at.clearance / at.viscosity;
+        let limit = REYNOLDS.min(TAYLOR * (radius / at.clearance).sqrt());
+        (number > limit).then(|| {
+            format!("the film's Reynolds number {number:.0} is beyond {limit:.0}: it is not laminar, and its friction is larger")
+        })
+    }
+
+    fn beyond_the_oil(&self) -> Option<String> {
+        let all = self.state.temperatures.array().into_iter();
+        let mut beyond =
+            all.filter_map(|temperature| Some((temperature, self.fluid.beyond(temperature)?)));
+        let (temperature, why) = beyond.next()?;
+        Some(format!(
+            "a temperature of {temperature:.1} K is beyond the oil's data: {why}"
+        ))
+    }
+
+    fn overpressed(&self) -> Option<String> {
+        let (pressure, limit) = (self.readings.max_film_pressure, self.bearing.pressure_limit);
+        (pressure > limit).then(|| {
+            format!("a film pressure of {pressure:.3e} Pa is beyond bearing.pressureLimit, {limit:.3e} Pa")
+        })
+    }
+
+    fn lifted(&self) -> Option<String> {
+        let force = self.load.least_force(self.readings.shaft_speed);
+        (force < 0.0).then(|| {
+            format!(
+                "the lever would have to pull with {:.0} N, so it lifts off once a turn",
+                -force
+            )
+        })
+    }
+}
