@@ -34,15 +34,37 @@ impl IdentificationOutcome {
     /// How well the model fits.
     pub fn fit(&self) -> Fit {
         match self.probability {
-            None => Fit::Certain,
+            None if !self.is_out_of_reach() => Fit::Certain,
             Some(_) if self.doubts().is_empty() => Fit::Good,
-            Some(_) => Fit::Misses,
+            _ => Fit::Misses,
         }
+    }
+
+    /// Whether the model misses values that it has enough unknowns for: a bound or its own form keeps it from them.
+    fn is_out_of_reach(&self) -> bool {
+        /// A single value is missed by two standard uncertainties.
+        const MISSED: f64 = 4.0;
+        self.cost > MISSED
+    }
+
+    /// By how much larger than stated the residuals are, in per cent, where nothing but their size speaks against the fit of
+    /// curves: then their noise may be larger. A recording tells its noise to some per cent only.
+    fn noisier(&self) -> Option<f64> {
+        const MOST: f64 = 1.2;
+        let ratio = (self.cost / self.degrees_of_freedom as f64).sqrt();
+        let level = DOUBTFUL / self.orders.len() as f64;
+        let in_order = self.orders.iter().any(|order| order.is_doubtful(level));
+        (!self.orders.is_empty() && !in_order && ratio < MOST).then_some(100.0 * (ratio - 1.0))
     }
 
     /// What speaks against the model, or the stated uncertainties, a sentence each.
     pub fn doubts(&self) -> Vec<String> {
         let size = match self.probability {
+            None if self.is_out_of_reach() => Some(
+                "The model cannot reach the measured values, although it has as many unknowns: a bound or its form keeps it from \
+                 them."
+                    .to_owned(),
+            ),
             None => Some(
                 match self.surplus {
                     0 => {
@@ -52,6 +74,11 @@ impl IdentificationOutcome {
                 }
                 .to_owned(),
             ),
+            Some(p) if p < DOUBTFUL && self.noisier().is_some() => Some(format!(
+                "The residuals are {} % larger than stated, and without order: the noise may be larger than stated, and the \
+                 intervals are too narrow by as much.",
+                rounded(self.noisier().unwrap_or_default(), 2)
+            )),
             Some(p) if p < DOUBTFUL => Some(format!(
                 "A right model would miss by this much in fewer than {} tests: something is missing, in the model or in the \
                  stated uncertainties.",
@@ -135,6 +162,14 @@ mod tests {
             ),
             "{text}"
         );
+    }
+
+    /// A square reaches no negative number.
+    #[test]
+    fn what_the_model_cannot_reach_is_no_certain_fit() {
+        let outcome = fitted(measured(&[-5.0], 1.0), &|p, _| p * p);
+        assert_eq!(outcome.fit(), Fit::Misses);
+        assert!(text::summary(&outcome).contains("cannot reach the measured values"));
     }
 
     /// Noise alone is in order in about 5 % of the records; a wave of its size always is, though the sum of squares is as it

@@ -219,6 +219,7 @@ mod tests {
         let values: Vec<(f64, f64)> = accuracies.iter().map(|&a| (1.0, a)).collect();
         let mut problem = one_case(&[(-20.0, 20.0), (-20.0, 20.0)], &values);
         let effect = |quantity| Effect {
+            part: None,
             case: 0,
             quantity,
             change: 0.5,

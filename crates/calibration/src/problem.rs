@@ -232,6 +232,11 @@ pub struct Effect {
     pub quantity: usize,
     /// By how much one standard deviation of the source changes the measured value.
     pub change: f64,
+    /// The part of the value that this is, where it is one: then the search takes that part of what the model predicts. Of the
+    /// measured value it would be larger where noise has made that larger, and the fit too small (Peelle's puzzle;
+    /// D'Agostini 1994, Nucl. Instrum. Methods A 346, 306-311).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<f64>,
 }
 
 /// What kind of error the values of a channel share.
@@ -382,6 +387,20 @@ impl Problem {
             }
         }
         shifts
+    }
+
+    /// The effects that are parts of values, where there are any, at these predicted ones; without a prediction none.
+    pub(crate) fn with_parts(&self, predicted: Option<&[Vec<f64>]>) -> Option<Self> {
+        let mut problem = self.clone();
+        let all = problem.sources.iter_mut();
+        let parts = all.flat_map(|source| &mut source.effects);
+        let parts = parts.filter_map(|effect| effect.part.map(|part| (effect, part)));
+        let mut any = false;
+        for (effect, part) in parts {
+            any = true;
+            effect.change = predicted.map_or(0.0, |all| part * all[effect.case][effect.quantity]);
+        }
+        any.then_some(problem)
     }
 
     /// The problem with further standard uncertainties of the values, by case and quantity.

@@ -33,6 +33,8 @@ pub struct Task<'a> {
 pub struct Searched {
     /// The problem with the discrepancies that the last search took as known.
     pub problem: Problem,
+    /// The same without discrepancies.
+    pub without: Problem,
     /// The distinct minima.
     pub optima: Vec<Optimum>,
     /// The local searches of the last round.
@@ -58,7 +60,7 @@ impl Searched {
     }
 }
 
-/// Searches; where discrepancies are unknown, again with those that the search before has left, until they stay or the
+/// Searches; where gain errors are parts of predicted values, first without them for these; where discrepancies are unknown, again with those that the search before has left, until they stay or the
 /// rounds are over. A discrepancy that still changed then is not `settled`.
 ///
 /// # Errors
@@ -68,7 +70,14 @@ pub fn searched(
     model: &dyn Simulate,
     observe: &dyn Fn(&Progress),
 ) -> Result<Searched, SearchError> {
-    let mut problem = task.problem.clone();
+    let mut without = task.problem.clone();
+    if let Some(first) = task.problem.with_parts(None) {
+        let objective = Objective::new(&first, model, task.difference);
+        let (optima, _) = search(&objective, task.starts, &task.effort, observe)?;
+        let predicted = &optima[0].minimum.misfit.predicted;
+        without = without.with_parts(Some(predicted)).unwrap_or(without);
+    }
+    let mut problem = without.clone();
     let mut known = vec![0.0; task.unknown.len()];
     let mut round = 1;
     loop {
@@ -78,12 +87,10 @@ pub fn searched(
         let all_known = known.clone();
         let estimate = |(unknown, known): (&Unknown, &f64)| {
             let fitted = task.problem.free.len();
-            let others = task
-                .problem
-                .widened(|_, quantity| match quantity == unknown.quantity {
-                    true => 0.0,
-                    false => of_quantity(task.unknown, &all_known, quantity),
-                });
+            let others = without.widened(|_, quantity| match quantity == unknown.quantity {
+                true => 0.0,
+                false => of_quantity(task.unknown, &all_known, quantity),
+            });
             let mut discrepancy = Discrepancy::estimate(unknown, &others, predicted, fitted);
             discrepancy.settled =
                 (discrepancy.deviation - known).abs() <= CLOSE * (discrepancy.scale + known);
@@ -94,6 +101,7 @@ pub fn searched(
         if discrepancies.iter().all(|discrepancy| discrepancy.settled) || round == ROUNDS {
             return Ok(Searched {
                 problem,
+                without,
                 optima,
                 progress,
                 discrepancies,
@@ -103,7 +111,7 @@ pub fn searched(
             .iter()
             .map(|discrepancy| discrepancy.deviation)
             .collect();
-        problem = widened(task.problem, task.unknown, &known);
+        problem = widened(&without, task.unknown, &known);
         round += 1;
     }
 }

@@ -85,6 +85,7 @@ fn rectangular_zero_errors_are_those_of_a_grid() {
             sources: vec![(curve, standard)],
         });
         let effect = |row| Effect {
+            part: None,
             case: 0,
             quantity: curve * ROWS + row,
             change: standard,
@@ -95,6 +96,7 @@ fn rectangular_zero_errors_are_those_of_a_grid() {
         });
     }
     let effect = |row| Effect {
+        part: None,
         case: 0,
         quantity: row,
         change: GAIN * value(row),

@@ -358,6 +358,7 @@ impl Binder<'_> {
                     SharedKind::Gain => standard * values.measured[quantity].value,
                     _ => standard,
                 },
+                part: (kind == SharedKind::Gain).then_some(standard),
             });
             problem.channels.push(Channel {
                 name: name.as_ref().clone(),

@@ -441,6 +441,17 @@ impl Shared {
             true => (SharedKind::Offset, first),
             false => (SharedKind::Scaled, of_offset.recip()),
         };
+        // An uncertainty in per cent is a part of the value, as a gain's is.
+        let values = recorded.curve.values.iter();
+        let ratio = first / recorded.curve.values.first().copied().unwrap_or(1.0);
+        let is_part = values
+            .zip(&errors.shared)
+            .all(|(value, shared)| *value > 0.0 && (shared - ratio * value).abs() <= 1e-9 * shared);
+        let part_of = |kind| match kind {
+            SharedKind::Gain => Some(errors.gain),
+            SharedKind::Scaled if is_part => Some(ratio),
+            _ => None,
+        };
         let offset = errors.shared.clone();
         let gain = recorded
             .curve
@@ -477,6 +488,7 @@ impl Shared {
                 case: 0,
                 quantity: recorded.first + row,
                 change: sign * change,
+                part: part_of(kind).map(|part| sign * part),
             });
             sources[source].effects.extend(effects);
             self.tell(channel);
@@ -552,6 +564,7 @@ impl Tied {
                 case: 0,
                 quantity,
                 change,
+                part: None,
             });
             sources.push((source, change));
         }

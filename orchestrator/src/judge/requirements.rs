@@ -309,7 +309,7 @@ impl Judge {
                 continue;
             };
             let Limits { minus, plus, .. } = criterion.limits;
-            if error.expanded > minus.min(plus) {
+            if !criterion.limits.is_one_sided() && error.expanded > minus.min(plus) {
                 let message = format!(
                     "{}: the uncertainty {} exceeds the tolerance {}, so that accepted points often \
                      do not conform; add `risk` under [verdict], measure better or widen the \

@@ -95,7 +95,7 @@ pub fn improve_first(summary: &Summary) -> Option<String> {
         format!(" (95 % interval {low} … {high})")
     });
     Some(format!(
-        "To improve first: half the {what} {} raises the share by {} percentage points{interval}.",
+        "To improve first: half the {what} {} raises the probability that a point is accepted and conforms by {} percentage points{interval}.",
         first.name,
         number(100.0 * first.gain, 3)
     ))

@@ -71,7 +71,7 @@ pub(super) fn presumed(summary: &Summary) -> Vec<String> {
     let sentence = |(correlation, names): (f64, Vec<&str>)| {
         let errors = match correlation {
             1.0 => {
-                "share one error, such as an offset of the sensor; noise counts where it is stated"
+                "share one error, such as an offset of the sensor; the noise of the rows is in the recording and not drawn again"
                     .to_owned()
             }
             0.0 => "have independent errors".to_owned(),

@@ -195,6 +195,7 @@ fn alone(whole: &Problem, case: usize, (others, means): (&Problem, &[f64])) -> P
         let effects = sources.flat_map(|(number, source)| {
             let part = left[(row, number)];
             source.effects.iter().map(move |effect| Effect {
+                part: None,
                 change: part * effect.change,
                 ..*effect
             })

@@ -370,7 +370,7 @@ fn find(
             let ended = replaced.screened.iter().copied();
             outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, ended);
         }
-        let objective = Objective::new(task.problem, sampled, settings.difference);
+        let objective = Objective::new(&searched.without, sampled, settings.difference);
         let sample = posterior::sampled(
             &objective,
             optima,
