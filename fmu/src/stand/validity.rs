@@ -17,6 +17,9 @@ const OIL: i32 = 2;
 const PRESSURE: i32 = 4;
 const LEVER: i32 = 8;
 
+/// Says how a limit is passed, where it is.
+type Passed = fn(&Stand) -> Option<String>;
+
 impl Stand {
     /// The limits that have been passed since the start, as a sum of bits.
     pub fn validity(&self) -> i32 {
@@ -25,7 +28,7 @@ impl Stand {
 
     /// Sets the bits of the limits that are passed now, and logs each that was not passed before.
     pub(super) fn check_validity(&mut self, log: &mut dyn Log) {
-        let limits: [(i32, fn(&Self) -> Option<String>); 4] = [
+        let limits: [(i32, Passed); 4] = [
             (TURBULENT, Self::turbulent),
             (OIL, Self::beyond_the_oil),
             (PRESSURE, Self::overpressed),
