@@ -33,6 +33,8 @@ impl Concern {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Code {
+    /// A nominal value is the model's own, and nothing was measured.
+    NominalFromModel,
     /// The guard band is as wide as a tolerance.
     GuardBandTooWide,
     /// The uncertainty of a measured value exceeds the tolerance.

@@ -15,7 +15,9 @@ use toml::Spanned;
 
 use crate::concern::Concern;
 use crate::study::plan::find;
-use crate::study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong};
+use crate::study::{
+    BOTH_SIDES, CriterionText, Name, NominalFrom, Study, ToleranceText, first_wrong,
+};
 use conformity::decision::Rule;
 use conformity::measured::{Limits, Measured, Measurement};
 use conformity::risk::Guard;
@@ -56,6 +58,9 @@ pub struct Criterion {
     /// The limits, in the unit: a measured value with its accuracy, or a limit that stands alone.
     #[serde(flatten)]
     pub limits: Limits,
+    /// Where the nominal value comes from, where that is no measurement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_from: Option<NominalFrom>,
     /// The accuracy or the limit as the study states it.
     pub stated_tolerance: String,
     /// The measured value beside a limit that stands alone.
@@ -82,7 +87,8 @@ impl Criterion {
     /// The limits with the measured value and its error.
     pub fn measured(&self) -> Measured {
         let limits = self.limits;
-        let nominal = Some(limits.about).filter(|_| !limits.is_one_sided());
+        let is_nominal = !limits.is_one_sided() && self.nominal_from.is_none();
+        let nominal = Some(limits.about).filter(|_| is_nominal);
         let value = nominal.or(self.reading);
         // Without a reading it is a gauge's error at the limit that counts.
         let at = value.unwrap_or(limits.about);
@@ -412,6 +418,12 @@ impl Judge {
         PointVerdict { passed }
     }
 
+    /// Whether a nominal value comes from the model itself, so that agreement verifies nothing.
+    pub fn has_own_values(&self) -> bool {
+        let mut criteria = self.criteria.iter();
+        criteria.any(|criterion| criterion.nominal_from.is_some())
+    }
+
     /// Whether a guard band decides which points are accepted.
     pub fn is_guarded(&self) -> bool {
         self.guard != Guard::Given(0.0)
@@ -523,6 +535,7 @@ fn scalar(
         detail: text.detail().map_err(at)?,
         unit: scale.unit.clone(),
         limits,
+        nominal_from: text.nominal_from,
         stated_tolerance: stated,
         reading: text.measured.as_ref().map(value).transpose()?,
         uncertainty: requirements::uncertainty(study, name, text, measured, scale)?,
@@ -590,6 +603,18 @@ fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
         (
             !is_alone && text.measured.is_some(),
             "`measured` stands beside `at-most` or `at-least`; the measured value of a tolerance is `nominal`",
+        ),
+        (
+            text.nominal_from.is_some() && text.nominal.is_none(),
+            "`nominal-from` says where `nominal` comes from; add that, or remove `nominal-from`",
+        ),
+        (
+            text.nominal_from.is_some()
+                && (text.uncertainty.is_some()
+                    || text.gain_uncertainty.is_some()
+                    || text.noise.is_some()
+                    || text.derived.is_some()),
+            "a nominal value from the model has no error of a measurement; remove `nominal-from` once the measured value stands there",
         ),
     ])
 }

@@ -53,6 +53,16 @@ pub struct Init {
     /// Where to write the study [default: standard output]
     #[arg(long, value_name = "STUDY.toml")]
     pub output: Option<PathBuf>,
+    /// Measured values: a table with columns `NAME` or `NAME [UNIT]` of the FMU's outputs; with a column `time` they are
+    /// curves
+    #[arg(long, value_name = "DATA.csv")]
+    pub measured: Option<PathBuf>,
+    /// When to stop, s [default: with the measured curves, or as the FMU suggests]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub stop: Option<f64>,
+    /// The communication step, s [default: as the FMU suggests]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub step: Option<f64>,
 }
 
 /// Options of `simulate`.

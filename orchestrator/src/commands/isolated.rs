@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use crate::error::Error;
 use crate::results::points::number;
@@ -140,6 +141,21 @@ impl Isolated {
         // Rows before the failure are kept.
         let flushed = csv.flush().map_err(Error::io(path));
         recorded.and(flushed).map(|()| last)
+    }
+
+    /// Simulates, and hands over time and values at every communication point; at `until` it has failed.
+    pub(super) fn observe(
+        &self,
+        task: &Task,
+        variables: &[Handle],
+        until: Option<Instant>,
+        mut take: impl FnMut(f64, &[Value]),
+    ) -> Result<(), Error> {
+        let mut recording = self.recorder().of(task);
+        recording.record(&[], variables, until, |time, values| {
+            take(time, values);
+            Ok(())
+        })
     }
 
     /// Simulates a point as `verify` does.

@@ -1,6 +1,6 @@
 //! `simulate`: one run, in a process of its own.
 
-mod recorded;
+pub(super) mod recorded;
 
 use std::fs::File;
 use std::io;
@@ -35,7 +35,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
         !set.iter()
             .any(|(other, new)| other == reference && new.content() == value.content())
     };
-    let schedule = schedule(options, fmu)?;
+    let schedule = schedule(fmu, options.start, options.stop, options.step)?;
     let task = Task {
         schedule,
         fixed: from
@@ -83,14 +83,20 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn schedule(options: &Simulate, fmu: &Description) -> Result<Schedule, Error> {
+/// What the user asks for, and else what the FMU suggests.
+pub(super) fn schedule(
+    fmu: &Description,
+    start: Option<f64>,
+    stop: Option<f64>,
+    step: Option<f64>,
+) -> Result<Schedule, Error> {
     let suggested = Schedule::suggested(fmu);
-    let start = options.start.unwrap_or(suggested.start);
-    let stop = options.stop.unwrap_or(suggested.stop);
+    let start = start.unwrap_or(suggested.start);
+    let stop = stop.unwrap_or(suggested.stop);
     let schedule = Schedule {
         start,
         stop,
-        step: options.step.unwrap_or(suggested.step.min(stop - start)),
+        step: step.unwrap_or(suggested.step.min(stop - start)),
         window_start: start,
         leap: false,
         tolerance: suggested.tolerance,
@@ -123,7 +129,7 @@ pub(super) fn settings(texts: &[String], fmu: &Description) -> Result<Vec<(u32, 
 }
 
 /// The error with advice where the FMU refused a step that nobody has asked for.
-fn of_step(error: Error, step: Option<f64>) -> Error {
+pub(super) fn of_step(error: Error, step: Option<f64>) -> Error {
     match (error, step) {
         (Error::Simulation(failure @ Failure::Discard(_)), Some(step)) => {
             Error::Step { failure, step }

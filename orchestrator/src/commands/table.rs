@@ -60,10 +60,10 @@ fn counts(summary: &Summary) -> String {
     // Where a share is required, points within the tolerances need neither be accepted nor verify the model.
     let conclusion = summary.conclusion.as_ref();
     let met = match conclusion.and_then(|conclusion| conclusion.required.as_ref()) {
-        Some(_) => "within all tolerances",
-        None => "all criteria: verified",
+        Some(_) => "within all tolerances".to_owned(),
+        None => format!("all criteria: {}", summary.met()),
     };
-    line(&mut text, met, &all);
+    line(&mut text, &met, &all);
     text += &result_document::text(&[risks(summary), readings(summary)].concat());
     text.push('\n');
     for sentence in words::sentences(summary) {
@@ -98,6 +98,7 @@ fn reasons(failures: &IndexMap<String, u64>) -> String {
 /// The point with the largest product of prior density and likelihood, which need not be the nearest.
 fn most_probable(summary: &Summary) -> String {
     match &summary.most_probable_point {
+        _ if summary.has_own_values() => String::new(),
         Some(point) => {
             let verified = if point.verified { "" } else { "not " };
             format!(
@@ -123,11 +124,10 @@ fn remarks(summary: &Summary) -> String {
         .concerns
         .iter()
         .map(|concern| format!("{}: {}\n", concern.severity.name(), concern.text));
-    conduct
-        .chain(asides)
-        .chain(summary.left_out_remark())
-        .map(|remark| format!("{remark}\n"))
-        .chain(concerns)
+    let remarks = conduct.chain(asides).chain(summary.left_out_remark());
+    // Doubts come first.
+    concerns
+        .chain(remarks.map(|remark| format!("{remark}\n")))
         .collect()
 }
 
@@ -159,10 +159,9 @@ pub(super) fn best(summary: &Summary) -> String {
             .and_then(|entry| entry.criterion.unit.as_deref());
         with_unit(name, value, unit)
     });
-    let kind = if best.verified {
-        "nearest verified point"
-    } else {
-        "nearest point"
+    let kind = match best.verified {
+        true => format!("nearest {} point", summary.met()),
+        false => "nearest point".to_owned(),
     };
     let parts: Vec<String> = values.chain(parameters).collect();
     format!(

@@ -73,6 +73,10 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
             "`nominal` has no place beside `reference`, which is what is measured; remove it",
         ),
         (
+            text.nominal_from.is_some(),
+            "`nominal-from` belongs to `nominal`, and a curve has `reference`; remove it",
+        ),
+        (
             text.at_most.is_some()
                 || text.at_least.is_some()
                 || text.measured.is_some()

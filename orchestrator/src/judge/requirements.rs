@@ -142,7 +142,26 @@ impl Judge {
             self.warn_of_uncertainties(study);
         }
         self.warn_of_readings(study);
+        self.warn_of_own_values(study);
         Ok(())
+    }
+
+    /// A model that agrees with its own values has been compared with nothing.
+    fn warn_of_own_values(&mut self, study: &Study) {
+        let own = self.criteria.iter().zip(study.criteria.keys());
+        let own = own.filter(|(criterion, _)| criterion.nominal_from.is_some());
+        let (names, places): (Vec<&str>, Vec<&Name>) = own
+            .map(|(criterion, place)| (criterion.name.as_str(), place))
+            .unzip();
+        let Some(place) = places.first() else { return };
+        let message = format!(
+            "no measured value yet: the nominal value of {} comes from a run of the model itself; write the measured value there and \
+             remove `nominal-from`",
+            names.join(", ")
+        );
+        let warning = study.error_at(place, message).to_string();
+        self.warnings
+            .push(Concern::new(Code::NominalFromModel, warning));
     }
 
     fn correlated(&self, study: &Study) -> Result<Measurement, FileError> {

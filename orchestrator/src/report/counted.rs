@@ -3,6 +3,7 @@
 
 use crate::results::Summary;
 use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
+use crate::results::words::capitalised;
 use crate::study::cases::SEPARATOR;
 use conformity::measured::{Limits, Measured};
 use conformity::risk::Risk;
@@ -202,7 +203,7 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
         });
         cells
     };
-    let mut columns = vec![words("Reading"), numbers("Verified")];
+    let mut columns = vec![words("Reading"), numbers(capitalised(summary.met()))];
     columns.extend(share_columns(intervals));
     columns.push(words("Criteria with other counts"));
     let table = Table {

@@ -109,6 +109,7 @@ pub(super) fn count_rows(
             note: c.source.clone(),
             nominal: match metric_of(&c.source) {
                 Some(_) => "curve".to_owned(),
+                None if v.criterion.nominal_from.is_some() => "none yet".to_owned(),
                 None => {
                     let value = v.criterion.measured().value;
                     value.map_or_else(|| "–".to_owned(), |value| quantity(value, &c.unit))

@@ -61,6 +61,7 @@ pub fn render(report: &Report) -> Result<String, Error> {
         .map(serde_json::to_string)
         .transpose()?;
     let decision = decision(report);
+    let unmeasured = summary.has_own_values();
 
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
@@ -99,14 +100,27 @@ pub fn render(report: &Report) -> Result<String, Error> {
         },
         packed,
         remarks => Serde(remarks(summary, whole.len())),
-        title => capitalised(&decision.to_string()),
+        title => match unmeasured {
+            true => "No measured value yet".to_owned(),
+            false => capitalised(&decision.to_string()),
+        },
         kind => match decision {
+            _ if unmeasured => "open",
             Decision::Verified => "yes",
             Decision::NotVerified => "no",
             Decision::Inconclusive => "open",
         },
-        shown => Serde(Shown::new(decision, judgement, &verified, summary.failed as usize)),
-        sentences => Serde(&report.judgement.sentences),
+        shown => Serde(match unmeasured {
+            true => Shown::of_own_values(&verified),
+            false => Shown::new(decision, judgement, &verified, summary.failed as usize),
+        }),
+        unmeasured,
+        word => match judgement.guard {
+            Some(_) => "accepted",
+            None => summary.met(),
+        },
+        // The title says it.
+        sentences => Serde(if unmeasured { &[][..] } else { &judgement.sentences }),
         by_share => judgement.required().is_some(),
         guarded => judgement.guard.is_some(),
         n => count(total),

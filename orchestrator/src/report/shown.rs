@@ -35,6 +35,20 @@ impl Shown {
             None => by_one_point(judgement, meets_all),
         }
     }
+
+    /// Where the model is compared with its own values.
+    pub(super) fn of_own_values(meets_all: &Fraction) -> Self {
+        let [hits, points] = [meets_all.count, meets_all.of].map(count);
+        Self {
+            shown: format!(
+                "how far the model's outputs move with its parameters: {hits} of {points} points stay within the tolerances of values \
+                 that a run of the model itself gave."
+            ),
+            not_shown:
+                "whether the model agrees with a measurement, which the study does not have yet."
+                    .to_owned(),
+        }
+    }
 }
 
 fn by_one_point(judgement: &Judgement, meets_all: &Fraction) -> Shown {

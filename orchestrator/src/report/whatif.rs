@@ -82,6 +82,10 @@ impl WhatIf {
         if summary.points > shown as u64 {
             return None;
         }
+        // Without a measured value there is nothing to judge by.
+        if summary.has_own_values() {
+            return None;
+        }
         let required = summary.conclusion.as_ref()?.required.as_ref();
         let rule = match required {
             None => None,

@@ -44,8 +44,9 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Op
                 }
                 Err(Halt::Late) => {
                     left_out = Some(format!(
-                        "the band beside the measured curves is that of {points} of {} verified points",
-                        chosen.len()
+                        "the band beside the measured curves is that of {points} of {} {} points",
+                        chosen.len(),
+                        summary.met()
                     ));
                     break;
                 }

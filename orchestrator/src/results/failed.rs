@@ -32,11 +32,12 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
     let place = plan.and_then(|plan| place(plan, points));
     let place = place.map_or_else(String::new, |place| format!(", mostly where {place}"));
     Some(format!(
-        "{} of {} points failed ({reasons}){place}; they count as not verified and not conforming, but are missing from \
+        "{} of {} points failed ({reasons}){place}; they count as not {} and not conforming, but are missing from \
          the validation comparison and from the sensitivities of the criteria that they have no value of: find out why they fail, or cut the distributions to where the \
          model holds",
         grouped(failed),
-        grouped(all)
+        grouped(all),
+        summary.met()
     ))
 }
 

@@ -159,6 +159,20 @@ impl Summary {
         Some(format!("left out: {left_out}"))
     }
 
+    /// Whether a nominal value comes from the model itself, so that agreement verifies nothing.
+    pub fn has_own_values(&self) -> bool {
+        let mut criteria = self.criteria.values();
+        criteria.any(|count| count.criterion.nominal_from.is_some())
+    }
+
+    /// What a point is that meets all criteria.
+    pub fn met(&self) -> &'static str {
+        match self.has_own_values() {
+            true => "accepted",
+            false => "verified",
+        }
+    }
+
     /// Whether any parameter comes from a sample.
     pub fn has_samples(&self) -> bool {
         let mut parameters = self.parameters.iter();

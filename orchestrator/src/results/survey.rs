@@ -104,7 +104,7 @@ impl<'a> Survey<'a> {
         summary.most_probable_point =
             probable.map(|kept| BestPoint::new(self.judge, &summary.parameters, kept));
         let drawn = self.plan.filter(|_| self.drawn);
-        if self.points > 0 {
+        if self.points > 0 && !summary.has_own_values() {
             let gains = improvements(self.judge, drawn, &self.first);
             // A grid is no sample.
             let is_sample = summary.verified_interval.is_some();

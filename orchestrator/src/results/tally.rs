@@ -10,8 +10,8 @@ use super::summary::{
     Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
-use conformity::conclusion::{Conclusion, Ruling};
-use conformity::decision::randomised;
+use conformity::conclusion::{Conclusion, Ruling, grouped};
+use conformity::decision::{Decision, randomised};
 use conformity::looks::Looks;
 use conformity::measured::Limits;
 use conformity::risk::RiskTally;
@@ -267,6 +267,8 @@ impl<'a> Tally<'a> {
         let compared = self.failed() < points;
         if !compared {
             failed::nothing_compared(&mut conclusion, points);
+        } else if judge.has_own_values() {
+            unmeasured(&mut conclusion, points);
         }
         let all = self.count(&self.stated.verified);
         let criteria = self.by_criterion(&self.stated).into_iter().enumerate();
@@ -354,6 +356,18 @@ impl<'a> Tally<'a> {
         };
         (variant.name.clone(), count)
     }
+}
+
+/// The conclusion while the model is compared with its own values: they verify nothing.
+fn unmeasured(conclusion: &mut Conclusion, points: u64) {
+    conclusion.verdict = Decision::NotVerified;
+    conclusion.verdict_words = format!(
+        "no measured value yet: {} of {} points are within the tolerances of values that the model itself gave",
+        grouped(conclusion.accepted),
+        grouped(points)
+    );
+    conclusion.required = None;
+    conclusion.other_verdict_interval = None;
 }
 
 /// Which measured values' errors are correlated.

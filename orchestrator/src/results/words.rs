@@ -11,7 +11,7 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
         return Vec::new();
     };
     let verdict = capitalised(&format!("{}.", conclusion.verdict_words));
-    if summary.failed == summary.points {
+    if summary.failed == summary.points || summary.has_own_values() {
         return vec![verdict];
     }
     let mut sentences = vec![verdict, firmness(conclusion, summary)];

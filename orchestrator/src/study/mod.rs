@@ -380,6 +380,8 @@ pub struct CriterionText {
     pub direction: Option<Spanned<Direction>>,
     /// The measured value.
     pub nominal: Option<Quantity>,
+    /// Where that comes from as long as nothing is measured.
+    pub nominal_from: Option<NominalFrom>,
     /// The accuracy to both sides: `0.5 degC`, or `0.75 %` of the nominal value in the
     /// criterion's unit. Of a curve, the largest error.
     pub tolerance: Option<ToleranceText>,
@@ -432,6 +434,14 @@ pub struct CriterionText {
     /// The number of its case, where the study has cases.
     #[serde(skip)]
     pub case: Option<usize>,
+}
+
+/// Where a nominal value comes from, where that is no measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NominalFrom {
+    /// A run of the model itself, as in a study that `init` writes.
+    Model,
 }
 
 /// A measured value that is the product of two others, so that its error follows from theirs.

@@ -115,7 +115,10 @@ pub(super) fn inputs(
 }
 
 /// A column's variable and unit: `NAME`, or `NAME [UNIT]`.
-fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<&'a str>) {
+pub(in crate::commands) fn split<'a>(
+    column: &'a str,
+    fmu: &Description,
+) -> (&'a str, Option<&'a str>) {
     let parts = column
         .strip_suffix(']')
         .and_then(|rest| rest.split_once(" ["));

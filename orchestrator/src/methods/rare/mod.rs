@@ -85,7 +85,11 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 }
 
 /// Refuses studies of which a rare share says nothing.
-fn refuse(session: &Session) -> Result<(), Error> {
+fn refuse(session: &Session, event: RareEvent) -> Result<(), Error> {
+    if event != RareEvent::Failed && session.judge.has_own_values() {
+        let message = "a share of verified points needs measured values; write them as `nominal` and remove `nominal-from`";
+        return Err(session.study.error(message).into());
+    }
     if let Some(joint) = session.plan.joints.first() {
         let name = &session.plan.inputs[joint.lead()].name;
         let message = format!(
@@ -172,7 +176,7 @@ impl Analysis for Rare {
     }
 
     fn check(&self, session: &Session) -> Result<(), Error> {
-        refuse(session)
+        refuse(session, self.event)
     }
 
     fn find(

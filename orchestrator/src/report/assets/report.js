@@ -8,7 +8,7 @@
   const ids = numbers(data.ids, Uint32Array);
   // Under a guard band fewer points are accepted than lie within all tolerances; these count as verified here.
   let verified = bytes(data.verified);
-  const word = data.guarded ? "accepted" : "verified";
+  const { word } = document.querySelector("main").dataset;
   const completed = bytes(data.completed);
   const columns = data.columns.map(c => ({
     ...c,

@@ -1,0 +1,180 @@
+//! A table of measured values: which of its columns are outputs of the FMU.
+
+use std::path::{Path, PathBuf};
+
+use super::run::Signal;
+use super::{is_number, is_real};
+use crate::commands::simulate::recorded::split;
+use crate::error::Error;
+use fmu_import::quantity::Scale;
+use fmu_import::{Causality, Description, Variable};
+use fmu_points::names::{did_you_mean, nearest};
+use number_tables::{How, Table};
+
+/// A table's columns that the FMU computes.
+#[derive(Debug)]
+pub(super) struct Measured<'a> {
+    pub(super) file: PathBuf,
+    /// The column of the time; where there is none, the rows are single readings.
+    pub(super) time: Option<String>,
+    /// The first and the last time, s.
+    pub(super) span: Option<[f64; 2]>,
+    pub(super) columns: Vec<Column<'a>>,
+    /// Names of the others, each with the reason.
+    left: Vec<(String, String)>,
+}
+
+/// A column of measured values.
+#[derive(Debug)]
+pub(super) struct Column<'a> {
+    pub(super) header: String,
+    pub(super) unit: Option<String>,
+    pub(super) variable: &'a Variable,
+    pub(super) values: Vec<f64>,
+}
+
+impl<'a> Measured<'a> {
+    /// Reads the table.
+    ///
+    /// # Errors
+    /// When it cannot be read, or its times do not grow.
+    pub(super) fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
+        let how = How {
+            comments: true,
+            gaps: false,
+        };
+        let header = number_tables::open(path, how)?.names().to_vec();
+        let time = header.iter().find(|name| is_time(split(name, fmu).0));
+        let mut table = Self {
+            file: path.to_owned(),
+            time: time.cloned(),
+            span: time.map(|time| span(path, time, fmu)).transpose()?,
+            columns: Vec::new(),
+            left: Vec::new(),
+        };
+        for name in header.iter().filter(|name| Some(*name) != time) {
+            match table.column(name, fmu) {
+                Ok(column) => table.columns.push(column),
+                Err(reason) => table.left.push((name.clone(), reason)),
+            }
+        }
+        Ok(table)
+    }
+
+    /// A column with its variable, or why it has none.
+    fn column(&self, header: &str, fmu: &'a Description) -> Result<Column<'a>, String> {
+        let (name, unit) = split(header, fmu);
+        let variable = variable(name, fmu)?;
+        if self
+            .columns
+            .iter()
+            .any(|column| column.variable.name == variable.name)
+        {
+            return Err(format!("`{name}` is there twice"));
+        }
+        if self.time.is_some() && !is_real(variable) {
+            return Err("it is a whole number, and a curve needs real ones".to_owned());
+        }
+        Scale::new(unit, fmu, variable)?;
+        let asked = number_tables::column(header, "measured values");
+        let table = Table::read(&self.file, &[asked]).map_err(|error| error.to_string())?;
+        let values: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+        let first = values.first();
+        if self.time.is_some() && values.iter().all(|value| Some(value) == first) {
+            return Err(
+                "it is the same in all rows: write it as `nominal` of a criterion".to_owned(),
+            );
+        }
+        if let (None, Some(unit)) = (unit, variable.unit()) {
+            fmu_points::tell::line!(
+                "note: column `{header}` names no unit, so it is read in {unit}"
+            );
+        }
+        Ok(Column {
+            header: header.to_owned(),
+            unit: unit.or(variable.unit()).map(str::to_owned),
+            variable,
+            values,
+        })
+    }
+
+    /// Leaves out columns of which the FMU computes no finite values, in their order.
+    pub(super) fn leave_out_infinite(&mut self, signals: &[Signal<'_>]) {
+        let left = &mut self.left;
+        let mut signals = signals.iter();
+        self.columns.retain(|column| {
+            let is_finite = signals.next().is_some_and(|signal| signal.is_finite);
+            if !is_finite {
+                let reason = "the FMU's own values are not finite in a run";
+                left.push((column.header.clone(), reason.to_owned()));
+            }
+            is_finite
+        });
+    }
+
+    /// Tells which columns are left out, and why.
+    ///
+    /// # Errors
+    /// When nothing is left.
+    pub(super) fn tell(&self) -> Result<(), Error> {
+        let file = self.file.display();
+        if self.columns.is_empty() {
+            let reasons = self
+                .left
+                .iter()
+                .map(|(name, reason)| format!("{name}: {reason}"));
+            let reasons: Vec<String> = reasons.collect();
+            let message = format!(
+                "{file}: no column is an output of the FMU ({})",
+                reasons.join("; ")
+            );
+            return Err(Error::option("measured", message));
+        }
+        for (name, reason) in &self.left {
+            fmu_points::tell::line!("left out of {file}: `{name}`: {reason}");
+        }
+        Ok(())
+    }
+}
+
+fn is_time(name: &str) -> bool {
+    ["time", "t"].contains(&&*name.to_lowercase())
+}
+
+/// The variable that a column measures.
+fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String> {
+    let is_shown = |variable: &&Variable| {
+        matches!(variable.causality, Causality::Output | Causality::Local) && is_number(variable)
+    };
+    let known = fmu.variables.get(name);
+    match known.map(|variable| (variable, variable.causality)) {
+        Some((variable, _)) if is_shown(&variable) => Ok(variable),
+        Some((_, Causality::Input)) => {
+            Err("it is an input: [inputs] in the study can feed it to the FMU".to_owned())
+        }
+        Some((_, Causality::Output | Causality::Local)) => Err("it is no number".to_owned()),
+        Some(_) => Err("it is no output of the FMU".to_owned()),
+        None => {
+            let names = fmu.variables.values().filter(is_shown);
+            let suggestion = nearest(name, names.map(|variable| &*variable.name));
+            Err(format!(
+                "the FMU has no such variable{}",
+                did_you_mean(suggestion)
+            ))
+        }
+    }
+}
+
+/// The first and the last time of a table.
+fn span(path: &Path, time: &str, fmu: &Description) -> Result<[f64; 2], Error> {
+    let wrong = |message: &str| Err(Error::content(path, format!("column `{time}`: {message}")));
+    if split(time, fmu).1.is_some_and(|unit| unit != "s") {
+        return wrong("times are seconds here; convert them");
+    }
+    let table = Table::read(path, &[number_tables::column(time, "the time")])?;
+    let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+    match times[..] {
+        [first, .., last] if times.is_sorted_by(|a, b| a < b) => Ok([first, last]),
+        _ => wrong("a curve needs two rows or more, and times that grow from row to row"),
+    }
+}

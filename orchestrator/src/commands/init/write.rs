@@ -1,0 +1,401 @@
+//! The text of a starting study: short, and complete.
+
+use std::path::{Path, PathBuf};
+
+use super::measured::{Column, Measured};
+use super::run::{SMALL, Signal};
+use crate::error::Error;
+use crate::results::points::number;
+use fmu_import::units::Conversion;
+use fmu_import::{Description, Kind, Variable};
+use fmu_points::task::Schedule;
+use fmu_points::tell::one_line;
+use sampling::design::Method;
+use sampling::statistics::moments::{deviation, mean};
+
+/// More lines nobody reads.
+const MOST_LINES: usize = 60;
+/// Of a table with many columns, so many parameters are shown all the same.
+const FEWEST_PARAMETERS: usize = 5;
+/// How many outputs become criteria where nothing is measured.
+const CRITERIA: usize = 3;
+
+/// A study to be written.
+#[derive(Debug)]
+pub(super) struct Study<'a> {
+    pub(super) fmu: &'a Description,
+    /// The FMU's path, as seen from the study.
+    pub(super) path: PathBuf,
+    pub(super) schedule: Schedule,
+    pub(super) parameters: Vec<(&'a Variable, Shown<'a>)>,
+    pub(super) criteria: Criteria,
+}
+
+/// The lines of the criteria, and how many criteria these are.
+#[derive(Debug)]
+pub(super) struct Criteria {
+    lines: Vec<String>,
+    count: usize,
+    /// Whether their values come from the model.
+    own: bool,
+}
+
+/// In what unit people read a variable.
+#[derive(Clone, Copy, Debug)]
+struct View<'a> {
+    unit: Option<&'a str>,
+    to_variable: Conversion,
+}
+
+impl<'a> View<'a> {
+    fn new(fmu: &Description, variable: &'a Variable) -> Self {
+        let unit = variable.display_unit();
+        let way = unit.and_then(|unit| fmu.conversion(unit, variable).ok());
+        Self {
+            unit: unit.filter(|_| way.is_some()),
+            to_variable: way.unwrap_or(Conversion::IDENTITY),
+        }
+    }
+
+    fn value(&self, value: f64) -> f64 {
+        let (zero, shown) = (
+            self.to_variable.inverse().value(0.0),
+            self.to_variable.inverse().value(value),
+        );
+        // At an offset such as that of degF a zero is rounded.
+        match shown.abs() < 1e-12 * zero.abs() {
+            true => 0.0,
+            false => shown,
+        }
+    }
+
+    fn key(&self) -> String {
+        self.unit
+            .map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
+    }
+}
+
+/// Six digits are enough for a first guess.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// A parameter's range in the unit in which people read it.
+#[derive(Debug)]
+pub(super) struct Shown<'a> {
+    view: View<'a>,
+    ends: [f64; 2],
+}
+
+impl<'a> Shown<'a> {
+    /// 10 % to both sides of the start value, within the FMU's own limits. None of what is no number, has no start value
+    /// or 0, or has no room.
+    pub(super) fn about_start(fmu: &Description, variable: &'a Variable) -> Option<Self> {
+        const PART: f64 = 0.1;
+        let Kind::Real {
+            start: Some(start),
+            min,
+            max,
+            ..
+        } = variable.kind
+        else {
+            return None;
+        };
+        let view = View::new(fmu, variable);
+        let middle = view.value(start);
+        let half = PART * middle.abs();
+        let limit = |limit: Option<f64>| limit.map(|limit| view.value(limit));
+        let limits = match [limit(min), limit(max)] {
+            // A unit may count the other way.
+            [min, max] if view.to_variable.difference(1.0) < 0.0 => [max, min],
+            limits => limits,
+        };
+        let low = rounded(middle - half).max(limits[0].unwrap_or(f64::NEG_INFINITY));
+        let high = rounded(middle + half).min(limits[1].unwrap_or(f64::INFINITY));
+        let is_range = low < high && low.is_finite() && high.is_finite();
+        is_range.then_some(Self {
+            view,
+            ends: [low, high],
+        })
+    }
+
+    fn line(&self, variable: &Variable) -> String {
+        let [low, high] = self.ends.map(number);
+        format!(
+            "{} = {{ distribution = \"uniform\", min = {low}, max = {high}{} }}{}",
+            quoted(&variable.name),
+            self.view.key(),
+            about(variable)
+        )
+    }
+}
+
+impl Criteria {
+    /// The first outputs that move, with what they do in a run of the model.
+    pub(super) fn of_model(
+        signals: &[Signal<'_>],
+        fmu: &Description,
+        path: &Path,
+    ) -> Result<Self, Error> {
+        let mut moving: Vec<_> = signals.iter().filter(|signal| signal.moves()).collect();
+        let stands = moving.is_empty();
+        if stands {
+            // An equation without time says something, too.
+            moving = signals
+                .iter()
+                .filter(|signal| signal.is_finite && signal.most != 0.0)
+                .collect();
+        }
+        if moving.is_empty() {
+            let message = "none of its outputs is a finite number other than 0 in a run: choose another end (--stop), or write a study \
+                           that feeds its inputs";
+            return Err(Error::content(path, message));
+        }
+        let mut lines = vec![
+            "# No measured value yet: the nominal values come from a run of the model. Put the measured value there and remove"
+                .to_owned(),
+            "# `nominal-from`. Then add how far it may be from the true one, such as uncertainty = \"1 %\" (k = 2)."
+                .to_owned(),
+        ];
+        let others: Vec<_> = moving
+            .iter()
+            .skip(CRITERIA)
+            .map(|s| &*s.variable.name)
+            .collect();
+        lines.extend(stands.then(|| "# No output moves in this run.".to_owned()));
+        lines.extend(more(&others, "Further outputs"));
+        for signal in moving.iter().take(CRITERIA) {
+            lines.push(String::new());
+            lines.extend(own(signal, fmu));
+        }
+        let count = moving.len().min(CRITERIA);
+        Ok(Self {
+            lines,
+            count,
+            own: true,
+        })
+    }
+
+    /// The columns of a table, as curves where it has a column of the time.
+    pub(super) fn of_table(table: &Measured<'_>, path: &Path) -> Self {
+        let tolerance = "# The tolerances are a guess: they say how far the model may be from the true values. Add the accuracy \
+                         of the";
+        let uncertainty = match table.time {
+            Some(_) => "# measurement beside `file`: uncertainty = \"0.3 degC\" (k = 2).",
+            None => {
+                "# measurement: uncertainty = \"1 %\" (k = 2). Several rows are taken as repeats of one measurement."
+            }
+        };
+        let mut lines = vec![tolerance.to_owned(), uncertainty.to_owned()];
+        for column in &table.columns {
+            lines.push(String::new());
+            lines.extend(match &table.time {
+                Some(time) => curve(column, time, path),
+                None => reading(column),
+            });
+        }
+        Self {
+            lines,
+            count: table.columns.len(),
+            own: false,
+        }
+    }
+}
+
+/// Names of things that are left out.
+fn more(names: &[&str], what: &str) -> Option<String> {
+    const SHOWN: usize = 3;
+    let shown: Vec<_> = names
+        .iter()
+        .take(SHOWN)
+        .map(|name| one_line(name))
+        .collect();
+    let rest = if names.len() > SHOWN { ", ..." } else { "" };
+    (!names.is_empty()).then(|| format!("# {what}: {}{rest}", shown.join(", ")))
+}
+
+fn head(variable: &Variable) -> [String; 2] {
+    // Columns of points.csv have these names already.
+    let taken = ["point", "verified", "accepted", "status"].contains(&&*variable.name);
+    let name = one_line(&variable.name) + if taken { "_" } else { "" };
+    [
+        format!("[criteria.{}]", quoted(&name)),
+        format!("variable = {}{}", quoted(&variable.name), about(variable)),
+    ]
+}
+
+/// A criterion whose nominal value comes from the model.
+fn own(signal: &Signal<'_>, fmu: &Description) -> Vec<String> {
+    let view = View::new(fmu, signal.variable);
+    let (statistic, value) = signal.value();
+    let nominal = rounded(view.value(value));
+    let range = (view.value(signal.most) - view.value(signal.least)).abs();
+    let mut lines = head(signal.variable).to_vec();
+    lines.push(format!("statistic = \"{}\"", statistic.name()));
+    lines.push(format!(
+        "nominal = {} # put the measured value here,",
+        number(nominal)
+    ));
+    lines.push("nominal-from = \"model\" # and remove this line".to_owned());
+    lines.push(tolerance(nominal, range));
+    lines.extend(view.unit.map(|unit| format!("unit = {}", quoted(unit))));
+    lines
+}
+
+/// A part of the value; where that is next to nothing, of the range.
+fn tolerance(nominal: f64, range: f64) -> String {
+    const PART: f64 = 0.05;
+    match nominal.abs() < SMALL * range {
+        true => format!("tolerance = {}", number(rounded(PART * range))),
+        false => format!("tolerance = \"{} %\"", 100.0 * PART),
+    }
+}
+
+fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
+    let unit = column.unit.as_deref();
+    let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
+    let [head, variable] = head(column.variable);
+    vec![
+        head,
+        variable,
+        format!(
+            "reference = {{ file = {}, time = {}, column = {}{unit} }}",
+            file(path),
+            quoted(time),
+            quoted(&column.header)
+        ),
+        "metric = \"nrmse\" # of the range; or rmse, max-error, corridor, area, iso18571"
+            .to_owned(),
+        "tolerance = \"5 %\"".to_owned(),
+    ]
+}
+
+fn reading(column: &Column<'_>) -> Vec<String> {
+    let (value, count) = (rounded(mean(&column.values)), column.values.len());
+    let noise = if count > 1 {
+        deviation(&column.values, 1)
+    } else {
+        0.0
+    };
+    let mut lines = head(column.variable).to_vec();
+    lines.push(format!("nominal = {}", number(value)));
+    if noise > 0.0 {
+        let noise = number(rounded(noise));
+        lines.push(format!(
+            "noise = {noise} # the standard deviation of one row"
+        ));
+        lines.push(format!("repeats = {count}"));
+    }
+    lines.push(match value == 0.0 {
+        true => "tolerance = 0.1".to_owned(),
+        false => "tolerance = \"5 %\"".to_owned(),
+    });
+    let unit = column.unit.as_deref();
+    lines.extend(unit.map(|unit| format!("unit = {}", quoted(unit))));
+    lines
+}
+
+impl Study<'_> {
+    /// The text.
+    pub(super) fn text(&self) -> String {
+        let Schedule {
+            start, stop, step, ..
+        } = self.schedule;
+        let fmu = self.fmu;
+        let mut lines = vec![
+            format!("title = {}", quoted(&fmu.model_name)),
+            format!("fmu = {}", file(&self.path)),
+            String::new(),
+            "[simulation]".to_owned(),
+        ];
+        if start != Schedule::suggested(fmu).start {
+            lines.push(format!("start = {} # s", number(start)));
+        }
+        lines.extend([
+            format!("stop = {} # s", number(stop)),
+            format!("step = {} # s", number(step)),
+            String::new(),
+            "[design]".to_owned(),
+            format!(
+                "method = \"sobol\" # or {}",
+                Method::named(|method| method != Method::Sobol)
+            ),
+            "points = 64".to_owned(),
+            "seed = 1".to_owned(),
+            String::new(),
+        ]);
+        let room = MOST_LINES.saturating_sub(lines.len() + self.criteria.lines.len() + 4);
+        let shown = room.max(FEWEST_PARAMETERS).min(self.parameters.len());
+        lines.push(
+            "# Start values +-10 %, a guess: write what your parts' tolerances are.".to_owned(),
+        );
+        let others: Vec<&str> = self.parameters[shown..]
+            .iter()
+            .map(|(v, _)| &*v.name)
+            .collect();
+        lines.extend(more(
+            &others,
+            &format!("{} further ones keep their start values", others.len()),
+        ));
+        lines.push("[parameters]".to_owned());
+        lines.extend(
+            self.parameters[..shown]
+                .iter()
+                .map(|(variable, range)| range.line(variable)),
+        );
+        lines.push(String::new());
+        lines.extend(self.criteria.lines.iter().cloned());
+        lines.join("\n") + "\n"
+    }
+
+    /// What to do with it.
+    pub(super) fn told(&self, path: &Path) -> String {
+        let path = path.display();
+        let next = match self.criteria.own {
+            true => {
+                "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n"
+            }
+            false => {
+                "the tolerances are a guess: write how far the model may be from the true values\n"
+            }
+        };
+        let plural = if self.criteria.count == 1 { "on" } else { "a" };
+        format!(
+            "{path}: {} criteri{plural}; `orchestrator verify {path}` runs it\n{next}",
+            self.criteria.count
+        )
+    }
+}
+
+/// The FMU's description of a variable, as a comment behind a line. A line end in it would end the comment.
+fn about(variable: &Variable) -> String {
+    const MOST: usize = 60;
+    let Some(text) = variable
+        .description
+        .as_deref()
+        .filter(|text| !text.is_empty())
+    else {
+        return String::new();
+    };
+    let text = one_line(text);
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!(" # {}...", &text[..end]),
+        None => format!(" # {text}"),
+    }
+}
+
+/// A path with slashes, which every system takes.
+fn file(path: &Path) -> String {
+    let text = path.display().to_string();
+    quoted(&if cfg!(windows) {
+        text.replace('\\', "/")
+    } else {
+        text
+    })
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    let text = text.replace('\\', "\\\\").replace('"', "\\\"");
+    format!("\"{}\"", one_line(&text))
+}
