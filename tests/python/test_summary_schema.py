@@ -53,3 +53,21 @@ def test_a_study_with_most_keys_keeps_to_the_schema(tmp_path):
     summary = check(tmp_path / "out")
     assert summary["required"]["share"] == 0.05
     assert summary["dossier"]["tested"] == "2025-05-12"
+
+
+@pytest.mark.parametrize("fmu", ["PlainBearingStand", "PlainBearingStand-me-fmi3"])
+def test_a_starting_study_runs_at_once_and_verifies_nothing(fmu, tmp_path):
+    study = tmp_path / "studies" / "new.toml"
+    study.parent.mkdir()
+    (tmp_path / "model.fmu").symlink_to(ROOT / "dist" / f"{fmu}.fmu")
+    orchestrator("init", tmp_path / "model.fmu", "--stop", 5, "--step", 0.01, "--output", study)
+    text = study.read_text()
+    assert len(text.splitlines()) <= 60 and 'fmu = "../model.fmu"' in text
+    said = orchestrator("verify", study, "--points", 8, "--output", tmp_path / "out", code=1)
+    assert said.startswith("warning: no measured value yet: ") and "erified" not in said
+    summary = check(tmp_path / "out")
+    assert summary["verdict"] == "not verified" and summary["failed"] == 0
+    assert summary["verdict_words"].startswith("no measured value yet: ")
+    concern = summary["concerns"][0]
+    assert (concern["code"], concern["severity"]) == ("nominal-from-model", "warning")
+    assert {criterion["nominal_from"] for criterion in summary["criteria"].values()} == {"model"}

@@ -27,6 +27,7 @@ mod reuse;
 mod samples;
 mod sensitivities;
 mod simulate;
+mod starting;
 mod statistics;
 mod strangers;
 mod support;
