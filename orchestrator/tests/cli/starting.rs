@@ -86,12 +86,10 @@ fn measured_values_in_place_of_the_models_verify_it() {
         "{}",
         said.out
     );
-    assert_eq!(
-        bench.summary("out")["concerns"].as_array().map(Vec::len),
-        Some(1)
-    );
+    let concerns = bench.summary("out")["concerns"].to_string();
+    assert!(!concerns.contains("nominal-from-model"), "{concerns}");
     // One that is left is enough.
-    let half = study.replacen("nominal-from", "# nominal-from", 1);
+    let half = study.replacen("nominal-from =", "# nominal-from =", 1);
     assert_ne!(half, study);
     bench.write("half.toml", &half);
     let said = bench.run(&["verify", "half.toml", "--output", "half"]);
@@ -130,12 +128,7 @@ fn a_starting_study_of_a_strange_fmu_is_a_study() {
         );
         let bench = Bench::empty();
         bench.fmu("lag.fmu", &[], &text);
-        let said = bench.run(&["init", "lag.fmu", "--output", "study.toml"]);
-        if limits.contains("INF") {
-            // The run itself fails.
-            assert_eq!(said.code, 2, "{}", said.err);
-            continue;
-        }
+        good(bench.run(&["init", "lag.fmu", "--output", "study.toml"]));
         let study = bench.read("study.toml");
         assert!(!study.contains("\nsecond"), "{study}");
         let said = bench.run(&["verify", "study.toml", "--points", "4", "--dry-run"]);
@@ -224,7 +217,7 @@ fn a_nominal_value_of_the_model_has_no_uncertainty() {
         ("uncertainty = \"1 %\"", "no error of a measurement"),
         ("noise = 0.1", "no error of a measurement"),
     ] {
-        let wrong = study.replacen("nominal-from", &format!("{key}\nnominal-from"), 1);
+        let wrong = study.replacen("nominal-from =", &format!("{key}\nnominal-from ="), 1);
         bench.write("wrong.toml", &wrong);
         bench
             .run(&["verify", "wrong.toml"])
@@ -233,7 +226,7 @@ fn a_nominal_value_of_the_model_has_no_uncertainty() {
     let without =
         study
             .replacen("nominal =", "at-most =", 1)
-            .replacen("tolerance", "# tolerance", 1);
+            .replacen("\ntolerance =", "\n# tolerance =", 1);
     bench.write("wrong.toml", &without);
     bench
         .run(&["verify", "wrong.toml"])
