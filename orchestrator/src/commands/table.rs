@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use indexmap::IndexMap;
 
+use crate::concern::{Code, Concern};
 use crate::report::counted::{readings, risks};
 use crate::report::outlook::improve_first;
 use crate::results::asides::Asides;
@@ -120,15 +121,17 @@ fn most_probable(summary: &Summary) -> String {
 fn remarks(summary: &Summary) -> String {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
-    let concerns = summary
-        .concerns
-        .iter()
-        .map(|concern| format!("{}: {}\n", concern.severity.name(), concern.text));
+    // That nothing is measured makes all the rest something else.
+    let is_first = |concern: &&Concern| concern.code == Code::NominalFromModel;
+    let (first, others): (Vec<&Concern>, Vec<&Concern>) =
+        summary.concerns.iter().partition(is_first);
+    let doubts = |concerns: Vec<&Concern>| -> String {
+        let line = |concern: &Concern| format!("{}: {}\n", concern.severity.name(), concern.text);
+        concerns.into_iter().map(line).collect()
+    };
     let remarks = conduct.chain(asides).chain(summary.left_out_remark());
-    // Doubts come first.
-    concerns
-        .chain(remarks.map(|remark| format!("{remark}\n")))
-        .collect()
+    let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
+    doubts(first) + &remarks + &doubts(others)
 }
 
 /// The best point for people.

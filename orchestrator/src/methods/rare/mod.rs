@@ -79,6 +79,8 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     };
     let session = asking::open(&options.work, &analysis)?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
+    // A refusal is one line, without doubts before it.
+    analysis.check(&session)?;
     asking::warn(&session.judge);
     let folder = options.work.folder(None)?;
     asking::run(session, &analysis, &options.work, folder)
