@@ -31,7 +31,6 @@ mod family;
 mod generate;
 mod map;
 mod slice;
-mod spline;
 mod table;
 
 pub use family::SliceFamily;

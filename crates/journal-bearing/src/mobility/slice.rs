@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use super::blend::Blend;
 use super::coordinates::Point;
-use super::spline::hermite;
+use crate::spline::hermite;
 use super::table::{Lattice, Node};
 
 /// The mobility of bearings of one `B/D`: the map's quantities over eccentricity ratio and load direction, with a

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::spline::{End, Spline};
+use crate::spline::{End, Spline};
 
 /// Quantities per node: `ln |M|`, the angle by which `M` leads the load (rad), `ln` of the largest pressure over
 /// `F/(B D)`, and `ln` of the side flow over `F c^3 / (3 eta B^2)`.

@@ -38,7 +38,7 @@ fn each(surface: &Surface, geometry: &Geometry, mut visit: impl FnMut(Vector2<f6
     let developed = 0.5 * settings.diameter * settings.width;
     for (i, range) in cells.columns() {
         for cell in range {
-            let h = if settings.film_roughness() > 0.0 {
+            let h = if gap.rough {
                 gap.ratio[cell]
             } else {
                 gap.cell[cell] * ratio

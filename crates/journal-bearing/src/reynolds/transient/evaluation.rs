@@ -8,9 +8,8 @@ use super::diagnostics::Diagnostics;
 use super::stage::Stage;
 use super::workspace::Workspace;
 use crate::reynolds::lanes::{dot, largest, sum_of};
-use crate::reynolds::roughness::shear_flow_factor;
+use crate::roughness::shear_flow_factor;
 use crate::reynolds::settings::Drive;
-use crate::reynolds::stress::sliding_resistance;
 
 /// Sums over cells and edges, dimensionless.
 #[derive(Default)]
@@ -98,19 +97,21 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
         sums.form[0] += opening[0] * pressed;
         sums.form[1] += opening[1] * pressed;
         // The mean gap of rough surfaces does not close in step with the journal, so it needs this term too.
-        if cells.conserves_mass() || roughness > 0.0 {
+        if cells.conserves_mass() || gap.rough {
             sums.loss += filling_loss(work, stage, i, squeeze);
         }
     }
     let resolved = cells.resolved_gap();
-    sums.shear = if settings.flow_factors().is_some() {
-        sheared(work, drive.rotation(), |[_, _, ratio], fluidity| {
-            sliding_resistance(ratio) / (roughness * fluidity)
+    sums.shear = if gap.rough {
+        let most = 1.0 / resolved;
+        sheared(work, drive.rotation(), |[_, ratio], fluidity| {
+            let resistance = settings.rough_film.resistance(ratio) / roughness;
+            resistance.min(most) / fluidity
         })
     } else {
-        sheared(work, drive.rotation(), |[h, apart, _], fluidity| {
+        sheared(work, drive.rotation(), |[h, _], fluidity| {
             let h = if h > resolved { h } else { resolved };
-            apart / (h * fluidity)
+            1.0 / (h * fluidity)
         })
     };
     for (behind, before) in cells.neighbours() {
@@ -163,8 +164,8 @@ fn squeeze(work: &Workspace, drive: &Drive, column: usize) -> f64 {
     work.state.velocity.dot(direction) - turning
 }
 
-/// Integral of content over viscous gap: content times a `resistance` at the edges between columns. It receives the gap there, its
-/// share where the surfaces do not touch, their film ratio, and the fluidity.
+/// Integral of content over viscous gap: content times a `resistance` at the edges between columns. It receives the gap there, the
+/// film ratio, and the fluidity.
 ///
 /// It uses the trapezoidal rule over the edges, which around the ring is nearly exact where the film is full. The content
 /// of a cell is that of the oil that the rotation carries over the cell's downstream edge, so it is paired with the gap
@@ -172,7 +173,7 @@ fn squeeze(work: &Workspace, drive: &Drive, column: usize) -> f64 {
 fn sheared<'a>(
     work: &'a Workspace,
     rotation: f64,
-    resistance: impl Fn([f64; 3], f64) -> f64,
+    resistance: impl Fn([f64; 2], f64) -> f64,
 ) -> f64 {
     let (area, fluidity) = (&work.geometry.cells.area, &work.liquid.fluidity);
     let content = &work.state.field.content;
@@ -188,8 +189,7 @@ fn sheared<'a>(
         let of_both = |of: &'a [f64]| [&of[before.clone()], &of[behind.clone()]];
         let ([area, area_own], [fluidity, fluidity_own]) = (of_both(area), of_both(fluidity));
         let ([content, content_own], gap) = (of_both(content), &work.geometry.gap);
-        let [h, apart, ratio] =
-            [&gap.edge, &gap.edge_apart, &gap.edge_ratio].map(|of| &of[behind.clone()]);
+        let [h, ratio] = [&gap.edge, &gap.edge_ratio].map(|of| &of[behind.clone()]);
         let of = [
             area,
             area_own,
@@ -198,12 +198,11 @@ fn sheared<'a>(
             content,
             content_own,
             h,
-            apart,
             ratio,
         ];
-        sum += sum_of(of, |[a, a_own, f, f_own, c, c_own, h, apart, ratio]| {
+        sum += sum_of(of, |[a, a_own, f, f_own, c, c_own, h, ratio]| {
             let carried = shares[0] * c + shares[1] * c_own;
-            0.5 * (a + a_own) * carried * resistance([h, apart, ratio], 0.5 * (f + f_own))
+            0.5 * (a + a_own) * carried * resistance([h, ratio], 0.5 * (f + f_own))
         });
     }
     sum

@@ -9,7 +9,7 @@ use super::gap::{Form, Gap};
 use super::state::Field;
 use crate::reynolds::grid::Grid;
 use crate::reynolds::lanes::smallest;
-use crate::reynolds::roughness::mean_gap;
+use crate::roughness::{mean_gap, parting};
 use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
 
 /// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.
@@ -61,6 +61,7 @@ impl Geometry {
         let settings = &self.settings;
         self.form.tilt = Vector2::from(settings.tilt) / settings.clearance;
         self.form.roughness = settings.film_roughness();
+        self.form.rough_film = settings.rough_film;
     }
 
     /// Computes the form error with journal and bush turned by `angles`.
@@ -86,7 +87,7 @@ impl Geometry {
 
     /// Whether the surfaces leave each other room; rough surfaces may touch.
     pub fn is_open(&self) -> bool {
-        if self.form.roughness > 0.0 {
+        if self.gap.rough {
             smallest(&self.gap.ratio).min(smallest(&self.gap.edge_ratio)) > DEEPEST
         } else {
             self.gap.smallest > 0.0
@@ -96,7 +97,12 @@ impl Geometry {
     /// The largest share of the change `change` of the eccentricity ratio from `eps` that leaves at least the share `rest` of
     /// the present gap everywhere. Rough surfaces may come closer by half their roughness in any case.
     pub fn allowed(&self, eps: Vector2<f64>, change: Vector2<f64>, rest: f64) -> f64 {
-        let (gap, valleys) = (&self.gap, 0.5 * self.form.roughness);
+        let gap = &self.gap;
+        let valleys = if gap.rough {
+            0.5 * self.form.roughness
+        } else {
+            0.0
+        };
         let mut share: f64 = 1.0;
         if change.norm() > ((1.0 - rest) * gap.smallest).max(valleys) {
             let directions = &self.cells.directions;
@@ -115,7 +121,12 @@ impl Geometry {
                 }
             }
         }
-        let limit = 1.0 - rest * (1.0 - eps.norm());
+        let nearest = 1.0 - eps.norm();
+        let limit = if gap.rough {
+            1.0 - nearest + ((1.0 - rest) * gap.smallest).max(valleys)
+        } else {
+            1.0 - rest * nearest
+        };
         while self.form.is_plain() && share > 1e-12 && (eps + change * share).norm() > limit {
             share *= 0.5;
         }
@@ -137,7 +148,7 @@ impl Geometry {
             };
             places(&directions.mean, &form.middle).min(places(&directions.edge, &form.edge))
         };
-        let narrowest = if form.roughness > 0.0 {
+        let narrowest = if form.feels(distance) {
             mean_gap(distance / form.roughness)[0] * form.roughness
         } else {
             distance.max(0.0)
@@ -167,18 +178,13 @@ impl Geometry {
 
     /// The load lost per eccentricity ratio because asperities of a closing gap take area from the film.
     pub fn lost_area(&self, field: &Field) -> Matrix2<f64> {
-        let pressure = &field.pressure;
-        // How fast the area of the film grows as the surfaces part, per area of the cell.
-        let parting = |c: usize| {
-            let ratio = self.gap.ratio[c];
-            (-0.5 * ratio * ratio).exp() / TAU.sqrt() / self.form.roughness
-        };
+        let (pressure, roughness) = (&field.pressure, self.form.roughness);
         let mut lost = Matrix2::zeros();
         for (i, range) in self.cells.columns() {
             let n = self.cells.directions.mean[i];
             let sum: f64 = range
                 .filter(|&c| pressure[c] != 0.0)
-                .map(|c| pressure[c] * self.cells.area[c] * parting(c))
+                .map(|c| pressure[c] * self.cells.area[c] * parting(self.gap.ratio[c]) / roughness)
                 .sum();
             lost += n * n.transpose() * sum;
         }

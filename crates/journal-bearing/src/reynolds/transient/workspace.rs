@@ -174,7 +174,7 @@ impl Workspace {
             balance: &self.balance,
             stage,
         });
-        if self.geometry.form.roughness > 0.0 {
+        if self.geometry.gap.rough {
             // An effect on the load that the cells' pressures do not show.
             self.linear.slope -= self.geometry.lost_area(&self.state.field);
         }

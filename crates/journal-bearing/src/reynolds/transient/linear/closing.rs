@@ -50,12 +50,20 @@ impl Closing {
             // Storage, and the flux out of the open ends, per unit of gap.
             let kept = &mut self.kept[here.clone()];
             let [area, oil] = [&cells.area, &balance.fill].map(|of| &of[here.clone()]);
-            fill(kept, [area, oil], |[area, oil]| rate * area * oil);
-            let out = [&balance.open, &field.pressure, &gap.cell].map(|of| &of[here.clone()]);
-            change(kept, out, |kept, [open, p, h]| {
-                kept + 3.0 * open * (p - stage.side) / h
+            let apart = &gap.cell_apart[here.clone()];
+            fill(kept, [area, oil, apart], |[area, oil, apart]| {
+                rate * area * oil * apart
             });
-            change(kept, [&gap.cell_apart[here.clone()]], product);
+            let out = [
+                &balance.open,
+                &field.pressure,
+                &gap.cell_flow,
+                &gap.cell_flow_apart,
+            ];
+            let out = out.map(|of| &of[here.clone()]);
+            change(kept, out, |kept, [open, p, flow, apart]| {
+                kept + 3.0 * open * (p - stage.side) * apart / flow
+            });
             let over = &self.over[here.start..=here.end];
             add_difference(kept, [over, &over[1..]]);
             let around = [here.clone(), after.clone()].map(|of| &self.around[of]);
@@ -82,25 +90,45 @@ impl Closing {
         let (gap, balance) = (base.gap, base.balance);
         let pressure = &base.field.pressure;
         for (behind, before) in base.cells.neighbours() {
-            let [along, carried, h, apart] =
-                [&balance.along, &balance.carried, &gap.edge, &gap.edge_apart]
-                    .map(|of| &of[behind.clone()]);
+            let [along, carried] =
+                [&balance.along, &balance.carried].map(|of| &of[behind.clone()]);
+            let [h, apart, flow, flow_apart] = [
+                &gap.edge,
+                &gap.edge_apart,
+                &gap.edge_flow,
+                &gap.edge_flow_apart,
+            ]
+            .map(|of| &of[behind.clone()]);
             let p = [before.clone(), behind.clone()].map(|of| &pressure[of]);
             let oil = [before, behind.clone()].map(|of| &balance.fill[of]);
-            let of = [along, carried, p[0], p[1], oil[0], oil[1], h, apart];
+            let of = [
+                along, carried, p[0], p[1], oil[0], oil[1], h, apart, flow, flow_apart,
+            ];
             fill(
                 &mut self.around[behind],
                 of,
-                |[along, carried, p_before, p, before, behind, h, apart]| {
+                |[
+                    along,
+                    carried,
+                    p_before,
+                    p,
+                    before,
+                    behind,
+                    h,
+                    apart,
+                    flow,
+                    flow_apart,
+                ]| {
                     let oil = if carried > 0.0 { before } else { behind };
-                    (carried * oil + 3.0 * along * (p_before - p)) * apart / h
+                    let widens = flow_apart * h / flow;
+                    (carried * oil * apart + 3.0 * along * (p_before - p) * widens) / h
                 },
             );
         }
         let n = pressure.len();
         let (low, high) = (..n - 1, 1..n);
         let [p, h, apart] =
-            [pressure, &gap.cell, &gap.cell_apart].map(|of| [&of[low], &of[high.clone()]]);
+            [pressure, &gap.cell_flow, &gap.cell_flow_apart].map(|of| [&of[low], &of[high.clone()]]);
         let across = &balance.across[1..n];
         let of = [across, p[0], p[1], h[0], h[1], apart[0], apart[1]];
         fill(

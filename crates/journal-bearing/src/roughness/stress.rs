@@ -75,7 +75,7 @@ pub(super) fn sliding_resistance(ratio: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::roughness::{mean_gap, shear_flow_factor};
+    use super::super::{mean_gap, shear_flow_factor};
     use super::*;
 
     /// The mean of `1/h` over the published distribution and cut-off, by the midpoint rule over `ln h`.

@@ -1,0 +1,330 @@
+//! The film between rough surfaces: the gaps through which it sees them.
+//!
+//! Lengths are in units of the composite rms roughness `sigma`: `H` is the film ratio, the distance of the surfaces' mean
+//! planes over `sigma`; it is negative where they cross.
+//!
+//! The film has a gap for each of its tasks, and all of them are `H` between smooth surfaces:
+//!
+//! * its *content*: the mean gap `H Phi(H) + phi(H)` (Patir & Cheng 1978). Its slope `Phi`, the share of the area where the
+//!   surfaces do not touch, drives the film and bears its pressure;
+//! * its *flow*: `H phi_p^(1/3)`, with the pressure flow factor (Patir & Cheng 1978);
+//! * its *shear*: `H / (phi_f + phi_fs)`, with the shear stress factors (Patir & Cheng 1979), see [`stress`].
+//!
+//! Patir & Cheng's simulations end at `H = 0.5`. As the surfaces come closer, the touching area cuts the film into pockets
+//! until nothing flows any more, at a touching share of about 0.42 (Persson et al. 2012, Eur. Phys. J. E 35:5; Wang & Mueser
+//! 2021, Tribol. Lett. 69:1), which is `Phi = 0.58` and `H = 0.2`. Real patches scatter about it. The connected share of
+//! the film therefore falls smoothly from one at `H = 0.5` to nothing at `H = -0.5`; oil in closed pockets neither flows, nor
+//! is it squeezed, nor bears load. The asperities bear it.
+
+mod stress;
+
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+use stress::sliding_resistance;
+pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};
+use crate::spline::{End, Spline};
+
+/// How the film sees rough surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum RoughFilm {
+    /// The film ignores the roughness: its gap is the distance of the mean planes, and must not close.
+    #[default]
+    Nominal,
+    /// The mean gap between the asperities and the flow and stress factors of Patir & Cheng (1978, 1979) for isotropic
+    /// surfaces. The factors count in full up to a film ratio of 3, and fade out where asperities no longer touch.
+    MeanGap,
+    /// The same without fading, and with the shear flow of surfaces of unlike roughness.
+    FlowFactors {
+        /// The journal's share of the composite roughness' variance, 0..1. At one half, the shear flows of both
+        /// surfaces cancel.
+        journal_share: f64,
+    },
+}
+
+/// A gap and its slope over the distance of the mean planes.
+pub type Width = [f64; 2];
+
+/// Film ratio beyond which asperities do not touch: `F_5/2` is below 1e-13.
+pub const NO_CONTACT: f64 = 7.0;
+/// The lowest film ratio of the table. Below, all oil is in closed pockets.
+const LEAST: f64 = -5.0;
+/// Up to this film ratio the factors count in full.
+const FULL: f64 = 3.0;
+/// Table nodes per unit of `H`.
+const PER_UNIT: f64 = 16.0;
+const NODES: usize = ((NO_CONTACT - LEAST) * PER_UNIT) as usize + 1;
+
+/// The least film ratio of Patir & Cheng's simulations of the pressure flow.
+const LEAST_FOR_FLOW: f64 = 0.5;
+/// Film ratio at which no film is connected.
+const CUT_OFF: f64 = -0.5;
+/// Least share of the flow that is left, so that the pressure in closed pockets is determined.
+const SEEPAGE: f64 = 1e-2;
+
+/// One node of the table: mean gap, content, flow and resistance, each with its slope.
+type Node = [Width; 4];
+const MEAN: usize = 0;
+const CONTENT: usize = 1;
+const FLOW: usize = 2;
+const RESISTANCE: usize = 3;
+
+static TABLE: LazyLock<Vec<Node>> = LazyLock::new(tabulate);
+
+fn tabulate() -> Vec<Node> {
+    let ratio = |i: usize| LEAST + i as f64 / PER_UNIT;
+    let mut nodes = mean_gaps();
+    let spline = Spline::new(NODES, [End::Free; 2]);
+    let mut slopes = vec![0.0; NODES];
+    let flows = nodes.iter().enumerate();
+    let flows: Vec<f64> = flows.map(|(i, node)| flow(ratio(i), node[MEAN][0])).collect();
+    let resistances: Vec<f64> = (0..NODES).map(|i| faded_resistance(ratio(i))).collect();
+    for (quantity, values) in [(FLOW, flows), (RESISTANCE, resistances)] {
+        spline.slopes(&values, &mut slopes);
+        for (node, (value, slope)) in nodes.iter_mut().zip(values.iter().zip(&slopes)) {
+            node[quantity] = [*value, slope * PER_UNIT];
+        }
+    }
+    nodes
+}
+
+/// `Phi` and `H Phi + phi` at the lowest film ratio.
+const START: [f64; 2] = [2.866_515_718_791_939e-7, 5.346_165_533_833e-8];
+
+/// Nodes with mean gap and content, by integrating the normal density once and twice.
+fn mean_gaps() -> Vec<Node> {
+    let density = |x: f64| (-0.5 * x * x).exp() / TAU.sqrt();
+    let d = 0.5 / PER_UNIT;
+    let [mut open, mut gap] = START;
+    let mut content = 0.0;
+    let mut x = LEAST;
+    let mut node = [Width::default(); 4];
+    (node[MEAN], node[CONTENT]) = ([gap, open], [content, 0.0]);
+    let mut nodes = vec![node];
+    while nodes.len() < NODES {
+        let mut films = [open * connected(x), 0.0, 0.0];
+        for film in &mut films[1..] {
+            // Simpson's rule, and for the second integral the weights that match it.
+            let [a, b, c] = [x, x + 0.5 * d, x + d].map(density);
+            gap += d * open + d * d * (a + 2.0 * b) / 6.0;
+            open += d * (a + 4.0 * b + c) / 6.0;
+            x += d;
+            *film = open * connected(x);
+        }
+        content += d * (films[0] + 4.0 * films[1] + films[2]) / 3.0;
+        (node[MEAN], node[CONTENT]) = ([gap, open], [content, films[2]]);
+        nodes.push(node);
+    }
+    // Where all of the film is connected, its content is the mean gap.
+    let whole = ((LEAST_FOR_FLOW - LEAST) * PER_UNIT) as usize;
+    let closed = nodes[whole][MEAN][0] - nodes[whole][CONTENT][0];
+    for node in &mut nodes[..whole] {
+        node[CONTENT][0] += closed;
+    }
+    for node in &mut nodes[whole..] {
+        node[CONTENT] = node[MEAN];
+    }
+    nodes
+}
+
+/// A cubic that rises from 0 to 1 between two places.
+fn rise(from: f64, to: f64, at: f64) -> f64 {
+    let t = ((at - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The share of the open area whose film is connected.
+fn connected(ratio: f64) -> f64 {
+    rise(CUT_OFF, LEAST_FOR_FLOW, ratio)
+}
+
+/// The share of the factors that counts at a film ratio.
+fn share(ratio: f64) -> f64 {
+    1.0 - rise(FULL, NO_CONTACT, ratio)
+}
+
+/// The gap of the flow at a film ratio and its mean gap.
+fn flow(ratio: f64, mean: f64) -> f64 {
+    let least = ratio.max(LEAST_FOR_FLOW);
+    let factor = 1.0 - share(ratio) * (1.0 - pressure_flow_factor(least));
+    if ratio >= LEAST_FOR_FLOW {
+        return ratio * factor.cbrt();
+    }
+    // Below, the flow goes with the third power of the mean gap, as far as it is connected.
+    let connected = SEEPAGE + (1.0 - SEEPAGE) * connected(ratio);
+    mean * (factor * connected).cbrt() * LEAST_FOR_FLOW / MEAN_AT_LEAST
+}
+
+/// The mean gap at the least film ratio of the flow.
+const MEAN_AT_LEAST: f64 = 0.697_796_5;
+
+/// Resistance to sliding at a film ratio: the reciprocal of the gap of the shear.
+fn faded_resistance(ratio: f64) -> f64 {
+    let rough = sliding_resistance(ratio);
+    match share(ratio) {
+        1.0 => rough,
+        share => share * rough + (1.0 - share) / ratio,
+    }
+}
+
+/// A quantity of the table; `None` above its end.
+#[inline]
+fn look_up<const N: usize>(ratio: f64, quantities: [usize; N]) -> Option<[Width; N]> {
+    if ratio >= NO_CONTACT {
+        return None;
+    }
+    let position = (ratio.max(LEAST) - LEAST) * PER_UNIT;
+    let cell = (position as usize).min(NODES - 2);
+    let nodes = &TABLE[cell..=cell + 1];
+    let t = position - cell as f64;
+    Some(quantities.map(|quantity| {
+        let ([a, slope_a], [b, slope_b]) = (nodes[0][quantity], nodes[1][quantity]);
+        let (slope_a, slope_b) = (slope_a / PER_UNIT, slope_b / PER_UNIT);
+        let (rise, bend) = (b - a, slope_a + slope_b - 2.0 * (b - a));
+        let curve = rise - slope_a - bend;
+        [
+            a + t * (slope_a + t * (curve + t * bend)),
+            (slope_a + t * (2.0 * curve + 3.0 * t * bend)) * PER_UNIT,
+        ]
+    }))
+}
+
+impl RoughFilm {
+    /// The gaps of content and flow at a film ratio.
+    #[inline]
+    pub fn gaps(self, ratio: f64) -> [Width; 2] {
+        if let Self::FlowFactors { .. } = self
+            && ratio > FULL
+        {
+            let factor = pressure_flow_factor(ratio);
+            let (flow, steep) = (ratio * factor.cbrt(), 0.56 * (1.0 - factor) / factor);
+            return [mean_gap(ratio), [flow, flow * (1.0 / ratio + steep / 3.0)]];
+        }
+        look_up(ratio, [CONTENT, FLOW]).unwrap_or([[ratio, 1.0]; 2])
+    }
+
+    /// Resistance to sliding at a film ratio: the reciprocal of the gap of the shear.
+    #[inline]
+    pub fn resistance(self, ratio: f64) -> f64 {
+        if let Self::FlowFactors { .. } = self
+            && ratio > FULL
+        {
+            return sliding_resistance(ratio);
+        }
+        resistance(ratio)[0]
+    }
+}
+
+/// The film's resistance to sliding at a film ratio as [`RoughFilm::MeanGap`] sees it, and its slope.
+pub fn resistance(ratio: f64) -> Width {
+    match look_up(ratio, [RESISTANCE]) {
+        Some([of]) => of,
+        None => [1.0 / ratio, -1.0 / (ratio * ratio)],
+    }
+}
+
+/// A gap that never closes, for coordinates: `H` where asperities do not touch, positive and rising everywhere; with its
+/// slope.
+pub fn room(ratio: f64) -> Width {
+    if ratio >= NO_CONTACT {
+        return [ratio, 1.0];
+    }
+    let root = (ratio * ratio + 2.0).sqrt();
+    let (open, slope) = (0.5 * (ratio + root), 0.5 * (1.0 + ratio / root));
+    let t = ((ratio - FULL) / (NO_CONTACT - FULL)).max(0.0);
+    let (counts, fall) = (share(ratio), -6.0 * t * (1.0 - t) / (NO_CONTACT - FULL));
+    [
+        ratio + counts * (open - ratio),
+        1.0 + counts * (slope - 1.0) + fall * (open - ratio),
+    ]
+}
+
+/// The mean gap between Gaussian surfaces, `H Phi(H) + phi(H)`, and its derivative `Phi(H)`, the share of the area where
+/// they do not touch. `Phi` is the normal distribution and `phi` its density (average gap of Patir & Cheng 1978).
+pub fn mean_gap(ratio: f64) -> Width {
+    if ratio < LEAST {
+        let [gap, slope] = TABLE[0][MEAN];
+        let fall = (slope / gap * (ratio - LEAST)).exp();
+        return [gap * fall, slope * fall];
+    }
+    look_up(ratio, [MEAN]).map_or([ratio, 1.0], |[mean]| mean)
+}
+
+/// How fast the share of the area that bears the film grows as the surfaces part.
+pub fn parting(ratio: f64) -> f64 {
+    const NEAR: f64 = 0.5 / PER_UNIT;
+    let bears = |ratio: f64| look_up(ratio, [CONTENT]).map_or(1.0, |[[_, bears]]| bears);
+    (bears(ratio + NEAR) - bears(ratio - NEAR)) / (2.0 * NEAR)
+}
+
+/// The pressure flow factor of isotropic Gaussian surfaces at a film ratio `H`, 1: `1 - 0.90 exp(-0.56 H)` (Patir & Cheng
+/// 1978, J. Lubr. Technol. 100, 12-17, table of coefficients, for `H > 0.5`). It multiplies the flow through a gap of the
+/// mean planes' distance.
+pub fn pressure_flow_factor(ratio: f64) -> f64 {
+    1.0 - 0.90 * (-0.56 * ratio).exp()
+}
+
+/// The shear flow factor of one isotropic Gaussian surface at a film ratio `H`, 1: `1.899 H^0.98 exp(-0.92 H + 0.05 H^2)`
+/// up to `H = 5`, `1.126 exp(-0.25 H)` beyond (Patir & Cheng 1979, J. Lubr. Technol. 101, 220-230, table of
+/// coefficients).
+pub fn shear_flow_factor(ratio: f64) -> f64 {
+    if ratio <= 0.0 {
+        0.0
+    } else if ratio <= 5.0 {
+        1.899 * ratio.powf(0.98) * (ratio * (0.05 * ratio - 0.92)).exp()
+    } else {
+        1.126 * (-0.25 * ratio).exp()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `Phi` to 7 decimals: Abramowitz & Stegun 1964, table 26.1.
+    #[test]
+    fn the_mean_gap_is_that_of_the_normal_distribution() {
+        for (ratio, distribution) in [
+            (-3.0, 0.001_349_9),
+            (-1.0, 0.158_655_3),
+            (0.0, 0.5),
+            (0.44, 0.670_031_4),
+            (2.0, 0.977_249_9),
+        ] {
+            let ratio: f64 = ratio;
+            let density = (-0.5 * ratio * ratio).exp() / TAU.sqrt();
+            let [gap, slope] = mean_gap(ratio);
+            assert!((slope - distribution).abs() < 2e-7, "{ratio}: {slope}");
+            let expected = ratio * distribution + density;
+            assert!((gap - expected).abs() < 3e-7, "{ratio}: {gap} {expected}");
+        }
+        let [gap, slope] = mean_gap(5.999);
+        assert!((gap - 5.999).abs() < 1e-8 && (slope - 1.0).abs() < 1e-8);
+        assert_eq!(mean_gap(7.0), [7.0, 1.0]);
+        assert_eq!(mean_gap(1e300), [1e300, 1.0]);
+        // Below the table it tends to zero without a jump.
+        let [above, below] = [-4.999, -5.001].map(|ratio| mean_gap(ratio)[0]);
+        assert!(below > 0.0 && below < above && above < 1.1 * below);
+        assert!(mean_gap(-20.0)[0] >= 0.0);
+    }
+
+    #[test]
+    fn flow_factors_have_their_published_limits() {
+        // Patir & Cheng 1978: 1 for smooth surfaces (large H), and values from the published coefficients.
+        assert!((pressure_flow_factor(40.0) - 1.0).abs() < 1e-9);
+        assert!((ease_of_mean_gap(40.0) - 1.0).abs() < 1e-9);
+        assert!((pressure_flow_factor(3.0) - 0.832).abs() < 1e-3);
+        assert!((pressure_flow_factor(0.5) - 0.320).abs() < 1e-3);
+        // Patir & Cheng 1979: no shear flow between smooth surfaces, the maximum near H = 1.2, continuous at H = 5.
+        assert!(shear_flow_factor(40.0) < 1e-4 && shear_flow_factor(0.0) == 0.0);
+        let [near, at, far] = [0.8, 1.2, 2.0].map(shear_flow_factor);
+        assert!(
+            at > near && at > far && (at - 0.81).abs() < 0.02,
+            "{near} {at} {far}"
+        );
+        let [below, above] = [5.0, 5.0 + 1e-9].map(shear_flow_factor);
+        assert!((below / above - 1.0).abs() < 0.05, "{below} {above}");
+    }
+}
