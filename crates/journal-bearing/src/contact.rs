@@ -15,7 +15,7 @@
 mod clearances;
 
 pub use crate::roughness::NO_CONTACT;
-use crate::roughness::{resistance, room};
+use crate::roughness::{Reach, resistance};
 pub use clearances::ContactFamily;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
@@ -72,8 +72,6 @@ const LOG: [f64; 11] = [
 
 /// Lower end of the fit's range of `H`.
 const CROSSED: f64 = -6.0;
-/// How far, in roughnesses, the mean planes cross at the end of a table.
-pub(crate) const CROSSING: f64 = 3.0;
 
 /// `ln F_5/2` and its slope at a film ratio. Above the fit's range it falls faster than the integral.
 fn log(h: f64) -> (f64, f64) {
@@ -256,10 +254,10 @@ impl ContactTable {
 
     /// Tabulates the integrals alone, which depend on roughness and clearance (m) only.
     fn of_integrals(roughness: f64, clearance: f64) -> Self {
-        let start = Self::start(roughness, clearance);
-        let spacing = Self::reach(roughness, clearance) / (NODES - 1) as f64;
+        let reach = Reach::new(roughness / clearance);
+        let spacing = reach.length / (NODES - 1) as f64;
         Self {
-            start,
+            start: reach.start,
             spacing,
             per_spacing: 1.0 / spacing,
             ratio: clearance / roughness,
@@ -286,16 +284,6 @@ impl ContactTable {
         node[0].value += self.scale;
         node[1].value += self.scale;
         node
-    }
-
-    /// Eccentricity ratio at which contact begins.
-    fn start(roughness: f64, clearance: f64) -> f64 {
-        (1.0 - NO_CONTACT * roughness / clearance).max(0.0)
-    }
-
-    /// Length of the table in the eccentricity ratio.
-    fn reach(roughness: f64, clearance: f64) -> f64 {
-        1.0 + CROSSING * roughness / clearance - Self::start(roughness, clearance)
     }
 
     /// The contact at an eccentricity ratio.
@@ -375,7 +363,7 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
         value,
         slope: if near_centre { 0.0 } else { slope * spacing },
     };
-    let [[room, widening], [whole, _]] = [ratio * (1.0 - e), ratio].map(room);
+    let [room, widening] = Reach::new(1.0 / ratio).room(e);
     [
         knot(
             reference + (sums[0] / e).ln(),
@@ -384,8 +372,8 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
         knot(reference + sums[1].ln(), slopes[1] / sums[1]),
         knot(sums[2], slopes[2]),
         Knot {
-            value: room / whole,
-            slope: -ratio * widening / whole * spacing,
+            value: room,
+            slope: widening * spacing,
         },
     ]
 }

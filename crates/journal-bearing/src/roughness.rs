@@ -225,9 +225,8 @@ pub fn resistance(ratio: f64) -> Width {
     }
 }
 
-/// A gap that never closes, for coordinates: `H` where asperities do not touch, positive and rising everywhere; with its
-/// slope.
-pub fn room(ratio: f64) -> Width {
+/// A gap that never closes: `H` where asperities do not touch, positive and rising everywhere; with its slope.
+fn room(ratio: f64) -> Width {
     if ratio >= NO_CONTACT {
         return [ratio, 1.0];
     }
@@ -239,6 +238,59 @@ pub fn room(ratio: f64) -> Width {
         ratio + counts * (open - ratio),
         1.0 + counts * (slope - 1.0) + fall * (open - ratio),
     ]
+}
+
+/// Where an aligned, round journal stands in its contact: coordinates of the tables of contact and of rough films.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Roughness over clearance.
+    roughness: f64,
+    /// Eccentricity ratio at which contact begins.
+    pub start: f64,
+    /// Length, in the eccentricity ratio, up to where the mean planes have crossed by three roughnesses.
+    pub length: f64,
+    /// The room of a centred journal.
+    whole: f64,
+}
+
+/// How far, in roughnesses, the mean planes cross at the end of the reach.
+const CROSSING: f64 = 3.0;
+
+impl Reach {
+    /// The contact at a roughness over clearance.
+    pub fn new(roughness: f64) -> Self {
+        let start = (1.0 - NO_CONTACT * roughness).max(0.0);
+        Self {
+            roughness,
+            start,
+            length: 1.0 + CROSSING * roughness - start,
+            whole: room(1.0 / roughness)[0],
+        }
+    }
+
+    /// The room at an eccentricity ratio: the relative gap `1 - e` of a smooth bearing where asperities do not touch; positive
+    /// everywhere, and one in the centre. With its slope.
+    pub fn room(&self, e: f64) -> Width {
+        let [room, slope] = room((1.0 - e) / self.roughness);
+        [
+            room / self.whole,
+            -slope / (self.roughness * self.whole),
+        ]
+    }
+
+    /// The eccentricity ratio with a room, by bisection.
+    pub fn place(&self, wanted: f64) -> f64 {
+        let (mut low, mut high) = (self.start, self.start + self.length);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.room(middle)[0] > wanted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
 }
 
 /// The mean gap between Gaussian surfaces, `H Phi(H) + phi(H)`, and its derivative `Phi(H)`, the share of the area where

@@ -1,6 +1,7 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
 use super::{Contact, ContactTable, NO_CONTACT, NODES, Node, Surface, Touch};
+use crate::roughness::Reach;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -102,9 +103,8 @@ impl ContactFamily {
     /// The same between tables.
     fn between(&self, eccentricity_ratio: f64, clearance: f64) -> Option<Touch> {
         let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
-        let start = ContactTable::start(self.roughness, clearance);
-        let reach = ContactTable::reach(self.roughness, clearance);
-        let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / reach);
+        let Reach { start, length, .. } = Reach::new(self.roughness / clearance);
+        let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / length);
         if position < 0.0 {
             return None;
         }
