@@ -1,0 +1,183 @@
+//! How roughness changes the mobility where asperities touch: a table of corrections to the smooth bearing's map.
+//!
+//! A journal in contact stands beside a smooth one whose relative gap is the [room](Reach::room) that the asperities leave.
+//! The table holds by how much the rough film's quantities ([`RoughFilm::MeanGap`](crate::reynolds::RoughFilm)) differ from
+//! those of the smooth film there, over `B/D`, over roughness over clearance, over the place between first touch and a crossing
+//! of the mean planes by three roughnesses, and over the load's direction. All are zero at first touch.
+
+use super::coordinates::Point;
+use super::map::MapError;
+use super::table::{CHANNELS, Node, SYMMETRY};
+use crate::roughness::{NO_CONTACT, Reach};
+use crate::spline::{End, Spline, hermite, slope_of_hermite};
+
+/// Nodes over `ln(B/D)`, roughness, place and direction.
+pub const SIZE: [usize; 4] = [5, 11, 21, 8];
+/// The first and the last `B/D`.
+const WIDTHS: [f64; 2] = [0.1, 4.0];
+/// Binary logarithm of the first roughness, over that at which contact reaches around the bush. Each is twice the one before.
+const FIRST: f64 = -7.0;
+/// The node at which contact reaches around the bush. No polynomial crosses it.
+const AROUND: usize = 7;
+/// One unit of a stored number.
+pub const UNIT: f64 = 1.0 / 4096.0;
+
+/// The committed table: numbers of two bytes, the lowest first.
+static COMMITTED: &[u8] = include_bytes!("rough.bin");
+
+/// Bytes of the table.
+const BYTES: usize = 2 * SIZE[0] * SIZE[1] * SIZE[2] * SIZE[3] * CHANNELS;
+
+/// `B/D` of a node.
+pub fn width(k: usize) -> f64 {
+    let share = k as f64 / (SIZE[0] - 1) as f64;
+    WIDTHS[0] * (WIDTHS[1] / WIDTHS[0]).powf(share)
+}
+
+/// Roughness over clearance of a node.
+pub fn roughness(k: usize) -> f64 {
+    (FIRST + k as f64).exp2() / NO_CONTACT
+}
+
+/// The eccentricity ratio of a place.
+pub fn eccentricity(reach: &Reach, k: usize) -> f64 {
+    reach.start + reach.length * k as f64 / (SIZE[2] - 1) as f64
+}
+
+/// The angle from the eccentricity to the load of a direction, at a room.
+pub fn angle(room: f64, k: usize) -> f64 {
+    let s = k as f64 / (SIZE[3] - 1) as f64;
+    Point { u: -room.ln(), s }.angle()
+}
+
+/// The corrections at one `B/D` and one roughness.
+#[derive(Clone, Debug)]
+pub struct Correction {
+    pub reach: Reach,
+    /// Values and slopes by place, then direction.
+    nodes: Vec<Node>,
+}
+
+impl Correction {
+    /// Refuses a damaged table.
+    ///
+    /// # Errors
+    /// When it has another size than it should.
+    pub fn check() -> Result<(), MapError> {
+        if COMMITTED.len() == BYTES {
+            return Ok(());
+        }
+        Err(MapError("the table of rough films has another size".to_owned()))
+    }
+
+    /// The corrections at `B/D` and roughness over clearance; beyond the table, its edge counts.
+    ///
+    /// # Errors
+    /// When the table is damaged.
+    pub fn new(width_to_diameter: f64, roughness_ratio: f64) -> Result<Self, MapError> {
+        Self::check()?;
+
+        let size = SIZE[2] * SIZE[3] * CHANNELS;
+        let (numbers, _) = COMMITTED.as_chunks::<2>();
+        let wide = (width_to_diameter / WIDTHS[0]).ln() / (WIDTHS[1] / WIDTHS[0]).ln();
+        let last = (SIZE[0] - 1) as f64;
+        let widths = weights::<{ SIZE[0] }>((wide * last).clamp(0.0, last));
+        let last = (SIZE[1] - 1) as f64;
+        let rough = ((NO_CONTACT * roughness_ratio).log2() - FIRST).clamp(0.0, last);
+        let lowest = if rough >= AROUND as f64 {
+            AROUND
+        } else {
+            (rough as usize).saturating_sub(1).min(AROUND - 3)
+        };
+        let x = rough - lowest as f64;
+        let roughs = weights::<4>(x);
+        let mut values = vec![0.0; size];
+        for (k, wide) in widths.into_iter().enumerate() {
+            for (j, rough) in roughs.into_iter().enumerate() {
+                let first = (k * SIZE[1] + lowest + j) * size;
+                let weight = wide * rough * UNIT;
+                for (value, number) in values.iter_mut().zip(&numbers[first..first + size]) {
+                    *value += weight * f64::from(i16::from_le_bytes(*number));
+                }
+            }
+        }
+        Ok(Self {
+            reach: Reach::new(roughness_ratio),
+            nodes: with_slopes(&values),
+        })
+    }
+
+    /// The corrections at a place, 0..1 along the reach, in `count` even directions, with slopes over the place and, per their
+    /// spacing, over the direction.
+    pub fn row(&self, place: f64, count: usize) -> Vec<Node> {
+        let per_place = (SIZE[2] - 1) as f64;
+        let per_direction = (SIZE[3] - 1) as f64 / (count - 1) as f64;
+        let (i, x) = cell(place * per_place, SIZE[2]);
+        let along = [hermite(x), slope_of_hermite(x).map(|w| w * per_place)];
+        let direction = |k: usize| {
+            let (j, y) = cell(k as f64 * per_direction, SIZE[3]);
+            let across = [hermite(y), slope_of_hermite(y).map(|w| w * per_direction)];
+            [0, 1, 2, 3].map(|kind| self.sum([i, j], &along[kind & 1], &across[kind >> 1]))
+        };
+        (0..count).map(direction).collect()
+    }
+
+    /// The corrections in a cell with these weights of its nodes' values and slopes.
+    fn sum(&self, [i, j]: [usize; 2], along: &[f64; 4], across: &[f64; 4]) -> [f64; CHANNELS] {
+        let mut sum = [0.0; CHANNELS];
+        for (far, wide) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let node = &self.nodes[(i + far) * SIZE[3] + j + wide];
+            for (kind, values) in node.iter().enumerate() {
+                let weight = along[far + 2 * (kind & 1)] * across[wide + 2 * (kind >> 1)];
+                for (sum, value) in sum.iter_mut().zip(values) {
+                    *sum += weight * value;
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// The cell at a position along `count` nodes, and the place in it.
+fn cell(position: f64, count: usize) -> (usize, f64) {
+    let inside = position.clamp(0.0, (count - 1) as f64);
+    let cell = (inside as usize).min(count - 2);
+    (cell, inside - cell as f64)
+}
+
+/// Lagrange's weights of `N` nodes at the place `x`.
+pub fn weights<const N: usize>(x: f64) -> [f64; N] {
+    std::array::from_fn(|i| {
+        let others = (0..N).filter(|&j| j != i);
+        others.fold(1.0, |product, j| {
+            product * (x - j as f64) / (i as f64 - j as f64)
+        })
+    })
+}
+
+/// Nodes from values by place, then direction: splines that are even in the eccentricity ratio at the first place.
+fn with_slopes(values: &[f64]) -> Vec<Node> {
+    let [places, directions] = [SIZE[2], SIZE[3]];
+    let many = directions * CHANNELS;
+    let mut over_place = vec![0.0; values.len()];
+    Spline::new(places, [End::Even, End::Free]).slopes_of_many(many, values, &mut over_place);
+    let splines = SYMMETRY.map(|symmetry| Spline::new(directions, [symmetry; 2]));
+    let mut nodes = vec![Node::default(); places * directions];
+    let (mut line, mut slopes) = (vec![0.0; directions], vec![0.0; directions]);
+    for (kind, all) in [values, &over_place].into_iter().enumerate() {
+        let rows = all.chunks_exact(many).zip(nodes.chunks_exact_mut(directions));
+        for (values, nodes) in rows {
+            for (channel, spline) in splines.iter().enumerate() {
+                for (value, at) in line.iter_mut().zip(values.chunks_exact(CHANNELS)) {
+                    *value = at[channel];
+                }
+                spline.slopes(&line, &mut slopes);
+                for (node, (value, slope)) in nodes.iter_mut().zip(line.iter().zip(&slopes)) {
+                    node[kind][channel] = *value;
+                    node[2 + kind][channel] = *slope;
+                }
+            }
+        }
+    }
+    nodes
+}
