@@ -176,8 +176,10 @@ pub struct Touch {
     /// The film's shear, 1: its friction torque, when it is full, over `eta (omega_journal - omega_bush) R^3 B/c`. It is
     /// `2 pi/sqrt(1 - e^2)` between smooth surfaces (Sommerfeld 1904).
     pub shear: f64,
-    /// The relative gap at which the mobility stands in the map of rough films, 1.
+    /// The relative gap of the smooth bearing to which the film's mobility is compared, 1.
     pub room: f64,
+    /// The place in the table of rough films, from 0 where contact begins to 1 at its end.
+    pub place: f64,
 }
 
 /// The contact of an aligned, round journal, tabulated over its eccentricity ratio.
@@ -210,8 +212,8 @@ struct Knot {
     slope: f64,
 }
 
-/// Logarithms of resultant and normal force; shear and room of the film.
-type Node = [Knot; 4];
+/// Logarithms of resultant and normal force; shear, room and place of the film.
+type Node = [Knot; 5];
 
 const NODES: usize = 93;
 /// Quadrature points over half the circumference (trapezoidal rule: spectral for a periodic integrand).
@@ -327,6 +329,7 @@ fn between(left: &Node, right: &Node, t: f64, ratio: f64, fades: bool) -> Touch 
         },
         shear: interpolate(left[2], right[2], inside),
         room: interpolate(left[3], right[3], inside),
+        place: interpolate(left[4], right[4], inside),
     }
 }
 
@@ -338,7 +341,7 @@ fn interpolate(left: Knot, right: Knot, t: f64) -> f64 {
 }
 
 /// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and of `F_5/2(H)` over the circumference, the integral of the
-/// film's resistance to sliding, and the room, with their slopes over `e`: `H = ratio*(1 - e*cos(theta))`.
+/// film's resistance to sliding, room and place, with their slopes over `e`: `H = ratio*(1 - e*cos(theta))`.
 fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
     // All are even functions of e. At e = 0 the first is a quotient of zeros, so it is evaluated close by.
     let near_centre = e < 1e-5;
@@ -363,7 +366,11 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
         value,
         slope: if near_centre { 0.0 } else { slope * spacing },
     };
-    let [room, widening] = Reach::new(1.0 / ratio).room(e);
+    let reach = Reach::new(1.0 / ratio);
+    let film = |[value, slope]: [f64; 2]| Knot {
+        value,
+        slope: slope * spacing,
+    };
     [
         knot(
             reference + (sums[0] / e).ln(),
@@ -371,10 +378,8 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
         ),
         knot(reference + sums[1].ln(), slopes[1] / sums[1]),
         knot(sums[2], slopes[2]),
-        Knot {
-            value: room,
-            slope: widening * spacing,
-        },
+        film(reach.room(e)),
+        film(reach.place(e)),
     ]
 }
 

@@ -200,7 +200,7 @@ impl RoughFilm {
         {
             let factor = pressure_flow_factor(ratio);
             let (flow, steep) = (ratio * factor.cbrt(), 0.56 * (1.0 - factor) / factor);
-            return [mean_gap(ratio), [flow, flow * (1.0 / ratio + steep / 3.0)]];
+            return [open_gap(ratio), [flow, flow * (1.0 / ratio + steep / 3.0)]];
         }
         look_up(ratio, [CONTENT, FLOW]).unwrap_or([[ratio, 1.0]; 2])
     }
@@ -225,13 +225,18 @@ pub fn resistance(ratio: f64) -> Width {
     }
 }
 
-/// A gap that never closes: `H` where asperities do not touch, positive and rising everywhere; with its slope.
+/// A gap that a smooth film would need for a similar mobility: `H` where asperities do not touch, nearly constant where the
+/// mean planes have crossed; with its slope.
 fn room(ratio: f64) -> Width {
+    /// The least room, and how gradually the room comes to it.
+    const LEAST: f64 = 0.7;
+    const GRADUAL: f64 = 1.0;
     if ratio >= NO_CONTACT {
         return [ratio, 1.0];
     }
-    let root = (ratio * ratio + 2.0).sqrt();
-    let (open, slope) = (0.5 * (ratio + root), 0.5 * (1.0 + ratio / root));
+    let over = ratio - LEAST;
+    let root = (over * over + GRADUAL).sqrt();
+    let (open, slope) = (LEAST + 0.5 * (over + root), 0.5 * (1.0 + over / root));
     let t = ((ratio - FULL) / (NO_CONTACT - FULL)).max(0.0);
     let (counts, fall) = (share(ratio), -6.0 * t * (1.0 - t) / (NO_CONTACT - FULL));
     [
@@ -251,51 +256,60 @@ pub struct Reach {
     pub length: f64,
     /// The room of a centred journal.
     whole: f64,
+    /// Where the place's coordinate begins, and its length.
+    first: f64,
+    span: f64,
 }
 
 /// How far, in roughnesses, the mean planes cross at the end of the reach.
 const CROSSING: f64 = 3.0;
+/// The places crowd where the film ratio is within this of zero, as the film changes most there.
+const CROWDED: f64 = 0.5;
 
 impl Reach {
     /// The contact at a roughness over clearance.
     pub fn new(roughness: f64) -> Self {
         let start = (1.0 - NO_CONTACT * roughness).max(0.0);
+        let first = ((1.0 - start) / roughness / CROWDED).asinh();
         Self {
             roughness,
             start,
             length: 1.0 + CROSSING * roughness - start,
             whole: room(1.0 / roughness)[0],
+            first,
+            span: first + (CROSSING / CROWDED).asinh(),
         }
     }
 
-    /// The room at an eccentricity ratio: the relative gap `1 - e` of a smooth bearing where asperities do not touch; positive
-    /// everywhere, and one in the centre. With its slope.
+    /// The room at an eccentricity ratio: the relative gap of the smooth bearing to which the film is compared. It is `1 - e`
+    /// where asperities do not touch, and one in the centre. With its slope.
     pub fn room(&self, e: f64) -> Width {
         let [room, slope] = room((1.0 - e) / self.roughness);
-        [
-            room / self.whole,
-            -slope / (self.roughness * self.whole),
-        ]
+        [room / self.whole, -slope / (self.roughness * self.whole)]
     }
 
-    /// The eccentricity ratio with a room, by bisection.
-    pub fn place(&self, wanted: f64) -> f64 {
-        let (mut low, mut high) = (self.start, self.start + self.length);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.room(middle)[0] > wanted {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        0.5 * (low + high)
+    /// The place of an eccentricity ratio, from 0 where contact begins to 1 at the end of the reach; with its slope.
+    pub fn place(&self, e: f64) -> Width {
+        let at = (1.0 - e) / self.roughness / CROWDED;
+        let slope = 1.0 / (self.roughness * CROWDED * (at * at + 1.0).sqrt());
+        [(self.first - at.asinh()) / self.span, slope / self.span]
+    }
+
+    /// The eccentricity ratio of a place.
+    pub fn at(&self, place: f64) -> f64 {
+        let ratio = CROWDED * (self.first - place * self.span).sinh();
+        1.0 - ratio * self.roughness
     }
 }
 
-/// The mean gap between Gaussian surfaces, `H Phi(H) + phi(H)`, and its derivative `Phi(H)`, the share of the area where
-/// they do not touch. `Phi` is the normal distribution and `phi` its density (average gap of Patir & Cheng 1978).
-pub fn mean_gap(ratio: f64) -> Width {
+/// The mean gap between Gaussian surfaces over their roughness, 1, at a film ratio `H`: `H Phi(H) + phi(H)`, where `Phi` is the
+/// normal distribution and `phi` its density (average gap of Patir & Cheng 1978).
+pub fn mean_gap(ratio: f64) -> f64 {
+    open_gap(ratio)[0]
+}
+
+/// The mean gap and its derivative `Phi(H)`, the share of the area where the surfaces do not touch.
+fn open_gap(ratio: f64) -> Width {
     if ratio < LEAST {
         let [gap, slope] = TABLE[0][MEAN];
         let fall = (slope / gap * (ratio - LEAST)).exp();
@@ -347,19 +361,19 @@ mod tests {
         ] {
             let ratio: f64 = ratio;
             let density = (-0.5 * ratio * ratio).exp() / TAU.sqrt();
-            let [gap, slope] = mean_gap(ratio);
+            let [gap, slope] = open_gap(ratio);
             assert!((slope - distribution).abs() < 2e-7, "{ratio}: {slope}");
             let expected = ratio * distribution + density;
             assert!((gap - expected).abs() < 3e-7, "{ratio}: {gap} {expected}");
         }
-        let [gap, slope] = mean_gap(5.999);
+        let [gap, slope] = open_gap(5.999);
         assert!((gap - 5.999).abs() < 1e-8 && (slope - 1.0).abs() < 1e-8);
-        assert_eq!(mean_gap(7.0), [7.0, 1.0]);
-        assert_eq!(mean_gap(1e300), [1e300, 1.0]);
+        assert_eq!(open_gap(7.0), [7.0, 1.0]);
+        assert_eq!(open_gap(1e300), [1e300, 1.0]);
         // Below the table it tends to zero without a jump.
-        let [above, below] = [-4.999, -5.001].map(|ratio| mean_gap(ratio)[0]);
+        let [above, below] = [-4.999, -5.001].map(mean_gap);
         assert!(below > 0.0 && below < above && above < 1.1 * below);
-        assert!(mean_gap(-20.0)[0] >= 0.0);
+        assert!(mean_gap(-20.0) >= 0.0);
     }
 
     #[test]

@@ -116,7 +116,7 @@ impl ContactFamily {
         } else {
             (below - 1).min(1 - THROUGH as i32)
         };
-        let scales = [self.scale, self.scale, 0.0, 0.0];
+        let scales = [self.scale, self.scale, 0.0, 0.0, 0.0];
         let mut knots = [Node::default(); 2];
         for (j, weight) in (lowest..).zip(weights(x - f64::from(lowest))) {
             for (sum, node) in knots.iter_mut().zip(self.table(j).ends(cell)) {

@@ -29,13 +29,19 @@ impl Point {
     #[inline]
     pub fn new(gap: f64, cos: f64, sin: f64) -> Self {
         let gap = gap.clamp(NARROWEST, 1.0);
+        Self {
+            u: -gap.ln(),
+            s: Self::direction(gap, cos, sin),
+        }
+    }
+
+    /// The coordinate of the direction alone, at a relative gap in 0..1.
+    #[inline]
+    pub fn direction(gap: f64, cos: f64, sin: f64) -> f64 {
         let core = CORE * gap;
         // Numerator and denominator use the same operations, so that a load against the eccentricity gives exactly 1.
         let per_core = 1.0 / core;
-        Self {
-            u: -gap.ln(),
-            s: asinh(quarter_tangent(cos, sin.abs()) * per_core) / asinh(per_core),
-        }
+        asinh(quarter_tangent(cos, sin.abs()) * per_core) / asinh(per_core)
     }
 
     /// The eccentricity ratio, 1.

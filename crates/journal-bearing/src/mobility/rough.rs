@@ -12,13 +12,14 @@ use crate::roughness::{NO_CONTACT, Reach};
 use crate::spline::{End, Spline, hermite, slope_of_hermite};
 
 /// Nodes over `ln(B/D)`, roughness, place and direction.
-pub const SIZE: [usize; 4] = [5, 11, 21, 8];
+pub const SIZE: [usize; 4] = [5, 9, 21, 10];
 /// The first and the last `B/D`.
 const WIDTHS: [f64; 2] = [0.1, 4.0];
-/// Binary logarithm of the first roughness, over that at which contact reaches around the bush. Each is twice the one before.
-const FIRST: f64 = -7.0;
-/// The node at which contact reaches around the bush. No polynomial crosses it.
-const AROUND: usize = 7;
+/// The roughness over clearance at which contact reaches around the bush is node `AROUND`; no polynomial crosses it. Finer ones
+/// are smaller by this ratio, each; coarser ones larger.
+const AROUND: usize = 5;
+const FINER: f64 = 2.5;
+const COARSER: f64 = 1.518_294_485_937_831_4;
 /// One unit of a stored number.
 pub const UNIT: f64 = 1.0 / 4096.0;
 
@@ -36,12 +37,17 @@ pub fn width(k: usize) -> f64 {
 
 /// Roughness over clearance of a node.
 pub fn roughness(k: usize) -> f64 {
-    (FIRST + k as f64).exp2() / NO_CONTACT
+    let beyond = k as i32 - AROUND as i32;
+    if beyond < 0 {
+        FINER.powi(beyond) / NO_CONTACT
+    } else {
+        COARSER.powi(beyond) / NO_CONTACT
+    }
 }
 
 /// The eccentricity ratio of a place.
 pub fn eccentricity(reach: &Reach, k: usize) -> f64 {
-    reach.start + reach.length * k as f64 / (SIZE[2] - 1) as f64
+    reach.at(k as f64 / (SIZE[2] - 1) as f64)
 }
 
 /// The angle from the eccentricity to the load of a direction, at a room.
@@ -82,8 +88,10 @@ impl Correction {
         let wide = (width_to_diameter / WIDTHS[0]).ln() / (WIDTHS[1] / WIDTHS[0]).ln();
         let last = (SIZE[0] - 1) as f64;
         let widths = weights::<{ SIZE[0] }>((wide * last).clamp(0.0, last));
+        let log = (NO_CONTACT * roughness_ratio).ln();
+        let base = if log < 0.0 { FINER } else { COARSER };
         let last = (SIZE[1] - 1) as f64;
-        let rough = ((NO_CONTACT * roughness_ratio).log2() - FIRST).clamp(0.0, last);
+        let rough = (AROUND as f64 + log / base.ln()).clamp(0.0, last);
         let lowest = if rough >= AROUND as f64 {
             AROUND
         } else {
@@ -107,42 +115,28 @@ impl Correction {
         })
     }
 
-    /// The corrections at a place, 0..1 along the reach, in `count` even directions, with slopes over the place and, per their
-    /// spacing, over the direction.
-    pub fn row(&self, place: f64, count: usize) -> Vec<Node> {
-        let per_place = (SIZE[2] - 1) as f64;
+    /// The corrections at place `i` in `count` even directions, with slopes over places and directions per their spacing.
+    pub fn row(&self, i: usize, count: usize) -> impl Iterator<Item = Node> {
         let per_direction = (SIZE[3] - 1) as f64 / (count - 1) as f64;
-        let (i, x) = cell(place * per_place, SIZE[2]);
-        let along = [hermite(x), slope_of_hermite(x).map(|w| w * per_place)];
-        let direction = |k: usize| {
-            let (j, y) = cell(k as f64 * per_direction, SIZE[3]);
-            let across = [hermite(y), slope_of_hermite(y).map(|w| w * per_direction)];
-            [0, 1, 2, 3].map(|kind| self.sum([i, j], &along[kind & 1], &across[kind >> 1]))
-        };
-        (0..count).map(direction).collect()
+        let nodes = &self.nodes[i * SIZE[3]..(i + 1) * SIZE[3]];
+        (0..count).map(move |k| {
+            let position = k as f64 * per_direction;
+            let j = (position as usize).min(SIZE[3] - 2);
+            let x = position - j as f64;
+            let weights = [hermite(x), slope_of_hermite(x).map(|w| w * per_direction)];
+            std::array::from_fn(|kind| {
+                let [a, b, c, d] = weights[kind >> 1];
+                let [value, slope] = [kind & 1, kind | 2];
+                let (near, far) = (&nodes[j], &nodes[j + 1]);
+                std::array::from_fn(|channel| {
+                    a * near[value][channel]
+                        + b * far[value][channel]
+                        + c * near[slope][channel]
+                        + d * far[slope][channel]
+                })
+            })
+        })
     }
-
-    /// The corrections in a cell with these weights of its nodes' values and slopes.
-    fn sum(&self, [i, j]: [usize; 2], along: &[f64; 4], across: &[f64; 4]) -> [f64; CHANNELS] {
-        let mut sum = [0.0; CHANNELS];
-        for (far, wide) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let node = &self.nodes[(i + far) * SIZE[3] + j + wide];
-            for (kind, values) in node.iter().enumerate() {
-                let weight = along[far + 2 * (kind & 1)] * across[wide + 2 * (kind >> 1)];
-                for (sum, value) in sum.iter_mut().zip(values) {
-                    *sum += weight * value;
-                }
-            }
-        }
-        sum
-    }
-}
-
-/// The cell at a position along `count` nodes, and the place in it.
-fn cell(position: f64, count: usize) -> (usize, f64) {
-    let inside = position.clamp(0.0, (count - 1) as f64);
-    let cell = (inside as usize).min(count - 2);
-    (cell, inside - cell as f64)
 }
 
 /// Lagrange's weights of `N` nodes at the place `x`.

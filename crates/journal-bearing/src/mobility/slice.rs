@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use super::blend::Blend;
 use super::coordinates::Point;
-use super::rough::Correction;
+use super::rough::{Correction, SIZE};
 use super::table::{CHANNELS, Lattice, Node};
 use crate::spline::{hermite, slope_of_hermite};
 
@@ -19,9 +19,6 @@ pub struct MobilitySlice {
     rows: Vec<OnceLock<Box<[Node]>>>,
     source: Source,
 }
-
-/// Rows of rough bearings per row of the map.
-const FINER: f64 = 2.0;
 
 /// What the rows are made from.
 #[derive(Clone, Debug)]
@@ -130,16 +127,12 @@ impl MobilitySlice {
         }
     }
 
-    /// The slice of rough bearings: its rows begin where the asperities meet, and end where the corrections do.
+    /// The slice of rough bearings. It has a row for each place of the corrections, which stands for `u`.
     pub(super) fn corrected(&self, correction: Correction) -> Self {
-        let reach = &correction.reach;
-        let end = reach.start + reach.length;
-        let [first, last] = [reach.start, end].map(|e| -reach.room(e)[0].ln());
-        let per_u = FINER * self.lattice.per_u;
+        let last = (SIZE[2] - 1) as f64;
         let lattice = Lattice {
-            first_u: first,
-            per_u,
-            last_u: ((last - first) * per_u).ceil(),
+            per_u: last,
+            last_u: last,
             ..self.lattice
         };
         Self::with_rows(lattice, Source::Rough(Box::new((self.clone(), correction))))
@@ -157,28 +150,27 @@ impl MobilitySlice {
             Source::Smooth(blend) => return blend.row(i),
             Source::Rough(source) => (&source.0, &source.1),
         };
-        let (u, reach) = (self.lattice.u(i), &correction.reach);
-        let room = (-u).exp();
-        let e = reach.place(room);
-        // du = -d(room)/room, per spacing of the rows.
-        let rise = -room / reach.room(e)[1] / reach.length / self.lattice.per_u;
-        let place = (e - reach.start) / reach.length;
-        let mut nodes = smooth.row_at(u, self.lattice.per_u);
-        for (node, more) in nodes.iter_mut().zip(correction.row(place, self.lattice.ss)) {
+        let reach = &correction.reach;
+        let e = reach.at(i as f64 / self.lattice.last_u);
+        let [room, widening] = reach.room(e);
+        // The change of the smooth bearing's `u` from place to place.
+        let rise = -widening / (room * reach.place(e)[1] * self.lattice.last_u);
+        let mut nodes = smooth.row_at(-room.ln());
+        for (node, more) in nodes.iter_mut().zip(correction.row(i, self.lattice.ss)) {
             for (kind, (values, more)) in node.iter_mut().zip(more).enumerate() {
                 let scale = if kind & 1 == 1 { rise } else { 1.0 };
                 for (value, more) in values.iter_mut().zip(more) {
-                    *value += scale * more;
+                    *value = *value * scale + more;
                 }
             }
         }
         nodes
     }
 
-    /// The nodes at any `u`, with slopes over `u` per spacing of rows of which there are `per_u` in one unit.
-    fn row_at(&self, u: f64, per_u: f64) -> Box<[Node]> {
+    /// The nodes at any `u`, with slopes per unit of `u`.
+    fn row_at(&self, u: f64) -> Box<[Node]> {
         let (i, x, excess) = self.lattice.locate(u);
-        let scale = self.lattice.per_u / per_u;
+        let scale = self.lattice.per_u;
         let [values, mut slopes] = [hermite(x), slope_of_hermite(x).map(|slope| slope * scale)];
         let mut values = values;
         values[3] += excess;
@@ -235,21 +227,15 @@ impl MobilitySlice {
     /// ```
     #[inline]
     pub fn look_up(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> LookUp<'_> {
-        self.look_up_at(eps, e, 1.0 - e, direction)
+        let [cos, sin] = ahead(eps, e, direction);
+        self.look_up_at(Point::new(1.0 - e, cos, sin), direction, sin)
     }
 
-    /// The same at a relative gap.
+    /// Locates a point, under a load along a unit vector with this sine of the angle ahead of the eccentricity.
     #[inline]
-    pub(super) fn look_up_at(
-        &self,
-        eps: Vector2<f64>,
-        e: f64,
-        gap: f64,
-        direction: Vector2<f64>,
-    ) -> LookUp<'_> {
-        let [cos, sin] = ahead(eps, e, direction);
+    pub(super) fn look_up_at(&self, point: Point, direction: Vector2<f64>, sin: f64) -> LookUp<'_> {
         LookUp {
-            found: Found::Place(self, self.place(Point::new(gap, cos, sin))),
+            found: Found::Place(self, self.place(point)),
             direction,
             sign: if sin < 0.0 { -1.0 } else { 1.0 },
         }

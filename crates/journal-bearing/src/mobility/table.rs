@@ -42,21 +42,14 @@ pub struct Lattice {
     pub last_s: f64,
     /// Node spacings per unit of `u`.
     pub per_u: f64,
-    /// `u` of the first node.
-    pub first_u: f64,
 }
 
 impl Lattice {
-    /// `u` of row `i`.
-    pub fn u(&self, i: usize) -> f64 {
-        self.first_u + i as f64 / self.per_u
-    }
-
     /// The row before `u`, the place between it and the next, and how far `u` is beyond the last row, in spacings. There, the
     /// surface continues along its tangent.
     #[inline]
     pub fn locate(&self, u: f64) -> (usize, f64, f64) {
-        let position = (u - self.first_u) * self.per_u;
+        let position = u * self.per_u;
         let inside = position.min(self.last_u);
         let i = (inside as usize).min(self.last_u as usize - 1);
         (i, inside - i as f64, position - inside)
@@ -85,7 +78,6 @@ impl Tabulated {
             last_u: last,
             last_s: (ss - 1) as f64,
             per_u: last / last_u,
-            first_u: 0.0,
         };
         Self {
             lattice,

@@ -9,7 +9,7 @@ use super::map::MapError;
 use super::rough::{Correction, weights};
 use super::slice::{LookUp, MobilitySlice, ahead};
 use crate::contact::Touch;
-use crate::roughness::{NO_CONTACT, Reach};
+use crate::roughness::NO_CONTACT;
 
 /// The slices of a rough bearing: one at its own clearance, and others of equal ratios for a clearance that changes. Each is
 /// made on first use.
@@ -92,7 +92,9 @@ impl RoughSlices {
     ) -> LookUp<'_> {
         if clearance == self.clearance {
             let own = self.own.get_or_init(|| self.slice(clearance));
-            return own.look_up_at(eps, e, touch.room, direction);
+            let [cos, sin] = ahead(eps, e, direction);
+            let s = Point::direction(touch.room, cos, sin);
+            return own.look_up_at(Point { u: touch.place, s }, direction, sin);
         }
         self.between(eps, e, touch, clearance, direction)
     }
@@ -108,10 +110,11 @@ impl RoughSlices {
         direction: Vector2<f64>,
     ) -> LookUp<'_> {
         let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
-        let reach = Reach::new(self.roughness / clearance);
-        let place = ((e - reach.start) / reach.length).clamp(0.0, 1.0);
         let [cos, sin] = ahead(eps, e, direction);
-        let s = Point::new(touch.room, cos, sin).s;
+        let point = Point {
+            u: touch.place,
+            s: Point::direction(touch.room, cos, sin),
+        };
         let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
         let below = x.floor() as i32;
         let lowest = if below >= 0 {
@@ -121,11 +124,7 @@ impl RoughSlices {
         };
         let mut sum = [0.0; 4];
         for (number, weight) in (lowest..).zip(weights::<4>(x - f64::from(lowest))) {
-            let ratio = (f64::from(-number) * SPACING).exp() / NO_CONTACT;
-            let reach = Reach::new(ratio);
-            let room = reach.room(reach.start + place * reach.length)[0];
-            let u = -room.ln();
-            let values = self.other(number).quantities(Point { u, s });
+            let values = self.other(number).quantities(point);
             for (sum, value) in sum.iter_mut().zip(values) {
                 *sum += weight * value;
             }

@@ -145,7 +145,7 @@ mod tests {
     fn the_factors_are_reciprocal() {
         for k in 4..=28 {
             let ratio = 0.25 * f64::from(k);
-            let flow = (mean_gap(ratio)[0] - shear_flow_factor(ratio)) / ratio;
+            let flow = (mean_gap(ratio) - shear_flow_factor(ratio)) / ratio;
             let stress = pressure_stress_factor(ratio);
             assert!((flow - stress).abs() < 0.02, "{ratio}: {flow} {stress}");
         }

@@ -149,7 +149,7 @@ impl Geometry {
             places(&directions.mean, &form.middle).min(places(&directions.edge, &form.edge))
         };
         let narrowest = if form.feels(distance) {
-            mean_gap(distance / form.roughness)[0] * form.roughness
+            mean_gap(distance / form.roughness) * form.roughness
         } else {
             distance.max(0.0)
         };
