@@ -127,7 +127,13 @@ impl ContactFamily {
             }
         }
         let fades = cell == 0 && start > 0.0;
-        Some(super::between(&knots[0], &knots[1], t, eccentricity_ratio, fades))
+        Some(super::between(
+            &knots[0],
+            &knots[1],
+            t,
+            eccentricity_ratio,
+            fades,
+        ))
     }
 
     /// The table with this number.

@@ -5,8 +5,8 @@ use nalgebra::Vector2;
 use super::map::MobilityMap;
 use super::rough;
 use super::table::CHANNELS;
-use crate::roughness::Reach;
 use crate::reynolds::{Boundary, Grid, NotConverged, QuasiStatic};
+use crate::roughness::Reach;
 
 /// Columns around the bush and rows over the half width on which the map is made.
 const CELLS: [usize; 2] = [160, 14];
@@ -184,8 +184,11 @@ fn fill_rough(
     for (k, node) in row.chunks_exact_mut(CHANNELS).enumerate() {
         let angle = rough::angle(room, k);
         let aligned = k == 0 || k == last;
-        let [of_rough, smooth] = [&mut of_rough, &mut smooth]
-            .map(|station| station.under(angle).map(|sample| quantities(sample, angle, aligned)));
+        let [of_rough, smooth] = [&mut of_rough, &mut smooth].map(|station| {
+            station
+                .under(angle)
+                .map(|sample| quantities(sample, angle, aligned))
+        });
         let (of_rough, smooth) = (of_rough?, smooth?);
         for (value, (of_rough, smooth)) in node.iter_mut().zip(of_rough.iter().zip(smooth)) {
             *value = ((of_rough - smooth) / rough::UNIT).round() as i16;

@@ -73,7 +73,9 @@ impl Correction {
         if COMMITTED.len() == BYTES {
             return Ok(());
         }
-        Err(MapError("the table of rough films has another size".to_owned()))
+        Err(MapError(
+            "the table of rough films has another size".to_owned(),
+        ))
     }
 
     /// The corrections at `B/D` and roughness over clearance; beyond the table, its edge counts.
@@ -159,7 +161,9 @@ fn with_slopes(values: &[f64]) -> Vec<Node> {
     let mut nodes = vec![Node::default(); places * directions];
     let (mut line, mut slopes) = (vec![0.0; directions], vec![0.0; directions]);
     for (kind, all) in [values, &over_place].into_iter().enumerate() {
-        let rows = all.chunks_exact(many).zip(nodes.chunks_exact_mut(directions));
+        let rows = all
+            .chunks_exact(many)
+            .zip(nodes.chunks_exact_mut(directions));
         for (values, nodes) in rows {
             for (channel, spline) in splines.iter().enumerate() {
                 for (value, at) in line.iter_mut().zip(values.chunks_exact(CHANNELS)) {

@@ -29,10 +29,11 @@ mod ring;
 mod settings;
 mod transient;
 
+pub use crate::roughness::{
+    RoughFilm, mean_gap, pressure_flow_factor, pressure_stress_factor, shear_flow_factor,
+    shear_stress_factor, sliding_stress_factor,
+};
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, NotConverged, QuasiStatic};
 pub use settings::{Cavitation, Drive, FilmError, FilmSettings};
-pub use crate::roughness::{
-    RoughFilm, mean_gap, pressure_flow_factor, pressure_stress_factor, shear_flow_factor, shear_stress_factor, sliding_stress_factor,
-};
 pub use transient::{Diagnostics, FilmState, PeriodicSearch, ReynoldsFilm};

@@ -115,12 +115,7 @@ impl QuasiStatic {
 
     /// The same between rough surfaces, which the film sees as [`RoughFilm::MeanGap`] says; `roughness` is the composite rms
     /// roughness over the radial clearance.
-    pub fn between(
-        roughness: f64,
-        grid: Grid,
-        width_to_diameter: f64,
-        boundary: Boundary,
-    ) -> Self {
+    pub fn between(roughness: f64, grid: Grid, width_to_diameter: f64, boundary: Boundary) -> Self {
         let (columns, rows) = (grid.columns(), grid.rows());
         let normal: Vec<_> = (0..columns)
             .map(|i| {
@@ -173,8 +168,7 @@ impl QuasiStatic {
             let after = gap(self.grid.theta_edge(i + 1));
             let middle = gap(self.grid.theta_centre(i));
             // Simpson's rule: exact for the cubic that H^3 nearly is over one cell.
-            let [bears, flow] =
-                [0, 1].map(|k| (before[k] + 4.0 * middle[k] + after[k]) / 6.0);
+            let [bears, flow] = [0, 1].map(|k| (before[k] + 4.0 * middle[k] + after[k]) / 6.0);
             self.normal[i] = self.smooth[i] * bears;
             self.along[i] = 2.0 * before[1] / (previous + width);
             self.across[i] = self.slenderness * width * flow;

@@ -332,9 +332,7 @@ impl Prepared {
         }
         let slice = self.slice.as_ref().filter(|_| magnitude > 0.0);
         let film = slice.map(|slice| match (touch, &self.rough) {
-            (Some(touch), Some(rough)) => {
-                rough.look_up(e, length, touch, at.clearance, direction)
-            }
+            (Some(touch), Some(rough)) => rough.look_up(e, length, touch, at.clearance, direction),
             _ => slice.look_up(e, length, direction),
         });
         let wider = at.clearance / bearing.radial_clearance;

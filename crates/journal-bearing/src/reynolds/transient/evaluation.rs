@@ -8,8 +8,8 @@ use super::diagnostics::Diagnostics;
 use super::stage::Stage;
 use super::workspace::Workspace;
 use crate::reynolds::lanes::{dot, largest, sum_of};
-use crate::roughness::shear_flow_factor;
 use crate::reynolds::settings::Drive;
+use crate::roughness::shear_flow_factor;
 
 /// Sums over cells and edges, dimensionless.
 #[derive(Default)]

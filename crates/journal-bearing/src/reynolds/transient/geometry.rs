@@ -9,8 +9,8 @@ use super::gap::{Form, Gap};
 use super::state::Field;
 use crate::reynolds::grid::Grid;
 use crate::reynolds::lanes::smallest;
-use crate::roughness::{mean_gap, parting};
 use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
+use crate::roughness::{mean_gap, parting};
 
 /// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.
 const DEEPEST: f64 = -3.0;

@@ -90,8 +90,7 @@ impl Closing {
         let (gap, balance) = (base.gap, base.balance);
         let pressure = &base.field.pressure;
         for (behind, before) in base.cells.neighbours() {
-            let [along, carried] =
-                [&balance.along, &balance.carried].map(|of| &of[behind.clone()]);
+            let [along, carried] = [&balance.along, &balance.carried].map(|of| &of[behind.clone()]);
             let [h, apart, flow, flow_apart] = [
                 &gap.edge,
                 &gap.edge_apart,
@@ -127,8 +126,8 @@ impl Closing {
         }
         let n = pressure.len();
         let (low, high) = (..n - 1, 1..n);
-        let [p, h, apart] =
-            [pressure, &gap.cell_flow, &gap.cell_flow_apart].map(|of| [&of[low], &of[high.clone()]]);
+        let [p, h, apart] = [pressure, &gap.cell_flow, &gap.cell_flow_apart]
+            .map(|of| [&of[low], &of[high.clone()]]);
         let across = &balance.across[1..n];
         let of = [across, p[0], p[1], h[0], h[1], apart[0], apart[1]];
         fill(
