@@ -43,11 +43,11 @@ pub struct Surface {
 impl Default for Surface {
     fn default() -> Self {
         Self {
-            roughness: 4.94e-6,
+            roughness: 4.93e-6,
             asperity_density: 0.05,
             asperity_slope: 0.01,
             composite_modulus: 80e9,
-            boundary_friction: 0.05,
+            boundary_friction: 0.051,
             breakaway_ratio: 1.0,
             transition_speed: 1e-3,
         }

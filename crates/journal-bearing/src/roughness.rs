@@ -23,7 +23,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::spline::{End, Spline};
+use crate::spline::{End, Spline, hermite, slope_of_hermite};
 use stress::sliding_resistance;
 pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};
 
@@ -181,16 +181,19 @@ fn look_up<const N: usize>(ratio: f64, quantities: [usize; N]) -> Option<[Width;
     let cell = (position as usize).min(NODES - 2);
     let nodes = &TABLE[cell..=cell + 1];
     let t = position - cell as f64;
-    Some(quantities.map(|quantity| {
-        let ([a, slope_a], [b, slope_b]) = (nodes[0][quantity], nodes[1][quantity]);
-        let (slope_a, slope_b) = (slope_a / PER_UNIT, slope_b / PER_UNIT);
-        let (rise, bend) = (b - a, slope_a + slope_b - 2.0 * (b - a));
-        let curve = rise - slope_a - bend;
-        [
-            a + t * (slope_a + t * (curve + t * bend)),
-            (slope_a + t * (2.0 * curve + 3.0 * t * bend)) * PER_UNIT,
-        ]
-    }))
+    // A cubic's weights of values and slopes, and those of its derivative.
+    let [weights, mut rates] = [hermite(t), slope_of_hermite(t)];
+    rates = rates.map(|rate| rate * PER_UNIT);
+    let mut found = [Width::default(); N];
+    for k in 0..N {
+        let ([a, slope_a], [b, slope_b]) = (nodes[0][quantities[k]], nodes[1][quantities[k]]);
+        let of = [a, b, slope_a / PER_UNIT, slope_b / PER_UNIT];
+        for q in 0..4 {
+            found[k][0] += weights[q] * of[q];
+            found[k][1] += rates[q] * of[q];
+        }
+    }
+    Some(found)
 }
 
 impl RoughFilm {

@@ -67,7 +67,9 @@ impl Aim {
             // The film's shear goes as 1/sqrt(1 - e^2), contact as a power of 1/(1 - e).
             Self::Heat => {
                 let e = start.norm().max(end.norm());
-                miss * e / (1.0 - e).max(1e-6)
+                // Rough surfaces whose mean planes cross feel it over their roughness.
+                let gap = if e < 1.0 { (1.0 - e).max(1e-6) } else { 1e-2 };
+                miss * e / gap
             }
             Self::Place => miss,
         }
@@ -267,7 +269,11 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         let (mut start, mut turn) = (guess, turn);
         for _ in 0..TURNS {
             let miss = turn.place() - start;
-            let step = self.newton(miss).filter(|step| (start + step).norm() < 1.0);
+            let farthest = start.norm().max(turn.place().norm());
+            let bound = if farthest < 1.0 { 1.0 } else { farthest + 0.1 };
+            let step = self
+                .newton(miss)
+                .filter(|step| (start + step).norm() < bound);
             if aim.distance(start, turn.place()) < aim.close(self.tolerance) {
                 return Ok(step.map_or(turn, |step| Orbit(turn.0 + self.slope * step)));
             }

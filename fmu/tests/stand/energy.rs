@@ -44,7 +44,7 @@ fn the_work_of_5000_seconds_is_heat_out_and_heat_stored() {
     stand.bearing.expansion.bush = 18e-6;
     stand.bearing.expansion.bush_modulus = 110e9;
     stand.bearing.expansion.housing = 23e-6;
-    stand.bearing.wear.coefficient = 1e-15;
+    stand.bearing.wear.coefficient = 1.2e-15;
     stand.initialise(&NO_FILES, &mut ()).unwrap();
     let begin = *stand.readings();
     let mut before = begin;

@@ -169,7 +169,8 @@ fn stiffness_alone_refuses_no_step() {
     let hard = [("bearing.diameter", 1e-4), ("load.leverRatio", 300.0)];
     let pressed = run(&hard, &[0.1]).unwrap();
     let e = pressed.readings().eccentricity_ratio;
-    assert!((0.9999..1.0).contains(&e), "{e}");
+    // The asperities alone carry 13 kN on this pin: the mean planes have crossed.
+    assert!((1.0..3.0).contains(&e), "{e}");
 }
 
 #[test]

@@ -240,7 +240,7 @@ fn the_worn_volume_follows_force_and_distance() {
             work += mean * stand.readings().shaft_speed * step;
         }
         let area = std::f64::consts::PI * 0.025 * 0.019;
-        let expected = 1e-13 * work / 0.05 / area;
+        let expected = 1e-13 * work / 0.051 / area;
         let worn = stand.readings().wear_depth;
         // The journal's own motion along the bush adds to the shaft's sliding, and takes from it.
         assert!(

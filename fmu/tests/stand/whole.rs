@@ -332,9 +332,11 @@ fn the_log_says_why_there_is_no_leap() {
     });
     let mut log = Messages(Vec::new());
     stand.advance(0.0, 40.0, &mut log).unwrap();
-    let said = "logEvents: no leap over 198 turns, they are resolved: no periodic orbit at a film viscosity of";
+    let said = "logEvents: no leap over 198 turns, they are resolved: ";
     assert!(
-        log.0.len() == 2 && log.0[1].starts_with(said),
+        log.0.len() == 2
+            && log.0[1].starts_with(said)
+            && log.0[1].contains("internal steps were taken for the first"),
         "{:?}",
         log.0
     );
@@ -476,7 +478,9 @@ proptest! {
         for i in 0..5 {
             stand.advance(0.01 * i as f64, 0.01, &mut ()).unwrap();
             let r = stand.readings();
-            prop_assert!(r.eccentricity_ratio < 1.0);
+            // The mean planes of rough surfaces may cross.
+            let crossing = 6.0 * roughness / 10f64.powf(clearance);
+            prop_assert!(r.eccentricity_ratio < 1.0 + crossing);
             prop_assert!([r.friction_torque, r.film_temperature, r.bearing_temperature, r.attitude_angle]
                 .iter()
                 .all(|value| value.is_finite()), "{r:?}");

@@ -45,7 +45,7 @@ pub struct RoughSlices {
 }
 
 /// Ratio of neighbouring clearances, as a logarithm.
-const SPACING: f64 = 0.2;
+const SPACING: f64 = 0.1;
 /// The clearances that have slices, over the bearing's own. Beyond them the nearest counts.
 const LEAST: f64 = 0.01;
 const MOST: f64 = 100.0;

@@ -182,10 +182,17 @@ impl Geometry {
         let mut lost = Matrix2::zeros();
         for (i, range) in self.cells.columns() {
             let n = self.cells.directions.mean[i];
-            let sum: f64 = range
-                .filter(|&c| pressure[c] != 0.0)
-                .map(|c| pressure[c] * self.cells.area[c] * parting(self.gap.ratio[c]) / roughness)
-                .sum();
+            let of = |c: usize| pressure[c] * self.cells.area[c];
+            // The gap is the same over the width of an aligned bearing.
+            let sum: f64 = if self.form.tilt == Vector2::zeros() {
+                let parting = parting(self.gap.ratio[range.start]) / roughness;
+                parting * range.map(of).sum::<f64>()
+            } else {
+                range
+                    .filter(|&c| pressure[c] != 0.0)
+                    .map(|c| of(c) * parting(self.gap.ratio[c]) / roughness)
+                    .sum()
+            };
             lost += n * n.transpose() * sum;
         }
         lost
