@@ -192,10 +192,10 @@ fn the_slowest_time_constant_follows_from_the_state_alone() {
     }
 }
 
-/// Boundary friction of 0.10 on smoother surfaces: around 85 degC it grows by more watts per kelvin than the losses.
+/// Boundary friction of 0.105 on smoother surfaces: around 85 degC it grows by more watts per kelvin than the losses.
 fn bistable(celsius: f64) -> Stand {
     let mut stand = Stand::default();
-    stand.bearing.surface.boundary_friction = 0.10;
+    stand.bearing.surface.boundary_friction = 0.105;
     stand.bearing.surface.roughness = 2.4e-6;
     stand.thermal.initial_bearing = 273.15 + celsius;
     stand
