@@ -6,9 +6,10 @@ use fmu_export::model::Log;
 /// The log category.
 pub(super) const VALIDITY: &str = "validity";
 
-/// The laminar film ends at this Reynolds number over the root of R/c, where Taylor's vortices begin (ISO 7902-1:2013),
+/// The laminar film ends at this Reynolds number over the root of R/c: the root of 1,708, the Taylor number at which vortices begin
+/// in a narrow gap between concentric cylinders (Taylor 1923, Phil. Trans. R. Soc. A 223, 289-343),
 const TAYLOR: f64 = 41.3;
-/// and in narrow gaps, before vortices begin, at about this Reynolds number.
+/// and in narrower gaps, before vortices begin, at about this Reynolds number: a usual figure, no sharp limit.
 const REYNOLDS: f64 = 2000.0;
 
 /// Bits of `status.validity`.
