@@ -100,7 +100,7 @@ impl Drive {
     /// Rolling bearings resist with a nearly constant coefficient, `M = mu P d/2` (SKF 2018, Rolling bearings, section
     /// B.3: 0.0015 for deep groove ball bearings, relative to their bore d).
     pub fn support_torque(&self, load: f64, radius: f64, speed: f64) -> f64 {
-        self.support_friction * load.abs() * radius * direction(speed * radius)
+        self.support_friction * load * radius * direction(speed * radius)
     }
 }
 

@@ -31,13 +31,13 @@ macro_rules! readings {
 }
 
 readings! {
-    /// Force on the bearing F_N, N.
+    /// Force on the bearing F_N along the load line, N.
     load_force,
     /// Friction torque on the shaft M, N.m.
     friction_torque,
     /// Friction power `M*omega`, W.
     friction_power,
-    /// Friction coefficient `M/(F_N*D/2)`, 1; zero where there is no load.
+    /// Friction coefficient `M/(F*D/2)`, 1, over the load's magnitude; zero where there is no load.
     friction_coefficient,
     /// Temperature of the oil bath, K.
     oil_temperature,
@@ -93,7 +93,7 @@ impl Readings {
     }
 }
 
-/// The ratio of a force to the load, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr, with
+/// The ratio of a force to the load's magnitude, 1, such as the friction coefficient `M/(F_N*D/2)` (the paper's formula for mu_fr, with
 /// the M that is missing in print). Zero without a load. Near zero load it is cut off a little below the largest value that
 /// the variables' ranges allow, so that its means, which are rounded, stay within them, too.
 pub fn load_ratio(force: f64, load: f64) -> f64 {

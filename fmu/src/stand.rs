@@ -208,13 +208,15 @@ impl Stand {
         (at, self.film.drift(&self.bearing, &at, felt))
     }
 
-    /// Shaft speed (rad/s), shaft angle (rad) and load on the bearing (N), `tau` seconds into the step.
-    fn driven(&self, tau: f64) -> (f64, f64, f64) {
+    /// Shaft speed (rad/s), shaft angle (rad) and load on the journal (N, along x and y), `tau` seconds into the step.
+    fn driven(&self, tau: f64) -> (f64, f64, [f64; 2]) {
         let command = self.command();
         let speed = self.drive.speed(&command, tau);
         let angle = self.state.angle + self.drive.turned(&command, tau);
-        let load = self.load.force(angle, speed) + self.inputs.external_force.at(tau);
-        (speed, angle, load)
+        let inputs = &self.inputs;
+        let along = inputs.external_force.at(tau) + inputs.external_force_x.at(tau);
+        let along = self.load.force(angle, speed) + along;
+        (speed, angle, [along, inputs.external_force_y.at(tau)])
     }
 
     /// The lower half of Fig. 3: rates of the temperatures from friction heat and heat transfer, K/s, at a clearance, m.
@@ -264,14 +266,15 @@ impl Stand {
         let t = self.thermal_rates(tau, &temperatures, clearance, &drift.flows);
         let wear = self.bearing.wear_rate(drift.flows.boundary, at.speed);
         let [vx, vy] = drift.velocity;
-        let torque = drift.torque + self.support_torque(at.load, at.speed);
+        let load = at.load_magnitude();
+        let torque = drift.torque + self.support_torque(load, at.speed);
         (
             [vx, vy, t.film, t.bush, t.shaft, t.oil, wear],
             [
-                at.load,
+                at.load[0],
                 torque,
                 torque * at.speed,
-                self.friction_coefficient(torque, at.load),
+                self.friction_coefficient(torque, load),
                 temperatures.oil,
                 temperatures.bush,
             ],
@@ -284,7 +287,7 @@ impl Stand {
             .support_torque(load, self.bearing.radius(), speed)
     }
 
-    /// `M/(F_N*D/2)`, 1.
+    /// `M/(F_N*D/2)`, 1, with the magnitude of the load.
     fn friction_coefficient(&self, torque: f64, load: f64) -> f64 {
         sensors::load_ratio(torque / self.bearing.radius(), load)
     }
@@ -294,12 +297,13 @@ impl Stand {
         let temperatures = temperatures(y);
         let at = self.situation(tau, y);
         let motion = self.film.motion(&self.bearing, &at);
-        let torque = motion.torque + self.support_torque(at.load, at.speed);
+        let load = at.load_magnitude();
+        let torque = motion.torque + self.support_torque(load, at.speed);
         Readings {
-            load_force: at.load,
+            load_force: at.load[0],
             friction_torque: torque,
             friction_power: torque * at.speed,
-            friction_coefficient: self.friction_coefficient(torque, at.load),
+            friction_coefficient: self.friction_coefficient(torque, load),
             oil_temperature: temperatures.oil,
             bearing_temperature: temperatures.bush,
             shaft_temperature: temperatures.shaft,
@@ -310,7 +314,7 @@ impl Stand {
             film_viscosity: at.viscosity,
             film_temperature: temperatures.film,
             side_flow: motion.flows.side_flow,
-            contact_share: sensors::load_ratio(motion.contact.force, at.load.abs()),
+            contact_share: sensors::load_ratio(motion.contact.force, load),
             contact_torque: motion.boundary_torque,
             shaft_speed: at.speed,
             shaft_angle: self.driven(tau).1,

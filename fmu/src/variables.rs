@@ -133,6 +133,8 @@ fn way(name: &str) -> Option<Kind<Stand>> {
     Some(match name {
         "drive.speed" => input!(speed),
         "load.externalForce" => input!(external_force),
+        "load.externalForceX" => input!(external_force_x),
+        "load.externalForceY" => input!(external_force_y),
         "thermal.ambientTemperature" => input!(ambient_temperature),
         "drive.fluctuationAmplitude" => real(field!(drive.fluctuation_amplitude)),
         "drive.fluctuationFrequency" => real(field!(drive.fluctuation_frequency)),

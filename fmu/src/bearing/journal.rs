@@ -101,8 +101,8 @@ pub struct Setup<'a> {
 /// Load, position, clearance, oil and speed at one instant. The bush is at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation {
-    /// Load along x, N.
-    pub load: f64,
+    /// Load along x and y, N.
+    pub load: [f64; 2],
     /// Eccentricity-ratio vector, 1.
     pub eccentricity: [f64; 2],
     /// Radial clearance, m. Its own change is far too slow to squeeze oil.
@@ -111,6 +111,13 @@ pub struct Situation {
     pub viscosity: f64,
     /// Shaft speed, rad/s.
     pub speed: f64,
+}
+
+impl Situation {
+    /// Magnitude of the load, N.
+    pub fn load_magnitude(&self) -> f64 {
+        Vector2::from(self.load).norm()
+    }
 }
 
 /// A film model.
@@ -136,33 +143,24 @@ pub trait JournalFilm {
     /// Only what the time integration needs. The side flow may be zero unless it is asked for.
     fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift;
 
-    /// Stiffness, N/m, and damping, N.s/m, of film and contact about a resting journal under a load, in the load's frame: x
-    /// along it, y a quarter turn ahead.
+    /// Stiffness, N/m, and damping, N.s/m, of film and contact about a journal that rests under a load, along x and y.
     ///
     /// Here from a velocity that follows from the instant alone, `de/dt = f(e, F)`, by differences: a force that keeps a displaced
-    /// journal moving in some way is `dF = (df/dF)^-1 (dv - df/de de)`. A load that turns by an angle turns the whole bearing.
+    /// journal moving in some way is `dF = (df/dF)^-1 (dv - df/de de)`.
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
         const NUDGE: f64 = 1e-6;
         let place = Vector2::from(at.eccentricity);
-        let velocity = |place: Vector2<f64>, load: f64| {
+        let load = Vector2::from(at.load);
+        let velocity = |place: Vector2<f64>, load: Vector2<f64>| {
             let at = Situation {
                 eccentricity: place.into(),
-                load,
+                load: load.into(),
                 ..*at
             };
             Vector2::from(self.drift(bearing, &at, false).velocity)
         };
-        let by_place = |towards: Vector2<f64>| {
-            let [ahead, behind] = [NUDGE, -NUDGE].map(|by| velocity(place + towards * by, at.load));
-            (ahead - behind) / (2.0 * NUDGE)
-        };
-        let quarter = |v: Vector2<f64>| Vector2::new(-v.y, v.x);
-        let of_place = Matrix2::from_columns(&[by_place(Vector2::x()), by_place(Vector2::y())]);
-        let nudge = NUDGE * at.load;
-        let [more, less] = [nudge, -nudge].map(|by| velocity(place, at.load + by));
-        let along = (more - less) / (2.0 * nudge);
-        let across = (quarter(velocity(place, at.load)) - of_place * quarter(place)) / at.load;
-        let of_force = Matrix2::from_columns(&[along, across]);
+        let of_place = derivative(NUDGE, |by| velocity(place + by, load));
+        let of_force = derivative(NUDGE * load.norm(), |by| velocity(place, load + by));
         let damping = of_force.try_inverse().unwrap_or_default() / at.clearance;
         Coefficients {
             stiffness: -damping * of_place,
@@ -181,13 +179,20 @@ pub trait JournalFilm {
     }
 }
 
+/// The derivative of a vector over a vector, by differences over a small step on both sides.
+fn derivative(step: f64, of: impl Fn(Vector2<f64>) -> Vector2<f64>) -> Matrix2<f64> {
+    let columns = [Vector2::x(), Vector2::y()]
+        .map(|towards| (of(towards * step) - of(towards * -step)) / (2.0 * step));
+    Matrix2::from_columns(&columns)
+}
+
 /// An interval of a transient film. The load varies linearly, the rest is constant.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval {
     /// Duration, s.
     pub duration: f64,
-    /// Load along x at its start and at its end, N.
-    pub load: [f64; 2],
+    /// Load along x and y, N, at its start and at its end.
+    pub load: [[f64; 2]; 2],
     /// Shaft speed, rad/s.
     pub speed: f64,
     /// Radial clearance, m.

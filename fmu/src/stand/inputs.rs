@@ -23,6 +23,9 @@ impl Input {
     }
 }
 
+/// The number of inputs.
+pub(super) const INPUTS: usize = 5;
+
 /// The inputs, which the host sets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
@@ -30,14 +33,31 @@ pub struct Inputs {
     pub speed: Input,
     /// Force added to the load mechanism's, N.
     pub external_force: Input,
+    /// Force along the load mechanism's, N.
+    pub external_force_x: Input,
+    /// Force a quarter turn ahead of it in the direction of rotation, N.
+    pub external_force_y: Input,
     /// Temperature of the surroundings, K.
     pub ambient_temperature: Input,
 }
 
 impl Inputs {
     /// All of them.
-    pub(super) fn all(&self) -> [Input; 3] {
-        [self.speed, self.external_force, self.ambient_temperature]
+    pub(super) fn all(&self) -> [Input; INPUTS] {
+        let Self {
+            speed,
+            external_force,
+            external_force_x,
+            external_force_y,
+            ambient_temperature,
+        } = *self;
+        [
+            speed,
+            external_force,
+            external_force_x,
+            external_force_y,
+            ambient_temperature,
+        ]
     }
 
     /// Changes each of them.
@@ -45,11 +65,19 @@ impl Inputs {
         let Self {
             speed,
             external_force,
+            external_force_x,
+            external_force_y,
             ambient_temperature,
         } = self;
-        [speed, external_force, ambient_temperature]
-            .into_iter()
-            .for_each(change);
+        [
+            speed,
+            external_force,
+            external_force_x,
+            external_force_y,
+            ambient_temperature,
+        ]
+        .into_iter()
+        .for_each(change);
     }
 }
 
@@ -58,6 +86,8 @@ impl Default for Inputs {
         Self {
             speed: Input::constant(10.0 * std::f64::consts::PI),
             external_force: Input::constant(0.0),
+            external_force_x: Input::constant(0.0),
+            external_force_y: Input::constant(0.0),
             ambient_temperature: Input::constant(295.15),
         }
     }

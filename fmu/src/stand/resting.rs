@@ -45,7 +45,8 @@ impl Stand {
                 return Resting::default();
             }
             let coefficients = self.film.coefficients(&self.bearing, &at);
-            let threshold = coefficients.whirl_threshold(at.load.abs() / GRAVITY, at.speed);
+            let load = at.load_magnitude();
+            let threshold = coefficients.whirl_threshold(load / GRAVITY, at.speed);
             Resting {
                 coefficients,
                 threshold: threshold.min(NEVER),
@@ -55,14 +56,15 @@ impl Stand {
 
     /// Whether the journal rests, in the film of a turning shaft and under a load that a turn does not change.
     pub(super) fn rests(&self, at: &Situation) -> bool {
-        if at.load == 0.0 || at.speed == 0.0 {
+        let magnitude = at.load_magnitude();
+        if magnitude == 0.0 || at.speed == 0.0 {
             return false;
         }
         let velocity = self.film.drift(&self.bearing, at, false).velocity;
         let quarter = 0.5 * PI / at.speed.abs();
         let is_constant = |quarters: f64| {
             let (.., load) = self.driven(quarters * quarter);
-            (load - at.load).abs() < RESTS * at.load.abs()
+            (Vector2::from(load) - Vector2::from(at.load)).norm() < RESTS * magnitude
         };
         Vector2::from(velocity).norm() < RESTS * at.speed.abs()
             && is_constant(1.0)

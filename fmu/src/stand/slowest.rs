@@ -6,6 +6,7 @@
 //! the mobility film.
 
 use super::Stand;
+use super::inputs::INPUTS;
 use crate::bearing::{Film, Flows};
 use crate::multirate::{self, Departure, Vector4};
 use fmu_export::model::Fault;
@@ -24,7 +25,7 @@ const WEAR_GRAIN: f64 = 1e-10;
 pub(super) struct Remembered(Mutex<Option<(Key, Option<f64>)>>);
 
 /// Temperatures and wear depth in grains, and the inputs.
-type Key = ([i64; 4], i64, [u64; 3]);
+type Key = ([i64; 4], i64, [u64; INPUTS]);
 
 impl Clone for Remembered {
     /// A clone may get other parameters, so that it computes anew.

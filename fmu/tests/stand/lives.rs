@@ -25,13 +25,15 @@ struct Life {
     preload: f64,
     /// Flow factors, compressible oil, viscosity that rises with pressure (Reynolds film only).
     options: [bool; 3],
-    /// Specific load (Pa) that the external force brings, shaft speed (rad/s), their ends, communication step (s).
+    /// Specific load (Pa) that the external forces bring and its direction (rad), shaft speed (rad/s), their ends,
+    /// communication step (s).
     intervals: Vec<Interval>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Interval {
     pressure: [f64; 2],
+    direction: [f64; 2],
     speed: [f64; 2],
     step: f64,
 }
@@ -45,13 +47,14 @@ fn lives() -> impl Strategy<Value = Life> {
         ]
     };
     let speed = || prop_oneof![1 => Just(0.0), 4 => -300.0..300.0];
+    let direction = || prop_oneof![1 => Just(0.0), 1 => -3.2..3.2];
+    let loads = (pressure(), pressure(), direction(), direction());
     let interval =
-        (pressure(), pressure(), speed(), speed(), -5.0..0.0_f64).prop_map(|(p, q, v, w, t)| {
-            Interval {
-                pressure: [p, q],
-                speed: [v, w],
-                step: 10_f64.powf(t),
-            }
+        (loads, speed(), speed(), -5.0..0.0_f64).prop_map(|((p, q, a, b), v, w, t)| Interval {
+            pressure: [p, q],
+            direction: [a, b],
+            speed: [v, w],
+            step: 10_f64.powf(t),
         });
     let roughness = prop_oneof![Just(0.0), 0.01..0.3];
     let intervals = prop::collection::vec(interval, 1..4);
@@ -128,12 +131,13 @@ fn is_sane(readings: &Readings, least: f64, most: f64) -> Result<(), TestCaseErr
 /// Energy balance: work of shaft and load, less the energy stored in the asperities, equals the dissipation.
 fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
     let Readings {
-        load_force: load,
         eccentricity_ratio,
         attitude_angle: at,
         shaft_speed: speed,
         ..
     } = *stand.readings();
+    let inputs = &stand.inputs;
+    let load = [stand.readings().load_force, inputs.external_force_y.value];
     let e = [eccentricity_ratio * at.cos(), eccentricity_ratio * at.sin()];
     let bearing = &stand.bearing;
     let at = Situation {
@@ -145,15 +149,13 @@ fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
     };
     let motion = stand.film.motion(bearing, &at);
     let c = bearing.radial_clearance;
-    let work = motion.torque * speed + c * load * motion.velocity[0];
+    let pushed = c * (load[0] * motion.velocity[0] + load[1] * motion.velocity[1]);
+    let work = motion.torque * speed + pushed;
     let outward =
         (e[0] * motion.velocity[0] + e[1] * motion.velocity[1]) / eccentricity_ratio.max(1e-300);
     let stored = c * motion.contact.force * outward;
     let heat = motion.flows.viscous + motion.flows.boundary;
-    let size = heat.abs()
-        + (c * load * motion.velocity[0]).abs()
-        + stored.abs()
-        + (motion.torque * speed).abs();
+    let size = heat.abs() + pushed.abs() + stored.abs() + (motion.torque * speed).abs();
     prop_assert!(
         (work - stored - heat).abs() <= 1e-9 * size,
         "work {work} W, stored {stored} W, heat {heat} W"
@@ -204,12 +206,15 @@ fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
     for interval in &life.intervals {
         let Interval {
             pressure: [p, q],
+            direction: [a, b],
             speed: [v, w],
             step,
         } = *interval;
         let inputs = &mut stand.inputs;
-        inputs.external_force.value = p * area;
-        inputs.external_force.slope = (q - p) * area / step;
+        inputs.external_force_x.value = p * area * a.cos();
+        inputs.external_force_x.slope = (q * b.cos() - p * a.cos()) * area / step;
+        inputs.external_force_y.value = p * area * a.sin();
+        inputs.external_force_y.slope = (q * b.sin() - p * a.sin()) * area / step;
         inputs.speed.value = v;
         inputs.speed.slope = (w - v) / step;
         if let Err(fault) = stand.advance(time, step, &mut ()) {
@@ -303,6 +308,7 @@ fn a_thousand_lives_with_the_reynolds_film() {
 fn thickening_oil_is_squeezed_out() {
     let resting = Interval {
         pressure: [0.0; 2],
+        direction: [0.0; 2],
         speed: [0.0; 2],
         step: 1.0,
     };

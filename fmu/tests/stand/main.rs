@@ -12,6 +12,7 @@ mod hot;
 mod literature;
 mod lives;
 mod means;
+mod plane;
 mod resting;
 mod steady;
 mod stribeck;

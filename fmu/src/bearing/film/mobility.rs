@@ -275,10 +275,11 @@ impl Prepared {
         friction: f64,
     ) -> Push<'_> {
         let Situation { load, speed, .. } = *at;
-        let (mut force, mut direction) = (Vector2::new(load, 0.0), Vector2::x());
-        let mut magnitude = load;
-        // Without contact the force is the load, which saves the root.
-        if load < 0.0 || contact.force > 0.0 {
+        let [along, across] = load;
+        let (mut force, mut direction) = (Vector2::new(along, across), Vector2::x());
+        let mut magnitude = along;
+        // A force along x saves the root.
+        if along < 0.0 || across != 0.0 || contact.force > 0.0 {
             if length > 0.0 {
                 let touched = e + Vector2::new(-e.y, e.x) * friction;
                 force -= touched * (contact.force / length);

@@ -122,7 +122,7 @@ impl JournalFilm for ReynoldsJournal {
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
         let drive = Drive {
             contact_friction: bearing.contact_friction(at.speed),
-            ..Drive::steady(Vector2::new(at.load, 0.0), at.speed, at.viscosity)
+            ..Drive::steady(at.load.into(), at.speed, at.viscosity)
         };
         let contact = self.plain.then_some(&*self.contact);
         self.film
@@ -154,8 +154,8 @@ impl TransientFilm for ReynoldsJournal {
         self.widen(clearance)?;
         let friction = bearing.contact_friction(speed);
         let drive = Drive {
-            load_before: Vector2::new(load[0], 0.0),
-            load_after: Vector2::new(load[1], 0.0),
+            load_before: load[0].into(),
+            load_after: load[1].into(),
             contact_friction: friction,
             ..Drive::steady(Vector2::zeros(), speed, viscosity)
         };
