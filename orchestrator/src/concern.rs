@@ -47,6 +47,8 @@ pub enum Code {
     Unmoved,
     /// Points have no result.
     FailedPoints,
+    /// Points went beyond what the model says it is valid for.
+    BeyondValidity,
     /// Values are too large for the validation comparison.
     NotCompared,
     /// Rows of a table repeat earlier ones.

@@ -63,6 +63,30 @@ BEHAVES(logs_from_threads) {
     return OK;
 }
 
+/* Goes beyond what it is valid for, without any other fault. */
+BEHAVES(passes_a_limit) {
+    if (moment == HIT) say_limit(model, "the rate %.4f is beyond its limit", model->rate);
+    return OK;
+}
+
+static void *tell_limits(void *of) {
+    const Model *model = of;
+    for (int k = 0; k < 100; k++) say_limit(model, "in a thread: step %g", k + 0.5);
+    return NULL;
+}
+
+/* The same in many words, and where nobody asks: without a message, from a thread, at its end, when it is freed. */
+BEHAVES(passes_limits_all_the_time) {
+    if (moment == TERMINATE || moment == FREE) say_limit(model, "at its end %g", 1);
+    if (!steps(moment)) return OK;
+    for (int k = 0; k < 1000; k++) say_limit(model, "step %g is beyond step 0", k * 1e-3 - 0.2);
+    model->callbacks->logger(model->callbacks->environment, NULL, OK, "validity", NULL);
+    pthread_t thread;
+    pthread_create(&thread, NULL, tell_limits, model);
+    pthread_join(thread, NULL);
+    return OK;
+}
+
 static void *talk_on(void *of) {
     for (;;) {
         say(of, WARNING, "still here");

@@ -34,6 +34,11 @@ void say(const Model *model, int status, const char *text) {
     call->logger(call->environment, "faulty", status, "status", "%s", text);
 }
 
+void say_limit(const Model *model, const char *format, double number) {
+    const Callbacks *call = model->callbacks;
+    if (model->listens) call->logger(call->environment, "faulty", OK, "validity", format, number);
+}
+
 const char *file_of_the_run(const char *name) {
     static char path[4096];
     const char *folder = getenv("FAULTY_FOLDER");
@@ -73,7 +78,7 @@ __attribute__((destructor)) static void unload(void) { BEHAVIOUR(UNLOAD, NULL); 
 static void defaults(Model *model) {
     model->rate = 1;
     model->y = model->sum = model->spoil = 0;
-    model->fault = model->steps = model->ended = model->pending = 0;
+    model->fault = model->steps = model->ended = model->pending = model->listens = 0;
 }
 
 const char *fmi2GetVersion(void) { return version; }
@@ -176,7 +181,12 @@ int fmi2GetRealStatus(void *c, int kind, double *value) {
 }
 
 /* Exported because it must be; there is nothing behind it. */
-int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const *k) { return OK; }
+int fmi2SetDebugLogging(void *c, int on, size_t n, const char *const *k) {
+    Model *model = c;
+    model->listens = 0;
+    for (size_t i = 0; i < n; i++) model->listens |= on && strcmp(k[i], "validity") == 0;
+    return OK;
+}
 int fmi2GetBoolean(void *c, const uint32_t *r, size_t n, int *v) { return n ? ERROR : OK; }
 int fmi2SetBoolean(void *c, const uint32_t *r, size_t n, const int *v) { return n ? ERROR : OK; }
 int fmi2GetString(void *c, const uint32_t *r, size_t n, const char **v) { return n ? ERROR : OK; }

@@ -25,6 +25,7 @@ typedef struct {
     double rate, y, sum, spoil; /* Both outputs are wrong by `spoil`. */
     int fault, steps;
     int ended;   /* The answer of fmi2GetBooleanStatus(fmi2Terminated). */
+    int listens; /* Whether messages in the category `validity` are wanted: no more once the model was reset. */
     int pending; /* How often fmi2GetStatus still says fmi2Pending. */
     char folder[4096]; /* The resources of the unpacked FMU. */
     double left; /* The only thing that fmi2Reset leaves as it is. */
@@ -39,6 +40,8 @@ extern const char *version;
 
 /* Sends a message to the importer's logger. */
 void say(const Model *model, int status, const char *text);
+/* Says that a limit of the model's validity was passed, to whom listens; the format takes a number. */
+void say_limit(const Model *model, const char *format, double number);
 /* The path of a file in the folder that the environment variable FAULTY_FOLDER names. */
 const char *file_of_the_run(const char *name);
 /* Counts the calls of this function in all processes of the run, from 1, in a file. */

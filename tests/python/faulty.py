@@ -110,7 +110,8 @@ LIFE = [
 ]
 LOGGER = [Model(name) for name in [
     "logs_to_environment_one", "logs_to_environment_two", "logs_to_itself", "logs_to_null", "logs_nothing_but_null",
-    "logs_wild_statuses", "logs_percent_signs", "logs_from_threads", "logs_after_free"]]
+    "logs_wild_statuses", "logs_percent_signs", "logs_from_threads", "logs_after_free", "passes_a_limit",
+    "passes_limits_all_the_time"]]
 PROCESSES = [
     any_end("forks_and_returns", waits=True),
     Model("starts_a_daemon"),
@@ -196,7 +197,7 @@ PLAIN = {"needs_a_tool", "has_no_outputs"}
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="faulty" guid="faulty">
   <CoSimulation modelIdentifier="faulty" canHandleVariableCommunicationStepSize="true" {attributes}/>
-  <LogCategories><Category name="status"/></LogCategories>
+  <LogCategories><Category name="status"/><Category name="validity"/></LogCategories>
   <DefaultExperiment startTime="0" stopTime="1" stepSize="0.05"/>
   <ModelVariables>
     <ScalarVariable name="rate" valueReference="0" causality="parameter" variability="fixed"><Real start="1"/></ScalarVariable>

@@ -89,6 +89,18 @@ def test_warnings_are_counted(case):
         assert warnings["first"] == ({"point": 1, "message": "fmi2DoStep: the oil is warm"} if warns else None)
 
 
+@models("passes_a_limit", "passes_limits_all_the_time", "healthy")
+def test_points_beyond_the_model_are_counted_by_limit(case):
+    every = [("step -0.2 is beyond step 0", POINTS, 1), ("in a thread: step 0.5", POINTS, 1)]
+    one = [(f"the rate {rate(9):.4f} is beyond its limit", len(case.hit), 9)]
+    expected = {"passes_a_limit": one, "passes_limits_all_the_time": every}.get(case.model.name, [])
+    for validity in told(case, "validity"):
+        limits = [(limit["first"]["message"], limit["points"], limit["first"]["point"]) for limit in validity["limits"]]
+        assert limits == expected
+        points = max((points for _, points, _ in expected), default=0)
+        assert (validity["points"], validity["verified"]) == (points, points)
+
+
 @models("ends_early", "healthy")
 def test_ends_that_the_fmu_chose_are_counted(case):
     early = case.model.name == "ends_early"

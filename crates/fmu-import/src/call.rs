@@ -73,13 +73,15 @@ pub struct End {
 }
 
 /// The warnings of an FMU: calls that returned `fmi2Warning` or `fmi3Warning`, and messages logged as warnings. A call that does both
-/// counts once.
+/// counts once. Beside them stands what is none: the limits of its model that a simulation passed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings {
     /// How many there were since the instance was created or reset.
     pub count: u64,
     /// The first one: the function where a call returned it, and the FMU's message.
     pub first: Option<String>,
+    /// Messages in the log category `validity`, the first [of each kind](crate::validity).
+    pub beyond: Vec<String>,
 }
 
 impl Call {

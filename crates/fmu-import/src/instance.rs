@@ -165,6 +165,9 @@ impl Instance {
         let reset = self.simulation.reset();
         // As after its creation.
         self.simulation.base_mut().caller.mode = self.library.mode;
+        if reset.is_ok() {
+            self.library.hear_again(&mut *self.simulation);
+        }
         reset
     }
 

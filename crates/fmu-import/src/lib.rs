@@ -22,6 +22,7 @@ mod simulation;
 pub mod state;
 mod symbols;
 pub mod units;
+pub mod validity;
 pub mod value;
 pub mod version;
 pub mod xml;

@@ -26,6 +26,7 @@ use crate::needed;
 use crate::simulation::{Birth, Simulation};
 pub use crate::symbols::LibraryError;
 use crate::symbols::{Function, Symbols, Text};
+use crate::validity;
 use crate::value::Handle;
 use crate::version::Version;
 
@@ -77,10 +78,9 @@ impl Library {
             .log_categories
             .iter()
             .filter(|name| {
-                let name = name.to_lowercase();
-                ["error", "fatal", "warning", "discard"]
-                    .iter()
-                    .any(|word| name.contains(word))
+                let lower = name.to_lowercase();
+                let mut words = ["error", "fatal", "warning", "discard"].into_iter();
+                *name == validity::CATEGORY || words.any(|word| lower.contains(word))
             })
             .cloned()
             .collect();
@@ -125,7 +125,7 @@ impl Library {
     /// Creates a component.
     pub(crate) fn instantiate(&self, name: &str) -> Result<Box<dyn Simulation>, Call> {
         let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
-        let model: Box<dyn Simulation> = match &self.functions {
+        let mut model: Box<dyn Simulation> = match &self.functions {
             Functions::Two(functions) => {
                 Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?)
             }
@@ -138,6 +138,7 @@ impl Library {
                 name,
             )?),
         };
+        model.hear(&birth.categories);
         Ok(match self.exchange {
             None => model,
             Some((functions, declared)) => {
@@ -145,6 +146,15 @@ impl Library {
                 Box::new(Exchange::new(model, functions, declared, inputs))
             }
         })
+    }
+
+    /// Lets a component that was reset tell its model's limits again: by the standard it is as it was created, without
+    /// logging. Of errors it need not log more than it returns.
+    pub(crate) fn hear_again(&self, simulation: &mut dyn Simulation) {
+        let categories = &self.birth.categories;
+        if categories.iter().any(|name| name == validity::CATEGORY) {
+            simulation.hear(categories);
+        }
     }
 
     /// The version of FMI that the binary was compiled with; usually that of the description.

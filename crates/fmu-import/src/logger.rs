@@ -4,6 +4,7 @@
 //! environment is no pointer but a ticket, which is looked up, and what an FMU knows by address is never freed:
 //! each instance takes a seat, and seats of instances that have gone are taken again.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::panic::catch_unwind;
@@ -12,6 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::call::Warnings;
+use crate::validity;
 
 /// Messages kept; the oldest go first, so that a chatty FMU costs no memory.
 const KEPT: usize = 32;
@@ -107,9 +109,19 @@ impl Seat {
         }
     }
 
-    fn hear(&self, status: i32, message: String, stray: bool) {
+    fn hear(&self, status: i32, message: String, stray: bool, of_validity: bool) {
         let mut heard = locked(&self.heard);
         heard.strays += u64::from(stray);
+        if of_validity {
+            let beyond = &mut heard.warnings.beyond;
+            if validity::is_further(&message, beyond.iter().map(String::as_str)) {
+                beyond.push(message.clone());
+            }
+            // It is no reason of what fails later.
+            if status == 0 {
+                return;
+            }
+        }
         if status == WARNING {
             heard.warnings.count += 1;
             heard.warnings.first.get_or_insert_with(|| message.clone());
@@ -246,21 +258,20 @@ pub(crate) extern "C" fn fmu_import_log(
     }
     // A panic must not cross the C frames of the FMU.
     let _ = catch_unwind(|| {
-        // Some FMUs pass every message as "OK"; then the category tells errors and warnings apart.
-        let status = if category.is_null() {
-            status
-        } else {
+        let category = match category.is_null() {
+            true => Cow::Borrowed(""),
             // SAFETY: an FMU passes the category as a zero-terminated string.
-            let category = unsafe { CStr::from_ptr(category) }.to_string_lossy();
-            if category.contains("Error") || category.contains("Fatal") {
-                status.max(3)
-            } else if category.contains("Warning") {
-                status.max(WARNING)
-            } else if category.contains("Discard") {
-                status.max(WARNING + 1)
-            } else {
-                status
-            }
+            false => unsafe { CStr::from_ptr(category) }.to_string_lossy(),
+        };
+        // Some FMUs pass every message as "OK"; then the category tells errors and warnings apart.
+        let status = if category.contains("Error") || category.contains("Fatal") {
+            status.max(3)
+        } else if category.contains("Warning") {
+            status.max(WARNING)
+        } else if category.contains("Discard") {
+            status.max(WARNING + 1)
+        } else {
+            status
         };
         if status != 0 {
             complain();
@@ -272,7 +283,8 @@ pub(crate) extern "C" fn fmu_import_log(
         // SAFETY: `logger.c` passes its own zero-terminated buffer, and FMI 3.0 a zero-terminated string.
         let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         let words: Vec<&str> = message.split_whitespace().collect();
-        seat.hear(status, shortened(words.join(" ")), stray);
+        let of_validity = category == validity::CATEGORY;
+        seat.hear(status, shortened(words.join(" ")), stray, of_validity);
     });
 }
 

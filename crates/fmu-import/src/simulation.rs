@@ -28,7 +28,7 @@ pub(crate) struct Birth {
     pub(crate) guid: String,
     /// The resources: a URI in FMI 2.0, a path in FMI 3.0.
     pub(crate) resources: String,
-    /// The log categories of errors and warnings.
+    /// The log categories of errors and warnings, and that of the model's validity.
     pub(crate) categories: Vec<String>,
     /// The interface of the component.
     pub(crate) interface: Interface,
@@ -100,6 +100,8 @@ impl Batch<'_> {
 ///
 /// A reference is that of a [`Handle`]: in FMI 2.0 the value reference, in FMI 3.0 the number of an element.
 pub(crate) trait Simulation: Debug + Send {
+    /// Lets the FMU log its messages in these categories.
+    fn hear(&mut self, categories: &[String]);
     /// Announces the experiment.
     fn set_up(&mut self, experiment: Experiment) -> Result<(), Call>;
     /// Enters initialisation mode, sets these inputs, and leaves it.

@@ -201,6 +201,7 @@ fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply
         notices: Box::new(Notices {
             warnings: notices.warnings,
             first_warning: notices.first_warning.clone(),
+            beyond: notices.beyond.clone(),
             ..Notices::default()
         }),
     });
@@ -255,6 +256,9 @@ fn tell(notices: &Notices) {
             "note: warnings of the FMU: {}; the first: {first}",
             notices.warnings
         );
+    }
+    for limit in &notices.beyond {
+        crate::tell::line!("note: beyond what the model is valid for, as the FMU says: {limit}");
     }
 }
 

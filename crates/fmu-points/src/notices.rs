@@ -1,8 +1,11 @@
-//! Remarks on a simulation: the FMU's warnings, an early end, errors of its end; to which of the curves that a measured one
-//! may truly have been the model conforms.
+//! Remarks on a simulation: the FMU's warnings, the limits of its model, an early end, errors of its end; to which of the curves
+//! that a measured one may truly have been the model conforms.
+
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use fmu_import::validity::is_further;
 use fmu_import::{Call, Warnings};
 
 /// An FMU's remarks in one simulation, beside its results. None of them makes the point fail.
@@ -15,6 +18,9 @@ pub struct Notices {
     /// The first of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_warning: Option<String>,
+    /// The limits of the model's validity that the simulation passed, the first message of each kind.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub beyond: Vec<Limit>,
     /// When the FMU ended the simulation by itself, s, as the standard allows (`fmi2Discard` with `fmi2Terminated`).
     /// The results are those until then.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,6 +34,25 @@ pub struct Notices {
     /// For each measured curve that has an uncertainty: to which of the curves that it may truly have been the model conforms.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub conforming: Vec<Replicates>,
+}
+
+/// A limit of a model's validity that a simulation passed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limit {
+    /// The case; none where a point has one simulation only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub case: Option<String>,
+    /// What the FMU says.
+    pub message: String,
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.case {
+            Some(case) => write!(f, "case {case}: {}", self.message),
+            None => f.write_str(&self.message),
+        }
+    }
 }
 
 /// Draws of a measured curve to which the model conforms, a bit each; empty where the curve cannot be drawn.
@@ -50,6 +75,17 @@ impl Notices {
         if self.first_warning.is_none() {
             self.first_warning = warnings.first;
         }
+        let limits = warnings.beyond.into_iter();
+        limits.for_each(|message| self.pass(None, message));
+    }
+
+    /// Adds a limit, unless another case has passed it, too.
+    fn pass(&mut self, case: Option<&str>, message: String) {
+        let kept = self.beyond.iter().map(|limit| limit.message.as_str());
+        if is_further(&message, kept) {
+            let case = case.map(str::to_owned);
+            self.beyond.push(Limit { case, message });
+        }
     }
 
     /// Adds what was said in one of a point's cases. Of warnings and errors, the first one is kept, with its case.
@@ -59,6 +95,8 @@ impl Notices {
         self.warnings += other.warnings;
         let warning = self.first_warning.take();
         self.first_warning = warning.or_else(|| named(&other.first_warning));
+        let limits = other.beyond.iter().map(|limit| limit.message.clone());
+        limits.for_each(|message| self.pass(Some(case), message));
         self.ended = self.ended.or(other.ended);
         let unfinished = self.unfinished.take();
         self.unfinished = unfinished.or_else(|| named(&other.unfinished));
@@ -82,6 +120,7 @@ mod tests {
         let warning = |count, text: &str| Warnings {
             count,
             first: Some(text.to_owned()),
+            ..Warnings::default()
         };
         let mut notices = Notices::default();
         notices.warn(Warnings::default());
@@ -90,6 +129,28 @@ mod tests {
         notices.warn(warning(3, "second"));
         assert_eq!(notices.warnings, 5);
         assert_eq!(notices.first_warning, Some("first".to_owned()));
+    }
+
+    #[test]
+    fn a_limit_that_several_cases_pass_is_that_of_the_first() {
+        let passed = |messages: &[&str]| {
+            let mut notices = Notices::default();
+            notices.warn(Warnings {
+                beyond: messages.iter().map(|&text| text.to_owned()).collect(),
+                ..Warnings::default()
+            });
+            notices
+        };
+        let mut point = Notices::default();
+        point.add(&passed(&["hot at 3 s"]), "300 rpm");
+        point.add(&passed(&["hot at 5.5 s", "fast at 1 s"]), "900 rpm");
+        let told: Vec<String> = point.beyond.iter().map(Limit::to_string).collect();
+        assert_eq!(
+            told,
+            ["case 300 rpm: hot at 3 s", "case 900 rpm: fast at 1 s"]
+        );
+        let text = serde_json::to_string(&passed(&["hot"])).unwrap();
+        assert_eq!(text, r#"{"beyond":[{"message":"hot"}]}"#);
     }
 
     #[test]

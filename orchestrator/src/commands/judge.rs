@@ -69,7 +69,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
             ))),
         };
         let verdict = tally.add(label, &[], &outcome, None);
-        survey.add(label, &[], &outcome);
+        survey.add(label, &[], &outcome, false);
         if let Some(files) = &mut files {
             files.write(label, &[], &outcome, &verdict)?;
         }

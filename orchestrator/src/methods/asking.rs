@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use serde::Serialize;
 
-use super::setup::{self, Place, Source};
+use super::setup::{self, Place, Source, SourceParts};
 use crate::error::Error;
 use crate::judge::Judge;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::pipeline::folder::Kept;
 use crate::results::origin::Origin;
+use crate::results::validity::Validity;
 use crate::results::{Header, Outcome, make_folder, table, write_json};
 use crate::session::{Asking, Request, Session};
 use conformity::decision::Decision;
@@ -112,6 +113,20 @@ impl AnalysisResult {
             code: ExitCode::SUCCESS,
             content,
         }
+    }
+
+    /// Tells how many of the points in a journal went beyond what the model is valid for.
+    pub(super) fn tell_validity(
+        &mut self,
+        of: SourceParts<'_>,
+        folder: &Path,
+    ) -> Result<(), Error> {
+        if let Some(told) = Validity::of_journal(of.package.description(), folder)? {
+            self.text += &format!("\nwarning: {told}\n");
+            self.content
+                .insert("beyond_validity".to_owned(), told.into());
+        }
+        Ok(())
     }
 
     /// Writes the file.
@@ -259,9 +274,10 @@ pub(super) fn run<A: Analysis>(
         open: false,
         ends: true,
     };
-    let (result, kept) = setup::run(&mut source, &header, taken, means, |source, pipeline| {
+    let (mut result, kept) = setup::run(&mut source, &header, taken, means, |source, pipeline| {
         analysis.find(source, pipeline, &folder)
     })?;
+    result.tell_validity(source.parts(), &place.state())?;
     Ok(Delivery::new(result, folder, kept))
 }
 

@@ -49,8 +49,9 @@ impl Shards<'_> {
         let model = source.parts().model;
         let mut pipeline = Pipeline::new(model, None, taken.journal, Some(finished), part);
         match analysis.find(&source, &mut pipeline, self.output) {
-            Ok(result) => {
+            Ok(mut result) => {
                 pipeline.end()?;
+                result.tell_validity(source.parts(), &place.state())?;
                 Ok(Delivery::new(result, self.output.to_owned(), taken.kept))
             }
             Err(Error::Unknown { missing, of }) => {

@@ -22,6 +22,7 @@ pub(super) struct Cell {
 pub(super) struct BestRow {
     id: u64,
     verified: bool,
+    beyond: bool,
     distance: String,
     deviation: String,
     binding: String,
@@ -73,6 +74,7 @@ pub(super) fn best_rows(
             BestRow {
                 id: table.ids[i],
                 verified: table.verified[i],
+                beyond: table.is_beyond(i),
                 distance: number(distance, 3),
                 deviation: number(binding.deviation, 2),
                 binding: table.criteria[binding.criterion].name.clone(),

@@ -172,13 +172,23 @@ fn marks(
     points: &[usize],
 ) -> String {
     let r = mark_radius(points.len());
-    let mut paths = [String::new(), String::new(), String::new()];
+    let mut paths = [const { String::new() }; 4];
     for &i in points {
         let (vx, vy) = (x.values[i], y.values[i]);
         if !frame.x.contains(vx) || !frame.y.contains(vy) {
             continue;
         }
         let (px, py) = (frame.x.at(vx), frame.y.at(vy));
+        if table.is_beyond(i) {
+            let s = r + 2.0;
+            let _ = write!(
+                paths[3],
+                "M{:.1},{:.1}h{d}v{d}h-{d}z",
+                px - s,
+                py - s,
+                d = 2.0 * s
+            );
+        }
         if table.verified[i] {
             paths[2] += &circle([px, py], r);
         } else if within(x, i) && within(y, i) {
@@ -198,7 +208,9 @@ fn marks(
             );
         }
     }
-    let classes = ["pt out", "pt part", "pt in"].iter().zip(paths);
+    let classes = ["pt out", "pt part", "pt in", "pt beyond"]
+        .iter()
+        .zip(paths);
     classes.map(|(class, d)| path(class, d)).collect()
 }
 

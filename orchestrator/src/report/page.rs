@@ -129,6 +129,7 @@ pub fn render(report: &Report) -> Result<String, Error> {
         failed => summary.failed,
         drawn => count(points.len()),
         sampled => points.len() < total,
+        beyond => !table.beyond.is_empty(),
         crowded => points.len() == total && total > figures::MOST_MARKS,
         rows => Serde(count_rows(table, summary, judgement)),
         decisive => decisive(summary),
@@ -263,6 +264,7 @@ fn pictured<'a>(
         parameters: table.parameters.clone(),
         verified: table.verified.clone(),
         status: table.status.clone(),
+        beyond: table.beyond.clone(),
     };
     (Cow::Owned(drawn), columns)
 }

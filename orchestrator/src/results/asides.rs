@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::validity::Validity;
 use fmu_points::notices::Notices;
 
 /// The FMU's remarks beside its results, over all points. None of them makes a point fail.
@@ -9,6 +10,9 @@ use fmu_points::notices::Notices;
 pub struct Asides {
     /// Points with warnings (`fmi2Warning`, or messages logged as such), and how many these were.
     pub warnings: Warnings,
+    /// Points beyond what the model is valid for; none where the FMU has no log category for that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub validity: Option<Validity>,
     /// Points whose simulation the FMU ended before the stop time, as the standard allows.
     pub ended_early: Points,
     /// Points whose simulation was complete, but could not be ended properly (`fmi2Terminate`, `fmi2FreeInstance`).
@@ -68,8 +72,11 @@ impl Points {
 }
 
 impl Asides {
-    /// Counts what was said of a point; points come in their order.
-    pub fn add(&mut self, point: u64, notices: &Notices) {
+    /// Counts what was said of a point, and whether that meets all criteria; points come in their order.
+    pub fn add(&mut self, point: u64, verified: bool, notices: &Notices) {
+        if let Some(validity) = &mut self.validity {
+            validity.add(point, verified, &notices.beyond);
+        }
         if notices.warnings > 0 {
             self.warnings.count += notices.warnings;
             let first = || notices.first_warning.clone().unwrap_or_default();
@@ -125,10 +132,11 @@ mod tests {
             first_warning: Some(text.to_owned()),
             ..Notices::default()
         };
-        asides.add(3, &warned(2, "the oil is warm"));
-        asides.add(4, &warned(5, "the oil is hot"));
+        asides.add(3, true, &warned(2, "the oil is warm"));
+        asides.add(4, true, &warned(5, "the oil is hot"));
         asides.add(
             4,
+            true,
             &Notices {
                 ended: Some(0.5),
                 ..Notices::default()

@@ -29,7 +29,11 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
              check` and the first failure"
         ));
     }
-    let place = plan.and_then(|plan| place(plan, points));
+    let rows = points
+        .iter()
+        .map(|(parameters, values)| (&**parameters, values.is_none()));
+    let rows: Vec<(&[f64], bool)> = rows.collect();
+    let place = plan.and_then(|plan| place(plan, &rows));
     let place = place.map_or_else(String::new, |place| format!(", mostly where {place}"));
     Some(format!(
         "{} of {} points failed ({reasons}){place}; they count as not {} and not conforming, but are missing from \
@@ -41,33 +45,31 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
     ))
 }
 
-/// The parameter that sets the failed points apart most, if any does: the largest distance between the distribution
-/// functions of failed and other points (Kolmogorov and Smirnov), where that is not chance.
-fn place(plan: &Plan, points: &[Row]) -> Option<String> {
+/// The parameter that sets marked points, such as failed ones, apart most, if any does: the largest distance between the
+/// distribution functions of marked and other points (Kolmogorov and Smirnov), where that is not chance.
+pub(super) fn place(plan: &Plan, points: &[(&[f64], bool)]) -> Option<String> {
     const CLEAR: f64 = 0.5;
     let of = |k: usize| {
-        let values = |failed: bool| {
-            let rows = points
-                .iter()
-                .filter(|(_, values)| values.is_none() == failed);
+        let values = |of: bool| {
+            let rows = points.iter().filter(|(_, marked)| *marked == of);
             let mut sorted: Vec<f64> = rows.map(|(parameters, _)| parameters[k]).collect();
             sorted.sort_by(f64::total_cmp);
             sorted
         };
-        let [failed, others] = [values(true), values(false)];
-        (distance(&failed, &others), k, failed, others)
+        let [marked, others] = [values(true), values(false)];
+        (distance(&marked, &others), k, marked, others)
     };
     let varied = plan.varied();
-    let chance = |failed: usize, others: usize| {
+    let chance = |marked: usize, others: usize| {
         // The probability of a larger distance by chance is about 2 exp(-2 d^2 n m / (n + m)), for each parameter.
         let tail = 0.01 / varied.len() as f64;
-        (0.5 * (2.0 / tail).ln() * (1.0 / failed as f64 + 1.0 / others as f64)).sqrt()
+        (0.5 * (2.0 / tail).ln() * (1.0 / marked as f64 + 1.0 / others as f64)).sqrt()
     };
-    let (distance, k, failed, others) = varied
+    let (distance, k, marked, others) = varied
         .iter()
         .map(|&k| of(k))
         .max_by(|a, b| a.0.total_cmp(&b.0))?;
-    if distance < CLEAR.max(chance(failed.len(), others.len())) {
+    if distance < CLEAR.max(chance(marked.len(), others.len())) {
         return None;
     }
     let unit = behind(plan.inputs[k].unit.as_deref());
@@ -78,7 +80,7 @@ fn place(plan: &Plan, points: &[Row]) -> Option<String> {
     Some(format!(
         "{} is {} (elsewhere {})",
         plan.inputs[k].name,
-        range(&failed),
+        range(&marked),
         range(&others)
     ))
 }

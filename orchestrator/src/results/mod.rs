@@ -28,6 +28,7 @@ pub mod survey;
 pub mod table;
 pub mod tally;
 pub mod traceability;
+pub mod validity;
 pub mod words;
 
 use std::io;

@@ -2,7 +2,7 @@
 //! compares with the measurement, what to improve first.
 
 use super::concerns::{out_of_reach, unmoved};
-use super::failed;
+use super::failed::{self, place};
 use super::improvement::{improvements, most_points};
 use super::probable::MostProbable;
 use super::settled::{Edges, Settled};
@@ -11,6 +11,7 @@ use super::{Outcome, Row};
 use crate::concern::Code;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
+use conformity::conclusion::grouped;
 use conformity::validation::{Comparison, Numerical, Spread};
 
 /// Looks at points one by one, in constant memory.
@@ -25,6 +26,8 @@ pub struct Survey<'a> {
     spreads: Vec<Spread>,
     probable: Option<MostProbable<'a>>,
     first: Vec<Row>,
+    /// Whether these went beyond what the model is valid for.
+    beyond: Vec<bool>,
     edges: Edges<'a>,
 }
 
@@ -42,12 +45,13 @@ impl<'a> Survey<'a> {
             spreads: vec![Spread::default(); criteria],
             probable: plan.and_then(|plan| MostProbable::new(judge, plan)),
             first: Vec::new(),
+            beyond: Vec::new(),
             edges: Edges::new(judge),
         }
     }
 
-    /// Looks at a point.
-    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) {
+    /// Looks at a point, which may have gone `beyond` what the model is valid for.
+    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, beyond: bool) {
         if let Some(probable) = &mut self.probable {
             probable.add(label, parameters, outcome);
         }
@@ -55,6 +59,7 @@ impl<'a> Survey<'a> {
         if self.first.len() < most_points(self.judge.criteria.len()) {
             let values = outcome.as_ref().ok().cloned();
             self.first.push((parameters.to_vec(), values));
+            self.beyond.push(beyond);
         }
         let Ok(values) = outcome else { return };
         self.points += 1;
@@ -63,6 +68,29 @@ impl<'a> Survey<'a> {
             (*low, *high) = (low.min(value), high.max(value));
             self.spreads[k].add(value);
         }
+    }
+
+    /// Warns of points beyond what the model is valid for.
+    fn beyond_validity(&self, summary: &Summary) -> Option<String> {
+        let validity = summary.asides.as_ref()?.validity.as_ref()?;
+        let which = match summary.verified {
+            0 => String::new(),
+            all => format!(
+                ", {} of the {} that meet all criteria,",
+                grouped(validity.verified),
+                grouped(all)
+            ),
+        };
+        let told = validity.told(summary.points, &which)?;
+        let rows = self.first.iter().map(|(parameters, _)| &**parameters);
+        let rows: Vec<(&[f64], bool)> = rows.zip(self.beyond.iter().copied()).collect();
+        let place = self.plan.and_then(|plan| place(plan, &rows));
+        let place = place.map_or_else(String::new, |place| {
+            format!(". They lie mostly where {place}")
+        });
+        Some(format!(
+            "{told}{place}; validity.csv lists them: cut the distributions to where the model holds, or show that it holds there"
+        ))
     }
 
     /// Adds to the summary what was seen.
@@ -79,6 +107,8 @@ impl<'a> Survey<'a> {
         summary.doubt(Code::Unmoved, unmoved);
         let failed = failed::concern(summary, self.plan, &self.first);
         summary.doubt(Code::FailedPoints, failed);
+        let beyond = self.beyond_validity(summary);
+        summary.doubt(Code::BeyondValidity, beyond);
         for (k, criterion) in criteria() {
             // The comparison is about a measured number.
             let spread = self.spreads[k]

@@ -1,6 +1,6 @@
 //! The table of points from what `verify` leaves behind.
 
-use super::{Outcome, Summary, points};
+use super::{Outcome, Summary, points, validity};
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
@@ -29,6 +29,7 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), Error> {
 pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Error> {
     let summary = summary(folder)?;
     let mut table = points::read(&folder.join("points.csv"), &summary, most)?;
+    table.beyond = validity::points(folder);
     let case = |name: &str| match name.split_once('/') {
         Some((case, _)) if summary.cases.contains_key(case) => Some(case.to_owned()),
         _ => None,
@@ -122,5 +123,6 @@ pub fn from_runs(
                     .map_or_else(|failure| failure.to_string().into(), |_| "ok".into())
             })
             .collect(),
+        ..PointTable::default()
     }
 }

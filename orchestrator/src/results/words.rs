@@ -14,7 +14,9 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
     if summary.failed == summary.points || summary.has_own_values() {
         return vec![verdict];
     }
-    let mut sentences = vec![verdict, firmness(conclusion, summary)];
+    let mut sentences = vec![verdict];
+    sentences.extend(beyond_validity(summary));
+    sentences.push(firmness(conclusion, summary));
     sentences.extend(looked(conclusion));
     sentences.extend(guard(conclusion));
     sentences.push(match &conclusion.risk {
@@ -25,6 +27,18 @@ pub fn sentences(summary: &Summary) -> Vec<String> {
     sentences.extend(curves);
     sentences.retain(|sentence| !sentence.is_empty());
     sentences
+}
+
+/// How many of the points on which the verdict rests went beyond what the model is valid for.
+fn beyond_validity(summary: &Summary) -> Option<String> {
+    let validity = summary.asides.as_ref()?.validity.as_ref()?;
+    (validity.verified > 0).then(|| {
+        format!(
+            "Of the {} points that meet all criteria {} went beyond what the model says it is valid for.",
+            grouped(summary.verified),
+            grouped(validity.verified)
+        )
+    })
 }
 
 /// Whether other points would say the same.

@@ -16,9 +16,11 @@ use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::survey::Survey;
 use crate::results::tally::{Sample, Tally};
+use crate::results::validity::{self, Validity};
 use crate::results::{Looked, Outcome, draft, keep, points, write_json};
 use crate::study::Study;
 use crate::study::plan::Input;
+use fmu_points::notices::Limit;
 
 impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to
@@ -46,6 +48,7 @@ impl Verification {
         let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());
         let mut front = ending.map(Front::new);
         let mut asides = Asides {
+            validity: Validity::of(session.package.description()),
             needs_execution_tool: session
                 .package
                 .description()
@@ -63,11 +66,11 @@ impl Verification {
             let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(incomplete)?;
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
             let verdict = tally.add(label, &parameters, &outcome, notices.as_ref());
-            survey.add(label, &parameters, &outcome);
-            if let Some(notices) = notices {
-                asides.add(label, &notices);
-            }
+            let notices = notices.unwrap_or_default();
+            survey.add(label, &parameters, &outcome, !notices.beyond.is_empty());
+            asides.add(label, verdict.verified(), &notices);
             files.write(label, &parameters, &outcome, &verdict)?;
+            files.write_limits(label, &notices.beyond)?;
             let enough = ending.zip(front.as_mut()).is_some_and(|(ending, front)| {
                 front.add(index, ending.counts(&session.judge, &outcome))
             });
@@ -97,6 +100,7 @@ impl Verification {
         }
         let tally = tally.looked_at(looks, look);
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
+        summary.asides = Some(asides);
         survey.complete(&mut summary);
         summary.settled = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
@@ -107,7 +111,6 @@ impl Verification {
         let conduct = finished.conduct();
         summary.reproducibility = Some(conduct.reproducibility());
         summary.conduct = Some(conduct);
-        summary.asides = Some(asides);
         summary.dossier = session.study.dossier.clone();
         summary.run = run;
         files.finish(&summary)?;
@@ -169,12 +172,14 @@ fn name(path: &Path) -> String {
         .into_owned()
 }
 
-/// `points.csv` and `summary.json`, which appear when they are complete.
+/// `points.csv` and `summary.json`, which appear when they are complete, and `validity.csv` where points went beyond the
+/// model's limits.
 pub struct FileSet {
     folder: PathBuf,
     file: NamedTempFile,
     guard: Guard,
     points: points::Writer<BufWriter<File>>,
+    limits: validity::Writer,
 }
 
 impl FileSet {
@@ -193,6 +198,7 @@ impl FileSet {
                 file,
                 guard: judge.guard,
                 points,
+                limits: validity::Writer::default(),
             })
         };
         begin().map_err(Error::io(folder))
@@ -213,6 +219,15 @@ impl FileSet {
         written.map_err(Error::io(&self.folder))
     }
 
+    /// Notes the limits of the model that a point passed.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn write_limits(&mut self, label: u64, limits: &[Limit]) -> Result<(), Error> {
+        let written = self.limits.write(&self.folder, label, limits);
+        written.map_err(Error::io(&self.folder))
+    }
+
     /// Puts the files in place; each one is either as before or complete.
     ///
     /// # Errors
@@ -228,6 +243,7 @@ impl FileSet {
             }
         };
         keep(file, &path)?;
+        self.limits.finish(&self.folder)?;
         write_json(&self.folder.join("summary.json"), summary)
     }
 }

@@ -38,6 +38,10 @@ impl Simulation for Exchange {
         self.plant.model.set_up(told)
     }
 
+    fn hear(&mut self, categories: &[String]) {
+        self.plant.model.hear(categories);
+    }
+
     fn initialise(&mut self, _: &[(u32, Value)]) -> Result<(), Call> {
         let waiting = std::mem::take(&mut self.waiting);
         self.plant.model.initialise(&waiting)?;

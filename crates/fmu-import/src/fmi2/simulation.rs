@@ -45,14 +45,7 @@ impl Model {
                 0,
             )
         });
-        let mut base = birth.base(component, common, caller, functions.instantiate.name)?;
-        let function = functions.set_debug_logging;
-        // SAFETY: the array holds as many valid strings as stated.
-        base.hear(
-            &birth.categories,
-            function,
-            |log, of, count, texts| unsafe { log(of, 1, count, texts) },
-        );
+        let base = birth.base(component, common, caller, functions.instantiate.name)?;
         Ok(Self { base, functions })
     }
 
@@ -76,6 +69,15 @@ impl Model {
 }
 
 impl Simulation for Model {
+    fn hear(&mut self, categories: &[String]) {
+        let function = self.functions.set_debug_logging;
+        // SAFETY: the array holds as many valid strings as stated.
+        self.base
+            .hear(categories, function, |log, of, count, texts| unsafe {
+                log(of, 1, count, texts)
+            });
+    }
+
     fn base(&self) -> &Base {
         &self.base
     }

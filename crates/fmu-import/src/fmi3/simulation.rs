@@ -85,14 +85,7 @@ impl Model {
                 (function.name, component)
             }
         };
-        let mut base = birth.base(component, common, caller, function)?;
-        let function = functions.set_debug_logging;
-        // SAFETY: the array holds as many valid strings as stated.
-        base.hear(
-            &birth.categories,
-            function,
-            |log, of, count, texts| unsafe { log(of, true, count, texts) },
-        );
+        let base = birth.base(component, common, caller, function)?;
         Ok(Self {
             base,
             functions,
@@ -161,6 +154,15 @@ impl Model {
 }
 
 impl Simulation for Model {
+    fn hear(&mut self, categories: &[String]) {
+        let function = self.functions.set_debug_logging;
+        // SAFETY: the array holds as many valid strings as stated.
+        self.base
+            .hear(categories, function, |log, of, count, texts| unsafe {
+                log(of, true, count, texts)
+            });
+    }
+
     fn base(&self) -> &Base {
         &self.base
     }

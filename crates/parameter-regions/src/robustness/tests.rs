@@ -47,6 +47,7 @@ fn table(n: usize) -> PointTable {
         criteria: (0..2).map(criterion).collect(),
         verified: points.iter().map(|x| verified(x)).collect(),
         status: vec!["ok".into(); n],
+        ..PointTable::default()
     }
 }
 
