@@ -84,8 +84,11 @@ impl Validity {
     /// Counts a point; points come in their order.
     pub fn add(&mut self, point: u64, verified: bool, limits: &[Limit]) {
         const MOST: usize = 32;
-        self.points += u64::from(!limits.is_empty());
-        self.verified += u64::from(verified && !limits.is_empty());
+        if limits.is_empty() {
+            return;
+        }
+        self.points += 1;
+        self.verified += u64::from(verified);
         for limit in limits {
             let message = &limit.message;
             let is_it = |known: &Passed| alike(&known.first.limit.message, message);
@@ -112,12 +115,9 @@ impl Validity {
         const NAMED: usize = 3;
         let named = self.limits.iter().take(NAMED).map(|limit| {
             let First { point, limit: said } = &limit.first;
-            let said = said.to_string();
-            let number = grouped(limit.points);
-            format!(
-                "{} ({number}, the first is {point})",
-                said.trim_end_matches('.')
-            )
+            let (said, points) = (said.to_string(), grouped(limit.points));
+            let said = said.trim_end_matches('.');
+            format!("{said} ({points} of them, the first is point {point})")
         });
         let named: Vec<String> = named.collect();
         (self.points > 0).then(|| {
@@ -212,8 +212,8 @@ mod tests {
         let told = validity.told(1000, ", one,").unwrap();
         assert_eq!(
             told,
-            "2 of 1,000 points, one, went beyond what the model says it is valid for: hot at 2 s (2, the first is 7); fast at \
-             1 s (1, the first is 7)"
+            "2 of 1,000 points, one, went beyond what the model says it is valid for: hot at 2 s (2 of them, the first \
+             is point 7); fast at 1 s (1 of them, the first is point 7)"
         );
         assert_eq!((validity.points, validity.verified), (2, 1));
         assert_eq!(validity.limits[0].verified, 1);
