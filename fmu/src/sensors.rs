@@ -59,6 +59,8 @@ readings! {
     film_temperature,
     /// Oil that leaves the film at both ends, m³/s.
     side_flow,
+    /// Oil that comes in through feeds, m³/s.
+    feed_flow,
     /// Share of the load that the asperities carry, 1.
     contact_share,
     /// Friction torque of the asperities, N.m.

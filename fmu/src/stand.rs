@@ -115,6 +115,9 @@ pub struct Stand {
     /// The outputs' time derivatives, as [`differentiate`](Model::differentiate) last computed them.
     #[serde(skip)]
     rates: Readings,
+    /// Oil that feeds bring besides what the film says, m³/s: where a film that knows no feeds stands for one that does.
+    #[serde(skip)]
+    assumed_feed: f64,
     #[serde(skip)]
     slowest: slowest::Remembered,
     #[serde(skip)]
@@ -229,14 +232,20 @@ impl Stand {
     ) -> Temperatures {
         let oil = &self.fluid;
         let film = temperatures.film;
+        let carried = |flow: f64, temperature: f64| match flow {
+            // No flow, or one that was not computed because the temperatures do not depend on it.
+            0.0 => 0.0,
+            flow => flow * oil.density(temperature) * oil.heat_capacity(temperature),
+        };
         let heat = Heat {
             viscous: flows.viscous,
             boundary: flows.boundary,
-            side_flow: match flows.side_flow {
-                // No side flow, or one that was not computed because the temperatures do not depend on it.
-                0.0 => 0.0,
-                flow => flow * oil.density(film) * oil.heat_capacity(film),
-            },
+            side_flow: carried(flows.side_flow + self.assumed_feed, film),
+            fed: carried(
+                flows.feed + self.assumed_feed,
+                self.bearing.supply.temperature,
+            ),
+            fed_temperature: self.bearing.supply.temperature,
             bath: self.bath_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
             clearance,
@@ -314,6 +323,7 @@ impl Stand {
             film_viscosity: at.viscosity,
             film_temperature: temperatures.film,
             side_flow: motion.flows.side_flow,
+            feed_flow: motion.flows.feed,
             contact_share: sensors::load_ratio(motion.contact.force, load),
             contact_torque: motion.boundary_torque,
             shaft_speed: at.speed,

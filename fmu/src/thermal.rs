@@ -130,6 +130,10 @@ pub struct Heat {
     pub boundary: f64,
     /// Heat capacity rate of the oil that flows from the film into the bath, W/K.
     pub side_flow: f64,
+    /// The same of the oil that feeds bring into the film.
+    pub fed: f64,
+    /// Its temperature, K.
+    pub fed_temperature: f64,
     /// Heat capacity of the oil bath, J/K.
     pub bath: f64,
     /// Temperature of the surroundings, K.
@@ -162,6 +166,9 @@ impl Thermal {
     }
 
     /// Rates of the nodes' temperatures, K/s: the energy balance of each node.
+    ///
+    /// What leaves the film is replaced by oil from feeds, and by oil from the bath for the rest. The bath takes what leaves, and
+    /// spills as much as is fed.
     pub fn rates(&self, t: &Temperatures, heat: &Heat) -> Temperatures {
         if self.isothermal {
             return Temperatures::default();
@@ -173,13 +180,17 @@ impl Thermal {
         };
         let film_to_bush = across * self.film_bush * (t.film - t.bush);
         let film_to_shaft = across * self.film_shaft * (t.film - t.shaft);
-        let film_to_oil = self.fresh_oil * heat.side_flow * (t.film - t.oil);
+        let fed = heat.fed.max(0.0);
+        let from_bath = self.fresh_oil * (heat.side_flow - heat.fed).max(0.0);
+        let film_to_oil = from_bath * (t.film - t.oil);
+        let film_to_fed = fed * (t.film - heat.fed_temperature);
         let bush_to_oil = self.bush_oil * (t.bush - t.oil);
         let shaft_to_oil = self.shaft_oil * (t.shaft - t.oil);
         let boundary_to_shaft = self.contact_heat_to_shaft * heat.boundary;
         let boundary_to_bush = heat.boundary - boundary_to_shaft;
         Temperatures {
-            film: (heat.viscous - film_to_bush - film_to_shaft - film_to_oil) / self.film_capacity,
+            film: (heat.viscous - film_to_bush - film_to_shaft - film_to_oil - film_to_fed)
+                / self.film_capacity,
             bush: (film_to_bush + boundary_to_bush
                 - bush_to_oil
                 - self.bush_ambient * (t.bush - heat.ambient))
@@ -188,7 +199,7 @@ impl Thermal {
                 - shaft_to_oil
                 - self.shaft_ambient * (t.shaft - heat.ambient))
                 / self.shaft_capacity,
-            oil: (film_to_oil + bush_to_oil + shaft_to_oil
+            oil: (film_to_oil + fed * (t.film - t.oil) + bush_to_oil + shaft_to_oil
                 - self.oil_ambient * (t.oil - heat.ambient))
                 / heat.bath,
         }
@@ -216,6 +227,8 @@ mod tests {
             viscous: 2.0,
             boundary: 12.0,
             side_flow: 0.13,
+            fed: 0.05,
+            fed_temperature: 310.0,
             bath: 517.0,
             ambient: 295.0,
             clearance: 1.4e-5,
@@ -228,6 +241,7 @@ mod tests {
         let lost = 0.1 * (t.bush - 295.0)
             + 0.05 * (t.shaft - 295.0)
             + thermal.oil_ambient * (t.oil - 295.0);
-        assert!((stored + lost - heat.viscous - heat.boundary).abs() < 1e-10);
+        let spilt = 0.05 * (t.oil - 310.0);
+        assert!((stored + lost + spilt - heat.viscous - heat.boundary).abs() < 1e-10);
     }
 }

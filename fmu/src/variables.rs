@@ -6,7 +6,7 @@
 #[macro_use]
 mod declare;
 
-use crate::bearing::{FILM, FilmModel, ThermalClearance};
+use crate::bearing::{FILM, Feeding, FilmModel, ThermalClearance};
 use crate::stand::Stand;
 use crate::thermal::Initialization;
 use declare::{V, computed, flag, label, real, whole};
@@ -113,6 +113,13 @@ fmu_export::enumerations! {
         FreeBush = 2 "Bush and shaft expand freely",
         ConstrainedBush = 3 "The bush is pressed into a housing, which holds it"
     ];
+    /// How oil is fed to the film.
+    FEED = "Feed", "Feeds of oil in the bush", [
+        None = 1 "The oil comes from the bath, at the bearing's ends",
+        AxialGrooves = 2 "Grooves along the axis",
+        Hole = 3 "Holes",
+        CircumferentialGroove = 4 "A groove around the bush, in the middle of its width"
+    ];
     /// The temperatures at the start.
     INITIALIZATION = "Initialization", "Temperatures at the start", [
         Given = 1 "The initial temperatures that are set",
@@ -165,6 +172,15 @@ fn way(name: &str) -> Option<Kind<Stand>> {
             access: film_model(),
             of: &FILM,
         },
+        "bearing.feed" => {
+            choice!(FEED, Feeding { None = 1, AxialGrooves = 2, Hole = 3, CircumferentialGroove = 4 }, bearing.supply.feed)
+        }
+        "bearing.feedAngle" => real(field!(bearing.supply.angle)),
+        "bearing.feedExtent" => real(field!(bearing.supply.extent)),
+        "bearing.feedLength" => real(field!(bearing.supply.length)),
+        "bearing.feedCount" => whole(field!(bearing.supply.count)),
+        "bearing.feedPressure" => real(field!(bearing.supply.pressure)),
+        "bearing.feedTemperature" => real(field!(bearing.supply.temperature)),
         "bearing.roughness" => real(field!(bearing.surface.roughness)),
         "bearing.profileFile" => label(text!(bearing.profile_file)),
         "bearing.asperityDensity" => real(field!(bearing.surface.asperity_density)),
@@ -243,6 +259,7 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.filmViscosity" => output!(film_viscosity),
         "bearing.filmTemperature" => output!(film_temperature),
         "bearing.sideFlow" => output!(side_flow),
+        "bearing.feedFlow" => output!(feed_flow),
         "bearing.contactShare" => output!(contact_share),
         "bearing.contactTorque" => output!(contact_torque),
         "bearing.hotRadialClearance" => output!(hot_radial_clearance),

@@ -22,6 +22,8 @@ pub struct Flows {
     pub boundary: f64,
     /// Oil that leaves the film at both ends, m³/s.
     pub side_flow: f64,
+    /// Oil that enters through feeds, m³/s; negative where it leaves.
+    pub feed: f64,
 }
 
 impl Flows {
@@ -36,6 +38,7 @@ impl Flows {
             viscous: self.viscous * factor,
             boundary: self.boundary * factor,
             side_flow: self.side_flow * factor,
+            feed: self.feed * factor,
         }
     }
 
@@ -45,6 +48,7 @@ impl Flows {
             viscous: self.viscous + other.viscous,
             boundary: self.boundary + other.boundary,
             side_flow: self.side_flow + other.side_flow,
+            feed: self.feed + other.feed,
         }
     }
 

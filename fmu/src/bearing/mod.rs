@@ -10,10 +10,12 @@ pub mod friction;
 mod hot;
 mod journal;
 mod parameters;
+mod supply;
 mod wear;
 
 pub use film::{FILM, Film, FilmModel};
 pub use hot::{Expansion, ThermalClearance};
 pub use journal::{Drift, Flows, Interval, Motion, Setup, Situation, TransientFilm};
 pub use parameters::{Bearing, Resolution};
+pub use supply::{Feeding, Supply};
 pub use wear::Wear;

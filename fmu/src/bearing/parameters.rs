@@ -1,6 +1,7 @@
 //! The bearing's parameters.
 
 use super::hot::Expansion;
+use super::supply::Supply;
 use super::wear::Wear;
 use journal_bearing::contact::Surface;
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,8 @@ pub struct Bearing {
     pub expansion: Expansion,
     /// How the surfaces wear.
     pub wear: Wear,
+    /// The oil that is fed to a Reynolds film.
+    pub supply: Supply,
     /// How a Reynolds film is solved.
     pub resolution: Resolution,
     /// Film pressure that is still taken for possible, Pa.
@@ -59,6 +62,7 @@ impl Default for Bearing {
             surface: Surface::default(),
             expansion: Expansion::default(),
             wear: Wear::default(),
+            supply: Supply::default(),
             resolution: Resolution::default(),
             pressure_limit: 2e8,
         }

@@ -57,6 +57,7 @@ mod tests {
             viscous: 40.0 * viscosity.powf(power),
             boundary: 500.0 * (0.02 - viscosity).max(0.0) * viscosity.powf(power - 0.5),
             side_flow: 1e-9 / viscosity.powf(power),
+            feed: 0.0,
         };
         [flows(0.5), flows(0.45)]
     }

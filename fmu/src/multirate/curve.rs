@@ -315,6 +315,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
                 viscous,
                 boundary,
                 side_flow,
+                feed: 0.0,
             },
         ))
     }

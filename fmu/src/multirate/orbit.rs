@@ -32,6 +32,7 @@ impl Orbit {
             viscous,
             boundary: self.0[3].exp() - PEDESTAL * viscous,
             side_flow: self.0[4].exp() - LEAST,
+            feed: 0.0,
         }
     }
 
@@ -155,6 +156,7 @@ mod tests {
             viscous: 12.0,
             boundary: 0.0,
             side_flow: 3e-7,
+            feed: 0.0,
         };
         let back = Orbit::new([0.1, 0.2], &flows).flows();
         assert!((back.viscous - 12.0).abs() < 1e-12 && back.boundary.abs() < 1e-12);

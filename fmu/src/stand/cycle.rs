@@ -59,6 +59,9 @@ impl Stand {
         if self.common_turns().is_none() {
             return Some("drive.fluctuationFrequency and drive.speed have no common period");
         }
+        if self.bearing.supply.feeds() && !self.thermal.isothermal {
+            return Some("the oil that is fed cools the film");
+        }
         let wears = self.bearing.wear.coefficient > 0.0;
         if wears && self.film.is_transient() {
             return Some("the surfaces wear");

@@ -5,8 +5,8 @@
 //! averaged over the journal's periodic orbit at each film temperature; for a film that takes steps of its own, the orbit of
 //! the mobility film.
 
-use super::Stand;
 use super::inputs::INPUTS;
+use super::{Stand, unknowns};
 use crate::bearing::{Film, Flows};
 use crate::multirate::{self, Departure, Vector4};
 use fmu_export::model::Fault;
@@ -103,8 +103,22 @@ impl Stand {
     /// its orbits.
     pub(super) fn with_a_fast_film(mut self) -> Result<Self, Fault> {
         if self.film.is_transient() {
+            self.assumed_feed = self.feed_after_a_turn();
             self.film = Film::mobility(&self.bearing)?;
         }
         Ok(self)
+    }
+
+    /// What the feeds bring a turn later at the present temperatures, m³/s; zero where that turn cannot be resolved.
+    fn feed_after_a_turn(&self) -> f64 {
+        if !self.bearing.supply.feeds() {
+            return 0.0;
+        }
+        let mut ahead = self.clone();
+        ahead.thermal.isothermal = true;
+        match ahead.resolve(ahead.turn()) {
+            Ok(()) => ahead.read(0.0, &unknowns(&ahead.state)).feed_flow,
+            Err(_) => 0.0,
+        }
     }
 }

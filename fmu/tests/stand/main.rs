@@ -6,6 +6,7 @@ mod description;
 mod energy;
 mod exchange;
 mod extremes;
+mod feed;
 mod film_leaps;
 mod fluctuation;
 mod hot;

@@ -23,6 +23,7 @@
 //! `zeta` in 0..1 (the mean over the width). `P`, `v` and `W` have the unit 1/s.
 
 mod coefficients;
+mod feed;
 mod grid;
 mod lanes;
 mod quasi_static;
@@ -33,6 +34,7 @@ mod stress;
 mod transient;
 
 pub use coefficients::Coefficients;
+pub use feed::{Feed, FeedShape};
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, Groove, NotConverged, QuasiStatic};
 pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};

@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::feed::Feed;
 use super::grid::Grid;
 use super::roughness::RoughFilm;
 use crate::contact::Surface;
@@ -62,6 +63,8 @@ pub struct FilmSettings {
     pub asperities: Option<Surface>,
     /// How the film sees the roughness of `asperities`.
     pub rough_film: RoughFilm,
+    /// Feeds in the bush. Without them the oil comes from the bath alone.
+    pub feed: Option<Feed>,
 }
 
 impl FilmSettings {
@@ -81,6 +84,7 @@ impl FilmSettings {
             tilt: [0.0; 2],
             asperities: None,
             rough_film: RoughFilm::Nominal,
+            feed: None,
         }
     }
 
@@ -102,7 +106,21 @@ impl FilmSettings {
         within("number of rows", rows as f64, rows >= 1, "at least 1")?;
         let pressure = self.side_pressure;
         let usable = pressure.is_finite() && pressure >= 0.0;
-        within("side pressure", pressure, usable, "0 or more")
+        within("side pressure", pressure, usable, "0 or more")?;
+        (self.feed.iter()).try_for_each(|feed| feed.check(self.bath_above_cavities()))
+    }
+
+    /// The bath's pressure above that of cavities, Pa, which keep account of their oil; `None` where none do.
+    fn bath_above_cavities(&self) -> Option<f64> {
+        (self.cavitation == Cavitation::MassConserving).then_some(self.side_pressure)
+    }
+
+    /// Pressures of the bath and of the feeds above that of the cavities, in units of the dimensionless pressure at a viscosity
+    /// (Pa.s), 1/s.
+    pub(super) fn reservoirs(&self, viscosity: f64) -> [f64; 2] {
+        let bath = self.bath_above_cavities().unwrap_or(0.0);
+        let feed = self.feed.as_ref().map_or(0.0, |feed| feed.pressure);
+        [bath, bath + feed].map(|pressure| pressure / self.pressure_scale(viscosity))
     }
 
     /// Roughness over clearance where the film sees the roughness, else zero.
@@ -214,7 +232,7 @@ pub(super) fn positive(name: &'static str, value: f64) -> Result<(), FilmError> 
     within(name, value, usable, "a positive number")
 }
 
-fn finite(name: &'static str, value: f64) -> Result<(), FilmError> {
+pub(super) fn finite(name: &'static str, value: f64) -> Result<(), FilmError> {
     within(name, value, value.is_finite(), "a finite number")
 }
 

@@ -87,6 +87,7 @@ struct Instant<'a> {
 
 impl JournalFilm for MobilityFilm {
     fn new(setup: &Setup<'_>) -> Result<Self, Fault> {
+        setup.bearing.supply.refuse()?;
         let mut film = Self::default();
         film.prepare(setup.bearing)?;
         Ok(film)
@@ -190,6 +191,7 @@ impl Prepared {
                 viscous: couette * speed + squeezed,
                 boundary: push.boundary.heat,
                 side_flow: leaving,
+                feed: 0.0,
             },
             push,
             contact,

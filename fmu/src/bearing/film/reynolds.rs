@@ -70,6 +70,7 @@ impl JournalFilm for ReynoldsJournal {
             rheology: setup.rheology,
             profile,
             tilt: resolution.tilt,
+            feed: bearing.supply.in_film(),
             asperities: (rough && !plain).then(|| bearing.surface.clone()),
             rough_film: if resolution.flow_factors {
                 RoughFilm::FlowFactors {
@@ -189,12 +190,14 @@ impl TransientFilm for ReynoldsJournal {
                 viscous: report.heat,
                 boundary: boundary.heat,
                 side_flow: report.outflow,
+                feed: report.feed_flow,
             },
         };
         let flows = Flows {
             viscous: report.mean_heat,
             boundary: boundary.heat,
             side_flow: report.mean_outflow,
+            feed: report.mean_feed_flow,
         };
         Ok((flows, report.steps))
     }

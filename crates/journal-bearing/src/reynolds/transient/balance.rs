@@ -46,6 +46,8 @@ pub struct Balance {
     over: Vec<f64>,
     /// Flux out of each cell through the open ends.
     out: Vec<f64>,
+    /// Flux out of each cell into the supply of a feed; empty without feeds.
+    fed: Vec<f64>,
     /// Error of each cell's balance, as a flux out of the cell.
     pub residual: Vec<f64>,
 }
@@ -64,6 +66,7 @@ impl Balance {
             around: zeros(),
             over: vec![0.0; cells + 1],
             out: zeros(),
+            fed: Vec::new(),
             residual: zeros(),
         }
     }
@@ -155,6 +158,12 @@ impl Balance {
         fill(&mut self.out, [&self.open, p], |[conductance, p]| {
             conductance * (p - stage.side)
         });
+        self.fed.resize(cells.feed.len(), 0.0);
+        if !self.fed.is_empty() {
+            fill(&mut self.fed, [&cells.feed, p], |[conductance, p]| {
+                conductance * (p - stage.feed)
+            });
+        }
     }
 
     /// Adds up the residuals.
@@ -170,9 +179,14 @@ impl Balance {
             add_difference(residual, around);
             let over = &self.over[here.start..=here.end];
             add_difference(residual, [over, &over[1..]]);
-            change(residual, [&self.out[here]], |residual, [out]| {
+            change(residual, [&self.out[here.clone()]], |residual, [out]| {
                 residual + out
             });
+            if !self.fed.is_empty() {
+                change(residual, [&self.fed[here]], |residual, [fed]| {
+                    residual + fed
+                });
+            }
         }
     }
 
@@ -195,6 +209,7 @@ impl Balance {
         EndFlow {
             out: 0.5 * (size + net),
             into: 0.5 * (size - net),
+            fed: -self.fed.iter().sum::<f64>(),
         }
     }
 }
@@ -214,9 +229,17 @@ fn driven([conductance, before, behind]: [f64; 3]) -> f64 {
     conductance * (before - behind)
 }
 
-/// Flows through the open ends, outwards and inwards.
+/// Flows through the open ends, outwards and inwards, and into the film through feeds.
 #[derive(Clone, Copy, Debug)]
 pub struct EndFlow {
     pub out: f64,
     pub into: f64,
+    pub fed: f64,
+}
+
+impl EndFlow {
+    /// The sum of all.
+    pub fn through(&self) -> f64 {
+        self.out + self.into + self.fed.abs()
+    }
 }

@@ -4,9 +4,16 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
+use crate::reynolds::feed::Feed;
 use crate::reynolds::grid::Grid;
 use crate::reynolds::lanes::LANES;
 use crate::reynolds::settings::Cavitation;
+
+/// The conductance to a feed's supply over those to its neighbours: the pressure in a feed is the supply's but for this part of a
+/// pressure difference between cells.
+const SUPPLY: f64 = 1e4;
+/// Most by which a feed's edge raises the conductance to a cell's middle next to it.
+const CLOSEST: f64 = 20.0;
 
 /// The cells' geometry.
 ///
@@ -33,6 +40,10 @@ pub struct Cells {
     pub across: Vec<f64>,
     /// Conductance, at `H = 1`, of each cell to the open end or ends.
     pub open: Vec<f64>,
+    /// Conductance of each cell to the supply of a feed; empty without feeds.
+    pub feed: Vec<f64>,
+    /// Area of each cell on which the film is sheared: none in a feed.
+    pub land: Vec<f64>,
 }
 
 /// One component of `n`: its mean over each cell, and at the edge before each cell.
@@ -97,6 +108,8 @@ impl Cells {
             along: vec![0.0; count],
             across: vec![0.0; count + 1],
             open: vec![0.0; count],
+            feed: Vec::new(),
+            land: Vec::new(),
             grid,
         };
         let grid = &cells.grid;
@@ -123,7 +136,48 @@ impl Cells {
                 cells.open[cell] = width * end * ends.map(f64::from).iter().sum::<f64>();
             }
         }
+        cells.land.clone_from(&cells.area);
         cells
+    }
+
+    /// Makes feeds of all cells whose middle lies in one, in a bearing of this width, m. Returns how many these are.
+    ///
+    /// The film begins at a feed's edge, wherever that is between two cells' middles.
+    pub fn dig(&mut self, feed: &Feed, width: f64) -> usize {
+        let (columns, rows) = (self.grid.columns(), self.grid.rows());
+        let place = |i: usize, j: usize| (self.grid.theta_centre(i), 0.5 * width * self.zeta[j]);
+        let fed = |i: usize, j: usize| {
+            let (theta, z) = place(i, j);
+            feed.covers(theta, z)
+        };
+        // The distance between two middles over that of the one in the film from the edge.
+        let nearer = |whole: f64, rest: f64| (whole / rest).clamp(1.0, CLOSEST);
+        self.feed = vec![0.0; self.count()];
+        let mut dug = 0;
+        for i in 0..columns {
+            let before = self.before(i);
+            let apart = 0.5 * (self.grid.theta_width(before) + self.grid.theta_width(i));
+            for j in 0..rows {
+                let cell = i * self.stride + j;
+                let here = fed(i, j);
+                if here {
+                    dug += 1;
+                    self.feed[cell] = SUPPLY * (self.along[cell] + self.across[cell]);
+                    self.open[cell] = 0.0;
+                    self.land[cell] = 0.0;
+                }
+                if here != fed(before, j) {
+                    let (theta, z) = place(if here { before } else { i }, j);
+                    self.along[cell] *= nearer(apart, feed.gap_around(theta, z));
+                }
+                if j > 0 && here != fed(i, j - 1) {
+                    let (theta, z) = place(i, if here { j - 1 } else { j });
+                    let apart = 0.5 * width * self.grid.zeta_distance(j);
+                    self.across[cell] *= nearer(apart, feed.gap_along(theta, z));
+                }
+            }
+        }
+        dug
     }
 
     /// Number of cells, padding included.

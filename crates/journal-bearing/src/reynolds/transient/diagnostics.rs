@@ -24,6 +24,8 @@ pub struct Diagnostics {
     pub outflow: f64,
     /// Oil that enters at both ends, m3/s, as volume at ambient pressure.
     pub inflow: f64,
+    /// Oil that enters through feeds, m3/s, as volume at ambient pressure; negative where it leaves through them.
+    pub feed_flow: f64,
     /// Heat that the film dissipates, W.
     pub heat: f64,
     /// Mean of the journal's torque over the interval, N.m.
@@ -32,6 +34,8 @@ pub struct Diagnostics {
     pub mean_heat: f64,
     /// Mean of the outflow over the interval, m3/s.
     pub mean_outflow: f64,
+    /// Mean of the flow through feeds over the interval, m3/s.
+    pub mean_feed_flow: f64,
     /// Number of internal steps.
     pub steps: usize,
     /// Largest error of an internal step's mass balance over the flow through the film, 1. Zero by definition where mass is
@@ -49,6 +53,7 @@ impl Diagnostics {
         self.mean_journal_torque = before.mean_journal_torque + step.journal_torque * duration;
         self.mean_heat = before.mean_heat + step.heat * duration;
         self.mean_outflow = before.mean_outflow + step.outflow * duration;
+        self.mean_feed_flow = before.mean_feed_flow + step.feed_flow * duration;
         self.steps = before.steps + 1;
         self.mass_error = before.mass_error.max(step.mass_error);
         self.energy_error = before.energy_error.max(step.energy_error);
@@ -60,6 +65,7 @@ impl Diagnostics {
             self.mean_journal_torque /= interval;
             self.mean_heat /= interval;
             self.mean_outflow /= interval;
+            self.mean_feed_flow /= interval;
         }
         self
     }

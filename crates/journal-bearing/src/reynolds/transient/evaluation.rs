@@ -26,7 +26,7 @@ struct Sums {
     form: [f64; 2],
     /// Dissipation by the pressure flow, and by oil that fills an emptier gap.
     loss: f64,
-    /// Power of the bath's pressure on the oil that enters, less that on the oil that leaves.
+    /// Power of the pressures of bath and feeds on the oil that enters, less that on the oil that leaves.
     bath: f64,
     /// Power stored in the oil's compression.
     stored: f64,
@@ -75,6 +75,7 @@ pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnosti
             .map_or(0.0, |surface| asperities::normal(surface, &work.geometry)),
         outflow: flow.out * volume,
         inflow: flow.into * volume,
+        feed_flow: flow.fed * volume,
         heat,
         energy_error: (works.iter().sum::<f64>() - heat - stored).abs() / through,
         ..Diagnostics::default()
@@ -137,11 +138,26 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
     let pressed: f64 = (balance.open.iter().zip(p)).map(|of| out(of) * of.1).sum();
     sums.loss += pressed - open * stage.side;
     sums.bath = -open * stage.side;
+    let [loss, spent] = fed(work, stage);
+    (sums.loss, sums.bath) = (sums.loss + loss, sums.bath + spent);
     if settings.is_compressible() {
         let powers = compression::powers(work, stage, |column| squeeze(work, drive, column));
-        (sums.loss, sums.stored, sums.bath) = (powers.loss, powers.stored, powers.bath);
+        (sums.loss, sums.bath) = (powers.loss + loss, powers.bath + spent);
+        sums.stored = powers.stored;
     }
     sums
+}
+
+/// Power lost on the way from a feed's supply into its cells, and power that its pressure spends.
+fn fed(work: &Workspace, stage: &Stage<'_>) -> [f64; 2] {
+    let cells = work.geometry.cells.feed.iter();
+    let of = cells
+        .zip(&work.state.field.pressure)
+        .zip(&work.liquid.density);
+    of.fold([0.0; 2], |[loss, spent], ((conductance, p), density)| {
+        let flow = conductance * (p - stage.feed) / density;
+        [loss + flow * (p - stage.feed), spent - flow * stage.feed]
+    })
 }
 
 /// How fast turning the journal, and the bush, by an angle opens the gap in a column.
@@ -174,7 +190,7 @@ fn sheared<'a>(
     rotation: f64,
     resistance: impl Fn([f64; 3], f64) -> f64,
 ) -> f64 {
-    let (area, fluidity) = (&work.geometry.cells.area, &work.liquid.fluidity);
+    let (area, fluidity) = (&work.geometry.cells.land, &work.liquid.fluidity);
     let content = &work.state.field.content;
     // Weights of the content before an edge and of that behind it.
     let before_counts = if rotation == 0.0 {

@@ -10,7 +10,7 @@ use super::state::Field;
 use crate::reynolds::grid::Grid;
 use crate::reynolds::lanes::smallest;
 use crate::reynolds::roughness::mean_gap;
-use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
+use crate::reynolds::settings::{Drive, FilmError, FilmSettings, within};
 
 /// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.
 const DEEPEST: f64 = -3.0;
@@ -37,7 +37,16 @@ impl Geometry {
         let half = Grid::standard(columns, rows, width_to_diameter);
         let tilted = settings.tilt != [0.0; 2];
         let grid = if tilted { half.whole_width() } else { half };
-        let cells = Cells::new(grid, width_to_diameter, settings.cavitation);
+        let mut cells = Cells::new(grid, width_to_diameter, settings.cavitation);
+        if let Some(feed) = &settings.feed {
+            let dug = cells.dig(feed, settings.width);
+            within(
+                "feed extent",
+                feed.extent,
+                dug > 0,
+                "wide and long enough for the middle of a cell; take more columns and rows, or a larger feed",
+            )?;
+        }
         let form = Form::default();
         let gap = Gap::new(&cells);
         let mut geometry = Self {

@@ -17,6 +17,8 @@ pub struct Stage<'a> {
     pub shear: f64,
     /// Pressure at the open ends above that of the cavities, 1/s.
     pub side: f64,
+    /// Pressure of the feeds above that of the cavities, 1/s.
+    pub feed: f64,
 }
 
 /// The stage as the journal's balance of forces sees it.

@@ -8,7 +8,7 @@ use super::newton;
 use super::stage::{NoSolution, Stage, Task};
 use super::state::State;
 use super::workspace::Workspace;
-use crate::reynolds::settings::{Cavitation, Drive};
+use crate::reynolds::settings::Drive;
 
 /// `1 - 1/sqrt(2)`, the SDIRK method's coefficient.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -134,6 +134,7 @@ impl Stepper {
             let flow = EndFlow {
                 out: mean(first_flow.out, last_flow.out),
                 into: mean(first_flow.into, last_flow.into),
+                fed: mean(first_flow.fed, last_flow.fed),
             };
             report.mass_error = mass_error(work, mass, step.duration, flow, stage.rotation);
         }
@@ -144,12 +145,7 @@ impl Stepper {
 /// A stage that starts from the masses `mass`.
 pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> Stage<'a> {
     let settings = &work.geometry.settings;
-    let side = match settings.cavitation {
-        Cavitation::NonNegative => 0.0,
-        Cavitation::MassConserving => {
-            settings.side_pressure / settings.pressure_scale(drive.viscosity)
-        }
-    };
+    let [side, feed] = settings.reservoirs(drive.viscosity);
     // The flow of sliding rough surfaces at a shear flow factor of one (Patir & Cheng 1979).
     let shear = settings.flow_factors().map_or(0.0, |share| {
         let (roughness, excess) = (work.geometry.form.roughness, 2.0 * share - 1.0);
@@ -161,6 +157,7 @@ pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive
         rotation: drive.rotation(),
         shear,
         side,
+        feed,
     }
 }
 
@@ -170,7 +167,7 @@ fn mass_error(work: &Workspace, start: &[f64], duration: f64, flow: EndFlow, rot
         .zip(work.balance.mass.iter().zip(start))
         .map(|(area, (mass, start))| area * (mass - start))
         .sum();
-    let moved = flow.out + flow.into + work.circulating(rotation);
+    let moved = flow.through() + work.circulating(rotation);
     let still = work.still_flow(duration);
-    (stored / duration + flow.out - flow.into).abs() / moved.max(still)
+    (stored / duration + flow.out - flow.into - flow.fed).abs() / moved.max(still)
 }

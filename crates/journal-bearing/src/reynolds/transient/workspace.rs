@@ -200,7 +200,7 @@ impl Workspace {
     pub fn flow(&self, stage: &Stage<'_>) -> f64 {
         let ends = self.balance.end_flow();
         let still = self.still_flow(stage.duration);
-        (ends.out + ends.into + self.circulating(stage.rotation)).max(still)
+        (ends.through() + self.circulating(stage.rotation)).max(still)
     }
 
     /// The sum of the absolute contributions to the residuals.

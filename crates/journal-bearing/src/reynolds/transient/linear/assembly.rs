@@ -29,6 +29,11 @@ pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &B
         fill(diagonal, edges, |[before, after, below, above, open]| {
             (before + after) + (below + above) + open
         });
+        if !cells.feed.is_empty() {
+            change(diagonal, [&cells.feed[here.clone()]], |leak, [feed]| {
+                leak + feed
+            });
+        }
         // Storage and outward transport per unit of the oil in a cell's gap.
         let held = &mut held[here.clone()];
         let [area, h] = [&cells.area, &gap.cell].map(|of| &of[here.clone()]);
