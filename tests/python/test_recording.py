@@ -35,6 +35,8 @@ def test_recordings_become_a_study(fmu, tmp_path):
         assert case.get("held-out", False) == bool(held_out)
         # The jackknife's interval is about 0.3 ms to both sides, and the lag of the model is known to 0.1 ms.
         assert float(case["criteria"]["M"]["delay"].removesuffix(" ms")) == pytest.approx(LATE, abs=0.6)
+        estimate = case["criteria"]["M"]["reference"]["noise-estimate"]
+        assert estimate["freedom"] > 50 and abs(estimate["correlation"]) < 0.5
         # Two spikes and two lost samples.
         table = tmp_path / str(rpm) / "case.csv"
         lines = table.read_text().splitlines()

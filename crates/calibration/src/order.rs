@@ -3,6 +3,8 @@
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::problem::Estimate;
+
 /// The order of the residuals along a curve.
 #[derive(Clone, Debug, Serialize)]
 pub struct Order {
@@ -10,7 +12,9 @@ pub struct Order {
     pub name: String,
     /// The correlation of each residual with the next one.
     pub correlation: f64,
-    /// The probability of a larger one, if the errors of the rows were independent.
+    /// That of the noise, as far as a recording told it.
+    pub of_noise: f64,
+    /// The probability of a larger one, if the residuals were that noise.
     pub probability: f64,
 }
 
@@ -19,8 +23,8 @@ impl Order {
     ///
     /// The correlation is Durbin & Watson's statistic in another form (1950, Testing for serial correlation in least squares
     /// regression I, Biometrika 37, 409-428), with the variance of Ljung & Box (1978, On a measure of lack of fit in time series
-    /// models, Biometrika 65, 297-303).
-    pub(crate) fn of(name: &str, residuals: &[f64]) -> Option<Self> {
+    /// models, Biometrika 65, 297-303). That of the noise is known as from as many rows as its estimate has degrees of freedom.
+    pub(crate) fn of(name: &str, residuals: &[f64], noise: Option<&Estimate>) -> Option<Self> {
         const FEWEST: usize = 10;
         if residuals.len() < FEWEST {
             return None;
@@ -29,11 +33,14 @@ impl Order {
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
         let products = residuals.windows(2).map(|pair| pair[0] * pair[1]);
         let correlation = products.sum::<f64>() / squares;
-        let deviation = ((n - 1.0) / (n * (n + 2.0))).sqrt();
+        let of_noise = noise.map_or(0.0, |noise| noise.correlation.max(0.0));
+        let known = noise.map_or(0.0, |noise| noise.freedom.recip());
+        let deviation = ((n - 1.0) / (n * (n + 2.0)) + known).sqrt();
         correlation.is_finite().then(|| Self {
             name: name.to_owned(),
             correlation,
-            probability: Normal::standard().sf(correlation / deviation),
+            of_noise,
+            probability: Normal::standard().sf((correlation - of_noise) / deviation),
         })
     }
 
@@ -41,6 +48,6 @@ impl Order {
     /// independent make intervals a tenth too narrow.
     pub(crate) fn is_doubtful(&self, level: f64) -> bool {
         const MATTERS: f64 = 0.1;
-        self.correlation > MATTERS && self.probability < level
+        self.correlation - self.of_noise > MATTERS && self.probability < level
     }
 }

@@ -2,11 +2,11 @@
 
 use sampling::statistics::moments::sorted;
 use serde::Serialize;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cross::outcome::CrossValidation;
 use super::discrepancy::Discrepancy;
 use super::failures::{Edge, Excluded};
+use super::fit::Expected;
 use super::local::{End, Minimum};
 use super::next::NextOutcome;
 use super::optima::{Approximation, Optimum};
@@ -41,7 +41,7 @@ pub struct IdentificationOutcome {
     pub cost: f64,
     /// The data's part of it.
     pub data_cost: f64,
-    /// Measured values and priors, less the unknowns that are not at a bound.
+    /// Measured values and priors, less the unknowns that are not at a bound; rows that share their noise count for fewer.
     pub degrees_of_freedom: usize,
     /// How many more unknowns than these values and priors there are.
     #[serde(skip)]
@@ -250,13 +250,9 @@ impl IdentificationOutcome {
         let inside = places.filter(|&&place| bound(place).is_none()).count();
         // A shared error is an unknown with a prior: one square more, and one unknown more.
         let squares = minimum.misfit.residuals.len() - problem.sources.len();
-        let degrees_of_freedom = squares.saturating_sub(inside);
-        let distribution = ChiSquared::new(degrees_of_freedom as f64).ok();
+        let expected = Expected::new(problem, squares, inside);
         let more = beyond_normal(problem, minimum);
-        let probability = |cost: f64| {
-            let distribution = distribution.as_ref();
-            distribution.map(|distribution| distribution.sf((cost + more).max(0.0)))
-        };
+        let probability = |cost: f64| expected.chance((cost + more).max(0.0));
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
         let directions = posterior.directions.iter();
         let outcomes: Vec<_> = optima.iter().map(|each| optimum(problem, each)).collect();
@@ -273,7 +269,7 @@ impl IdentificationOutcome {
             end: minimum.end,
             cost,
             data_cost,
-            degrees_of_freedom,
+            degrees_of_freedom: expected.freedom.max(0.0) as usize,
             surplus: inside.saturating_sub(squares),
             probability: probability(cost),
             probability_without_shared: (!problem.sources.is_empty())

@@ -1,5 +1,7 @@
 //! The problem: unknown parameters, and the measurements that determine them.
 
+use std::ops::Range;
+
 use conformity::uncertainty::Law;
 use nalgebra::DVector;
 use sampling::random::mix;
@@ -185,6 +187,19 @@ pub struct NotNormal {
     pub law: Law,
 }
 
+/// What is known of the noise of quantities, the rows of a curve, where it is an estimate.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The quantities.
+    pub quantities: Range<usize>,
+    /// The degrees of freedom of the noise's square; infinite where it is known.
+    pub freedom: f64,
+    /// The correlation of each row's noise with the next one's.
+    pub correlation: f64,
+    /// How many rows count as one with an independent noise as large as the accuracies.
+    pub rows: f64,
+}
+
 /// A quantity's name and unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Named {
@@ -327,6 +342,9 @@ pub struct Problem {
     /// The values whose own errors are not normal.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub not_normal: Vec<NotNormal>,
+    /// The quantities whose noise is an estimate.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub estimates: Vec<Estimate>,
 }
 
 impl Problem {
@@ -357,7 +375,7 @@ impl Problem {
     }
 
     /// Where a case's latent parameters stand among the unknowns.
-    pub fn latents_of(&self, case: usize) -> std::ops::Range<usize> {
+    pub fn latents_of(&self, case: usize) -> Range<usize> {
         let start = self.free.len() + case * self.latents.len();
         start..start + self.latents.len()
     }

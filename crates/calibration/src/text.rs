@@ -174,10 +174,16 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
             ),
         };
     }
-    if outcome.posterior.is_none() {
-        text += "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 \
-                 samples the posterior\n";
-    }
+    text += match &outcome.posterior {
+        None => {
+            "  the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 samples \
+             the posterior\n"
+        }
+        Some(sample) if sample.trusted => {
+            "  the intervals above are normal approximations: take those of the sample below\n"
+        }
+        Some(_) => "",
+    };
     text
 }
 
@@ -196,13 +202,18 @@ fn confirmed(outcome: &IdentificationOutcome) -> String {
         return String::new();
     }
     let pairs = outcome.free.iter().zip(&sample.free);
-    let other: Vec<&str> = pairs
-        .filter(|(free, marginal)| !agree(free, &marginal.intervals))
-        .map(|(free, _)| &free.name[..])
-        .collect();
+    let apart = pairs.map(|(free, marginal)| (&free.name[..], apart(free, &marginal.intervals)));
+    let apart: Vec<(&str, f64)> = apart.collect();
+    let other = apart.iter().filter(|(_, apart)| *apart > OFF);
+    let other: Vec<&str> = other.map(|(name, _)| *name).collect();
     match (sample.trusted, &other[..]) {
         (false, _) => String::new(),
-        (true, []) => "\nA second calculation, by sampling, gives the same intervals.\n".to_owned(),
+        (true, []) => format!(
+            "\nA second calculation, by sampling, gives these intervals, too: no end is off by more than {} % of their length.\n",
+            apart
+                .iter()
+                .fold(1.0, |most, (_, apart)| (100.0 * apart).ceil().max(most))
+        ),
         (true, other) => format!(
             "\nThe normal approximation does not hold for {}: take the intervals of the sample below.\n",
             other.join(", ")
@@ -210,18 +221,22 @@ fn confirmed(outcome: &IdentificationOutcome) -> String {
     }
 }
 
-/// Whether a sample's interval is the same, but for what a finite sample may be off.
-fn agree(free: &FreeOutcome, sampled: &[[f64; 2]]) -> bool {
-    /// Of the sample's width, for each end.
-    const OFF: f64 = 0.15;
+/// A sample's interval is another one where an end is off by more than this part of its length, which no finite sample is by
+/// chance.
+const OFF: f64 = 0.15;
+
+/// By which part of a sample's interval an end is off; infinite where that is several.
+fn apart(free: &FreeOutcome, sampled: &[[f64; 2]]) -> f64 {
     let place = |value: f64| match free.scale {
         Spacing::Linear => value,
         Spacing::Log => value.ln(),
     };
-    let [interval] = sampled else { return false };
+    let [interval] = sampled else {
+        return f64::INFINITY;
+    };
     let [low, high] = interval.map(place);
     let ends = free.interval.map(place);
-    (ends[0] - low).abs().max((ends[1] - high).abs()) <= OFF * (high - low)
+    (ends[0] - low).abs().max((ends[1] - high).abs()) / (high - low)
 }
 
 /// What is assumed beyond what is stated.

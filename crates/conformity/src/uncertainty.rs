@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::normal;
 
@@ -275,6 +275,22 @@ impl Law {
         match self.student > 0.0 {
             true => self.standard().max(self.half_interval(0.95) / REACH),
             false => self.standard(),
+        }
+    }
+
+    /// The same as one of so many means of repeats that are weighed by their own scatter: the smallest scatter by chance
+    /// weighs most, so an interval from all of them holds only where those of all hold together. Student's part is widened
+    /// to that (Bonferroni).
+    pub fn among(self, means: usize) -> Self {
+        if self.student == 0.0 || means < 2 {
+            return self;
+        }
+        let student = StudentsT::new(0.0, 1.0, self.freedom);
+        let student = student.expect("a mean of repeats has a degree of freedom or more");
+        let [one, all] = [1, means].map(|means| student.inverse_cdf(1.0 - 0.025 / means as f64));
+        Self {
+            student: self.student * all / one,
+            ..self
         }
     }
 

@@ -247,6 +247,12 @@ impl<'a> Case<'a> {
         let noise = criterion.and_then(|criterion| criterion.noise);
         let about_noise = noise.map_or_else(String::new, |noise| {
             uncertainty += &stated("noise", format!("{:.2e} {}", noise.stated(), channel.unit));
+            uncertainty += &format!(
+                ", noise-estimate = {{ freedom = {:.0}, correlation = {:.2}, rows = {:.2} }}",
+                noise.freedom,
+                noise.correlation.clamp(-1.0, 1.0),
+                noise.rows()
+            );
             about(noise, &channel.unit)
         });
         let (late, reach) = (self.late(curve, frame), self.reach(curve));

@@ -25,6 +25,12 @@ pub fn scatter(values: &[f64]) -> Option<f64> {
     STRIDES.filter_map(at).reduce(f64::max)
 }
 
+/// The degrees of freedom of the square of the [`scatter`] of so many rows of white noise; none where they are too few. By
+/// 3,000 draws each of 60 to 3,000 rows.
+pub fn freedom(rows: usize) -> Option<f64> {
+    (rows >= FEWEST).then_some(0.24 * rows as f64)
+}
+
 /// The scatter by differences of an order, of rows so far apart.
 fn by_differences(values: &[f64], order: usize, stride: usize) -> f64 {
     /// The median of the absolute value of a standard normal number.

@@ -1,5 +1,6 @@
 //! A signal as samples over time, and its resampling to even steps.
 
+use sampling::statistics::moments::sorted;
 use thiserror::Error;
 
 /// Why a signal cannot be used.
@@ -98,10 +99,14 @@ impl Spline {
         (self.time[0], self.time[self.time.len() - 1])
     }
 
-    /// The median step, s.
+    /// The mean step, s, where a gap counts as the samples that are missing: even samples at this step are those that were
+    /// recorded, and not values between them, of which a spline makes the noise smaller.
     pub fn step(&self) -> f64 {
         let (start, end) = self.span();
-        (end - start) / (self.time.len() - 1) as f64
+        let steps: Vec<f64> = self.time.windows(2).map(|w| w[1] - w[0]).collect();
+        let usual = sorted(steps.clone())[steps.len() / 2];
+        let counts = steps.iter().map(|step| (step / usual).round().max(1.0));
+        (end - start) / counts.sum::<f64>()
     }
 
     /// The value at a time; outside the span the end segments continue.

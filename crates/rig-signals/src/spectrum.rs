@@ -41,6 +41,10 @@ pub struct Noise {
     pub equivalent: f64,
     /// The standard uncertainty of the ratio of their squares, where rows share nothing: few bins tell the one, many the other.
     pub of_ratio: f64,
+    /// The degrees of freedom of the square of `row`.
+    pub freedom: f64,
+    /// The correlation of each row's noise with the next one's.
+    pub correlation: f64,
 }
 
 impl Noise {
@@ -55,6 +59,11 @@ impl Noise {
             true => self.equivalent,
             false => self.row,
         }
+    }
+
+    /// How many rows count as one with an independent noise of that deviation.
+    pub fn rows(&self) -> f64 {
+        (self.stated() / self.row).powi(2)
     }
 }
 
@@ -152,8 +161,8 @@ impl Comb {
             let others = transform(&other.values);
             for group in places.chunks_exact(NEAR) {
                 let left = 1.0 - self.coherence(&bins, &others, group, delay);
-                // Chance makes unrelated channels seem coherent.
-                let left = (left / (1.0 - memory() / NEAR as f64)).min(1.0);
+                // Chance makes unrelated channels seem coherent, in the mean by so much.
+                let left = left / (1.0 - memory() / NEAR as f64);
                 group.iter().for_each(|&k| density[k] *= left);
             }
         }
@@ -162,6 +171,17 @@ impl Comb {
             (sum / count, count)
         };
         let (row, all) = level(&mut places.iter());
+        // A power has twice the square of its mean as the mean of its square.
+        let squares: f64 = places.iter().map(|&k| density[k].powi(2)).sum();
+        let freedom = 4.0 * (all * row).powi(2) / squares / memory();
+        let turn = TAU / signal.values.len() as f64;
+        let cosines = places
+            .iter()
+            .map(|&k| ((turn * k as f64).cos(), density[k] - row));
+        // The first of the cosines that the density is a sum of, by least squares, as some of the bins are left out.
+        let (products, norm) = cosines.fold((0.0, 0.0), |(products, norm), (cosine, off)| {
+            (products + cosine * off, norm + cosine * cosine)
+        });
         // Of noise at frequencies where the signal does not vary a fit knows nothing.
         let (mut weighted, mut weights, mut variance) = (0.0, 0.0, 0.0);
         if let Some(shaft) = self.shaft {
@@ -186,6 +206,8 @@ impl Comb {
             row: row.sqrt(),
             equivalent: equivalent.sqrt(),
             of_ratio: (memory() * variance).sqrt(),
+            freedom,
+            correlation: products / norm / (2.0 * row),
         })
     }
 

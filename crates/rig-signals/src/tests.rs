@@ -239,8 +239,8 @@ fn the_noise_of_a_row_is_what_was_put_in() {
     let turn = TAU * 5.0 * 0.01;
     for memory in [0.0, 0.6_f64] {
         let density = (1.0 - memory * memory) / (1.0 - 2.0 * memory * turn.cos() + memory * memory);
-        let mut ratios = Vec::new();
-        for seed in 0..20 {
+        let (mut ratios, mut correlations, mut whites) = (Vec::new(), Vec::new(), Vec::new());
+        for seed in 0..40 {
             let mut r = recording(0.0);
             let mut random = StdRng::seed_from_u64(seed);
             let mut next = || random.sample::<f64, _>(StandardNormal);
@@ -265,6 +265,9 @@ fn the_noise_of_a_row_is_what_was_put_in() {
             r.others[0].values = (0..600)
                 .map(|k| 48.0 + 1e-3 * f64::from(k) + 0.05 * next())
                 .collect();
+            r.load.values[250] = f64::NAN;
+            r.torque.values[401] = f64::NAN;
+            r.others[0].values[120] = f64::NAN;
             r.smoothing = Smoothing::Butterworth {
                 cutoff: 30.0,
                 order: 4,
@@ -294,10 +297,27 @@ fn the_noise_of_a_row_is_what_was_put_in() {
                 }
                 ratios.push(noise.stated() / (size * density.sqrt()));
             }
+            if memory == 0.0 {
+                let sizes = [("F_N", 4.0), ("M", 0.004), ("T_oil", 0.05)];
+                whites.extend(sizes.map(|(name, size)| of(name).row / size));
+            }
+            correlations.push(of("F_N").correlation);
             let ratio = of("T_oil").stated() / 0.05;
             assert!((0.8..1.25).contains(&ratio), "T_oil {seed}: {ratio}");
         }
-        let middle = sampling::statistics::moments::mean(&ratios);
+        let mean = sampling::statistics::moments::mean;
+        let (correlation, middle) = (mean(&correlations), mean(&ratios));
+        assert!(
+            (correlation - memory).abs() < 0.06,
+            "{memory}: {correlation}"
+        );
+        // A sample is missing in each channel. No bias: 60 estimates of 6 % have a mean of 1 %.
+        let bias = if whites.is_empty() {
+            0.0
+        } else {
+            mean(&whites) - 1.0
+        };
+        assert!(bias.abs() < 0.025, "{bias}");
         assert!(
             (0.95..1.15).contains(&middle),
             "{memory}: {middle} {ratios:?}"

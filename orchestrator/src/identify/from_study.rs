@@ -15,11 +15,11 @@ use super::offsets;
 use crate::judge::{Criterion, Judge};
 use crate::study::cases::SEPARATOR;
 use crate::study::plan::{self, Plan};
-use crate::study::{CriterionText, Identification, Name, Study};
+use crate::study::{CriterionText, EstimateText, Identification, Name, Study};
 use calibration::digits::rounded;
 use calibration::problem::{
-    Case, Channel, Effect, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind,
-    Source, Spacing,
+    Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity,
+    SharedKind, Source, Spacing,
 };
 use calibration::text::digits;
 use conformity::uncertainty::{self, Law, Uncertainty};
@@ -28,7 +28,7 @@ use fmu_import::units::Conversion;
 use fmu_points::names::behind;
 use fmu_points::task::{Delay, MeasuredCurve, Probe, Schedule, Slot};
 use number_tables::files::FileError;
-use rig_signals::scatter::scatter;
+use rig_signals::scatter;
 use sampling::distribution::Distribution;
 
 /// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as
@@ -108,6 +108,7 @@ pub fn bind(
                     first,
                 };
                 let own = curve.own(&mut bound.notes);
+                bound.problem.estimates.extend(curve.estimate(text));
                 shared.add(&curve, sensor);
                 let schedule = &bound.simulations[case].task.schedule.clone();
                 let lags = lags.of(&fitted, name, text, curve.curve, &mut bound)?;
@@ -187,12 +188,17 @@ fn repeated(study: &Study, judge: &Judge) -> Option<String> {
     let repeated = all.filter_map(|(name, criterion)| {
         let uncertainty = criterion.uncertainty.filter(|u| u.repeats.is_some())?;
         let law = uncertainty.law(criterion.measured().value?);
-        Some((name.as_ref().as_str(), law.as_normal() / law.standard()))
+        Some((name.as_ref().as_str(), law))
     });
-    let (names, factors): (Vec<&str>, Vec<f64>) = repeated.unzip();
-    let most = factors.into_iter().reduce(f64::max)?;
+    let (names, laws): (Vec<&str>, Vec<Law>) = repeated.unzip();
+    let factor = |law: &Law| law.among(laws.len()).as_normal() / law.standard();
+    let most = laws.iter().map(factor).reduce(f64::max)?;
+    let together = match laws.len() {
+        1 => "as wide a 95 % interval",
+        _ => "so wide an interval that those of all hold together with 95 %",
+    };
     Some(format!(
-        "The noise of {} is known from the repeats alone, so the error of their mean is Student's. The table takes a normal error with          as wide a 95 % interval (up to {} times the standard uncertainty), --posterior N Student's distribution.",
+        "The noise of {} is known from the repeats alone, so the error of their mean is Student's. The table takes a normal error with {together} (up to {} times the standard uncertainty), --posterior N Student's distribution, as wide.",
         names.join(", "),
         rounded(most, 3)
     ))
@@ -313,6 +319,12 @@ struct Recorded<'a> {
 }
 
 impl Recorded<'_> {
+    /// Whether the study states what its rows do not share.
+    fn states_noise(&self) -> bool {
+        let errors = self.curve.errors.as_ref();
+        errors.is_some_and(|errors| errors.own.iter().any(|own| *own > 0.0))
+    }
+
     /// The standard deviation of each row's own error. Where none is stated it is the recording's scatter, with a note.
     fn own(&self, notes: &mut Vec<String>) -> Result<Vec<f64>, String> {
         let Some(errors) = &self.curve.errors else {
@@ -323,8 +335,8 @@ impl Recorded<'_> {
         let combined =
             |(row, shared): (usize, &f64)| shared.hypot(errors.gain * self.curve.values[row]);
         let combined: Vec<f64> = errors.shared.iter().enumerate().map(combined).collect();
-        let is_stated = errors.own.iter().any(|own| *own > 0.0);
-        let scatter = scatter(&self.curve.values);
+        let is_stated = self.states_noise();
+        let scatter = scatter::scatter(&self.curve.values);
         let own = errors
             .own
             .iter()
@@ -344,6 +356,27 @@ impl Recorded<'_> {
             notes.push(self.assumed(scatter, &own));
         }
         Ok(own)
+    }
+
+    /// How well the noise is known that is not simply stated.
+    fn estimate(&self, text: &CriterionText) -> Option<Estimate> {
+        let reference = text.reference.as_ref()?;
+        let rows = self.curve.values.len();
+        let known = match &reference.noise_estimate {
+            Some(stated) => *stated.as_ref(),
+            None if self.states_noise() => return None,
+            None => EstimateText {
+                freedom: scatter::freedom(rows)?,
+                correlation: 0.0,
+                rows: 1.0,
+            },
+        };
+        Some(Estimate {
+            quantities: self.first..self.first + rows,
+            freedom: known.freedom,
+            correlation: known.correlation,
+            rows: known.rows,
+        })
     }
 
     /// The independent error that is assumed.
@@ -502,6 +535,8 @@ struct Tied {
     /// Those whose noise is correlated, too: products, and what they are the product of.
     products: Vec<usize>,
     factor: Vec<Vec<f64>>,
+    /// How many values are means of repeats.
+    means: usize,
 }
 
 impl Tied {
@@ -519,7 +554,9 @@ impl Tied {
             (matrix[a][b], matrix[b][a]) = (coefficient, coefficient);
         }
         let factor = factor(&matrix);
+        let repeats = |criterion: &Criterion| criterion.uncertainty?.repeats;
         Self {
+            means: judge.criteria.iter().filter_map(repeats).count(),
             numbers,
             factor,
             products: judge.products(),
@@ -540,12 +577,13 @@ impl Tied {
         let value = measured.unwrap_or(criterion.limits.about);
         let law = uncertainty.law(value);
         let Ok(place) = self.numbers.binary_search(&number) else {
-            return (law.as_normal(), Some(law).filter(|law| !law.is_normal()));
+            let accuracy = law.among(self.means).as_normal();
+            return (accuracy, Some(law).filter(|law| !law.is_normal()));
         };
         let noise_alone = uncertainty.noise > 0.0 && !self.products.contains(&number);
         let standard = match noise_alone {
             true => uncertainty.shared(value),
-            false => law.as_normal(),
+            false => law.among(self.means).as_normal(),
         };
         let mut sources = Vec::new();
         for (column, part) in self.factor[place]
@@ -585,7 +623,7 @@ impl Tied {
         };
         let law = noise.law(value);
         let is_student = law.student > 0.0;
-        let accuracy = law.as_normal().max(LEAST * standard);
+        let accuracy = law.among(self.means).as_normal().max(LEAST * standard);
         (accuracy, Some(law).filter(|_| is_student))
     }
 }

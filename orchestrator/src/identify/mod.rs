@@ -9,4 +9,4 @@ mod cases;
 pub mod from_study;
 pub mod late;
 pub mod model;
-mod offsets;
+pub mod offsets;

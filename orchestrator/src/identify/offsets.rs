@@ -1,7 +1,7 @@
 //! Zero errors of recorded inputs: by how much a sensor reads too high is an unknown, and the model gets the recording less
 //! that.
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
 use super::bind::{Bound, REACH};
 use crate::study::cases::SEPARATOR;
@@ -11,7 +11,7 @@ use calibration::problem::{Free, Prior, Spacing};
 use conformity::uncertainty::Uncertainty;
 use fmu_import::quantity::{Scale, Sense};
 use fmu_import::{Content, Description};
-use fmu_points::task::Slot;
+use fmu_points::task::{Series, Slot};
 use number_tables::files::FileError;
 
 /// A zero error: all cases have it in which the same uncertainty is stated of the same input.
@@ -115,4 +115,24 @@ fn standard<'a>(
         format!("the uncertainty {stated} must be a positive number in the input's unit")
     })?;
     Ok((scale, expanded / Uncertainty::USUAL))
+}
+
+/// What a misfit may come from where recorded inputs are held for whole steps.
+pub fn held(bound: &Bound) -> Option<String> {
+    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
+    let is_held = |series: &&Series| {
+        let moves = series.values.iter().any(|value| *value != series.values[0]);
+        moves && !series.hold && !series.ramp
+    };
+    let held = tasks().flat_map(|task| task.inputs.iter().filter(is_held));
+    let names: IndexSet<&str> = held.map(|series| series.slot.name.as_str()).collect();
+    let step = tasks().map(|task| task.schedule.step).reduce(f64::max)?;
+    (!names.is_empty()).then(|| {
+        format!(
+            "{} is held for each step of {step} s, so the model sees it half a step late on average, and an output that follows it \
+             at once is as late: see whether the misfit stays with `ramp = true`, where the FMU can interpolate inputs, or with \
+             a shorter `step`",
+            Vec::from_iter(names).join(", ")
+        )
+    })
 }

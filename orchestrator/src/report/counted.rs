@@ -99,11 +99,12 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
     };
     let Limits { minus, plus, .. } = measured.limits;
     let capability = measured.capability().map(|c| number(c, 3));
+    let is_one_sided = entry.criterion.metric.is_some() || measured.limits.is_one_sided();
     let stated = [
         name.to_owned(),
-        match (minus == plus, measured.limits.is_one_sided()) {
-            (true, _) => format!("±{}{unit}", number(plus, 4)),
-            (false, true) => entry.criterion.stated_tolerance.clone(),
+        match (is_one_sided, minus == plus) {
+            (true, _) => entry.criterion.stated_tolerance.clone(),
+            (false, true) => format!("±{}{unit}", number(plus, 4)),
             (false, false) => format!("−{} / +{}{unit}", number(minus, 4), number(plus, 4)),
         },
         uncertainty,

@@ -145,6 +145,14 @@ impl Binder<'_> {
                 reference.correlation.is_some() && !reference.has_uncertainty(),
                 "`correlation` splits the reference's `uncertainty`; add `uncertainty` or remove it",
             ),
+            (
+                reference.noise_estimate.is_some() && reference.noise.is_none(),
+                "`noise-estimate` says how well the reference's `noise` is known; add `noise` or remove it",
+            ),
+            (
+                reference.noise_estimate.as_ref().is_some_and(|noise| !noise.as_ref().is_sound()),
+                "`noise-estimate` needs a positive `freedom`, a `correlation` from -1 to 1, and 1 or more for `rows`",
+            ),
         ])
         .map_err(named)?;
         let correlation = self.correlation()?;

@@ -41,7 +41,7 @@ pub use detail::first_wrong;
 pub use dossier::Dossier;
 pub use error::BOTH_SIDES;
 pub use identification::Identification;
-pub use reference::{DelayText, Normalise, ReferenceText};
+pub use reference::{DelayText, EstimateText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use tolerance::ToleranceText;
 pub use window::Window;

@@ -32,8 +32,37 @@ pub struct ReferenceText {
     pub gain_uncertainty: Option<Spanned<Quantity>>,
     /// The standard deviation of one row, which is independent from row to row: `0.003 N.m`, or `2 %` of the value.
     pub noise: Option<Quantity>,
+    /// How well a recording told the noise; without it the noise is known.
+    pub noise_estimate: Option<Spanned<EstimateText>>,
     /// The correlation of the errors of any two rows, from 0 (noise) to 1 (an offset, or a factor); 1 otherwise.
     pub correlation: Option<Spanned<f64>>,
+}
+
+/// How well a recording told its noise.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EstimateText {
+    /// The degrees of freedom of its square.
+    pub freedom: f64,
+    /// The correlation of each row's noise with the next one's.
+    #[serde(default)]
+    pub correlation: f64,
+    /// How many rows count as one with an independent noise of that size.
+    #[serde(default = "one")]
+    pub rows: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl EstimateText {
+    /// Whether the numbers make sense.
+    pub fn is_sound(&self) -> bool {
+        let is_correlation = (-1.0..=1.0).contains(&self.correlation);
+        let finite = self.freedom.is_finite() && self.rows.is_finite();
+        finite && self.freedom > 0.0 && self.rows >= 1.0 && is_correlation
+    }
 }
 
 impl ReferenceText {

@@ -16,8 +16,6 @@ use super::{Answer, Judged, Search, plain};
 use crate::distribution::ln_sum;
 use crate::random::Random;
 
-/// Points of a chain resemble each other: so many independent ones tell as much as one.
-const CHAINED: f64 = 0.15;
 /// Searches at most.
 const MOST_SEARCHES: usize = 10;
 /// Nothing new: a smaller part of a search's points lies outside of what the others know.
@@ -217,7 +215,7 @@ impl Gathered {
         if outside.is_empty() {
             return;
         }
-        let more = Mixture::fit(outside, &vec![1.0; outside.len()], CHAINED);
+        let more = Mixture::of_chains(outside);
         let part = outside.len() as f64 / self.points.len().max(outside.len()) as f64;
         self.mixture.add(more, part);
     }

@@ -121,6 +121,17 @@ impl Mixture {
         one.grown(points, weights).1
     }
 
+    /// The same for the points of chains, which resemble each other: so many independent ones tell as much as one.
+    pub(super) fn of_chains(points: &[Vec<f64>]) -> Self {
+        const CHAINED: f64 = 0.15;
+        Self::fit(points, &vec![1.0; points.len()], CHAINED)
+    }
+
+    /// How many components of equal weight are as diverse.
+    pub(super) fn effective(&self) -> f64 {
+        effective(&self.weights)
+    }
+
     /// The same, but beginning with what this is.
     pub(super) fn fit_on(&self, points: &[Vec<f64>], weights: &[f64]) -> Self {
         let this = Self {

@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::identify::from_study;
 use crate::identify::model::FmuModel;
+use crate::identify::offsets;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::session::Request;
@@ -26,6 +27,7 @@ use crate::study::{Identification, Study};
 use calibration::cross::outcome::CrossValidation;
 use calibration::cross::{self, Whole, cross_validate};
 use calibration::failures::Excluded;
+use calibration::fit;
 use calibration::local::{End, Minimum};
 use calibration::next::NextOutcome;
 use calibration::objective::Objective;
@@ -364,7 +366,10 @@ fn find(
             notes: bound.notes.clone(),
             ..searched.outcome()
         };
-        outcome.look_along(&document::curves(bound));
+        outcome.look_along(&document::curves(bound), &bound.problem.estimates);
+        if outcome.fit() == fit::Fit::Misses {
+            outcome.notes.extend(offsets::held(bound));
+        }
         if let Some(replaced) = &replaced {
             // Only the model's own runs tell where it fails.
             let ended = replaced.screened.iter().copied();
