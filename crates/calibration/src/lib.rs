@@ -4,6 +4,7 @@ pub mod cross;
 pub mod digits;
 pub mod discrepancy;
 pub mod errors;
+mod expected;
 pub mod failures;
 pub mod fit;
 pub mod local;

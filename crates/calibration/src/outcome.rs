@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::cross::outcome::CrossValidation;
 use super::discrepancy::Discrepancy;
+use super::expected::Expected;
 use super::failures::{Edge, Excluded};
-use super::fit::Expected;
 use super::local::{End, Minimum};
 use super::next::NextOutcome;
 use super::optima::{Approximation, Optimum};
