@@ -19,6 +19,7 @@ mod curves;
 mod differences;
 mod equilibrium;
 mod orbit;
+mod stiff;
 
 use crate::bearing::Flows;
 use crate::solver::{Budget, Failure, Rodas3};

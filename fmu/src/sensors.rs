@@ -61,6 +61,8 @@ readings! {
     side_flow,
     /// Oil that comes in through feeds, m³/s.
     feed_flow,
+    /// How far the mean planes of journal and bush cross, over the roughness, 1.
+    contact_reach,
     /// Share of the load that the asperities carry, 1.
     contact_share,
     /// Friction torque of the asperities, N.m.

@@ -319,6 +319,7 @@ impl Stand {
             eccentricity_ratio: motion.eccentricity_ratio,
             attitude_angle: y[1].atan2(y[0]),
             min_film_thickness: motion.min_film_thickness,
+            contact_reach: motion.contact_reach,
             max_film_pressure: motion.max_film_pressure,
             film_viscosity: at.viscosity,
             film_temperature: temperatures.film,

@@ -261,6 +261,7 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.sideFlow" => output!(side_flow),
         "bearing.feedFlow" => output!(feed_flow),
         "bearing.contactShare" => output!(contact_share),
+        "bearing.contactReach" => output!(contact_reach),
         "bearing.contactTorque" => output!(contact_torque),
         "bearing.hotRadialClearance" => output!(hot_radial_clearance),
         "bearing.wearDepth" => output!(wear_depth),

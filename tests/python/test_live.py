@@ -335,7 +335,7 @@ CRITERIA = {
     "T_bearing": ("sensor.bearingTemperature", 82, 0.6, 0.3, "degC"), "T_oil": ("sensor.oilTemperature", 48, 0.4, 0.3, "degC"),
     "P": ("sensor.frictionPower", 14, 2, 0.9, "W"), "F": ("sensor.loadForce", 750, 90, 10, "N"),
     "M": ("sensor.frictionTorque", 0.44, 0.06, 0.02, "N.m"), "mu": ("sensor.frictionCoefficient", 0.0475, 0.002, 0.001, "1"),
-    "eps": ("bearing.eccentricityRatio", 0.66, 0.07, 0.02, "1"), "h": ("bearing.minFilmThickness", 6.7, 0.4, 0.1, "um"),
+    "eps": ("bearing.eccentricityRatio", 0.65, 0.07, 0.02, "1"), "h": ("bearing.minFilmThickness", 7.2, 0.4, 0.1, "um"),
 }
 
 

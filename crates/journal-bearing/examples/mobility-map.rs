@@ -1,20 +1,31 @@
 //! Makes the mobility map from solutions of the Reynolds equation, and prints its errors against direct solutions at points
 //! between the map's nodes.
 //!
-//!     cargo run --release -p journal-bearing --example mobility-map [-- --check]
+//!     cargo run --release -p journal-bearing --example mobility-map [-- --rough] [--check]
 //!
-//! `--check` only prints the errors of the committed map.
+//! `--rough` makes the table of rough films' corrections instead, and prints its errors. `--check` only prints the errors of
+//! what is committed.
 
 use std::error::Error;
 use std::f64::consts::PI;
 use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
 
-use journal_bearing::mobility::{MobilityMap, SliceFamily, exact, generate};
+use journal_bearing::contact::{ContactTable, NO_CONTACT, Surface};
+use journal_bearing::mobility::{
+    MobilityMap, RoughSlices, SliceFamily, exact, exact_between, generate, generate_rough,
+};
 use nalgebra::Vector2;
 
 /// The file that the library includes.
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/mobility/map.bin");
+
+const ROUGH_FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/mobility/rough.bin");
+
+const QUANTITIES: [&str; 3] = ["mobility vector", "largest pressure", "side flow"];
+
+/// Number of points at which the table of rough films is compared.
+const ROUGH_POINTS: usize = 800;
 
 /// Number of points at which the map is compared with direct solutions.
 const POINTS: usize = 2000;
@@ -24,16 +35,71 @@ const CELLS: [usize; 2] = [256, 20];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let map = if std::env::args().any(|argument| argument == "--check") {
+    let asked = |option: &str| std::env::args().any(|argument| argument == option);
+    if asked("--rough") {
+        if !asked("--check") {
+            return save(ROUGH_FILE, &generate_rough(threads, show)?);
+        }
+        return report_rough();
+    }
+    let map = if asked("--check") {
         MobilityMap::built_in()?
     } else {
         let map = generate(threads, show)?;
-        let bytes = map.to_bytes()?;
-        std::fs::write(FILE, &bytes).map_err(|error| format!("{FILE}: {error}"))?;
-        println!("{FILE}: {} bytes", bytes.len());
+        save(FILE, &map.to_bytes()?)?;
         map
     };
     report(&SliceFamily::new(&map), threads)
+}
+
+/// Writes a file that the library includes.
+fn save(file: &str, bytes: &[u8]) -> Result<(), Box<dyn Error>> {
+    std::fs::write(file, bytes).map_err(|error| format!("{file}: {error}"))?;
+    println!("{file}: {} bytes", bytes.len());
+    Ok(())
+}
+
+/// Prints the errors of the committed table of rough films against direct solutions between its nodes.
+fn report_rough() -> Result<(), Box<dyn Error>> {
+    let family = SliceFamily::new(&MobilityMap::built_in()?);
+    let mut errors: Vec<([f64; 3], [f64; 4])> = Vec::new();
+    for n in 0..ROUGH_POINTS {
+        let [width, share, angle] = point(n);
+        let roughness = 0.002 * 300_f64.powf((0.37 + 0.618_034 * n as f64).fract());
+        let start = (1.0 - NO_CONTACT * roughness).max(0.0);
+        let e = start + (1.0 + 2.5 * roughness - start) * share;
+        let (eps, load) = (Vector2::new(e, 0.0), Vector2::new(angle.cos(), angle.sin()));
+        let surface = Surface {
+            roughness,
+            ..Surface::default()
+        };
+        let Some(touch) = ContactTable::new(&surface, 1.0, width, 1.0).touch(e) else {
+            continue;
+        };
+        let slices = RoughSlices::new(&family.slice(width), width, roughness, 1.0)?;
+        let film = slices.look_up(eps, e, &touch, 1.0, load);
+        let direct = exact_between(roughness, width, e, angle, CELLS)?;
+        let of = [
+            (film.mobility() - direct.mobility).norm() / direct.mobility.norm(),
+            (film.max_pressure() / direct.max_pressure - 1.0).abs(),
+            (film.side_flow() / direct.side_flow - 1.0).abs(),
+        ];
+        errors.push((of, [width, roughness, e, angle.to_degrees()]));
+    }
+    for (k, name) in QUANTITIES.iter().enumerate() {
+        let mean = errors.iter().map(|(of, _)| of[k]).sum::<f64>() / errors.len() as f64;
+        errors.sort_by(|a, b| a.0[k].total_cmp(&b.0[k]));
+        let of = |share: f64| &errors[(share * (errors.len() - 1) as f64) as usize];
+        let (worst, [width, roughness, e, angle]) = of(1.0);
+        println!(
+            "{name}: mean error {:.3} %, 95 % of {} below {:.2} %, largest {:.2} % at B/D {width:.3}, roughness/clearance {roughness:.4}, e {e:.4}, load {angle:.1} deg ahead",
+            100.0 * mean,
+            errors.len(),
+            100.0 * of(0.95).0[k],
+            100.0 * worst[k],
+        );
+    }
+    Ok(())
 }
 
 /// Shows progress on a terminal.
@@ -66,10 +132,7 @@ fn report(map: &SliceFamily, threads: usize) -> Result<(), Box<dyn Error>> {
         }
     });
     let errors = errors.into_inner()?;
-    for (k, name) in ["mobility vector", "largest pressure", "side flow"]
-        .iter()
-        .enumerate()
-    {
+    for (k, name) in QUANTITIES.iter().enumerate() {
         let mut settled = Vec::new();
         for (error, at) in &errors {
             settled.push((error.clone()?[k], *at));

@@ -14,6 +14,8 @@
 
 mod clearances;
 
+pub use crate::roughness::NO_CONTACT;
+use crate::roughness::{Reach, resistance};
 pub use clearances::ContactFamily;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
@@ -41,7 +43,7 @@ pub struct Surface {
 impl Default for Surface {
     fn default() -> Self {
         Self {
-            roughness: 4.94e-6,
+            roughness: 5.13e-6,
             asperity_density: 0.05,
             asperity_slope: 0.01,
             composite_modulus: 80e9,
@@ -83,16 +85,26 @@ fn log(h: f64) -> (f64, f64) {
 /// its slope, at the film ratio `H = h/sigma`, 1. Below `H = -6`, where the mean planes have crossed far, the power law
 /// `|H|^(5/2)` continues it.
 pub fn f_5_2(film_ratio: f64) -> (f64, f64) {
-    if film_ratio < CROSSED {
-        let value = log(CROSSED).0.exp() * (film_ratio / CROSSED).powf(2.5);
-        return (value, 2.5 * value / film_ratio);
-    }
-    let (exponent, slope) = log(film_ratio);
+    let (exponent, slope) = f_5_2_log(film_ratio);
     let value = exponent.exp();
     (value, slope * value)
 }
 
+/// Its logarithm, and that one's slope.
+fn f_5_2_log(film_ratio: f64) -> (f64, f64) {
+    if film_ratio < CROSSED {
+        let value = log(CROSSED).0 + 2.5 * (film_ratio / CROSSED).ln();
+        return (value, 2.5 / film_ratio);
+    }
+    log(film_ratio)
+}
+
 impl Surface {
+    /// Whether the surfaces have asperities that bear load.
+    pub fn touches(&self) -> bool {
+        self.roughness > 0.0 && self.pressure_scale() > 0.0
+    }
+
     /// Contact pressure over the nominal area at `F_5/2 = 1`, Pa:
     /// `16*sqrt(2)*pi/15 * (eta*beta*sigma)^2 * sqrt(sigma/beta) * E*` (Greenwood & Tripp 1970, eq. 12).
     pub fn pressure_scale(&self) -> f64 {
@@ -156,11 +168,26 @@ pub struct Contact {
     pub normal: f64,
 }
 
+/// Contact and film of an aligned, round journal whose asperities touch the bush.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The contact's forces.
+    pub contact: Contact,
+    /// The film's shear, 1: its friction torque, when it is full, over `eta (omega_journal - omega_bush) R^3 B/c`. It is
+    /// `2 pi/sqrt(1 - e^2)` between smooth surfaces (Sommerfeld 1904).
+    pub shear: f64,
+    /// The relative gap of the smooth bearing to which the film's mobility is compared, 1.
+    pub room: f64,
+    /// The place in the table of rough films, from 0 where contact begins to 1 at its end.
+    pub place: f64,
+}
+
 /// The contact of an aligned, round journal, tabulated over its eccentricity ratio.
 ///
 /// Resultant and normal force are integrals of the contact pressure around the circumference. They span many decades, so
 /// the table interpolates the logarithms of resultant force over eccentricity ratio and of normal force, by cubic Hermite
-/// polynomials with exact slopes.
+/// polynomials with exact slopes. It reaches from where the asperities meet to where the mean planes have crossed by three
+/// roughnesses; beyond, the logarithms go on along their tangents.
 #[derive(Clone, Debug, Default)]
 pub struct ContactTable {
     /// Eccentricity ratio of the first node: where contact begins.
@@ -174,10 +201,10 @@ pub struct ContactTable {
     /// Logarithm of the force over the integrals, N.
     scale: f64,
     /// A journal visits few of them, so each is made on first use.
-    nodes: Vec<OnceLock<[Knot; 2]>>,
+    nodes: Vec<OnceLock<Node>>,
 }
 
-/// A logarithm at a node of the table.
+/// A quantity at a node of the table.
 #[derive(Clone, Copy, Debug, Default)]
 struct Knot {
     value: f64,
@@ -185,20 +212,40 @@ struct Knot {
     slope: f64,
 }
 
-/// Film ratio beyond which asperities do not touch: `F_5/2` is below 1e-13.
-pub const NO_CONTACT: f64 = 7.0;
-const NODES: usize = 65;
+/// Logarithms of resultant and normal force; shear, room and place of the film.
+type Node = [Knot; 5];
+
+const NODES: usize = 93;
 /// Quadrature points over half the circumference (trapezoidal rule: spectral for a periodic integrand).
 const QUADRATURE: usize = 64;
 
-/// Cosines of the quadrature's points.
-static COSINES: LazyLock<[f64; QUADRATURE + 1]> =
-    LazyLock::new(|| std::array::from_fn(|k| (PI * k as f64 / QUADRATURE as f64).cos()));
+/// Squares of cosine and sine of half the angles of an even spacing.
+static HALVES: LazyLock<[[f64; 2]; QUADRATURE + 1]> = LazyLock::new(|| {
+    std::array::from_fn(|k| {
+        let (sin, cos) = (0.5 * PI * k as f64 / QUADRATURE as f64).sin_cos();
+        [cos * cos, sin * sin]
+    })
+});
+
+/// Cosine and weight of each point. They crowd about the narrowest place, `tan(theta/2) = b tan(phi/2)` over even `phi`, as
+/// the patch where fine asperities touch is short.
+fn points(ratio: f64) -> impl Iterator<Item = [f64; 2]> {
+    let b2 = (5.0 / ratio).min(1.0);
+    let even = b2.sqrt() * PI / QUADRATURE as f64;
+    HALVES.iter().enumerate().map(move |(k, [cos2, sin2])| {
+        let end = k == 0 || k == QUADRATURE;
+        let sum = cos2 + b2 * sin2;
+        [
+            (cos2 - b2 * sin2) / sum,
+            even / sum * if end { 1.0 } else { 2.0 },
+        ]
+    })
+}
 
 impl ContactTable {
     /// Tabulates the contact of a bearing with radial clearance, width and diameter in m, all positive.
     pub fn new(surface: &Surface, clearance: f64, width: f64, diameter: f64) -> Self {
-        if surface.roughness <= 0.0 || surface.pressure_scale() <= 0.0 {
+        if !surface.touches() {
             return Self::default();
         }
         Self {
@@ -209,10 +256,10 @@ impl ContactTable {
 
     /// Tabulates the integrals alone, which depend on roughness and clearance (m) only.
     fn of_integrals(roughness: f64, clearance: f64) -> Self {
-        let start = Self::start(roughness, clearance);
-        let spacing = (1.0 - start) / (NODES - 1) as f64;
+        let reach = Reach::new(roughness / clearance);
+        let spacing = reach.length / (NODES - 1) as f64;
         Self {
-            start,
+            start: reach.start,
             spacing,
             per_spacing: 1.0 / spacing,
             ratio: clearance / roughness,
@@ -221,9 +268,9 @@ impl ContactTable {
         }
     }
 
-    /// The knots of resultant and normal force at both ends of a cell.
+    /// The knots at both ends of a cell.
     #[inline]
-    fn ends(&self, cell: usize) -> [&[Knot; 2]; 2] {
+    fn ends(&self, cell: usize) -> [&Node; 2] {
         let [left, right] = [cell, cell + 1];
         let nodes = &self.nodes[left..=right];
         [
@@ -233,47 +280,56 @@ impl ContactTable {
     }
 
     #[cold]
-    fn node(&self, i: usize) -> [Knot; 2] {
+    fn node(&self, i: usize) -> Node {
         let e = self.start + i as f64 * self.spacing;
-        log_integrals(e, self.ratio, self.spacing).map(|mut knot| {
-            knot.value += self.scale;
-            knot
-        })
+        let mut node = integrals(e, self.ratio, self.spacing);
+        node[0].value += self.scale;
+        node[1].value += self.scale;
+        node
     }
 
-    /// Eccentricity ratio at which contact begins.
-    fn start(roughness: f64, clearance: f64) -> f64 {
-        (1.0 - NO_CONTACT * roughness / clearance).max(0.0)
-    }
-
-    /// The contact at an eccentricity ratio. Beyond the table's end at 1 the last cell's cubics continue it.
+    /// The contact at an eccentricity ratio.
     pub fn at(&self, eccentricity_ratio: f64) -> Contact {
+        let touch = self.touch(eccentricity_ratio);
+        touch.map_or_else(Contact::default, |touch| touch.contact)
+    }
+
+    /// Contact and film at an eccentricity ratio; `None` where the asperities do not touch.
+    #[inline]
+    pub fn touch(&self, eccentricity_ratio: f64) -> Option<Touch> {
         let position = (eccentricity_ratio - self.start) * self.per_spacing;
         if self.nodes.is_empty() || position < 0.0 {
-            return Contact::default();
+            return None;
         }
         let (cell, t) = cell(position);
         let [left, right] = self.ends(cell);
         // Where contact begins off the centre it fades in, so that the force has no jump.
         let fades = cell == 0 && self.start > 0.0;
-        between(left, right, t, eccentricity_ratio, fades)
+        Some(between(left, right, t, eccentricity_ratio, fades))
     }
 }
 
-/// The cell of a table at a position along its nodes, and the place in it. The last one continues.
+/// The cell of a table at a position along its nodes, and the place in it, which is above one beyond the last.
 #[inline]
 fn cell(position: f64) -> (usize, f64) {
     let cell = (position as usize).min(NODES - 2);
     (cell, position - cell as f64)
 }
 
-/// The contact at the place `t` of a cell with these knots of resultant and normal force.
+/// Contact and film at the place `t` of a cell with these knots.
 #[inline]
-fn between(left: &[Knot; 2], right: &[Knot; 2], t: f64, ratio: f64, fades: bool) -> Contact {
+fn between(left: &Node, right: &Node, t: f64, ratio: f64, fades: bool) -> Touch {
     let fade = if fades { t * t * (3.0 - 2.0 * t) } else { 1.0 };
-    Contact {
-        force: fade * ratio * interpolate(left[0], right[0], t).exp(),
-        normal: fade * interpolate(left[1], right[1], t).exp(),
+    let inside = t.min(1.0);
+    let log = |k: usize| interpolate(left[k], right[k], inside) + (t - inside) * right[k].slope;
+    Touch {
+        contact: Contact {
+            force: fade * ratio * log(0).exp(),
+            normal: fade * log(1).exp(),
+        },
+        shear: interpolate(left[2], right[2], inside),
+        room: interpolate(left[3], right[3], inside),
+        place: interpolate(left[4], right[4], inside),
     }
 }
 
@@ -284,34 +340,46 @@ fn interpolate(left: Knot, right: Knot, t: f64) -> f64 {
         + t * t * ((1.0 + 2.0 * s) * right.value - s * right.slope)
 }
 
-/// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and of `F_5/2(H)` over the circumference,
-/// `H = ratio*(1 - e*cos(theta))`, with their slopes over `e`.
-fn log_integrals(e: f64, ratio: f64, spacing: f64) -> [Knot; 2] {
-    // Both are even functions of e. At e = 0 the first is a quotient of zeros, so it is evaluated close by.
+/// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and of `F_5/2(H)` over the circumference, the integral of the
+/// film's resistance to sliding, room and place, with their slopes over `e`: `H = ratio*(1 - e*cos(theta))`.
+fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
+    // All are even functions of e. At e = 0 the first is a quotient of zeros, so it is evaluated close by.
     let near_centre = e < 1e-5;
     let e = e.max(1e-5);
     // Values are relative to the largest, which may underflow by itself.
-    let reference = log(ratio * (1.0 - e)).0;
-    let (mut sums, mut slopes) = ([0.0; 2], [0.0; 2]);
-    for (k, &cos) in COSINES.iter().enumerate() {
+    let reference = f_5_2_log(ratio * (1.0 - e)).0;
+    let (mut sums, mut slopes) = ([0.0; 3], [0.0; 3]);
+    for [cos, weight] in points(ratio) {
         let h = ratio * (1.0 - e * cos);
-        let end = k == 0 || k == QUADRATURE;
-        let (exponent, slope) = log(h);
-        let weight = if end { 0.5 } else { 1.0 } * (exponent - reference).exp();
-        let weight_slope = weight * slope * (-ratio * cos);
+        let (exponent, slope) = f_5_2_log(h);
+        let pressure = weight * (exponent - reference).exp();
+        let [resistance, easing] = resistance(h).map(|of| of * weight * ratio);
+        let opening = -ratio * cos;
         for (j, factor) in [cos, 1.0].into_iter().enumerate() {
-            sums[j] += weight * factor;
-            slopes[j] += weight_slope * factor;
+            sums[j] += pressure * factor;
+            slopes[j] += pressure * slope * opening * factor;
         }
+        sums[2] += resistance;
+        slopes[2] += easing * opening;
     }
-    let base = (2.0 * PI / QUADRATURE as f64).ln() + reference;
-    let node = |value: f64, slope: f64| Knot {
-        value: base + value,
+    let knot = |value: f64, slope: f64| Knot {
+        value,
         slope: if near_centre { 0.0 } else { slope * spacing },
     };
+    let reach = Reach::new(1.0 / ratio);
+    let film = |[value, slope]: [f64; 2]| Knot {
+        value,
+        slope: slope * spacing,
+    };
     [
-        node((sums[0] / e).ln(), slopes[0] / sums[0] - 1.0 / e),
-        node(sums[1].ln(), slopes[1] / sums[1]),
+        knot(
+            reference + (sums[0] / e).ln(),
+            slopes[0] / sums[0] - 1.0 / e,
+        ),
+        knot(reference + sums[1].ln(), slopes[1] / sums[1]),
+        knot(sums[2], slopes[2]),
+        film(reach.room(e)),
+        film(reach.place(e)),
     ]
 }
 

@@ -46,6 +46,8 @@ pub mod mobility;
 pub mod profile;
 pub mod reynolds;
 pub mod rheology;
+mod roughness;
+mod spline;
 
 /// The README's example, as a test.
 #[cfg(doctest)]

@@ -71,6 +71,8 @@ pub struct Motion {
     pub boundary_torque: f64,
     /// Forces of the touching asperities' pressure.
     pub contact: Contact,
+    /// How far the mean planes of rough surfaces cross, over the roughness, 1; zero where they do not.
+    pub contact_reach: f64,
     /// Smallest film thickness, m.
     pub min_film_thickness: f64,
     /// Largest film pressure, Pa.

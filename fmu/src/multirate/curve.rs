@@ -1,7 +1,7 @@
 //! The journal's orbits over the film's viscosity: found where they are needed, with polynomials between them.
 
 use super::orbit::{Orbit, Piece};
-use super::{Departure, NoLeap, TwoScales};
+use super::{Departure, NoLeap, TwoScales, stiff};
 use crate::bearing::Flows;
 use crate::solver::{Budget, DormandPrince, Failure};
 use nalgebra::{Matrix2, SMatrix, Vector2};
@@ -26,6 +26,8 @@ pub(super) struct Curve<'a, M> {
     step: f64,
     /// The internal steps that all turns together may still take.
     left: usize,
+    /// Whether turns take implicit steps.
+    stiff: bool,
 }
 
 /// The distance of the second orbit in the logarithm of the viscosity.
@@ -38,6 +40,8 @@ const FARTHEST: f64 = 0.5;
 const CLOSEST: f64 = 0.01;
 /// Internal steps in all turns of a leap, at the most, for each of the shaft's turns in one: a leap takes some thousands.
 const MOST_STEPS: usize = 200_000;
+/// A turn of the shaft that takes more explicit steps than this is stiff.
+const MOST_EXPLICIT: usize = 5_000;
 /// Steps per turn of the shaft with which the first turn begins.
 const FIRST_STEPS: f64 = 6.0;
 /// Error allowed in the place per step within a turn, at a relative tolerance of one.
@@ -67,7 +71,9 @@ impl Aim {
             // The film's shear goes as 1/sqrt(1 - e^2), contact as a power of 1/(1 - e).
             Self::Heat => {
                 let e = start.norm().max(end.norm());
-                miss * e / (1.0 - e).max(1e-6)
+                // Rough surfaces whose mean planes cross feel it over their roughness.
+                let gap = if e < 1.0 { (1.0 - e).max(1e-6) } else { 1e-2 };
+                miss * e / gap
             }
             Self::Place => miss,
         }
@@ -105,6 +111,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             heat: flows.viscous + flows.boundary,
             step: model.period() / (model.turns() as f64 * FIRST_STEPS),
             left: MOST_STEPS * model.turns(),
+            stiff: false,
         };
         // The resolved turn gives a better slope.
         let turn = curve.turn(viscosity, end)?;
@@ -267,7 +274,11 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         let (mut start, mut turn) = (guess, turn);
         for _ in 0..TURNS {
             let miss = turn.place() - start;
-            let step = self.newton(miss).filter(|step| (start + step).norm() < 1.0);
+            let farthest = start.norm().max(turn.place().norm());
+            let bound = if farthest < 1.0 { 1.0 } else { farthest + 0.1 };
+            let step = self
+                .newton(miss)
+                .filter(|step| (start + step).norm() < bound);
             if aim.distance(start, turn.place()) < aim.close(self.tolerance) {
                 return Ok(step.map_or(turn, |step| Orbit(turn.0 + self.slope * step)));
             }
@@ -292,20 +303,44 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     /// One turn at a fixed viscosity: where it ends, and its mean flows.
     fn turn(&mut self, viscosity: f64, start: Vector2<f64>) -> Result<Orbit, Failure> {
         let period = self.model.period();
+        let steps = self.left.min(MOST_EXPLICIT * self.model.turns());
         let rates = |tau: f64, y: &[f64; 2]| {
             let (velocity, flows) = self.model.journal(tau, *y, viscosity, self.clearance);
             (velocity, [flows.viscous, flows.boundary, flows.side_flow])
         };
         let integrator = DormandPrince {
             allowed: [PLACE_ERROR * self.tolerance; 2],
-            budget: Budget::of(self.left),
+            budget: Budget::of(steps),
         };
         let heat_error =
             HEAT_ERROR * self.tolerance * self.heat * period / self.model.turns() as f64;
         let along = [heat_error, heat_error, f64::INFINITY];
         let mut y = start.into();
-        let (work, integrals) =
-            integrator.integrate_along(rates, &mut y, along, period, &mut self.step)?;
+        let explicit = if self.stiff {
+            None
+        } else {
+            let step = self.step;
+            let done = integrator.integrate_along(rates, &mut y, along, period, &mut self.step);
+            match done {
+                Err(Failure::TooManySteps { .. }) if steps < self.left => {
+                    (self.stiff, self.step) = (true, step);
+                    self.left -= steps;
+                    None
+                }
+                done => Some(done?),
+            }
+        };
+        let (work, integrals) = match explicit {
+            Some(done) => done,
+            None => {
+                let at = [viscosity, self.clearance];
+                let allowed = [PLACE_ERROR * self.tolerance, heat_error];
+                let (end, integrals, work) =
+                    stiff::turn(self.model, at, start.into(), allowed, self.left, self.step)?;
+                y = end;
+                (work, integrals)
+            }
+        };
         self.left = self.left.saturating_sub(work.accepted + work.rejected);
         let [viscous, boundary, side_flow] = integrals.map(|integral| integral / period);
         self.heat = viscous + boundary;

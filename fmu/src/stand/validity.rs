@@ -17,6 +17,10 @@ const TURBULENT: i32 = 1;
 const OIL: i32 = 2;
 const PRESSURE: i32 = 4;
 const LEVER: i32 = 8;
+const CONTACT: i32 = 16;
+
+/// The mean planes may cross by so many roughnesses: beyond, hardly any height of the surfaces is left, and the tables end.
+const HEIGHT: f64 = 3.0;
 
 /// Says how a limit is passed, where it is.
 type Passed = fn(&Stand) -> Option<String>;
@@ -29,11 +33,12 @@ impl Stand {
 
     /// Sets the bits of the limits that are passed now, and logs each that was not passed before.
     pub(super) fn check_validity(&mut self, log: &mut dyn Log) {
-        let limits: [(i32, Passed); 4] = [
+        let limits: [(i32, Passed); 5] = [
             (TURBULENT, Self::turbulent),
             (OIL, Self::beyond_the_oil),
             (PRESSURE, Self::overpressed),
             (LEVER, Self::lifted),
+            (CONTACT, Self::pressed_through),
         ];
         for (bit, passed) in limits {
             if self.state.validity & bit != 0 {
@@ -74,6 +79,15 @@ impl Stand {
         let (pressure, limit) = (self.readings.max_film_pressure, self.bearing.pressure_limit);
         (pressure > limit).then(|| {
             format!("a film pressure of {pressure:.3e} Pa is beyond bearing.pressureLimit, {limit:.3e} Pa")
+        })
+    }
+
+    fn pressed_through(&self) -> Option<String> {
+        let reach = self.readings.contact_reach;
+        (reach > HEIGHT).then(|| {
+            format!(
+                "the mean planes of journal and bush cross by {reach:.1} roughnesses, beyond the surfaces' own height of {HEIGHT:.0}: the surfaces' law ends there"
+            )
         })
     }
 

@@ -13,6 +13,7 @@ mod hot;
 mod literature;
 mod lives;
 mod means;
+mod mixed;
 mod plane;
 mod resting;
 mod steady;

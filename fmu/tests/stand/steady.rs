@@ -208,10 +208,10 @@ fn the_slowest_time_constant_follows_from_the_state_alone() {
     }
 }
 
-/// Boundary friction of 0.10 on smoother surfaces: around 75 degC it grows by more watts per kelvin than the losses.
+/// Boundary friction of 0.105 on smoother surfaces: around 85 degC it grows by more watts per kelvin than the losses.
 fn bistable(celsius: f64) -> Stand {
     let mut stand = Stand::default();
-    stand.bearing.surface.boundary_friction = 0.10;
+    stand.bearing.surface.boundary_friction = 0.105;
     stand.bearing.surface.roughness = 2.4e-6;
     stand.thermal.initial_bearing = 273.15 + celsius;
     stand
@@ -221,7 +221,7 @@ fn bistable(celsius: f64) -> Stand {
 #[test]
 fn of_several_equilibria_the_given_temperatures_choose() {
     let mut temperatures = Vec::new();
-    for celsius in [50.0, 80.0, 120.0] {
+    for celsius in [50.0, 105.0, 120.0] {
         let steady = start(bistable(celsius), Initialization::SteadyState);
         let mut given = start(bistable(celsius), Initialization::Given);
         for i in 0..10 {
@@ -324,9 +324,9 @@ fn a_refusal_names_its_cause() {
     );
 }
 
-/// The longest time constant of the start values' conductances (58, 58, 0.124, 0.124 and 0.532 W/K) and capacities (2, 200
+/// The longest time constant of the start values' conductances (58, 58, 0.126, 0.127 and 0.532 W/K) and capacities (2, 200
 /// and 200 J/K, 0.3 l of oil at 22 degC), s: from the eigenvalues of their matrix, by numpy.
-const NETWORK: f64 = 2760.77;
+const NETWORK: f64 = 2734.36;
 
 /// The slowest time constant in a state that is not steady, and where friction grows faster than the losses.
 #[test]

@@ -2,6 +2,7 @@
 //! place, and breakaway.
 
 use fmu_export::model::{Experiment, Model};
+use journal_bearing::reynolds::{pressure_flow_factor, shear_stress_factor, sliding_stress_factor};
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
@@ -62,6 +63,29 @@ fn contact(stand: &Stand, e: f64) -> [f64; 2] {
     sums
 }
 
+/// The film between the asperities at a gap over the roughness: mean gap (Patir & Cheng 1978) by quadrature of its definition,
+/// third power of the gap of the flow, and resistance to sliding, of a journal whose factors fade between three and seven
+/// roughnesses.
+fn rough_film(ratio: f64) -> [f64; 3] {
+    let n = 400;
+    let dx = 8.0 / f64::from(n);
+    let open = |k: i32| {
+        let x = (f64::from(k) + 0.5) * dx;
+        x * (-0.5 * (x - ratio).powi(2)).exp()
+    };
+    let mean = if ratio > 7.0 {
+        ratio
+    } else {
+        (0..2 * n).map(open).sum::<f64>() * dx / TAU.sqrt()
+    };
+    let t = ((ratio - 3.0) / 4.0).clamp(0.0, 1.0);
+    let counts = 1.0 - t * t * (3.0 - 2.0 * t);
+    let flow = 1.0 - counts * (1.0 - pressure_flow_factor(ratio));
+    let stress = sliding_stress_factor(ratio) + shear_stress_factor(ratio);
+    let resistance = (1.0 + counts * (stress - 1.0)) / ratio;
+    [mean, flow * ratio.powi(3), resistance]
+}
+
 const COLUMNS: usize = 360;
 const ROWS: usize = 24;
 
@@ -77,17 +101,22 @@ impl Film {
         Self { pressure }
     }
 
-    /// Solves for the pressures at an eccentricity ratio. `slenderness` is D/B.
-    fn solve(&mut self, e: f64, slenderness: f64) {
+    /// Solves for the pressures at an eccentricity ratio. `slenderness` is D/B, `roughness` that over the clearance.
+    fn solve(&mut self, e: f64, slenderness: f64, roughness: f64) {
         const RELAXATION: f64 = 1.9;
         let step = TAU / COLUMNS as f64;
         let across = (slenderness * step * ROWS as f64).powi(2);
-        let gap = |i: f64| 1.0 - e * (i * step - PI).cos();
+        let film = |i: f64| rough_film((1.0 - e * (i * step - PI).cos()) / roughness);
+        let edges: Vec<_> = (0..=2 * COLUMNS)
+            .map(|k| film(0.5 * k as f64 - 0.5))
+            .map(|[mean, flow, _]| [mean * roughness, flow * roughness.powi(3)])
+            .collect();
         for _ in 0..5000 {
             let (mut change, mut most) = (0.0_f64, 0.0_f64);
             for i in 0..COLUMNS {
-                let [before, here, after] = [-0.5, 0.0, 0.5].map(|d| gap(i as f64 + d).powi(3));
-                let wedge = step * (gap(i as f64 + 0.5) - gap(i as f64 - 0.5));
+                let around = [2 * i, 2 * i + 1, 2 * i + 2].map(|k| edges[k]);
+                let [before, here, after] = around.map(|[_, flow]| flow);
+                let wedge = step * (around[2][0] - around[0][0]);
                 let neighbours = [(i + COLUMNS - 1) % COLUMNS, (i + 1) % COLUMNS];
                 for j in 0..ROWS {
                     let p = &self.pressure;
@@ -109,8 +138,9 @@ impl Film {
         panic!("the reference's film has not converged at {e}");
     }
 
-    /// Integrals over the film, as shares of its area: of `p cos`, `p sin` and `h dp/dtheta`.
-    fn integrals(&self, e: f64) -> [f64; 3] {
+    /// Integrals over the film, as shares of its area: of `p cos`, `p sin` and `h dp/dtheta`. The pressure bears where the
+    /// surfaces do not touch, and the mean gap opens with the distance there only.
+    fn integrals(&self, e: f64, roughness: f64) -> [f64; 3] {
         let step = TAU / COLUMNS as f64;
         let mut sums = [0.0; 3];
         for (i, column) in self.pressure.iter().enumerate() {
@@ -119,9 +149,12 @@ impl Film {
                 (0.5 * (p[0] + p[ROWS]) + p[1..ROWS].iter().sum::<f64>()) / ROWS as f64
             };
             let [before, after] = [COLUMNS - 1, 1].map(|d| mean(&self.pressure[(i + d) % COLUMNS]));
-            sums[0] += mean(column) * theta.cos() * step;
-            sums[1] += mean(column) * theta.sin() * step;
-            sums[2] += (1.0 - e * theta.cos()) * 0.5 * (after - before);
+            let ratio = (1.0 - e * theta.cos()) / roughness;
+            let [here, there] = [ratio - 1e-4, ratio + 1e-4].map(|ratio| rough_film(ratio)[0]);
+            let bears = (there - here) / 2e-4;
+            sums[0] += bears * mean(column) * theta.cos() * step;
+            sums[1] += bears * mean(column) * theta.sin() * step;
+            sums[2] += 0.5 * (here + there) * roughness * 0.5 * (after - before);
         }
         sums
     }
@@ -137,17 +170,21 @@ fn reference(stand: &Stand, load: f64, viscosity: f64, speed: f64) -> [f64; 2] {
         bearing.width,
     );
     let mu = bearing.surface.boundary_friction;
+    let roughness = bearing.surface.roughness / c;
     let scale = 6.0 * viscosity * speed * (radius / c).powi(2);
     let mut film = Film::new();
     let mut at = |e: f64| {
-        film.solve(e, bearing.diameter / width);
-        let [x, y, rise] = film.integrals(e);
+        film.solve(e, bearing.diameter / width, roughness);
+        let [x, y, rise] = film.integrals(e, roughness);
         let [force, normal] = contact(stand, e);
         let carried = [
             scale * radius * width * x + force,
             scale * radius * width * y + mu * force,
         ];
-        let shear = viscosity * speed * radius.powi(3) * width / c * TAU / (1.0 - e * e).sqrt();
+        let slides =
+            |k: i32| rough_film((1.0 - e * (TAU * f64::from(k) / 720.0).cos()) / roughness)[2];
+        let slides = (0..720).map(slides).sum::<f64>() / roughness * TAU / 720.0;
+        let shear = viscosity * speed * radius.powi(3) * width / c * slides;
         let torque = shear + 0.5 * scale * c * radius * width * rise + mu * normal * radius;
         (
             carried[0].hypot(carried[1]),
@@ -256,7 +293,7 @@ fn a_dry_journal_climbs_to_the_angle_of_friction() {
 fn breakaway_is_the_limit_for_a_speed_towards_zero() {
     let slowly = 1e-3;
     // Smooth surfaces meet only in thin oil.
-    for (roughness, narrow, oil) in [(4.94e-6, 1.07, 1.0), (5e-8, 1.0, 1e-3)] {
+    for (roughness, narrow, oil) in [(5.13e-6, 1.07, 1.0), (5e-8, 1.0, 1e-3)] {
         let mut stand = rig();
         stand.bearing.surface.roughness = roughness;
         stand.oil.viscosity_scale = oil;

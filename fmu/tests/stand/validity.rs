@@ -34,7 +34,7 @@ type Choose = fn(&mut Stand);
 #[test]
 fn each_limit_is_told_once() {
     assert_eq!(run(|_| ()), (0, Vec::new()));
-    let limits: [(Choose, i32, &str); 4] = [
+    let limits: [(Choose, i32, &str); 5] = [
         (
             // Reynolds number 880 kg/m3 * 400 rad/s * 12.5 mm * 0.4 mm / 1 mPa.s = 1,760 beyond 41.3 * sqrt(31) = 231.
             |stand| {
@@ -57,7 +57,7 @@ fn each_limit_is_told_once() {
             |stand| {
                 stand.load.lever_ratio = 0.0;
                 stand.inputs.external_force.value = 15_000.0;
-                stand.bearing.surface.roughness = 1e-6;
+                stand.bearing.surface.roughness = 0.0;
                 stand.thermal.isothermal = true;
             },
             4,
@@ -67,6 +67,17 @@ fn each_limit_is_told_once() {
             |stand| stand.inputs.speed.value = 5000.0 * std::f64::consts::TAU / 60.0,
             8,
             "the lever would have to pull",
+        ),
+        (
+            // Soft asperities under 32 MPa.
+            |stand| {
+                stand.load.lever_ratio = 0.0;
+                stand.inputs.external_force.value = 15_000.0;
+                stand.bearing.surface.composite_modulus = 1e9;
+                stand.thermal.isothermal = true;
+            },
+            16,
+            "beyond the surfaces' own height",
         ),
     ];
     for (choose, bit, words) in limits {

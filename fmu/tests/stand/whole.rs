@@ -321,23 +321,41 @@ impl Log for Messages {
     }
 }
 
-/// At so small a tolerance, the turns of this rough and loose bearing take more work than a leap may.
+/// A speed that swings by half of itself once a turn heats the film too unevenly for a leap.
 #[test]
 fn the_log_says_why_there_is_no_leap() {
     let mut stand = start(|stand| {
-        stand.solver.tolerance = 1e-12;
-        stand.bearing.surface.roughness = 1e-5;
-        stand.bearing.radial_clearance = 1e-4;
-        stand.load.preload = 3e3;
+        stand.drive.fluctuation_amplitude = 0.5;
+        stand.drive.fluctuation_frequency = 5.0;
     });
     let mut log = Messages(Vec::new());
-    stand.advance(0.0, 40.0, &mut log).unwrap();
-    let said = "logEvents: no leap over 198 turns, they are resolved: no periodic orbit at a film viscosity of";
-    assert!(
-        log.0.len() == 4 && log.0[1].starts_with(said),
-        "{:?}",
-        log.0
-    );
+    stand.advance(0.0, 4.0, &mut log).unwrap();
+    let said =
+        "logEvents: no leap over 18 turns, they are resolved: the fluctuation of the speed swings";
+    assert!(log.0.len() > 1 && log.0[1].starts_with(said), "{:?}", log.0);
+}
+
+/// The asperities carry all of this load, and hold the journal so stiffly that a turn takes tens of thousands of explicit steps: a
+/// leap takes implicit ones, and comes to what resolved turns come to.
+#[test]
+fn a_stiff_contact_leaps() {
+    let loaded = |multirate: bool| {
+        let mut stand = start(|stand| {
+            stand.solver.multirate = multirate;
+            stand.bearing.surface.roughness = 1e-5;
+            stand.bearing.radial_clearance = 1e-4;
+            stand.load.preload = 3e3;
+        });
+        let mut log = Messages(Vec::new());
+        stand.advance(0.0, 4.0, &mut log).unwrap();
+        assert_eq!(log.0[0].contains("in a leap"), multirate, "{:?}", log.0);
+        *stand.readings()
+    };
+    let [leapt, resolved] = [true, false].map(loaded);
+    let warmer = leapt.bearing_temperature - resolved.bearing_temperature;
+    assert!(warmer.abs() < 0.05, "{warmer} K");
+    let torque = leapt.friction_torque / resolved.friction_torque;
+    assert!((torque - 1.0).abs() < 2e-4, "{torque}");
 }
 
 #[test]
@@ -477,7 +495,9 @@ proptest! {
         for i in 0..5 {
             stand.advance(0.01 * i as f64, 0.01, &mut ()).unwrap();
             let r = stand.readings();
-            prop_assert!(r.eccentricity_ratio < 1.0);
+            // The mean planes of rough surfaces may cross.
+            let crossing = 6.0 * roughness / 10f64.powf(clearance);
+            prop_assert!(r.eccentricity_ratio < 1.0 + crossing);
             prop_assert!([r.friction_torque, r.film_temperature, r.bearing_temperature, r.attitude_angle]
                 .iter()
                 .all(|value| value.is_finite()), "{r:?}");

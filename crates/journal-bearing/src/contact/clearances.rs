@@ -1,6 +1,7 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
-use super::{Contact, ContactTable, Knot, NO_CONTACT, NODES, Surface};
+use super::{Contact, ContactTable, NO_CONTACT, NODES, Node, Surface, Touch};
+use crate::roughness::Reach;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -85,21 +86,27 @@ impl ContactFamily {
     }
 
     /// The contact at an eccentricity ratio and a clearance, m.
-    #[inline]
     pub fn at(&self, eccentricity_ratio: f64, clearance: f64) -> Contact {
+        let touch = self.touch(eccentricity_ratio, clearance);
+        touch.map_or_else(Contact::default, |touch| touch.contact)
+    }
+
+    /// Contact and film at an eccentricity ratio and a clearance, m; `None` where the asperities do not touch.
+    #[inline]
+    pub fn touch(&self, eccentricity_ratio: f64, clearance: f64) -> Option<Touch> {
         if clearance == self.clearance || self.tables.is_empty() {
-            return self.table.at(eccentricity_ratio);
+            return self.table.touch(eccentricity_ratio);
         }
         self.between(eccentricity_ratio, clearance)
     }
 
     /// The same between tables.
-    fn between(&self, eccentricity_ratio: f64, clearance: f64) -> Contact {
+    fn between(&self, eccentricity_ratio: f64, clearance: f64) -> Option<Touch> {
         let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
-        let start = ContactTable::start(self.roughness, clearance);
-        let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / (1.0 - start));
+        let Reach { start, length, .. } = Reach::new(self.roughness / clearance);
+        let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / length);
         if position < 0.0 {
-            return Contact::default();
+            return None;
         }
         let (cell, t) = super::cell(position);
         let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
@@ -109,17 +116,24 @@ impl ContactFamily {
         } else {
             (below - 1).min(1 - THROUGH as i32)
         };
-        let mut knots = [[Knot::default(); 2]; 2];
+        let scales = [self.scale, self.scale, 0.0, 0.0, 0.0];
+        let mut knots = [Node::default(); 2];
         for (j, weight) in (lowest..).zip(weights(x - f64::from(lowest))) {
             for (sum, node) in knots.iter_mut().zip(self.table(j).ends(cell)) {
-                for (sum, knot) in sum.iter_mut().zip(node) {
-                    sum.value += weight * (knot.value + self.scale);
+                for ((sum, knot), scale) in sum.iter_mut().zip(node).zip(scales) {
+                    sum.value += weight * (knot.value + scale);
                     sum.slope += weight * knot.slope;
                 }
             }
         }
         let fades = cell == 0 && start > 0.0;
-        super::between(&knots[0], &knots[1], t, eccentricity_ratio, fades)
+        Some(super::between(
+            &knots[0],
+            &knots[1],
+            t,
+            eccentricity_ratio,
+            fades,
+        ))
     }
 
     /// The table with this number.
@@ -155,7 +169,10 @@ mod tests {
     /// seven roughnesses, and on both sides of it.
     #[test]
     fn other_clearances_have_the_contact_of_their_own_tables() {
-        let surface = Surface::default();
+        let surface = Surface {
+            roughness: 4.94e-6,
+            ..Surface::default()
+        };
         let family = ContactFamily::new(&surface, 20e-6, WIDTH, DIAMETER);
         let seven = 7.0 * surface.roughness;
         for c in [

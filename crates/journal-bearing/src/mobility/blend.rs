@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::spline::{End, Spline};
 use super::table::{CHANNELS, MOBILITY, Node, Tabulated, VALUE, splines_over_s};
+use crate::spline::{End, Spline};
 
 /// The map's slices and their slopes over `ln(B/D)`: what every blend is made from.
 #[derive(Clone, Debug)]

@@ -24,18 +24,24 @@ pub struct Point {
 }
 
 impl Point {
-    /// The point at eccentricity ratio `e`, given the cosine and the sine (of either sign) of the angle from the
+    /// The point at the relative gap `1 - e`, given the cosine and the sine (of either sign) of the angle from the
     /// eccentricity to the load.
     #[inline]
-    pub fn new(e: f64, cos: f64, sin: f64) -> Self {
-        let gap = (1.0 - e).clamp(NARROWEST, 1.0);
+    pub fn new(gap: f64, cos: f64, sin: f64) -> Self {
+        let gap = gap.clamp(NARROWEST, 1.0);
+        Self {
+            u: -gap.ln(),
+            s: Self::direction(gap, cos, sin),
+        }
+    }
+
+    /// The coordinate of the direction alone, at a relative gap in 0..1.
+    #[inline]
+    pub fn direction(gap: f64, cos: f64, sin: f64) -> f64 {
         let core = CORE * gap;
         // Numerator and denominator use the same operations, so that a load against the eccentricity gives exactly 1.
         let per_core = 1.0 / core;
-        Self {
-            u: -gap.ln(),
-            s: asinh(quarter_tangent(cos, sin.abs()) * per_core) / asinh(per_core),
-        }
+        asinh(quarter_tangent(cos, sin.abs()) * per_core) / asinh(per_core)
     }
 
     /// The eccentricity ratio, 1.
@@ -76,7 +82,7 @@ mod tests {
     fn there_and_back() {
         for e in [0.0, 0.3, 0.9, 0.9999] {
             for phi in [0.0, 1e-6, 0.01, 1.0, 3.0, PI] {
-                let point = Point::new(e, phi.cos(), phi.sin());
+                let point = Point::new(1.0 - e, phi.cos(), phi.sin());
                 assert!((point.angle() - phi).abs() < 1e-9, "{e} {phi} {point:?}");
                 assert!((point.eccentricity() - e).abs() < 1e-12);
                 assert!((0.0..=1.0 + 1e-12).contains(&point.s));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::blend::{Blend, Sources};
 use super::map::MobilityMap;
 use super::slice::MobilitySlice;
-use super::spline::hermite;
+use crate::spline::hermite;
 
 /// The mobility of a short bearing goes with this power of `B/D`.
 const SHORT: f64 = -2.0;

@@ -34,7 +34,7 @@ pub struct MobilityMap<'a> {
 #[error(
     "the mobility map is damaged ({0}); make it again with `cargo run --release -p journal-bearing --example mobility-map`"
 )]
-pub struct MapError(String);
+pub struct MapError(pub(super) String);
 
 impl MobilityMap<'static> {
     /// A map without values that covers `B/D` from 0.1 to 4 and eccentricity ratios from 0 to 0.9999.

@@ -30,14 +30,16 @@ mod coordinates;
 mod family;
 mod generate;
 mod map;
+mod rough;
 mod slice;
-mod spline;
 mod table;
+mod touching;
 
 pub use family::SliceFamily;
-pub use generate::{Sample, exact, generate};
+pub use generate::{Sample, exact, exact_between, generate, generate_rough};
 pub use map::{MapError, MobilityMap};
 pub use slice::{LookUp, MobilitySlice};
+pub use touching::RoughSlices;
 
 #[cfg(test)]
 mod tests {

@@ -6,8 +6,9 @@ use std::sync::OnceLock;
 
 use super::blend::Blend;
 use super::coordinates::Point;
-use super::spline::hermite;
-use super::table::{Lattice, Node};
+use super::rough::{Correction, SIZE};
+use super::table::{CHANNELS, Lattice, Node};
+use crate::spline::{hermite, slope_of_hermite};
 
 /// The mobility of bearings of one `B/D`: the map's quantities over eccentricity ratio and load direction, with a
 /// continuous first derivative.
@@ -16,7 +17,16 @@ pub struct MobilitySlice {
     lattice: Lattice,
     /// One row per `u`. A journal visits few of them, so each is made on first use.
     rows: Vec<OnceLock<Box<[Node]>>>,
-    blend: Blend,
+    source: Source,
+}
+
+/// What the rows are made from.
+#[derive(Clone, Debug)]
+enum Source {
+    /// The map of smooth bearings.
+    Smooth(Blend),
+    /// A smooth bearing's slice, corrected.
+    Rough(Box<(MobilitySlice, Correction)>),
 }
 
 /// One place of the map, located once; each quantity is interpolated only when it is asked for.
@@ -24,18 +34,42 @@ pub struct MobilitySlice {
 /// From [`MobilitySlice::look_up`].
 #[derive(Clone, Copy, Debug)]
 pub struct LookUp<'a> {
-    slice: &'a MobilitySlice,
-    place: Place,
+    found: Found<'a>,
     direction: Vector2<f64>,
     /// Sign of the angle from the eccentricity to the load.
     sign: f64,
 }
 
+/// What was found: a place whose quantities have yet to be interpolated, or all of them.
+#[derive(Clone, Copy, Debug)]
+enum Found<'a> {
+    Place(&'a MobilitySlice, Place),
+    Values([f64; CHANNELS]),
+}
+
 impl LookUp<'_> {
+    /// Quantities that are known, under a load along a unit vector at the sine of an angle ahead of the eccentricity.
+    pub(super) fn of(values: [f64; CHANNELS], direction: Vector2<f64>, sin: f64) -> Self {
+        Self {
+            found: Found::Values(values),
+            direction,
+            sign: if sin < 0.0 { -1.0 } else { 1.0 },
+        }
+    }
+
+    /// Two of the four quantities: `PAIR` 0 is `ln |M|` and the lead, 1 is largest pressure and side flow.
+    #[inline]
+    fn pair<const PAIR: usize>(&self) -> [f64; 2] {
+        match &self.found {
+            Found::Place(slice, place) => slice.pair::<PAIR>(place),
+            Found::Values(values) => [values[2 * PAIR], values[2 * PAIR + 1]],
+        }
+    }
+
     /// The mobility vector `M`, 1, in the frame in which the load's direction was given.
     #[inline]
     pub fn mobility(&self) -> Vector2<f64> {
-        let [log_mobility, lead] = self.slice.pair::<0>(&self.place);
+        let [log_mobility, lead] = self.pair::<0>();
         // A lead beyond a right angle would mean that the film drives the journal. Only extrapolation beyond the table
         // can suggest that.
         let lead = lead.clamp(-FRAC_PI_2, FRAC_PI_2);
@@ -47,13 +81,27 @@ impl LookUp<'_> {
 
     /// The largest film pressure over `F / (B D)`, 1.
     pub fn max_pressure(&self) -> f64 {
-        self.slice.pair::<1>(&self.place)[0].exp()
+        self.pair::<1>()[0].exp()
     }
 
     /// The oil flow out of both ends together over `F c^3 / (3 eta B^2)`, 1.
     #[inline]
     pub fn side_flow(&self) -> f64 {
-        self.slice.pair::<1>(&self.place)[1].exp()
+        self.pair::<1>()[1].exp()
+    }
+}
+
+/// Cosine and sine of the angle by which the load is ahead of the eccentricity.
+#[inline]
+pub(super) fn ahead(eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> [f64; 2] {
+    if e > 0.0 {
+        let inverse = 1.0 / e;
+        [
+            eps.dot(&direction) * inverse,
+            eps.perp(&direction) * inverse,
+        ]
+    } else {
+        [1.0, 0.0]
     }
 }
 
@@ -68,17 +116,80 @@ struct Place {
 impl MobilitySlice {
     /// A slice whose rows `blend` makes.
     pub(super) fn new(lattice: Lattice, blend: Blend) -> Self {
+        Self::with_rows(lattice, Source::Smooth(blend))
+    }
+
+    fn with_rows(lattice: Lattice, source: Source) -> Self {
         Self {
             lattice,
             rows: vec![OnceLock::new(); lattice.last_u as usize + 1],
-            blend,
+            source,
         }
+    }
+
+    /// The slice of rough bearings. It has a row for each place of the corrections, which stands for `u`.
+    pub(super) fn corrected(&self, correction: Correction) -> Self {
+        let last = (SIZE[2] - 1) as f64;
+        let lattice = Lattice {
+            per_u: last,
+            last_u: last,
+            ..self.lattice
+        };
+        Self::with_rows(lattice, Source::Rough(Box::new((self.clone(), correction))))
     }
 
     /// The nodes of row `i`: one `u`, all `s`.
     #[inline]
     pub(super) fn row(&self, i: usize) -> &[Node] {
-        self.rows[i].get_or_init(|| self.blend.row(i))
+        self.rows[i].get_or_init(|| self.make(i))
+    }
+
+    #[cold]
+    fn make(&self, i: usize) -> Box<[Node]> {
+        let (smooth, correction) = match &self.source {
+            Source::Smooth(blend) => return blend.row(i),
+            Source::Rough(source) => (&source.0, &source.1),
+        };
+        let reach = &correction.reach;
+        let e = reach.at(i as f64 / self.lattice.last_u);
+        let [room, widening] = reach.room(e);
+        // The change of the smooth bearing's `u` from place to place.
+        let rise = -widening / (room * reach.place(e)[1] * self.lattice.last_u);
+        let mut nodes = smooth.row_at(-room.ln());
+        for (node, more) in nodes.iter_mut().zip(correction.row(i, self.lattice.ss)) {
+            for (kind, (values, more)) in node.iter_mut().zip(more).enumerate() {
+                let scale = if kind & 1 == 1 { rise } else { 1.0 };
+                for (value, more) in values.iter_mut().zip(more) {
+                    *value = *value * scale + more;
+                }
+            }
+        }
+        nodes
+    }
+
+    /// The nodes at any `u`, with slopes per unit of `u`.
+    fn row_at(&self, u: f64) -> Box<[Node]> {
+        let (i, x, excess) = self.lattice.locate(u);
+        let scale = self.lattice.per_u;
+        let [values, mut slopes] = [hermite(x), slope_of_hermite(x).map(|slope| slope * scale)];
+        let mut values = values;
+        values[3] += excess;
+        if excess > 0.0 {
+            slopes = [0.0, 0.0, 0.0, scale];
+        }
+        let nodes = self.row(i).iter().zip(self.row(i + 1));
+        let between = |(near, far): (&Node, &Node)| {
+            let sum = |kind: usize, channel: usize| {
+                let [a, b, c, d] = if kind & 1 == 0 { values } else { slopes };
+                let [value, slope] = [kind & 2, kind | 1];
+                a * near[value][channel]
+                    + b * far[value][channel]
+                    + c * near[slope][channel]
+                    + d * far[slope][channel]
+            };
+            std::array::from_fn(|kind| std::array::from_fn(|channel| sum(kind, channel)))
+        };
+        nodes.map(between).collect()
     }
 
     /// The components of the mobility along the eccentricity and 90 degrees ahead of it, 1.
@@ -116,18 +227,15 @@ impl MobilitySlice {
     /// ```
     #[inline]
     pub fn look_up(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> LookUp<'_> {
-        let (cos, sin) = if e > 0.0 {
-            let inverse = 1.0 / e;
-            (
-                eps.dot(&direction) * inverse,
-                eps.perp(&direction) * inverse,
-            )
-        } else {
-            (1.0, 0.0)
-        };
+        let [cos, sin] = ahead(eps, e, direction);
+        self.look_up_at(Point::new(1.0 - e, cos, sin), direction, sin)
+    }
+
+    /// Locates a point, under a load along a unit vector with this sine of the angle ahead of the eccentricity.
+    #[inline]
+    pub(super) fn look_up_at(&self, point: Point, direction: Vector2<f64>, sin: f64) -> LookUp<'_> {
         LookUp {
-            slice: self,
-            place: self.place(Point::new(e, cos, sin)),
+            found: Found::Place(self, self.place(point)),
             direction,
             sign: if sin < 0.0 { -1.0 } else { 1.0 },
         }
@@ -136,14 +244,9 @@ impl MobilitySlice {
     #[inline]
     fn place(&self, point: Point) -> Place {
         let lattice = &self.lattice;
-        let position = point.u * lattice.per_u;
         let across = (point.s * lattice.last_s).clamp(0.0, lattice.last_s);
-        let inside = position.min(lattice.last_u);
-        let i = (inside as usize).min(lattice.last_u as usize - 1);
+        let (i, x, excess) = lattice.locate(point.u);
         let j = (across as usize).min(lattice.ss - 2);
-        // Beyond the last node over u, the surface continues along its tangent.
-        let x = inside - i as f64;
-        let excess = position - inside;
         let [a0, a1, b0, b1] = hermite(x);
         let along = [a0, a1, b0, b1 + excess];
         let wide = hermite(across - j as f64);
@@ -163,7 +266,14 @@ impl MobilitySlice {
         }
     }
 
-    /// Interpolates two of the four quantities: `PAIR` 0 is `ln |M|` and the lead, 1 is largest pressure and side flow.
+    /// All quantities at a point.
+    pub(super) fn quantities(&self, point: Point) -> [f64; CHANNELS] {
+        let place = self.place(point);
+        let ([a, b], [c, d]) = (self.pair::<0>(&place), self.pair::<1>(&place));
+        [a, b, c, d]
+    }
+
+    /// Interpolates two of the four quantities.
     #[inline]
     fn pair<const PAIR: usize>(&self, place: &Place) -> [f64; 2] {
         let [i, j] = place.near;

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::spline::{End, Spline};
+use crate::spline::{End, Spline};
 
 /// Quantities per node: `ln |M|`, the angle by which `M` leads the load (rad), `ln` of the largest pressure over
 /// `F/(B D)`, and `ln` of the side flow over `F c^3 / (3 eta B^2)`.
@@ -10,7 +10,7 @@ pub const CHANNELS: usize = 4;
 
 /// How each quantity continues beyond the ends of `s`: the lead changes its sign with the angle from eccentricity to
 /// load, the others do not.
-const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
+pub const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
 
 /// One node: of each quantity the value, the slope over `u`, the slope over `s`, and the mixed derivative ("twist"),
 /// all per node spacing.
@@ -42,6 +42,18 @@ pub struct Lattice {
     pub last_s: f64,
     /// Node spacings per unit of `u`.
     pub per_u: f64,
+}
+
+impl Lattice {
+    /// The row before `u`, the place between it and the next, and how far `u` is beyond the last row, in spacings. There, the
+    /// surface continues along its tangent.
+    #[inline]
+    pub fn locate(&self, u: f64) -> (usize, f64, f64) {
+        let position = u * self.per_u;
+        let inside = position.min(self.last_u);
+        let i = (inside as usize).min(self.last_u as usize - 1);
+        (i, inside - i as f64, position - inside)
+    }
 }
 
 /// The quantities over `u` and `s` at one of the map's `B/D`; the nodes of a row are made when they are asked for.

@@ -28,16 +28,16 @@ mod grid;
 mod lanes;
 mod quasi_static;
 mod ring;
-mod roughness;
 mod settings;
-mod stress;
 mod transient;
 
+pub use crate::roughness::{
+    RoughFilm, mean_gap, pressure_flow_factor, pressure_stress_factor, shear_flow_factor,
+    shear_stress_factor, sliding_stress_factor,
+};
 pub use coefficients::Coefficients;
 pub use feed::{Feed, FeedShape};
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, Groove, NotConverged, QuasiStatic};
-pub use roughness::{RoughFilm, pressure_flow_factor, shear_flow_factor};
 pub use settings::{Cavitation, Drive, FilmError, FilmSettings};
-pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};
 pub use transient::{Diagnostics, FilmState, PeriodicSearch, ReynoldsFilm};

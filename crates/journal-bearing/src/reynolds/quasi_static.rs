@@ -17,6 +17,7 @@ mod tests;
 use super::grid::Grid;
 use super::lanes::LANES;
 use super::ring::Ring;
+use crate::roughness::{NO_CONTACT, RoughFilm, Width, parting};
 
 /// Where the pressure field may begin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,11 +90,15 @@ pub struct QuasiStatic {
     boundary: Boundary,
     /// `(D/B)^2`.
     slenderness: f64,
+    /// Roughness over clearance; zero between smooth surfaces.
+    roughness: f64,
     /// The eccentricity ratio.
     eps: Vector2<f64>,
     /// Which columns are in a groove.
     grooved: Vec<bool>,
-    /// The integral of `n` over each column.
+    /// The integral of `n` over each column,
+    smooth: Vec<Vector2<f64>>,
+    /// and over its area on which the film bears.
     normal: Vec<Vector2<f64>>,
     /// Conductance between column `i - 1` and `i`, per `zeta`.
     along: Vec<f64>,
@@ -120,8 +125,14 @@ impl QuasiStatic {
     /// A film on `grid` (over the half width) in a bearing of `width_to_diameter` (`B/D > 0`), with the journal in the
     /// middle.
     pub fn new(grid: Grid, width_to_diameter: f64, boundary: Boundary) -> Self {
+        Self::between(0.0, grid, width_to_diameter, boundary)
+    }
+
+    /// The same between rough surfaces, which the film sees as [`RoughFilm::MeanGap`] says; `roughness` is the composite rms
+    /// roughness over the radial clearance.
+    pub fn between(roughness: f64, grid: Grid, width_to_diameter: f64, boundary: Boundary) -> Self {
         let (columns, rows) = (grid.columns(), grid.rows());
-        let normal = (0..columns)
+        let normal: Vec<_> = (0..columns)
             .map(|i| {
                 let (a, b) = (grid.theta_edge(i), grid.theta_edge(i + 1));
                 Vector2::new(b.sin() - a.sin(), a.cos() - b.cos())
@@ -136,8 +147,10 @@ impl QuasiStatic {
         let mut film = Self {
             boundary,
             slenderness: width_to_diameter.powi(-2),
+            roughness,
             eps: Vector2::zeros(),
             grooved: vec![false; columns],
+            smooth: normal.clone(),
             normal,
             along: vec![0.0; columns],
             across: vec![0.0; columns],
@@ -170,22 +183,40 @@ impl QuasiStatic {
         self
     }
 
-    /// Puts the journal of a round, aligned bearing at the eccentricity ratio `eps`, `|eps| < 1`.
+    /// Puts the journal of a round, aligned bearing at the eccentricity ratio `eps`; `|eps| < 1` between smooth surfaces.
     pub fn place(&mut self, eps: Vector2<f64>) {
-        let gap = |theta: f64| 1.0 - eps.x * theta.cos() - eps.y * theta.sin();
         self.eps = eps;
         let columns = self.grid.columns();
-        let mut before = gap(self.grid.theta_edge(0)).powi(3);
+        let value = |film: &Self, theta: f64| film.gap(theta).map(|[value, _]| value);
+        let mut before = value(self, self.grid.theta_edge(0));
         for i in 0..columns {
             let previous = self.grid.theta_width((i + columns - 1) % columns);
             let width = self.grid.theta_width(i);
-            self.along[i] = 2.0 * before / (previous + width);
-            let after = gap(self.grid.theta_edge(i + 1)).powi(3);
-            let middle = gap(self.grid.theta_centre(i)).powi(3);
+            let after = value(self, self.grid.theta_edge(i + 1));
+            let middle = value(self, self.grid.theta_centre(i));
             // Simpson's rule: exact for the cubic that H^3 nearly is over one cell.
-            self.across[i] = self.slenderness * width * (before + 4.0 * middle + after) / 6.0;
+            let [bears, flow] = [0, 1].map(|k| (before[k] + 4.0 * middle[k] + after[k]) / 6.0);
+            self.normal[i] = self.smooth[i] * bears;
+            self.along[i] = 2.0 * before[1] / (previous + width);
+            self.across[i] = self.slenderness * width * flow;
             before = after;
         }
+    }
+
+    /// The share of the area on which the film bears, and the third power of the gap of the flow, with their slopes over the
+    /// distance of the mean planes.
+    fn gap(&self, theta: f64) -> [Width; 2] {
+        let distance = 1.0 - self.eps.x * theta.cos() - self.eps.y * theta.sin();
+        let cubed = |[gap, slope]: Width| [gap.powi(3), 3.0 * gap * gap * slope];
+        if distance >= NO_CONTACT * self.roughness {
+            return [[1.0, 0.0], cubed([distance, 1.0])];
+        }
+        let ratio = distance / self.roughness;
+        let [[_, bears], [flow, widens]] = RoughFilm::MeanGap.gaps(ratio);
+        [
+            [bears, parting(ratio) / self.roughness],
+            cubed([flow * self.roughness, widens]),
+        ]
     }
 
     /// The grid.

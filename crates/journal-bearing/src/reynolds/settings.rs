@@ -6,10 +6,11 @@ use thiserror::Error;
 
 use super::feed::Feed;
 use super::grid::Grid;
-use super::roughness::RoughFilm;
+
 use crate::contact::Surface;
 use crate::profile::Profile;
 use crate::rheology::{DensityLaw, Rheology};
+use crate::roughness::RoughFilm;
 
 /// Cavitation condition: how the film treats regions where it ruptures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,7 +62,9 @@ pub struct FilmSettings {
     /// Surfaces whose asperity contact is evaluated in each cell, for journals that are tilted or not round. With `None`,
     /// contact comes from the `contact` argument of [`ReynoldsFilm::advance`](super::ReynoldsFilm::advance).
     pub asperities: Option<Surface>,
-    /// How the film sees the roughness of `asperities`.
+    /// Composite rms roughness that the film of a round, aligned journal sees, m, where `asperities` does not say it.
+    pub roughness: f64,
+    /// How the film sees the roughness.
     pub rough_film: RoughFilm,
     /// Feeds in the bush. Without them the oil comes from the bath alone.
     pub feed: Option<Feed>,
@@ -83,6 +86,7 @@ impl FilmSettings {
             profile: Profile::default(),
             tilt: [0.0; 2],
             asperities: None,
+            roughness: 0.0,
             rough_film: RoughFilm::Nominal,
             feed: None,
         }
@@ -125,9 +129,10 @@ impl FilmSettings {
 
     /// Roughness over clearance where the film sees the roughness, else zero.
     pub(super) fn film_roughness(&self) -> f64 {
-        match (&self.asperities, self.rough_film) {
-            (None, _) | (_, RoughFilm::Nominal) => 0.0,
-            (Some(surface), _) => surface.roughness / self.clearance,
+        let surface = self.asperities.as_ref();
+        match self.rough_film {
+            RoughFilm::Nominal => 0.0,
+            _ => surface.map_or(self.roughness, |surface| surface.roughness) / self.clearance,
         }
     }
 

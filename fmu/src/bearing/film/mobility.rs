@@ -4,13 +4,16 @@ use crate::bearing::friction::{self, Boundary};
 use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
 use crate::bearing::parameters::Bearing;
 use fmu_export::model::Fault;
-use journal_bearing::contact::{Contact, ContactFamily};
-use journal_bearing::mobility::{LookUp, MapError, MobilityMap, MobilitySlice, SliceFamily};
+use journal_bearing::contact::{Contact, ContactFamily, Touch};
+use journal_bearing::mobility::{
+    LookUp, MapError, MobilityMap, MobilitySlice, RoughSlices, SliceFamily,
+};
+use journal_bearing::reynolds::mean_gap;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, LazyLock};
 
-/// Largest eccentricity ratio at which contact and friction are computed: the journal never reaches the bush.
+/// Largest eccentricity ratio between smooth surfaces: the journal never reaches the bush.
 const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 
 /// The map that ships with the library, prepared once.
@@ -32,6 +35,8 @@ struct Prepared {
     factors: Factors,
     /// `None` before the bearing is prepared.
     slice: Option<MobilitySlice>,
+    /// The film where the asperities touch; `None` between smooth surfaces.
+    rough: Option<RoughSlices>,
 }
 
 /// Factors of the dimensionless quantities, at the clearance as it was measured.
@@ -45,6 +50,8 @@ struct Factors {
     pressure: f64,
     /// Couette torque of a concentric journal over viscosity and speed, m³; it goes with `1/sqrt(1 - e^2)`.
     couette: f64,
+    /// The same over the film's shear.
+    shear: f64,
 }
 
 impl Factors {
@@ -60,6 +67,7 @@ impl Factors {
             side_flow: c.powi(3) / (3.0 * width * width),
             pressure: 1.0 / (width * diameter),
             couette: friction::couette(bearing, 0.0),
+            shear: friction::couette(bearing, 0.0) / std::f64::consts::TAU,
         }
     }
 }
@@ -80,6 +88,10 @@ struct Push<'a> {
 /// The journal's motion with the film and the contact that cause it.
 struct Instant<'a> {
     push: Push<'a>,
+    /// Eccentricity ratio.
+    ratio: f64,
+    /// Whether the asperities meet.
+    touches: bool,
     contact: Contact,
     couette: f64,
     flows: Flows,
@@ -105,6 +117,17 @@ impl JournalFilm for MobilityFilm {
                 bearing.width, bearing.diameter
             )));
         }
+        let slice = map.slice(width_to_diameter);
+        let roughness = bearing.surface.roughness;
+        let rough = bearing.surface.touches().then(|| {
+            RoughSlices::new(
+                &slice,
+                width_to_diameter,
+                roughness,
+                bearing.radial_clearance,
+            )
+        });
+        let rough = rough.transpose();
         self.prepared = Arc::new(Prepared {
             contact: ContactFamily::new(
                 &bearing.surface,
@@ -113,16 +136,16 @@ impl JournalFilm for MobilityFilm {
                 bearing.diameter,
             ),
             factors: Factors::new(bearing),
-            slice: Some(map.slice(width_to_diameter)),
+            slice: Some(slice),
+            rough: rough.map_err(|error| Fault::Failed(error.to_string()))?,
         });
         Ok(())
     }
 
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
-        let [x, y] = at.eccentricity;
-        let ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
         let clearance = at.clearance;
         let now = self.prepared.instant(bearing, at, true);
+        let ratio = now.ratio;
         let push = &now.push;
         let pressure = push.film.map_or(0.0, |film| film.max_pressure());
         Motion {
@@ -131,7 +154,8 @@ impl JournalFilm for MobilityFilm {
             torque: now.torque(at),
             boundary_torque: push.boundary.torque,
             contact: now.contact,
-            min_film_thickness: clearance * (1.0 - ratio),
+            contact_reach: now.crossing(bearing, clearance),
+            min_film_thickness: now.gap(bearing, clearance),
             max_film_pressure: pressure * push.magnitude * self.prepared.factors.pressure,
             flows: now.flows,
         }
@@ -149,6 +173,25 @@ impl JournalFilm for MobilityFilm {
 }
 
 impl Instant<'_> {
+    /// The smallest gap at a radial clearance, m; between rough surfaces the mean gap.
+    fn gap(&self, bearing: &Bearing, clearance: f64) -> f64 {
+        let distance = clearance * (1.0 - self.ratio);
+        let roughness = bearing.surface.roughness;
+        if self.touches {
+            mean_gap(distance / roughness) * roughness
+        } else {
+            distance
+        }
+    }
+
+    /// How far the mean planes of rough surfaces cross, over the roughness, 1.
+    fn crossing(&self, bearing: &Bearing, clearance: f64) -> f64 {
+        match self.touches {
+            true => (clearance * (self.ratio - 1.0) / bearing.surface.roughness).max(0.0),
+            false => 0.0,
+        }
+    }
+
     /// Friction torque on the journal, N.m.
     #[inline(always)]
     fn torque(&self, at: &Situation) -> f64 {
@@ -172,9 +215,12 @@ impl Prepared {
         let wider = clearance / bearing.radial_clearance;
         let e = Vector2::from(at.eccentricity);
         let length = e.norm();
-        let ratio = length.min(LARGEST_ECCENTRICITY_RATIO);
-        let contact = self.contact.at(ratio, clearance);
-        let push = self.rub(bearing, at, (e, length), &contact);
+        let touch = self.contact.touch(length, clearance);
+        let ratio = match touch {
+            None => length.min(LARGEST_ECCENTRICITY_RATIO),
+            Some(_) => length,
+        };
+        let push = self.rub(bearing, at, (e, length), touch.as_ref());
         let leaving = match &push.film {
             Some(film) if side_flow => {
                 let factor = self.factors.side_flow * wider * wider * wider;
@@ -182,8 +228,13 @@ impl Prepared {
             }
             _ => 0.0,
         };
-        let factor = self.factors.couette / wider;
-        let couette = viscosity * speed * factor / (1.0 - ratio * ratio).sqrt();
+        let couette = match &touch {
+            None => {
+                let factor = self.factors.couette / wider;
+                viscosity * speed * factor / (1.0 - ratio * ratio).sqrt()
+            }
+            Some(touch) => viscosity * speed * (self.factors.shear / wider) * touch.shear,
+        };
         let squeezed = clearance * push.force.dot(&push.squeeze);
         Instant {
             // In the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
@@ -194,7 +245,9 @@ impl Prepared {
                 feed: 0.0,
             },
             push,
-            contact,
+            ratio,
+            touches: touch.is_some(),
+            contact: touch.map_or_else(Contact::default, |touch| touch.contact),
             couette,
         }
     }
@@ -210,19 +263,18 @@ impl Prepared {
         bearing: &Bearing,
         at: &Situation,
         place: (Vector2<f64>, f64),
-        contact: &Contact,
+        touch: Option<&Touch>,
     ) -> Push<'_> {
-        let friction = if contact.normal > 0.0 {
-            bearing.contact_friction(at.speed)
-        } else {
-            0.0
+        let friction = match touch {
+            Some(touch) if touch.contact.normal > 0.0 => bearing.contact_friction(at.speed),
+            _ => 0.0,
         };
-        let push = self.push(bearing, at, place, contact, friction);
+        let push = self.push(bearing, at, place, touch, friction);
         if push.boundary.heat >= 0.0 {
             return push;
         }
         Self::stick(friction.abs(), |friction| {
-            self.push(bearing, at, place, contact, friction)
+            self.push(bearing, at, place, touch, friction)
         })
     }
 
@@ -273,10 +325,11 @@ impl Prepared {
         bearing: &Bearing,
         at: &Situation,
         (e, length): (Vector2<f64>, f64),
-        contact: &Contact,
+        touch: Option<&Touch>,
         friction: f64,
     ) -> Push<'_> {
         let Situation { load, speed, .. } = *at;
+        let contact = touch.map_or_else(Contact::default, |touch| touch.contact);
         let [along, across] = load;
         let (mut force, mut direction) = (Vector2::new(along, across), Vector2::x());
         let mut magnitude = along;
@@ -290,7 +343,10 @@ impl Prepared {
             direction = force / magnitude;
         }
         let slice = self.slice.as_ref().filter(|_| magnitude > 0.0);
-        let film = slice.map(|slice| slice.look_up(e, length, direction));
+        let film = slice.map(|slice| match (touch, &self.rough) {
+            (Some(touch), Some(rough)) => rough.look_up(e, length, touch, at.clearance, direction),
+            _ => slice.look_up(e, length, direction),
+        });
         let wider = at.clearance / bearing.radial_clearance;
         let driven = magnitude / at.viscosity * (self.factors.mobility * wider * wider);
         let squeeze = film
@@ -300,7 +356,7 @@ impl Prepared {
         let place = at.eccentricity;
         let clearance = at.clearance;
         let boundary = Boundary::of(
-            bearing, clearance, contact, friction, speed, place, velocity,
+            bearing, clearance, &contact, friction, speed, place, velocity,
         );
         Push {
             film,

@@ -23,8 +23,7 @@ pub struct ReynoldsJournal {
     film: Arc<ReynoldsFilm>,
     /// The journal as the last interval left it.
     motion: Motion,
-    /// Whether the bearing is round, aligned and without flow factors. Contact then comes from the table, else from the
-    /// film's cells.
+    /// Whether the bearing is round and aligned. Contact then comes from the table, else from the film's cells.
     plain: bool,
     /// The contact of a round, aligned journal; follows from the bearing's parameters.
     #[serde(skip)]
@@ -57,8 +56,8 @@ impl JournalFilm for ReynoldsJournal {
     fn new(setup: &Setup<'_>) -> Result<Self, Fault> {
         let (bearing, resolution) = (setup.bearing, &setup.bearing.resolution);
         let profile = read_profile(bearing, setup.experiment)?;
-        let plain = profile.is_round() && resolution.tilt == [0.0; 2] && !resolution.flow_factors;
-        let rough = bearing.surface.roughness > 0.0;
+        let plain = profile.is_round() && resolution.tilt == [0.0; 2];
+        let rough = bearing.surface.touches();
         let settings = FilmSettings {
             cavitation: if resolution.mass_conserving {
                 Cavitation::MassConserving
@@ -72,6 +71,11 @@ impl JournalFilm for ReynoldsJournal {
             tilt: resolution.tilt,
             feed: bearing.supply.in_film(),
             asperities: (rough && !plain).then(|| bearing.surface.clone()),
+            roughness: if rough {
+                bearing.surface.roughness
+            } else {
+                0.0
+            },
             rough_film: if resolution.flow_factors {
                 RoughFilm::FlowFactors {
                     journal_share: resolution.journal_roughness_share,
@@ -184,6 +188,7 @@ impl TransientFilm for ReynoldsJournal {
             torque: report.journal_torque + boundary.torque,
             boundary_torque: boundary.torque,
             contact: touch,
+            contact_reach: report.crossing,
             min_film_thickness: report.smallest_gap,
             max_film_pressure: report.max_pressure,
             flows: Flows {

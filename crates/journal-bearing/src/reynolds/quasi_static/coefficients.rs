@@ -21,7 +21,10 @@ impl QuasiStatic {
         let damping = self.response();
         let columns: Vec<Vector2<f64>> = [Vector2::x(), Vector2::y()]
             .into_iter()
-            .map(|towards| damping * turned(towards) - self.by_conductances(towards))
+            .map(|towards| {
+                damping * turned(towards) - self.by_conductances(towards)
+                    + self.by_area(towards, carried.velocity)
+            })
             .collect();
         Ok((
             carried,
@@ -30,6 +33,37 @@ impl QuasiStatic {
                 damping,
             },
         ))
+    }
+
+    /// How the load changes with the area on which the film bears, which a displacement takes from asperities: the pressure acts
+    /// on it, and it is squeezed at the velocity `v`.
+    fn by_area(&self, towards: Vector2<f64>, v: Vector2<f64>) -> Vector2<f64> {
+        let mut sum = Vector2::zeros();
+        if self.roughness == 0.0 {
+            return sum;
+        }
+        for (i, smooth) in self.smooth.iter().enumerate() {
+            let grid = &self.grid;
+            let places = [
+                grid.theta_edge(i),
+                grid.theta_centre(i),
+                grid.theta_edge(i + 1),
+            ];
+            let [before, middle, after] = places.map(|theta| {
+                let [[_, parting], _] = self.gap(theta);
+                -parting * towards.dot(&Vector2::new(theta.cos(), theta.sin()))
+            });
+            let change = smooth * ((before + 4.0 * middle + after) / 6.0);
+            for j in 0..grid.rows() {
+                let cell = i * self.stride + j;
+                if self.full[cell] {
+                    let units = Vector2::new(self.unit[0][cell], self.unit[1][cell]);
+                    let pressed = change * self.pressure[cell] + units * change.dot(&v);
+                    sum += pressed * grid.zeta_width(j);
+                }
+            }
+        }
+        sum
     }
 
     /// `U . (dA P)` of both unit solutions, for a displacement of the journal.
@@ -59,8 +93,8 @@ impl QuasiStatic {
     /// The derivatives of the conductances between and over the columns by a displacement of the journal.
     fn conductance_derivatives(&self, towards: Vector2<f64>) -> (Vec<f64>, Vec<f64>) {
         let cubed = |theta: f64| {
-            let normal = Vector2::new(theta.cos(), theta.sin());
-            -3.0 * (1.0 - self.eps.dot(&normal)).powi(2) * towards.dot(&normal)
+            let [_, [_, slope]] = self.gap(theta);
+            -slope * towards.dot(&Vector2::new(theta.cos(), theta.sin()))
         };
         let grid = &self.grid;
         let columns = grid.columns();

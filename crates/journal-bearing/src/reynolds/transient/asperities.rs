@@ -38,8 +38,8 @@ fn each(surface: &Surface, geometry: &Geometry, mut visit: impl FnMut(Vector2<f6
     let developed = 0.5 * settings.diameter * settings.width;
     for (i, range) in cells.columns() {
         for cell in range {
-            let h = if settings.film_roughness() > 0.0 {
-                gap.ratio[cell]
+            let h = if gap.rough {
+                gap.film_ratio(cell)
             } else {
                 gap.cell[cell] * ratio
             };

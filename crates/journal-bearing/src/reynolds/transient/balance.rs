@@ -23,7 +23,7 @@ use super::state::Field;
 use super::sweeps::{add_difference, change, fill};
 use super::upwind;
 use crate::reynolds::lanes::{dot, sum_of};
-use crate::reynolds::roughness::shear_flow_factor;
+use crate::roughness::shear_flow_factor;
 
 /// Conductances, fluxes and residuals at one gap and field.
 #[derive(Clone, Debug)]
@@ -105,10 +105,12 @@ impl Balance {
         field: &Field,
         stage: &Stage<'_>,
     ) {
+        let [_, flows] = gap.flow();
         for (behind, before) in cells.neighbours() {
             let (h, share) = (&gap.edge[behind.clone()], &cells.share[behind.clone()]);
             let along = &mut self.along[behind.clone()];
-            fill(along, [&cells.along[behind.clone()], h], at_gap);
+            let flow = &flows[behind.clone()];
+            fill(along, [&cells.along[behind.clone()], flow], at_gap);
             if !liquid.uniform {
                 let ease = [before.clone(), behind.clone()].map(|of| &liquid.ease[of]);
                 change(along, ease, eased);
@@ -142,7 +144,7 @@ impl Balance {
         stage: &Stage<'_>,
     ) {
         let n = self.mass.len();
-        let (h, p, ease) = (&gap.cell[..], &field.pressure[..], &liquid.ease[..]);
+        let ([h, _], p, ease) = (gap.flow(), &field.pressure[..], &liquid.ease[..]);
         let (below, above) = (..n - 1, 1..n);
         let across = &mut self.across[1..n];
         let both = [&cells.across[1..n], &h[below], &h[above.clone()]];

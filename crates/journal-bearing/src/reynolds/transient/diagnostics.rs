@@ -17,6 +17,8 @@ pub struct Diagnostics {
     pub max_pressure: f64,
     /// Smallest gap, m.
     pub smallest_gap: f64,
+    /// How far the mean planes of rough surfaces cross, over the roughness that the film sees, 1; zero where they do not.
+    pub crossing: f64,
     /// Contact pressure of [`FilmSettings::asperities`](crate::reynolds::FilmSettings::asperities), integrated over the
     /// surface, N; zero without them.
     pub contact_normal: f64,

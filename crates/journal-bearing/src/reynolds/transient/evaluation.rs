@@ -1,16 +1,18 @@
 //! Evaluation of the film at the end of a step: forces, torques, flows and the energy balance.
 
+use std::ops::Range;
+
 use nalgebra::Vector2;
 
 use super::asperities;
 use super::compression;
 use super::diagnostics::Diagnostics;
+use super::geometry::Geometry;
 use super::stage::Stage;
 use super::workspace::Workspace;
 use crate::reynolds::lanes::{dot, largest, sum_of};
-use crate::reynolds::roughness::shear_flow_factor;
 use crate::reynolds::settings::Drive;
-use crate::reynolds::stress::sliding_resistance;
+use crate::roughness::shear_flow_factor;
 
 /// Sums over cells and edges, dimensionless.
 #[derive(Default)]
@@ -71,6 +73,7 @@ pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnosti
         bush_torque,
         max_pressure: (sums.max_pressure - stage.side) * 12.0 * drive.viscosity / (psi * psi),
         smallest_gap: work.geometry.smallest_gap(work.state.eps),
+        crossing: work.geometry.crossing(work.state.eps),
         contact_normal: asperities
             .map_or(0.0, |surface| asperities::normal(surface, &work.geometry)),
         outflow: flow.out * volume,
@@ -89,6 +92,7 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
     let roughness = work.geometry.form.roughness;
     let mut sums = Sums {
         load: work.pressure_load().force,
+        shear: shear(work, drive.rotation()),
         max_pressure: largest(&field.pressure),
         ..Sums::default()
     };
@@ -99,21 +103,10 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
         sums.form[0] += opening[0] * pressed;
         sums.form[1] += opening[1] * pressed;
         // The mean gap of rough surfaces does not close in step with the journal, so it needs this term too.
-        if cells.conserves_mass() || roughness > 0.0 {
+        if cells.conserves_mass() || gap.rough {
             sums.loss += filling_loss(work, stage, i, squeeze);
         }
     }
-    let resolved = cells.resolved_gap();
-    sums.shear = if settings.flow_factors().is_some() {
-        sheared(work, drive.rotation(), |[_, _, ratio], fluidity| {
-            sliding_resistance(ratio) / (roughness * fluidity)
-        })
-    } else {
-        sheared(work, drive.rotation(), |[h, apart, _], fluidity| {
-            let h = if h > resolved { h } else { resolved };
-            apart / (h * fluidity)
-        })
-    };
     for (behind, before) in cells.neighbours() {
         let p = [&field.pressure[before], &field.pressure[behind.clone()]];
         sums.loss += lost(&balance.along[behind.clone()], p);
@@ -179,16 +172,53 @@ fn squeeze(work: &Workspace, drive: &Drive, column: usize) -> f64 {
     work.state.velocity.dot(direction) - turning
 }
 
-/// Integral of content over viscous gap: content times a `resistance` at the edges between columns. It receives the gap there, its
-/// share where the surfaces do not touch, their film ratio, and the fluidity.
+/// Integral of content over viscous gap: the film's resistance to sliding.
+fn shear(work: &Workspace, rotation: f64) -> f64 {
+    let Geometry {
+        cells, form, gap, ..
+    } = &work.geometry;
+    let resolved = cells.resolved_gap();
+    let neighbours = cells.neighbours().into_iter();
+    if !gap.rough {
+        return sheared(work, rotation, neighbours, |_| {
+            |[h, _]: [f64; 2], fluidity| {
+                let h = if h > resolved { h } else { resolved };
+                1.0 / (h * fluidity)
+            }
+        });
+    }
+    let resistance = |ratio: f64| {
+        let resistance = form.rough_film.resistance(ratio) / form.roughness;
+        resistance.min(1.0 / resolved)
+    };
+    if form.tilt != Vector2::zeros() {
+        return sheared(work, rotation, neighbours, |_| {
+            |[_, ratio]: [f64; 2], fluidity| resistance(ratio) / fluidity
+        });
+    }
+    // The gap is the same over the width.
+    let columns = cells.columns().map(|(i, behind)| {
+        let before = cells.before(i) * cells.stride;
+        (behind, before..before + cells.stride)
+    });
+    sheared(work, rotation, columns, |edge| {
+        let resistance = resistance(gap.edge_ratio[edge]);
+        move |_: [f64; 2], fluidity| resistance / fluidity
+    })
+}
+
+/// Integral of content over viscous gap: content times a resistance at the edges between neighbouring cells, which stand in ranges
+/// of cells and of those before them. `resistance_at` gives its law for the edges of such a range from its first on, over gap, film
+/// ratio, and fluidity.
 ///
 /// It uses the trapezoidal rule over the edges, which around the ring is nearly exact where the film is full. The content
 /// of a cell is that of the oil that the rotation carries over the cell's downstream edge, so it is paired with the gap
 /// there. The gap in the middle of the cell would be tens of per cent too wide behind the narrowest place.
-fn sheared<'a>(
+fn sheared<'a, Law: Fn([f64; 2], f64) -> f64>(
     work: &'a Workspace,
     rotation: f64,
-    resistance: impl Fn([f64; 3], f64) -> f64,
+    neighbours: impl Iterator<Item = (Range<usize>, Range<usize>)>,
+    resistance_at: impl Fn(usize) -> Law,
 ) -> f64 {
     let (area, fluidity) = (&work.geometry.cells.land, &work.liquid.fluidity);
     let content = &work.state.field.content;
@@ -200,12 +230,11 @@ fn sheared<'a>(
     };
     let shares = [before_counts, 1.0 - before_counts];
     let mut sum = 0.0;
-    for (behind, before) in work.geometry.cells.neighbours() {
+    for (behind, before) in neighbours {
         let of_both = |of: &'a [f64]| [&of[before.clone()], &of[behind.clone()]];
         let ([area, area_own], [fluidity, fluidity_own]) = (of_both(area), of_both(fluidity));
         let ([content, content_own], gap) = (of_both(content), &work.geometry.gap);
-        let [h, apart, ratio] =
-            [&gap.edge, &gap.edge_apart, &gap.edge_ratio].map(|of| &of[behind.clone()]);
+        let [h, ratio] = [&gap.edge, &gap.edge_ratio].map(|of| &of[behind.clone()]);
         let of = [
             area,
             area_own,
@@ -214,12 +243,12 @@ fn sheared<'a>(
             content,
             content_own,
             h,
-            apart,
             ratio,
         ];
-        sum += sum_of(of, |[a, a_own, f, f_own, c, c_own, h, apart, ratio]| {
+        let resistance = resistance_at(behind.start);
+        sum += sum_of(of, |[a, a_own, f, f_own, c, c_own, h, ratio]| {
             let carried = shares[0] * c + shares[1] * c_own;
-            0.5 * (a + a_own) * carried * resistance([h, apart, ratio], 0.5 * (f + f_own))
+            0.5 * (a + a_own) * carried * resistance([h, ratio], 0.5 * (f + f_own))
         });
     }
     sum

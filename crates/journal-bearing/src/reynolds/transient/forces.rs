@@ -78,7 +78,7 @@ fn touch(eps: Vector2<f64>, geometry: &Geometry, task: &Task<'_>) -> (Vector2<f6
     if force == 0.0 || e == 0.0 {
         return (Vector2::zeros(), Matrix2::zeros());
     }
-    let nudge = 1e-6 * (1.0 - e).abs().max(1e-9);
+    let nudge = 1e-6 * (1.0 - e).abs().max(geometry.form.roughness).max(1e-9);
     let slope = (contact(e + nudge) - contact(e - nudge)) / (2.0 * nudge * scale);
     let n = eps / e;
     let along = n * n.transpose();
@@ -102,9 +102,13 @@ fn unresolved(
     let (start, duration) = (task.start, stage.duration);
     let e = eps.norm();
     let variation = geometry.cells.resolved_gap();
-    let gap = 1.0 - e;
     let farthest = 3.0 * variation;
-    if !geometry.form.is_plain() || gap > farthest {
+    if !geometry.form.is_plain() || 1.0 - e > farthest {
+        return (Vector2::zeros(), Matrix2::zeros());
+    }
+    // The film bears, and is squeezed, on this share of the area.
+    let [gap, share] = geometry.form.content(1.0 - e);
+    if gap > farthest {
         return (Vector2::zeros(), Matrix2::zeros());
     }
     let n = eps / e;
@@ -112,7 +116,7 @@ fn unresolved(
     if closing <= 0.0 {
         return (Vector2::zeros(), Matrix2::zeros());
     }
-    let factor = 0.25 * std::f64::consts::PI * std::f64::consts::SQRT_2;
+    let factor = 0.25 * std::f64::consts::PI * std::f64::consts::SQRT_2 * (share * share);
     let beyond = |gap: f64, power: f64| gap.powf(power) - (gap + variation).powf(power);
     let carried = factor * (beyond(gap, -1.5) - beyond(farthest, -1.5));
     let slope = carried / duration + closing * 1.5 * factor * beyond(gap, -2.5);

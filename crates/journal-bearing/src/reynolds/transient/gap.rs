@@ -3,8 +3,8 @@
 use nalgebra::Vector2;
 
 use super::cells::Cells;
-use crate::reynolds::lanes::smallest;
-use crate::reynolds::roughness::mean_gap;
+use crate::reynolds::lanes::{LANES, smallest};
+use crate::roughness::{NO_CONTACT, RoughFilm};
 
 /// All that shapes the gap apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,37 +15,90 @@ pub struct Form {
     pub middle: Vec<f64>,
     /// The same at the edges before the columns.
     pub edge: Vec<f64>,
-    /// Roughness over clearance of surfaces whose film sees their mean gap; zero when smooth.
+    /// Roughness over clearance of surfaces whose film sees it; zero when smooth.
     pub roughness: f64,
+    /// How the film sees it.
+    pub rough_film: RoughFilm,
 }
 
 impl Form {
-    /// Whether both surfaces are round, aligned and smooth.
+    /// Whether both surfaces are round and aligned.
     pub fn is_plain(&self) -> bool {
-        self.tilt == Vector2::zeros() && self.middle.is_empty() && self.roughness == 0.0
+        self.tilt == Vector2::zeros() && self.middle.is_empty()
     }
+
+    /// Whether the film feels the roughness when the mean planes are at least this far from each other, in clearances.
+    pub fn feels(&self, distance: f64) -> bool {
+        match self.rough_film {
+            RoughFilm::FlowFactors { .. } => self.roughness > 0.0,
+            _ => distance < NO_CONTACT * self.roughness,
+        }
+    }
+
+    /// The gap of content that the film has at a distance of the mean planes, and its slope, in clearances.
+    pub fn content(&self, distance: f64) -> [f64; 2] {
+        let seen = self.see(distance);
+        [seen.content, seen.bears]
+    }
+
+    /// The gaps that the film has at a distance of the mean planes, in clearances.
+    #[inline(always)]
+    fn see(&self, distance: f64) -> Seen {
+        if !self.feels(distance) {
+            return Seen {
+                content: distance,
+                bears: 1.0,
+                flow: distance,
+            };
+        }
+        let [[content, bears], [flow, _]] = self.rough_film.gaps(distance / self.roughness);
+        Seen {
+            content: content * self.roughness,
+            bears,
+            flow: flow * self.roughness,
+        }
+    }
+}
+
+/// The gaps of the film at a place, in clearances.
+#[derive(Clone, Copy)]
+struct Seen {
+    content: f64,
+    /// The slope of the content over the distance of the mean planes: the share of the area on which the film bears.
+    bears: f64,
+    flow: f64,
 }
 
 /// The gap in every cell and at every edge between columns, column by column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
-    /// Mean over each cell.
+    /// Content per area of a full film: mean over each cell.
     pub cell: Vec<f64>,
-    /// At the edge before each cell, in the middle of its row.
+    /// The same at the edge before each cell, in the middle of its row.
     pub edge: Vec<f64>,
-    /// Derivative of `cell` over the distance of the mean planes: the share of the area where rough surfaces do not touch;
-    /// one for smooth surfaces.
-    pub cell_apart: Vec<f64>,
-    /// The same of `edge`.
-    pub edge_apart: Vec<f64>,
-    /// Film ratio of rough surfaces in each cell and at each edge: distance of the mean planes over the roughness. Unused for
+    /// Derivative of `cell` over the distance of the mean planes: the share of the area on which the film bears; one for
     /// smooth surfaces.
+    pub cell_apart: Vec<f64>,
+    /// The gap whose third power the flow goes with, of cells and at edges; unused while the film does not feel the roughness.
+    cell_flow: Vec<f64>,
+    edge_flow: Vec<f64>,
+    /// Derivatives of `edge` and of the flows' gaps, as [`differentiate`](Self::differentiate) computes them.
+    pub edge_apart: Vec<f64>,
+    pub cell_flow_apart: Vec<f64>,
+    pub edge_flow_apart: Vec<f64>,
+    /// Film ratio of rough surfaces in each cell and at each edge: distance of the mean planes over the roughness. Unused
+    /// while the film does not feel the roughness. Between round, aligned surfaces it stands in the first cell of each column
+    /// alone, unless the film has flow factors.
     pub ratio: Vec<f64>,
     pub edge_ratio: Vec<f64>,
     /// Area on which the film's pressure acts, per cell.
     pub pressed: Vec<f64>,
     /// The smallest gap of all cells and edges.
     pub smallest: f64,
+    /// Whether the film feels the surfaces' roughness anywhere.
+    pub rough: bool,
+    /// How many cells in a row have the same gap: those of a column, unless the journal is tilted.
+    alike: usize,
 }
 
 impl Gap {
@@ -57,10 +110,16 @@ impl Gap {
             edge: ones(),
             cell_apart: ones(),
             edge_apart: ones(),
+            cell_flow: ones(),
+            cell_flow_apart: ones(),
+            edge_flow: ones(),
+            edge_flow_apart: ones(),
             ratio: vec![0.0; cells.count()],
             edge_ratio: vec![0.0; cells.count()],
             pressed: cells.area.clone(),
             smallest: 1.0,
+            rough: false,
+            alike: cells.stride,
         }
     }
 
@@ -71,8 +130,8 @@ impl Gap {
         for (i, (cell, edge)) in columns.enumerate() {
             let (n, n_edge) = (cells.directions.mean[i], cells.directions.edge[i]);
             let deviation = |of: &[f64]| of.get(i).copied().unwrap_or(0.0);
-            cell.fill(1.0 - eps.dot(&n) + deviation(&form.middle));
-            edge.fill(1.0 - eps.dot(&n_edge) + deviation(&form.edge));
+            spread(cell, 1.0 - eps.dot(&n) + deviation(&form.middle));
+            spread(edge, 1.0 - eps.dot(&n_edge) + deviation(&form.edge));
             if form.tilt != Vector2::zeros() {
                 let (slope, slope_edge) = (form.tilt.dot(&n), form.tilt.dot(&n_edge));
                 for ((cell, edge), zeta) in cell.iter_mut().zip(edge).zip(&cells.zeta) {
@@ -81,31 +140,130 @@ impl Gap {
                 }
             }
         }
-        if form.roughness > 0.0 {
-            self.fill_valleys(cells, form.roughness);
-        }
         self.smallest = if form.is_plain() {
             // The narrowest point may lie between two grid points.
             1.0 - eps.norm()
         } else {
             smallest(&self.cell).min(smallest(&self.edge))
         };
+        self.alike = match form.tilt == Vector2::zeros() {
+            true => cells.stride,
+            false => 1,
+        };
+        let was_rough = self.rough;
+        self.rough = form.feels(self.smallest);
+        if self.rough {
+            self.smallest = form.content(self.smallest)[0];
+            self.roughen(cells, form);
+        } else if was_rough {
+            let aparts = [
+                &mut self.cell_apart,
+                &mut self.edge_apart,
+                &mut self.cell_flow_apart,
+                &mut self.edge_flow_apart,
+            ];
+            for apart in aparts {
+                apart.fill(1.0);
+            }
+            self.pressed.copy_from_slice(&cells.area);
+        }
     }
 
-    /// Replaces the distances of rough surfaces by their mean gaps.
-    fn fill_valleys(&mut self, cells: &Cells, roughness: f64) {
-        let of_cells = (&mut self.cell, &mut self.ratio, &mut self.cell_apart);
-        let of_edges = (&mut self.edge, &mut self.edge_ratio, &mut self.edge_apart);
-        for (gap, ratio, apart) in [of_cells, of_edges] {
-            for ((gap, ratio), apart) in gap.iter_mut().zip(ratio).zip(apart) {
-                *ratio = *gap / roughness;
-                let [mean, slope] = mean_gap(*ratio);
-                (*gap, *apart) = (mean * roughness, slope);
-            }
+    /// The gap whose third power the flow goes with, of cells and at edges.
+    pub fn flow(&self) -> [&[f64]; 2] {
+        if self.rough {
+            [&self.cell_flow, &self.edge_flow]
+        } else {
+            [&self.cell, &self.edge]
+        }
+    }
+
+    /// The film ratio of rough surfaces in a cell.
+    pub fn film_ratio(&self, cell: usize) -> f64 {
+        self.ratio[cell - cell % self.alike]
+    }
+
+    /// Computes the derivatives over the distance of the mean planes.
+    pub fn differentiate(&mut self, form: &Form) {
+        if !self.rough {
+            return;
+        }
+        let stride = self.alike;
+        let slopes = |ratio: f64| form.rough_film.gaps(ratio).map(|[_, slope]| slope);
+        for first in (0..self.cell.len()).step_by(stride) {
+            let column = first..first + stride;
+            let [_, flow] = slopes(self.ratio[first]);
+            let [apart, edge_flow] = slopes(self.edge_ratio[first]);
+            self.cell_flow_apart[column.clone()].fill(flow);
+            self.edge_apart[column.clone()].fill(apart);
+            self.edge_flow_apart[column].fill(edge_flow);
+        }
+    }
+
+    /// Replaces the distances of rough surfaces by the gaps that the film sees.
+    fn roughen(&mut self, cells: &Cells, form: &Form) {
+        if self.alike == 1 {
+            self.roughen_cells(form);
+        } else {
+            self.roughen_columns(form);
         }
         let areas = cells.area.iter().zip(&self.cell_apart);
         for (pressed, (area, apart)) in self.pressed.iter_mut().zip(areas) {
             *pressed = area * apart;
         }
+    }
+
+    /// The same in each cell of a tilted journal.
+    fn roughen_cells(&mut self, form: &Form) {
+        for cell in 0..self.cell.len() {
+            let [here, edge] = [self.cell[cell], self.edge[cell]];
+            self.ratio[cell] = here / form.roughness;
+            self.edge_ratio[cell] = edge / form.roughness;
+            let [here, edge] = [form.see(here), form.see(edge)];
+            (self.cell[cell], self.cell_flow[cell]) = (here.content, here.flow);
+            (self.edge[cell], self.edge_flow[cell]) = (edge.content, edge.flow);
+            self.cell_apart[cell] = here.bears;
+        }
+    }
+
+    /// The same in each column of an aligned one.
+    fn roughen_columns(&mut self, form: &Form) {
+        let stride = self.alike / LANES;
+        let [cell, cell_apart, cell_flow, edge, edge_flow] = [
+            &mut self.cell,
+            &mut self.cell_apart,
+            &mut self.cell_flow,
+            &mut self.edge,
+            &mut self.edge_flow,
+        ]
+        .map(|values| values.as_chunks_mut::<LANES>().0);
+        for first in (0..cell.len()).step_by(stride) {
+            let [here, before] = [cell[first][0], edge[first][0]];
+            self.ratio[first * LANES] = here / form.roughness;
+            self.edge_ratio[first * LANES] = before / form.roughness;
+            let [here, before] = [form.see(here), form.see(before)];
+            for lane in first..first + stride {
+                cell[lane] = [here.content; LANES];
+                cell_apart[lane] = [here.bears; LANES];
+                cell_flow[lane] = [here.flow; LANES];
+                edge[lane] = [before.content; LANES];
+                edge_flow[lane] = [before.flow; LANES];
+            }
+        }
+        if !form.is_plain() || matches!(form.rough_film, RoughFilm::FlowFactors { .. }) {
+            for ratios in [&mut self.ratio, &mut self.edge_ratio] {
+                for column in ratios.chunks_exact_mut(self.alike) {
+                    spread(column, column[0]);
+                }
+            }
+        }
+    }
+}
+
+/// Gives all cells of a column the same value.
+#[inline]
+fn spread(values: &mut [f64], value: f64) {
+    for lane in values.as_chunks_mut::<LANES>().0 {
+        *lane = [value; LANES];
     }
 }

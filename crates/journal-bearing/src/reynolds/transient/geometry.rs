@@ -8,9 +8,9 @@ use super::cells::Cells;
 use super::gap::{Form, Gap};
 use super::state::Field;
 use crate::reynolds::grid::Grid;
-use crate::reynolds::lanes::smallest;
-use crate::reynolds::roughness::mean_gap;
+use crate::reynolds::lanes::{dot, smallest};
 use crate::reynolds::settings::{Drive, FilmError, FilmSettings, within};
+use crate::roughness::{mean_gap, parting};
 
 /// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.
 const DEEPEST: f64 = -3.0;
@@ -70,6 +70,7 @@ impl Geometry {
         let settings = &self.settings;
         self.form.tilt = Vector2::from(settings.tilt) / settings.clearance;
         self.form.roughness = settings.film_roughness();
+        self.form.rough_film = settings.rough_film;
     }
 
     /// Computes the form error with journal and bush turned by `angles`.
@@ -93,10 +94,12 @@ impl Geometry {
         self.gap.update(&self.cells, &self.form, eps);
     }
 
-    /// Whether the surfaces leave each other room; rough surfaces may touch.
+    /// Whether the surfaces leave each other room. The asperities of rough ones may touch, and a round, aligned journal among them
+    /// finds its place by itself.
     pub fn is_open(&self) -> bool {
-        if self.form.roughness > 0.0 {
-            smallest(&self.gap.ratio).min(smallest(&self.gap.edge_ratio)) > DEEPEST
+        if self.gap.rough {
+            self.form.is_plain()
+                || smallest(&self.gap.ratio).min(smallest(&self.gap.edge_ratio)) > DEEPEST
         } else {
             self.gap.smallest > 0.0
         }
@@ -105,7 +108,12 @@ impl Geometry {
     /// The largest share of the change `change` of the eccentricity ratio from `eps` that leaves at least the share `rest` of
     /// the present gap everywhere. Rough surfaces may come closer by half their roughness in any case.
     pub fn allowed(&self, eps: Vector2<f64>, change: Vector2<f64>, rest: f64) -> f64 {
-        let (gap, valleys) = (&self.gap, 0.5 * self.form.roughness);
+        let gap = &self.gap;
+        let valleys = if gap.rough {
+            0.5 * self.form.roughness
+        } else {
+            0.0
+        };
         let mut share: f64 = 1.0;
         if change.norm() > ((1.0 - rest) * gap.smallest).max(valleys) {
             let directions = &self.cells.directions;
@@ -124,19 +132,24 @@ impl Geometry {
                 }
             }
         }
-        let limit = 1.0 - rest * (1.0 - eps.norm());
+        let nearest = 1.0 - eps.norm();
+        let limit = if gap.rough {
+            1.0 - nearest + ((1.0 - rest) * gap.smallest).max(valleys)
+        } else {
+            1.0 - rest * nearest
+        };
         while self.form.is_plain() && share > 1e-12 && (eps + change * share).norm() > limit {
             share *= 0.5;
         }
         share
     }
 
-    /// The smallest gap anywhere at the eccentricity ratio `eps`, m, also between the cells' middles and at the ends of a
-    /// tilted journal; between rough surfaces the smallest mean gap, and zero where smooth ones touch.
-    pub fn smallest_gap(&self, eps: Vector2<f64>) -> f64 {
+    /// The smallest distance of the mean planes anywhere at the eccentricity ratio `eps`, in clearances, also between the cells'
+    /// middles and at the ends of a tilted journal.
+    fn smallest_distance(&self, eps: Vector2<f64>) -> f64 {
         let (form, directions) = (&self.form, &self.cells.directions);
         let ends = [eps + form.tilt, eps - form.tilt];
-        let distance = if form.middle.is_empty() {
+        if form.middle.is_empty() {
             1.0 - ends.map(|end| end.norm()).into_iter().fold(0.0, f64::max)
         } else {
             let places = |directions: &[Vector2<f64>], deviations: &[f64]| {
@@ -145,13 +158,27 @@ impl Geometry {
                     .fold(f64::INFINITY, f64::min)
             };
             places(&directions.mean, &form.middle).min(places(&directions.edge, &form.edge))
-        };
-        let narrowest = if form.roughness > 0.0 {
-            mean_gap(distance / form.roughness)[0] * form.roughness
+        }
+    }
+
+    /// The smallest gap anywhere at the eccentricity ratio `eps`, m; between rough surfaces the smallest mean gap, and zero where
+    /// smooth ones touch.
+    pub fn smallest_gap(&self, eps: Vector2<f64>) -> f64 {
+        let (form, distance) = (&self.form, self.smallest_distance(eps));
+        let narrowest = if form.feels(distance) {
+            mean_gap(distance / form.roughness) * form.roughness
         } else {
             distance.max(0.0)
         };
         narrowest * self.settings.clearance
+    }
+
+    /// How far, in roughnesses, the mean planes of rough surfaces cross anywhere.
+    pub fn crossing(&self, eps: Vector2<f64>) -> f64 {
+        match self.form.roughness > 0.0 {
+            true => (-self.smallest_distance(eps) / self.form.roughness).max(0.0),
+            false => 0.0,
+        }
     }
 
     /// Whether smooth surfaces touch by tilt or form error.
@@ -176,19 +203,20 @@ impl Geometry {
 
     /// The load lost per eccentricity ratio because asperities of a closing gap take area from the film.
     pub fn lost_area(&self, field: &Field) -> Matrix2<f64> {
-        let pressure = &field.pressure;
-        // How fast the area of the film grows as the surfaces part, per area of the cell.
-        let parting = |c: usize| {
-            let ratio = self.gap.ratio[c];
-            (-0.5 * ratio * ratio).exp() / TAU.sqrt() / self.form.roughness
-        };
+        let (pressure, roughness) = (&field.pressure, self.form.roughness);
         let mut lost = Matrix2::zeros();
         for (i, range) in self.cells.columns() {
             let n = self.cells.directions.mean[i];
-            let sum: f64 = range
-                .filter(|&c| pressure[c] != 0.0)
-                .map(|c| pressure[c] * self.cells.area[c] * parting(c))
-                .sum();
+            // The gap is the same over the width of an aligned bearing.
+            let sum: f64 = if self.form.tilt == Vector2::zeros() {
+                let parting = parting(self.gap.film_ratio(range.start)) / roughness;
+                parting * dot(&pressure[range.clone()], &self.cells.area[range])
+            } else {
+                let of = |c: usize| pressure[c] * self.cells.area[c];
+                range
+                    .map(|c| of(c) * parting(self.gap.film_ratio(c)) / roughness)
+                    .sum()
+            };
             lost += n * n.transpose() * sum;
         }
         lost

@@ -2,7 +2,6 @@
 
 use super::gap::Gap;
 use super::state::Field;
-use crate::reynolds::roughness::ease_of_mean_gap;
 use crate::reynolds::settings::{Drive, FilmSettings};
 use crate::rheology::PressureLaw;
 
@@ -15,7 +14,7 @@ pub struct Liquid {
     pub density: Vec<f64>,
     /// Slope of the density over the dimensionless pressure, s.
     pub swelling: Vec<f64>,
-    /// Mass flow per pressure gradient at `H = 1`: density times fluidity times the flow factor of rough surfaces.
+    /// Mass flow per pressure gradient at `H = 1`: density times fluidity.
     pub ease: Vec<f64>,
     /// Slope of `ease` over the dimensionless pressure, s.
     pub easing: Vec<f64>,
@@ -51,10 +50,9 @@ impl Liquid {
         field: &Field,
         drive: &Drive,
     ) -> bool {
-        let factors = settings.flow_factors().is_some();
         let to_pascal = settings.pressure_scale(drive.viscosity);
         self.compress(settings, field, to_pascal);
-        if settings.rheology.is_newtonian() && !factors && !settings.is_compressible() {
+        if settings.rheology.is_newtonian() && !settings.is_compressible() {
             return true;
         }
         self.uniform = false;
@@ -70,12 +68,7 @@ impl Liquid {
             let now = 1.0 / ratio;
             largest = largest.max((now / *fluidity - 1.0).abs());
             *fluidity = now;
-            let factor = if factors {
-                ease_of_mean_gap(gap.ratio[cell])
-            } else {
-                1.0
-            };
-            let ease = now * self.density[cell] * factor;
+            let ease = now * self.density[cell];
             self.ease[cell] = ease;
             if self.thickens {
                 let thickening = settings.rheology.thickening(drive.viscosity, pressure);

@@ -18,6 +18,8 @@ const WEAKEST: f64 = 1e-6;
 const FULL: f64 = 1e-9;
 /// The combination leaves at least this share of the gap that the last turn left.
 const LEAST_GAP: f64 = 0.5;
+/// The gap that counts where it is smaller, or the mean planes of rough surfaces have crossed.
+const LEAST_ROOM: f64 = 1e-3;
 
 /// A film's search for its periodic orbit, see [`ReynoldsFilm::end_turn`](super::film::ReynoldsFilm::end_turn).
 #[derive(Clone, Debug)]
@@ -105,7 +107,8 @@ fn weight(state: &State) -> f64 {
 /// Puts unknowns into a state whose end of the turn was `end`, unless they would close the gap.
 fn take_over(unknowns: &DVector<f64>, end: &State, state: &mut State) {
     let eps = Vector2::new(unknowns[0], unknowns[1]);
-    if 1.0 - eps.norm() < LEAST_GAP * (1.0 - end.eps.norm()) {
+    let room = (1.0 - end.eps.norm()).max(LEAST_ROOM);
+    if eps.norm() - end.eps.norm() > (1.0 - LEAST_GAP) * room {
         return;
     }
     state.eps = eps;

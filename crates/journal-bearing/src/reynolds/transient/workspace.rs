@@ -166,6 +166,7 @@ impl Workspace {
 
     /// Linearises at the present place and answers to the residuals.
     pub fn linearise(&mut self, stage: &Stage<'_>) {
+        self.geometry.gap.differentiate(&self.geometry.form);
         self.linear.renew(&Base {
             cells: &self.geometry.cells,
             gap: &self.geometry.gap,
@@ -174,7 +175,7 @@ impl Workspace {
             balance: &self.balance,
             stage,
         });
-        if self.geometry.form.roughness > 0.0 {
+        if self.geometry.gap.rough {
             // An effect on the load that the cells' pressures do not show.
             self.linear.slope -= self.geometry.lost_area(&self.state.field);
         }

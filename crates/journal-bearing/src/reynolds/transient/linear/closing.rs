@@ -45,17 +45,20 @@ impl Closing {
             stage,
             ..
         } = *base;
-        let rate = 1.0 / stage.duration;
+        let (rate, [flow, _]) = (1.0 / stage.duration, gap.flow());
         for (after, here) in cells.neighbours() {
             // Storage, and the flux out of the open ends, per unit of gap.
             let kept = &mut self.kept[here.clone()];
             let [area, oil] = [&cells.area, &balance.fill].map(|of| &of[here.clone()]);
-            fill(kept, [area, oil], |[area, oil]| rate * area * oil);
-            let out = [&balance.open, &field.pressure, &gap.cell].map(|of| &of[here.clone()]);
-            change(kept, out, |kept, [open, p, h]| {
-                kept + 3.0 * open * (p - stage.side) / h
+            let apart = &gap.cell_apart[here.clone()];
+            fill(kept, [area, oil, apart], |[area, oil, apart]| {
+                rate * area * oil * apart
             });
-            change(kept, [&gap.cell_apart[here.clone()]], product);
+            let out = [&balance.open, &field.pressure, flow, &gap.cell_flow_apart];
+            let out = out.map(|of| &of[here.clone()]);
+            change(kept, out, |kept, [open, p, flow, apart]| {
+                kept + 3.0 * open * (p - stage.side) * apart / flow
+            });
             let over = &self.over[here.start..=here.end];
             add_difference(kept, [over, &over[1..]]);
             let around = [here.clone(), after.clone()].map(|of| &self.around[of]);
@@ -80,27 +83,41 @@ impl Closing {
     /// Computes the fluxes' derivatives over the gap at their edges.
     fn open_edges(&mut self, base: &Base<'_>) {
         let (gap, balance) = (base.gap, base.balance);
-        let pressure = &base.field.pressure;
+        let (pressure, [cell_flow, flow]) = (&base.field.pressure[..], gap.flow());
         for (behind, before) in base.cells.neighbours() {
             let [along, carried, h, apart] =
                 [&balance.along, &balance.carried, &gap.edge, &gap.edge_apart]
                     .map(|of| &of[behind.clone()]);
             let p = [before.clone(), behind.clone()].map(|of| &pressure[of]);
             let oil = [before, behind.clone()].map(|of| &balance.fill[of]);
-            let of = [along, carried, p[0], p[1], oil[0], oil[1], h, apart];
-            fill(
-                &mut self.around[behind],
-                of,
-                |[along, carried, p_before, p, before, behind, h, apart]| {
-                    let oil = if carried > 0.0 { before } else { behind };
-                    (carried * oil + 3.0 * along * (p_before - p)) * apart / h
-                },
-            );
+            let around = &mut self.around[behind.clone()];
+            if !gap.rough {
+                let of = [along, carried, p[0], p[1], oil[0], oil[1], h];
+                fill(
+                    around,
+                    of,
+                    |[along, carried, p_before, p, before, behind, h]| {
+                        let oil = if carried > 0.0 { before } else { behind };
+                        (carried * oil + 3.0 * along * (p_before - p)) / h
+                    },
+                );
+                continue;
+            }
+            let of = [carried, oil[0], oil[1], h, apart];
+            fill(around, of, |[carried, before, behind, h, apart]| {
+                let oil = if carried > 0.0 { before } else { behind };
+                carried * oil * apart / h
+            });
+            let [flow, widens] = [flow, &gap.edge_flow_apart].map(|of| &of[behind.clone()]);
+            let of = [along, p[0], p[1], flow, widens];
+            change(around, of, |around, [along, p_before, p, flow, widens]| {
+                around + 3.0 * along * (p_before - p) * widens / flow
+            });
         }
         let n = pressure.len();
         let (low, high) = (..n - 1, 1..n);
         let [p, h, apart] =
-            [pressure, &gap.cell, &gap.cell_apart].map(|of| [&of[low], &of[high.clone()]]);
+            [pressure, cell_flow, &gap.cell_flow_apart].map(|of| [&of[low], &of[high.clone()]]);
         let across = &balance.across[1..n];
         let of = [across, p[0], p[1], h[0], h[1], apart[0], apart[1]];
         fill(

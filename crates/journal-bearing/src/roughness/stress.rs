@@ -75,7 +75,7 @@ pub(super) fn sliding_resistance(ratio: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::roughness::{mean_gap, shear_flow_factor};
+    use super::super::{mean_gap, shear_flow_factor};
     use super::*;
 
     /// The mean of `1/h` over the published distribution and cut-off, by the midpoint rule over `ln h`.
@@ -145,7 +145,7 @@ mod tests {
     fn the_factors_are_reciprocal() {
         for k in 4..=28 {
             let ratio = 0.25 * f64::from(k);
-            let flow = (mean_gap(ratio)[0] - shear_flow_factor(ratio)) / ratio;
+            let flow = (mean_gap(ratio) - shear_flow_factor(ratio)) / ratio;
             let stress = pressure_stress_factor(ratio);
             assert!((flow - stress).abs() < 0.02, "{ratio}: {flow} {stress}");
         }

@@ -109,6 +109,17 @@ pub fn hermite(x: f64) -> [f64; 4] {
     [(1.0 + 2.0 * x) * y2, (3.0 - 2.0 * x) * x2, x * y2, -x2 * y]
 }
 
+/// The derivatives of [`hermite`]'s weights over `x`.
+pub fn slope_of_hermite(x: f64) -> [f64; 4] {
+    let y = 1.0 - x;
+    [
+        -6.0 * x * y,
+        6.0 * x * y,
+        y * (1.0 - 3.0 * x),
+        x * (3.0 * x - 2.0),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

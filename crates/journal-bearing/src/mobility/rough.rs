@@ -1,0 +1,179 @@
+//! How roughness changes the mobility where asperities touch: a table of corrections to the smooth bearing's map.
+//!
+//! A journal in contact stands beside a smooth one whose relative gap is the [room](Reach::room) that the asperities leave.
+//! The table holds by how much the rough film's quantities ([`RoughFilm::MeanGap`](crate::reynolds::RoughFilm)) differ from
+//! those of the smooth film there, over `B/D`, over roughness over clearance, over the place between first touch and a crossing
+//! of the mean planes by three roughnesses, and over the load's direction. All are zero at first touch.
+
+use super::coordinates::Point;
+use super::map::MapError;
+use super::table::{CHANNELS, NUMBER, Node, SYMMETRY, numbers};
+use crate::roughness::{NO_CONTACT, Reach};
+use crate::spline::{End, Spline, hermite, slope_of_hermite};
+
+/// Nodes over `ln(B/D)`, roughness, place and direction.
+pub const SIZE: [usize; 4] = [5, 9, 21, 25];
+/// The first and the last `B/D`.
+const WIDTHS: [f64; 2] = [0.1, 4.0];
+/// The roughness over clearance at which contact reaches around the bush is node `AROUND`; no polynomial crosses it. Finer ones
+/// are smaller by this ratio, each; coarser ones larger.
+const AROUND: usize = 5;
+const FINER: f64 = 2.5;
+const COARSER: f64 = 1.518_294_485_937_831_4;
+
+/// The committed table: numbers as in the map's.
+static COMMITTED: &[u8] = include_bytes!("rough.bin");
+
+/// Bytes of the table.
+const BYTES: usize = NUMBER * SIZE[0] * SIZE[1] * SIZE[2] * SIZE[3] * CHANNELS;
+
+/// `B/D` of a node.
+pub fn width(k: usize) -> f64 {
+    let share = k as f64 / (SIZE[0] - 1) as f64;
+    WIDTHS[0] * (WIDTHS[1] / WIDTHS[0]).powf(share)
+}
+
+/// Roughness over clearance of a node.
+pub fn roughness(k: usize) -> f64 {
+    let beyond = k as i32 - AROUND as i32;
+    if beyond < 0 {
+        FINER.powi(beyond) / NO_CONTACT
+    } else {
+        COARSER.powi(beyond) / NO_CONTACT
+    }
+}
+
+/// The eccentricity ratio of a place.
+pub fn eccentricity(reach: &Reach, k: usize) -> f64 {
+    reach.at(k as f64 / (SIZE[2] - 1) as f64)
+}
+
+/// The angle from the eccentricity to the load of a direction, at a room.
+pub fn angle(room: f64, k: usize) -> f64 {
+    let s = k as f64 / (SIZE[3] - 1) as f64;
+    Point { u: -room.ln(), s }.angle()
+}
+
+/// The corrections at one `B/D` and one roughness.
+#[derive(Clone, Debug)]
+pub struct Correction {
+    pub reach: Reach,
+    /// Values and slopes by place, then direction.
+    nodes: Vec<Node>,
+}
+
+impl Correction {
+    /// Refuses a damaged table.
+    ///
+    /// # Errors
+    /// When it has another size than it should.
+    pub fn check() -> Result<(), MapError> {
+        if COMMITTED.len() == BYTES {
+            return Ok(());
+        }
+        Err(MapError(
+            "the table of rough films has another size".to_owned(),
+        ))
+    }
+
+    /// The corrections at `B/D` and roughness over clearance; beyond the table, its edge counts.
+    ///
+    /// # Errors
+    /// When the table is damaged.
+    pub fn new(width_to_diameter: f64, roughness_ratio: f64) -> Result<Self, MapError> {
+        Self::check()?;
+
+        let size = SIZE[2] * SIZE[3] * CHANNELS;
+        let wide = (width_to_diameter / WIDTHS[0]).ln() / (WIDTHS[1] / WIDTHS[0]).ln();
+        let last = (SIZE[0] - 1) as f64;
+        let widths = weights::<{ SIZE[0] }>((wide * last).clamp(0.0, last));
+        let log = (NO_CONTACT * roughness_ratio).ln();
+        let base = if log < 0.0 { FINER } else { COARSER };
+        let last = (SIZE[1] - 1) as f64;
+        let rough = (AROUND as f64 + log / base.ln()).clamp(0.0, last);
+        let lowest = if rough >= AROUND as f64 {
+            AROUND
+        } else {
+            (rough as usize).saturating_sub(1).min(AROUND - 3)
+        };
+        let x = rough - lowest as f64;
+        let roughs = weights::<4>(x);
+        let mut values = vec![0.0; size];
+        for (k, wide) in widths.into_iter().enumerate() {
+            for (j, rough) in roughs.into_iter().enumerate() {
+                let first = (k * SIZE[1] + lowest + j) * size * NUMBER;
+                let weight = wide * rough;
+                let of = numbers(&COMMITTED[first..first + size * NUMBER]);
+                for (value, number) in values.iter_mut().zip(of) {
+                    *value += weight * number;
+                }
+            }
+        }
+        Ok(Self {
+            reach: Reach::new(roughness_ratio),
+            nodes: with_slopes(&values),
+        })
+    }
+
+    /// The corrections at place `i` in `count` even directions, with slopes over places and directions per their spacing.
+    pub fn row(&self, i: usize, count: usize) -> impl Iterator<Item = Node> {
+        let per_direction = (SIZE[3] - 1) as f64 / (count - 1) as f64;
+        let nodes = &self.nodes[i * SIZE[3]..(i + 1) * SIZE[3]];
+        (0..count).map(move |k| {
+            let position = k as f64 * per_direction;
+            let j = (position as usize).min(SIZE[3] - 2);
+            let x = position - j as f64;
+            let weights = [hermite(x), slope_of_hermite(x).map(|w| w * per_direction)];
+            std::array::from_fn(|kind| {
+                let [a, b, c, d] = weights[kind >> 1];
+                let [value, slope] = [kind & 1, kind | 2];
+                let (near, far) = (&nodes[j], &nodes[j + 1]);
+                std::array::from_fn(|channel| {
+                    a * near[value][channel]
+                        + b * far[value][channel]
+                        + c * near[slope][channel]
+                        + d * far[slope][channel]
+                })
+            })
+        })
+    }
+}
+
+/// Lagrange's weights of `N` nodes at the place `x`.
+pub fn weights<const N: usize>(x: f64) -> [f64; N] {
+    std::array::from_fn(|i| {
+        let others = (0..N).filter(|&j| j != i);
+        others.fold(1.0, |product, j| {
+            product * (x - j as f64) / (i as f64 - j as f64)
+        })
+    })
+}
+
+/// Nodes from values by place, then direction: splines that are even in the eccentricity ratio at the first place.
+fn with_slopes(values: &[f64]) -> Vec<Node> {
+    let [places, directions] = [SIZE[2], SIZE[3]];
+    let many = directions * CHANNELS;
+    let mut over_place = vec![0.0; values.len()];
+    Spline::new(places, [End::Even, End::Free]).slopes_of_many(many, values, &mut over_place);
+    let splines = SYMMETRY.map(|symmetry| Spline::new(directions, [symmetry; 2]));
+    let mut nodes = vec![Node::default(); places * directions];
+    let (mut line, mut slopes) = (vec![0.0; directions], vec![0.0; directions]);
+    for (kind, all) in [values, &over_place].into_iter().enumerate() {
+        let rows = all
+            .chunks_exact(many)
+            .zip(nodes.chunks_exact_mut(directions));
+        for (values, nodes) in rows {
+            for (channel, spline) in splines.iter().enumerate() {
+                for (value, at) in line.iter_mut().zip(values.chunks_exact(CHANNELS)) {
+                    *value = at[channel];
+                }
+                spline.slopes(&line, &mut slopes);
+                for (node, (value, slope)) in nodes.iter_mut().zip(line.iter().zip(&slopes)) {
+                    node[kind][channel] = *value;
+                    node[2 + kind][channel] = *slope;
+                }
+            }
+        }
+    }
+    nodes
+}
