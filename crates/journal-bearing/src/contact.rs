@@ -13,10 +13,15 @@
 //! ```
 
 mod clearances;
+mod friction;
+mod integral;
 
 pub use crate::roughness::NO_CONTACT;
 use crate::roughness::{Reach, resistance};
 pub use clearances::ContactFamily;
+pub use friction::direction;
+pub use integral::f_5_2;
+use integral::f_5_2_log;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::{LazyLock, OnceLock};
@@ -54,51 +59,6 @@ impl Default for Surface {
     }
 }
 
-/// Coefficients of `ln F_5/2(H)` as a polynomial, lowest power first. This minimax fit is this crate's own; it is within
-/// 0.02 % of the integral for `H` from -6 to 7. The usual power law is 11 % low at `H = 0` and 35 % low at 2.5.
-const LOG: [f64; 11] = [
-    -0.483591,
-    -1.74352,
-    -0.269523,
-    -0.0228896,
-    0.000615966,
-    0.000202136,
-    -1.72596e-5,
-    -2.45196e-6,
-    2.98994e-7,
-    1.61908e-8,
-    -2.2404e-9,
-];
-
-/// Lower end of the fit's range of `H`.
-const CROSSED: f64 = -6.0;
-
-/// `ln F_5/2` and its slope at a film ratio. Above the fit's range it falls faster than the integral.
-fn log(h: f64) -> (f64, f64) {
-    let powers = LOG.iter().rev();
-    powers.fold((0.0, 0.0), |(value, slope), coefficient| {
-        (value * h + coefficient, slope * h + value)
-    })
-}
-
-/// Greenwood & Tripp's integral `F_5/2(H) = 1/sqrt(2*pi) * int_H^inf (s-H)^(5/2) exp(-s^2/2) ds` for Gaussian heights, and
-/// its slope, at the film ratio `H = h/sigma`, 1. Below `H = -6`, where the mean planes have crossed far, the power law
-/// `|H|^(5/2)` continues it.
-pub fn f_5_2(film_ratio: f64) -> (f64, f64) {
-    let (exponent, slope) = f_5_2_log(film_ratio);
-    let value = exponent.exp();
-    (value, slope * value)
-}
-
-/// Its logarithm, and that one's slope.
-fn f_5_2_log(film_ratio: f64) -> (f64, f64) {
-    if film_ratio < CROSSED {
-        let value = log(CROSSED).0 + 2.5 * (film_ratio / CROSSED).ln();
-        return (value, 2.5 / film_ratio);
-    }
-    log(film_ratio)
-}
-
 impl Surface {
     /// Whether the surfaces have asperities that bear load.
     pub fn touches(&self) -> bool {
@@ -118,44 +78,6 @@ impl Surface {
     fn log_force_scale(&self, width: f64, diameter: f64) -> f64 {
         let area = 0.5 * diameter * width;
         (self.pressure_scale() * area).ln()
-    }
-}
-
-/// Sliding speed, m/s, at which friction reaches 76 % of its value. It smooths the jump of Coulomb's law at standstill, at
-/// which an integrator would have to stop.
-const REVERSAL: f64 = 1e-6;
-
-impl Surface {
-    /// Friction coefficient of the touching asperities at a sliding speed, m/s, with the sign of the speed:
-    /// `mu (1 + (r - 1) exp(-(v/v_s)^2))`, with the breakaway ratio r and the transition speed v_s (Armstrong-Helouvry,
-    /// Dupont & Canudas de Wit 1994, Automatica 30, 1083-1138). From standstill on, the asperities resist with `mu r`. At
-    /// standstill itself the law gives zero: Coulomb friction takes any value there up to `mu r`.
-    ///
-    /// Canudas de Wit, Olsson, Astrom & Lischinsky (1995), IEEE Trans. Autom. Control 40, 419-425, use a transition speed
-    /// of 1 mm/s in their examples; it is the default here. The default ratio of 1 assumes no peak.
-    ///
-    /// ```
-    /// use journal_bearing::contact::Surface;
-    ///
-    /// let surface = Surface { boundary_friction: 0.05, breakaway_ratio: 1.5, ..Surface::default() };
-    /// assert!((surface.friction(5e-5) - 0.075).abs() < 1e-3); // barely sliding
-    /// assert!((surface.friction(-0.4) + 0.05).abs() < 1e-12); // m/s, the other way
-    /// ```
-    pub fn friction(&self, sliding: f64) -> f64 {
-        let peak = match self.breakaway_ratio - 1.0 {
-            0.0 => 0.0,
-            above => above * (-(sliding / self.transition_speed).powi(2)).exp(),
-        };
-        self.boundary_friction * (1.0 + peak) * direction(sliding)
-    }
-}
-
-/// The sign of a sliding speed, m/s; gradual within some 20 um/s about standstill.
-pub fn direction(sliding: f64) -> f64 {
-    if sliding.abs() > 20.0 * REVERSAL {
-        sliding.signum()
-    } else {
-        (sliding / REVERSAL).tanh()
     }
 }
 
@@ -387,26 +309,6 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
 mod tests {
     use super::*;
 
-    /// Compares the fit with the integral by numerical quadrature, and its slope with differences.
-    #[test]
-    fn f_5_2_is_the_integral() {
-        for i in -60..=70 {
-            let h = 0.1 * f64::from(i);
-            let (n, width) = (20_000, 16.0);
-            let ds = width / f64::from(n);
-            let integrand = |k: i32| {
-                let x = (f64::from(k) + 0.5) * ds;
-                x.powf(2.5) * (-0.5 * (h + x).powi(2)).exp()
-            };
-            let integral = (0..n).map(integrand).sum::<f64>() * ds / (2.0 * PI).sqrt();
-            assert!((f_5_2(h).0 / integral - 1.0).abs() < 2e-4, "H = {h}");
-        }
-        for h in [-8.0, -5.0, -1.0, 0.5, 3.0, 6.0] {
-            let slope = (f_5_2(h + 1e-6).0 - f_5_2(h - 1e-6).0) / 2e-6;
-            assert!((f_5_2(h).1 / slope - 1.0).abs() < 1e-6, "H = {h}");
-        }
-    }
-
     #[test]
     fn the_table_is_the_integral_of_the_pressure() {
         let surface = Surface::default();
@@ -434,24 +336,6 @@ mod tests {
                 assert!((contact.normal / (normal * element) - 1.0).abs() < 1e-5);
             }
         }
-    }
-
-    #[test]
-    fn friction_falls_from_breakaway_to_sliding() {
-        let surface = Surface {
-            boundary_friction: 0.1,
-            breakaway_ratio: 1.4,
-            transition_speed: 2e-3,
-            ..Surface::default()
-        };
-        let falling = 0.1 * (1.0 + 0.4 * (-1_f64).exp());
-        for (sliding, expected) in [(0.0, 0.0), (3e-5, 0.14), (2e-3, falling), (0.4, 0.1)] {
-            let apart = (surface.friction(sliding) - expected).abs();
-            assert!(apart < 1e-4 * expected.max(1e-9), "{sliding}");
-            assert_eq!(surface.friction(-sliding), -surface.friction(sliding));
-        }
-        let without_peak = Surface::default();
-        assert_eq!(without_peak.friction(3e-5), without_peak.boundary_friction);
     }
 
     #[test]

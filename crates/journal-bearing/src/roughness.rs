@@ -16,6 +16,8 @@
 //! the film therefore falls smoothly from one at `H = 0.5` to nothing at `H = -0.5`; oil in closed pockets neither flows, nor
 //! is it squeezed, nor bears load. The asperities bear it.
 
+mod flow;
+mod reach;
 mod stress;
 
 use std::f64::consts::TAU;
@@ -24,6 +26,8 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 
 use crate::spline::{End, Spline};
+pub use flow::{pressure_flow_factor, shear_flow_factor};
+pub use reach::Reach;
 use stress::sliding_resistance;
 pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};
 
@@ -124,7 +128,7 @@ fn tabulate() -> Vec<Of<Cubic>> {
     let means = nodes.iter().enumerate();
     let flows = splined(
         means
-            .map(|(i, node)| flow(ratio(i), node.mean[0]))
+            .map(|(i, node)| flow_gap(ratio(i), node.mean[0]))
             .collect(),
     );
     let resistances = splined((0..NODES).map(|i| faded_resistance(ratio(i))).collect());
@@ -196,7 +200,7 @@ fn share(ratio: f64) -> f64 {
 }
 
 /// The gap of the flow at a film ratio and its mean gap.
-fn flow(ratio: f64, mean: f64) -> f64 {
+fn flow_gap(ratio: f64, mean: f64) -> f64 {
     let least = ratio.max(LEAST_FOR_FLOW);
     let factor = 1.0 - share(ratio) * (1.0 - pressure_flow_factor(least));
     if ratio >= LEAST_FOR_FLOW {
@@ -267,83 +271,6 @@ pub fn resistance(ratio: f64) -> Width {
     }
 }
 
-/// A gap that a smooth film would need for a similar mobility: `H` where asperities do not touch, nearly constant where the
-/// mean planes have crossed; with its slope.
-fn room(ratio: f64) -> Width {
-    /// The least room, and how gradually the room comes to it.
-    const LEAST: f64 = 0.7;
-    const GRADUAL: f64 = 1.0;
-    if ratio >= NO_CONTACT {
-        return [ratio, 1.0];
-    }
-    let over = ratio - LEAST;
-    let root = (over * over + GRADUAL).sqrt();
-    let (open, slope) = (LEAST + 0.5 * (over + root), 0.5 * (1.0 + over / root));
-    let t = ((ratio - FULL) / (NO_CONTACT - FULL)).max(0.0);
-    let (counts, fall) = (share(ratio), -6.0 * t * (1.0 - t) / (NO_CONTACT - FULL));
-    [
-        ratio + counts * (open - ratio),
-        1.0 + counts * (slope - 1.0) + fall * (open - ratio),
-    ]
-}
-
-/// Where an aligned, round journal stands in its contact: coordinates of the tables of contact and of rough films.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
-    /// Roughness over clearance.
-    roughness: f64,
-    /// Eccentricity ratio at which contact begins.
-    pub start: f64,
-    /// Length, in the eccentricity ratio, up to where the mean planes have crossed by three roughnesses.
-    pub length: f64,
-    /// The room of a centred journal.
-    whole: f64,
-    /// Where the place's coordinate begins, and its length.
-    first: f64,
-    span: f64,
-}
-
-/// How far, in roughnesses, the mean planes cross at the end of the reach.
-const CROSSING: f64 = 3.0;
-/// The places crowd where the film ratio is within this of zero, as the film changes most there.
-const CROWDED: f64 = 0.5;
-
-impl Reach {
-    /// The contact at a roughness over clearance.
-    pub fn new(roughness: f64) -> Self {
-        let start = (1.0 - NO_CONTACT * roughness).max(0.0);
-        let first = ((1.0 - start) / roughness / CROWDED).asinh();
-        Self {
-            roughness,
-            start,
-            length: 1.0 + CROSSING * roughness - start,
-            whole: room(1.0 / roughness)[0],
-            first,
-            span: first + (CROSSING / CROWDED).asinh(),
-        }
-    }
-
-    /// The room at an eccentricity ratio: the relative gap of the smooth bearing to which the film is compared. It is `1 - e`
-    /// where asperities do not touch, and one in the centre. With its slope.
-    pub fn room(&self, e: f64) -> Width {
-        let [room, slope] = room((1.0 - e) / self.roughness);
-        [room / self.whole, -slope / (self.roughness * self.whole)]
-    }
-
-    /// The place of an eccentricity ratio, from 0 where contact begins to 1 at the end of the reach; with its slope.
-    pub fn place(&self, e: f64) -> Width {
-        let at = (1.0 - e) / self.roughness / CROWDED;
-        let slope = 1.0 / (self.roughness * CROWDED * (at * at + 1.0).sqrt());
-        [(self.first - at.asinh()) / self.span, slope / self.span]
-    }
-
-    /// The eccentricity ratio of a place.
-    pub fn at(&self, place: f64) -> f64 {
-        let ratio = CROWDED * (self.first - place * self.span).sinh();
-        1.0 - ratio * self.roughness
-    }
-}
-
 /// The mean gap between Gaussian surfaces over their roughness, 1, at a film ratio `H`: `H Phi(H) + phi(H)`, where `Phi` is the
 /// normal distribution and `phi` its density (average gap of Patir & Cheng 1978).
 pub fn mean_gap(ratio: f64) -> f64 {
@@ -365,28 +292,9 @@ pub fn parting(ratio: f64) -> f64 {
     look_up(ratio).map_or(0.0, |(cell, t)| cell.content.bend(t))
 }
 
-/// The pressure flow factor of isotropic Gaussian surfaces at a film ratio `H`, 1: `1 - 0.90 exp(-0.56 H)` (Patir & Cheng
-/// 1978, J. Lubr. Technol. 100, 12-17, table of coefficients, for `H > 0.5`). It multiplies the flow through a gap of the
-/// mean planes' distance.
-pub fn pressure_flow_factor(ratio: f64) -> f64 {
-    1.0 - 0.90 * (-0.56 * ratio).exp()
-}
-
-/// The shear flow factor of one isotropic Gaussian surface at a film ratio `H`, 1: `1.899 H^0.98 exp(-0.92 H + 0.05 H^2)`
-/// up to `H = 5`, `1.126 exp(-0.25 H)` beyond (Patir & Cheng 1979, J. Lubr. Technol. 101, 220-230, table of
-/// coefficients).
-pub fn shear_flow_factor(ratio: f64) -> f64 {
-    if ratio <= 0.0 {
-        0.0
-    } else if ratio <= 5.0 {
-        1.899 * ratio.powf(0.98) * (ratio * (0.05 * ratio - 0.92)).exp()
-    } else {
-        1.126 * (-0.25 * ratio).exp()
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::reach::room;
     use super::*;
 
     /// `Phi` to 7 decimals: Abramowitz & Stegun 1964, table 26.1.
@@ -414,23 +322,6 @@ mod tests {
         let [above, below] = [-4.999, -5.001].map(mean_gap);
         assert!(below > 0.0 && below < above && above < 1.1 * below);
         assert!(mean_gap(-20.0) >= 0.0);
-    }
-
-    #[test]
-    fn flow_factors_have_their_published_limits() {
-        // Patir & Cheng 1978: 1 for smooth surfaces (large H), and values from the published coefficients.
-        assert!((pressure_flow_factor(40.0) - 1.0).abs() < 1e-9);
-        assert!((pressure_flow_factor(3.0) - 0.832).abs() < 1e-3);
-        assert!((pressure_flow_factor(0.5) - 0.320).abs() < 1e-3);
-        // Patir & Cheng 1979: no shear flow between smooth surfaces, the maximum near H = 1.2, continuous at H = 5.
-        assert!(shear_flow_factor(40.0) < 1e-4 && shear_flow_factor(0.0) == 0.0);
-        let [near, at, far] = [0.8, 1.2, 2.0].map(shear_flow_factor);
-        assert!(
-            at > near && at > far && (at - 0.81).abs() < 0.02,
-            "{near} {at} {far}"
-        );
-        let [below, above] = [5.0, 5.0 + 1e-9].map(shear_flow_factor);
-        assert!((below / above - 1.0).abs() < 0.05, "{below} {above}");
     }
 
     /// Up to three roughnesses the gaps are the published ones; the table interpolates them.
@@ -482,32 +373,6 @@ mod tests {
             let [_, [next, _]] = law.gaps(ratio + 1e-6);
             assert!((0.0..=1.0 + 1e-12).contains(&bears), "{ratio}: {bears}");
             assert!(((next - flow) / 1e-6 - widens).abs() < 1e-3, "{ratio}");
-        }
-    }
-
-    #[test]
-    fn a_place_leads_back_to_its_eccentricity() {
-        for roughness in [1e-3, 0.05, 0.25, 4.0] {
-            let reach = Reach::new(roughness);
-            for place in [0.0, 0.3, 0.77, 1.0] {
-                let e = reach.at(place);
-                assert!((reach.place(e)[0] - place).abs() < 1e-9);
-                let d = 1e-5 * roughness;
-                let [here, there] = [e - d, e + d].map(|e| (reach.place(e)[0], reach.room(e)[0]));
-                let slopes = [reach.place(e)[1], reach.room(e)[1]];
-                let differences = [
-                    (there.0 - here.0) / (2.0 * d),
-                    (there.1 - here.1) / (2.0 * d),
-                ];
-                for (slope, difference) in slopes.into_iter().zip(differences) {
-                    assert!(
-                        (slope / difference - 1.0).abs() < 1e-3,
-                        "{roughness} {place}"
-                    );
-                }
-            }
-            assert!((reach.at(0.0) - reach.start).abs() < 1e-9);
-            assert!((reach.at(1.0) - reach.start - reach.length).abs() < 1e-9);
         }
     }
 }
