@@ -196,12 +196,8 @@ fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
     } else {
         0.0
     };
-    // The mean planes of rough surfaces may cross, where the film sees the roughness.
-    let most = if film == FilmModel::Reynolds && life.options[0] {
-        1.0 + 3.0 * life.roughness
-    } else {
-        1.0
-    };
+    // The mean planes of rough surfaces may cross.
+    let most = 1.0 + 3.0 * life.roughness;
     let mut time = 0.0;
     for interval in &life.intervals {
         let Interval {
