@@ -230,6 +230,18 @@ impl Stand {
         clearance: f64,
         flows: &Flows,
     ) -> Temperatures {
+        let heat = self.heat_of(tau, temperatures, clearance, flows);
+        self.thermal.rates(temperatures, &heat)
+    }
+
+    /// Heat sources and flows under these flows of the film.
+    fn heat_of(
+        &self,
+        tau: f64,
+        temperatures: &Temperatures,
+        clearance: f64,
+        flows: &Flows,
+    ) -> Heat {
         let oil = &self.fluid;
         let film = temperatures.film;
         let carried = |flow: f64, temperature: f64| match flow {
@@ -237,7 +249,7 @@ impl Stand {
             0.0 => 0.0,
             flow => flow * oil.density(temperature) * oil.heat_capacity(temperature),
         };
-        let heat = Heat {
+        Heat {
             viscous: flows.viscous,
             boundary: flows.boundary,
             side_flow: carried(flows.side_flow + self.assumed_feed, film),
@@ -249,8 +261,7 @@ impl Stand {
             bath: self.bath_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
             clearance,
-        };
-        self.thermal.rates(temperatures, &heat)
+        }
     }
 
     /// Heat capacity of the oil bath at its temperature (K), J/K.

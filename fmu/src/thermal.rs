@@ -173,24 +173,50 @@ impl Thermal {
         if self.isothermal {
             return Temperatures::default();
         }
-        let across = if self.reference_clearance > 0.0 {
-            self.reference_clearance / heat.clearance
-        } else {
-            1.0
-        };
-        let film_to_bush = across * self.film_bush * (t.film - t.bush);
-        let film_to_shaft = across * self.film_shaft * (t.film - t.shaft);
+        let [to_bush, to_shaft] = self.film_conductances(heat.clearance);
+        let film_to_bush = to_bush * (t.film - t.bush);
+        let film_to_shaft = to_shaft * (t.film - t.shaft);
         let fed = heat.fed.max(0.0);
         let from_bath = self.fresh_oil * (heat.side_flow - heat.fed).max(0.0);
         let film_to_oil = from_bath * (t.film - t.oil);
         let film_to_fed = fed * (t.film - heat.fed_temperature);
+        let mut rates = self.rates_beside(
+            t,
+            heat,
+            [
+                film_to_bush,
+                film_to_shaft,
+                film_to_oil + fed * (t.film - t.oil),
+            ],
+        );
+        rates.film = (heat.viscous - film_to_bush - film_to_shaft - film_to_oil - film_to_fed)
+            / self.film_capacity;
+        rates
+    }
+
+    /// Conductances from the film to bush and shaft at a radial clearance, m, in W/K.
+    pub fn film_conductances(&self, clearance: f64) -> [f64; 2] {
+        let across = if self.reference_clearance > 0.0 {
+            self.reference_clearance / clearance
+        } else {
+            1.0
+        };
+        [across * self.film_bush, across * self.film_shaft]
+    }
+
+    /// Rates of all temperatures but the film's, which gives this heat to bush, shaft and oil bath, W.
+    pub fn rates_beside(
+        &self,
+        t: &Temperatures,
+        heat: &Heat,
+        [film_to_bush, film_to_shaft, film_to_oil]: [f64; 3],
+    ) -> Temperatures {
         let bush_to_oil = self.bush_oil * (t.bush - t.oil);
         let shaft_to_oil = self.shaft_oil * (t.shaft - t.oil);
         let boundary_to_shaft = self.contact_heat_to_shaft * heat.boundary;
         let boundary_to_bush = heat.boundary - boundary_to_shaft;
         Temperatures {
-            film: (heat.viscous - film_to_bush - film_to_shaft - film_to_oil - film_to_fed)
-                / self.film_capacity,
+            film: 0.0,
             bush: (film_to_bush + boundary_to_bush
                 - bush_to_oil
                 - self.bush_ambient * (t.bush - heat.ambient))
@@ -199,7 +225,7 @@ impl Thermal {
                 - shaft_to_oil
                 - self.shaft_ambient * (t.shaft - heat.ambient))
                 / self.shaft_capacity,
-            oil: (film_to_oil + fed * (t.film - t.oil) + bush_to_oil + shaft_to_oil
+            oil: (film_to_oil + bush_to_oil + shaft_to_oil
                 - self.oil_ambient * (t.oil - heat.ambient))
                 / heat.bath,
         }

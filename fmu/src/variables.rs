@@ -6,7 +6,7 @@
 #[macro_use]
 mod declare;
 
-use crate::bearing::{FILM, Feeding, FilmModel, ThermalClearance};
+use crate::bearing::{FILM, Feeding, FilmEnergy, FilmModel, ThermalClearance};
 use crate::stand::Stand;
 use crate::thermal::Initialization;
 use declare::{V, computed, flag, label, real, whole};
@@ -113,6 +113,11 @@ fmu_export::enumerations! {
         FreeBush = 2 "Bush and shaft expand freely",
         ConstrainedBush = 3 "The bush is pressed into a housing, which holds it"
     ];
+    /// The temperatures of the film.
+    FILM_ENERGY = "FilmEnergy", "Temperature of the film", [
+        Lumped = 1 "One temperature",
+        Circumferential = 2 "A temperature around the bearing"
+    ];
     /// How oil is fed to the film.
     FEED = "Feed", "Feeds of oil in the bush", [
         None = 1 "The oil comes from the bath, at the bearing's ends",
@@ -194,6 +199,9 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.cavityPressure" => real(field!(bearing.resolution.cavity_pressure)),
         "bearing.tiltAlongLoad" => real(field!(bearing.resolution.tilt[0])),
         "bearing.tiltAcrossLoad" => real(field!(bearing.resolution.tilt[1])),
+        "bearing.filmEnergy" => {
+            choice!(FILM_ENERGY, FilmEnergy { Lumped = 1, Circumferential = 2 }, bearing.resolution.energy)
+        }
         "bearing.filmColumns" => whole(field!(bearing.resolution.columns)),
         "bearing.filmRows" => whole(field!(bearing.resolution.rows)),
         "bearing.flowFactors" => flag(field!(bearing.resolution.flow_factors)),

@@ -6,7 +6,7 @@
 
 use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::Contact;
-use journal_bearing::reynolds::Coefficients;
+use journal_bearing::reynolds::{Coefficients, HeatExchange, HeatGiven};
 use journal_bearing::rheology::Rheology;
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -207,16 +207,32 @@ pub struct Interval {
     pub viscosity: f64,
 }
 
+/// What an interval has brought.
+#[derive(Clone, Copy, Debug)]
+pub struct Passed {
+    /// The mean flows over it.
+    pub flows: Flows,
+    /// The number of internal steps.
+    pub steps: usize,
+    /// Of a film with a temperature around the bearing: the heat that it gave away, and its mean temperature at the end, K.
+    pub warm: Option<(HeatGiven, f64)>,
+}
+
 /// A film that takes steps of its own, and its journal with it.
 pub trait TransientFilm {
     /// The eccentricity-ratio vector, 1.
     fn eccentricity(&self) -> [f64; 2];
 
-    /// Lets an interval pass. Returns the mean flows over it, and the number of internal steps.
+    /// Lets an interval pass; with an `exchange` the film has a temperature around the bearing.
     ///
     /// # Errors
     /// When the film cannot be solved; it is then as before.
-    fn advance(&mut self, bearing: &Bearing, interval: &Interval) -> Result<(Flows, usize), Fault>;
+    fn advance(
+        &mut self,
+        bearing: &Bearing,
+        interval: &Interval,
+        exchange: Option<&HeatExchange<'_>>,
+    ) -> Result<Passed, Fault>;
 
     /// Begins the search for the periodic orbit under a load that repeats itself: the first turn starts here.
     fn seek_orbit(&mut self);

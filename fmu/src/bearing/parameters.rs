@@ -31,6 +31,16 @@ pub struct Bearing {
     pub pressure_limit: f64,
 }
 
+/// The temperatures of a film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FilmEnergy {
+    /// One.
+    #[default]
+    Lumped,
+    /// One around the bearing.
+    Circumferential,
+}
+
 /// How a Reynolds film is solved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
@@ -44,6 +54,8 @@ pub struct Resolution {
     pub columns: i32,
     /// Rows of cells over half the width; 0 takes as many as the width needs.
     pub rows: i32,
+    /// Whether the film has one temperature, or one around the bearing.
+    pub energy: FilmEnergy,
     /// Displacement of the journal's end at `z = B/2` by its tilt, along and across the load, m.
     pub tilt: [f64; 2],
     /// Whether the film sees the surfaces' roughness (mean gap and flow factors) when the bearing is round and aligned, too.
@@ -77,6 +89,7 @@ impl Default for Resolution {
             cavity_pressure: -1.0,
             columns: 0,
             rows: 0,
+            energy: FilmEnergy::Lumped,
             tilt: [0.0; 2],
             flow_factors: false,
             journal_roughness_share: 0.5,

@@ -62,6 +62,9 @@ impl Stand {
         if self.bearing.supply.feeds() && !self.thermal.isothermal {
             return Some("the oil that is fed cools the film");
         }
+        if self.has_warm_film() {
+            return Some("the film has a temperature around the bearing");
+        }
         let wears = self.bearing.wear.coefficient > 0.0;
         if wears && self.film.is_transient() {
             return Some("the surfaces wear");

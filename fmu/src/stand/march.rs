@@ -2,12 +2,13 @@
 
 use super::scout::Turn;
 use super::{EVENTS, SCALES, Stand, Unknowns, temperatures, unknowns, worn};
-use crate::bearing::{Flows, Interval};
+use crate::bearing::{FilmEnergy, Flows, Interval, Passed};
 use crate::multirate::{self, Departure, NoLeap, TwoScales};
 use crate::sensors::{SENSORS, Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
+use journal_bearing::reynolds::{HeatExchange, HeatGiven};
 
 /// Cycles that are resolved after a leap.
 const CYCLES_AT_THE_END: usize = 1;
@@ -140,9 +141,17 @@ impl Stand {
                 clearance: self.clearance(&self.state.temperatures, self.state.worn),
                 viscosity,
             };
+            let viscosity = |temperature: f64| self.fluid.viscosity(temperature);
+            let exchange = self
+                .has_warm_film()
+                .then(|| self.exchange(interval.clearance, &viscosity));
             let film = self.film.transient();
             let film = film.expect("only a transient film takes steps of its own");
-            let (flows, taken) = film.advance(&self.bearing, &interval)?;
+            let Passed {
+                flows,
+                steps: taken,
+                warm,
+            } = film.advance(&self.bearing, &interval, exchange.as_ref())?;
             let eccentricity = film.eccentricity();
             spare = (spare + FILM_STEPS_PER_STEP)
                 .checked_sub(taken)
@@ -154,7 +163,10 @@ impl Stand {
                     ))
                 })?;
             mean.add(&flows, self.state.temperatures.film, 1.0 / steps);
-            let temperatures = self.warm(step, &flows)?;
+            let temperatures = match warm {
+                Some((given, film)) => self.warm_beside(step, &flows, &given, film)?,
+                None => self.warm(step, &flows)?,
+            };
             self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed);
             let angle = self.state.angle;
             self.arrive(step, eccentricity, temperatures);
@@ -213,6 +225,54 @@ impl Stand {
         let y = [ex, ey, t[0], t[1], t[2], t[3], worn];
         done.map_err(|failure| self.explain(failure, &y, 2..6))?;
         Ok(Temperatures::of(t))
+    }
+
+    /// Whether the film has a temperature around the bearing.
+    pub(super) fn has_warm_film(&self) -> bool {
+        let energy = self.bearing.resolution.energy;
+        energy == FilmEnergy::Circumferential && !self.thermal.isothermal
+    }
+
+    /// What a film with a temperature around the bearing exchanges heat with.
+    fn exchange<'a>(&self, clearance: f64, viscosity: &'a dyn Fn(f64) -> f64) -> HeatExchange<'a> {
+        let Temperatures {
+            film,
+            bush,
+            shaft,
+            oil,
+        } = self.state.temperatures;
+        HeatExchange {
+            bush,
+            shaft,
+            bath: oil,
+            feed: self.bearing.supply.temperature,
+            start: film,
+            conductance: self.thermal.film_conductances(clearance),
+            fresh: self.thermal.fresh_oil,
+            capacity: self.fluid.density(film) * self.fluid.heat_capacity(film),
+            viscosity,
+        }
+    }
+
+    /// The temperatures after `span` seconds beside a film that gave this heat away and is now as warm as this, K. The surfaces
+    /// change far more slowly than a step, so that its heat stays as it was at their temperatures before.
+    fn warm_beside(
+        &self,
+        span: f64,
+        flows: &Flows,
+        given: &HeatGiven,
+        film: f64,
+    ) -> Result<Temperatures, Fault> {
+        let before = self.state.temperatures;
+        let clearance = self.clearance(&before, self.state.worn);
+        let heat = self.heat_of(0.0, &before, clearance, flows);
+        let given = [given.bush, given.shaft, given.bath];
+        let rates = self.thermal.rates_beside(&before, &heat, given);
+        let later = multirate::vector(&before) + multirate::vector(&rates) * span;
+        Ok(Temperatures {
+            film,
+            ..multirate::temperatures(&later)
+        })
     }
 
     /// Ends a part of the step: takes the unknowns over, and moves time, angle and inputs on by `span` seconds.

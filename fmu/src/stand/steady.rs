@@ -56,6 +56,8 @@ const NEAR_ORBIT: f64 = 1e-2;
 const LANDING_TURNS: usize = 20;
 /// The largest change of a temperature from turn to turn, K.
 const LARGEST_CHANGE: f64 = 10.0;
+/// The least share of Newton's change that is taken.
+const LEAST_SHARE: f64 = 0.05;
 /// The refinement may not leave the averaged equilibrium by more than this, K.
 const FARTHEST: f64 = 5.0;
 /// Internal steps in one such turn, at most, for each of the shaft's turns in it.
@@ -212,6 +214,7 @@ impl Stand {
     fn refine_transient(&mut self, fast: &Self, equilibrium: &Equilibrium) -> Result<usize, Fault> {
         let begin = self.state;
         let mut t = vector(&equilibrium.temperatures);
+        let (mut share, mut last) = (1.0_f64, None::<Vector4>);
         for turn in 1..=FILM_TURNS {
             let start = self.state.eccentricity;
             self.state = State {
@@ -226,7 +229,19 @@ impl Stand {
             let warmer = fast.warmer(&t, &miss)?;
             let change = warmer.amax();
             if moved < NEAR_ORBIT || turn > LANDING_TURNS {
-                t += warmer * (LARGEST_CHANGE / change).min(1.0);
+                share = match last {
+                    // The lumped balance may be off by a factor here, which two changes tell (Aitken's method; Irons & Tuck 1969,
+                    // Int. J. Numer. Methods Eng. 1, 275-277).
+                    Some(last) if self.has_warm_film() => {
+                        let bend: Vector4 = warmer - last;
+                        let told = -share * last.dot(&bend) / bend.norm_squared();
+                        told.clamp(LEAST_SHARE, 1.0)
+                    }
+                    _ => 1.0,
+                };
+                share = share.min(LARGEST_CHANGE / change);
+                last = Some(warmer);
+                t += warmer * share;
             }
             if change < CLOSE && moved < CLOSE_PLACE {
                 self.state = State {

@@ -19,4 +19,5 @@ mod resting;
 mod steady;
 mod stribeck;
 mod validity;
+mod warm;
 mod whole;

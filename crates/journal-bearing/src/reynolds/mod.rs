@@ -40,4 +40,6 @@ pub use feed::{Feed, FeedShape};
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, Groove, NotConverged, QuasiStatic};
 pub use settings::{Cavitation, Drive, FilmError, FilmSettings};
-pub use transient::{Diagnostics, FilmState, PeriodicSearch, ReynoldsFilm};
+pub use transient::{
+    Diagnostics, FilmState, HeatExchange, HeatGiven, PeriodicSearch, ReynoldsFilm,
+};

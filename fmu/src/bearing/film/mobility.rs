@@ -2,7 +2,7 @@
 
 use crate::bearing::friction::{self, Boundary};
 use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
-use crate::bearing::parameters::Bearing;
+use crate::bearing::parameters::{Bearing, FilmEnergy};
 use fmu_export::model::Fault;
 use journal_bearing::contact::{Contact, ContactFamily, Touch};
 use journal_bearing::mobility::{
@@ -100,6 +100,13 @@ struct Instant<'a> {
 impl JournalFilm for MobilityFilm {
     fn new(setup: &Setup<'_>) -> Result<Self, Fault> {
         setup.bearing.supply.refuse()?;
+        if setup.bearing.resolution.energy == FilmEnergy::Circumferential {
+            return Err(Fault::Invalid(
+                "bearing.filmEnergy = Circumferential: the mobility film has one viscosity; set bearing.film = Reynolds, or \
+                 bearing.filmEnergy = Lumped"
+                    .to_owned(),
+            ));
+        }
         let mut film = Self::default();
         film.prepare(setup.bearing)?;
         Ok(film)

@@ -2,15 +2,15 @@
 
 use crate::bearing::friction::Boundary;
 use crate::bearing::journal::{
-    Drift, Flows, Interval, JournalFilm, Motion, Setup, Situation, TransientFilm,
+    Drift, Flows, Interval, JournalFilm, Motion, Passed, Setup, Situation, TransientFilm,
 };
-use crate::bearing::parameters::{Bearing, Resolution};
+use crate::bearing::parameters::{Bearing, FilmEnergy, Resolution};
 use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::ContactFamily;
 use journal_bearing::profile::Profile;
 use journal_bearing::reynolds::{
-    Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, PeriodicSearch,
-    ReynoldsFilm, RoughFilm,
+    Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, HeatExchange,
+    PeriodicSearch, ReynoldsFilm, RoughFilm,
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -55,6 +55,13 @@ impl<T> Clone for Passing<T> {
 impl JournalFilm for ReynoldsJournal {
     fn new(setup: &Setup<'_>) -> Result<Self, Fault> {
         let (bearing, resolution) = (setup.bearing, &setup.bearing.resolution);
+        if resolution.energy == FilmEnergy::Circumferential && !resolution.mass_conserving {
+            return Err(Fault::Invalid(
+                "bearing.filmEnergy = Circumferential: the oil carries the heat, so its mass must be conserved; set \
+                 bearing.massConserving = true, or bearing.filmEnergy = Lumped"
+                    .to_owned(),
+            ));
+        }
         let profile = read_profile(bearing, setup.experiment)?;
         let plain = profile.is_round() && resolution.tilt == [0.0; 2];
         let rough = bearing.surface.touches();
@@ -148,7 +155,12 @@ impl TransientFilm for ReynoldsJournal {
         self.film.eccentricity().into()
     }
 
-    fn advance(&mut self, bearing: &Bearing, interval: &Interval) -> Result<(Flows, usize), Fault> {
+    fn advance(
+        &mut self,
+        bearing: &Bearing,
+        interval: &Interval,
+        exchange: Option<&HeatExchange<'_>>,
+    ) -> Result<Passed, Fault> {
         let Interval {
             duration,
             load,
@@ -165,11 +177,13 @@ impl TransientFilm for ReynoldsJournal {
             ..Drive::steady(Vector2::zeros(), speed, viscosity)
         };
         let contact = self.plain.then_some(&*self.contact);
-        let report = Arc::make_mut(&mut self.film)
-            .advance(duration, &drive, &|ratio| {
-                aligned(contact, ratio, clearance)
-            })
-            .map_err(|error| Fault::Failed(message(&error)))?;
+        let touching = |ratio: f64| aligned(contact, ratio, clearance);
+        let film = Arc::make_mut(&mut self.film);
+        let report = match exchange {
+            Some(exchange) => film.advance_warm(duration, &drive, &touching, exchange),
+            None => film.advance(duration, &drive, &touching),
+        };
+        let report = report.map_err(|error| Fault::Failed(message(&error)))?;
 
         let eccentricity = self.film.eccentricity();
         let ratio = eccentricity.norm();
@@ -204,7 +218,12 @@ impl TransientFilm for ReynoldsJournal {
             side_flow: report.mean_outflow,
             feed: report.mean_feed_flow,
         };
-        Ok((flows, report.steps))
+        let temperature = exchange.and_then(|_| self.film.temperature());
+        Ok(Passed {
+            flows,
+            steps: report.steps,
+            warm: temperature.map(|temperature| (report.given, temperature)),
+        })
     }
 
     fn seek_orbit(&mut self) {

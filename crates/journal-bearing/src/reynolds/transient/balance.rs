@@ -15,6 +15,8 @@
 //! Every flux is computed once, at its edge, and leaves one cell as it enters the next. The sum of the residuals is
 //! therefore the mass error of the whole film.
 
+use std::ops::Range;
+
 use super::cells::Cells;
 use super::gap::Gap;
 use super::liquid::Liquid;
@@ -204,6 +206,19 @@ impl Balance {
         dot(&cells.area, &self.mass)
     }
 
+    /// The flows of the column with these cells.
+    pub fn flows(&self, cells: Range<usize>) -> ColumnFlows {
+        let out_and_in = |flows: &[f64]| {
+            let both = flows.iter().map(|flow| [flow.max(0.0), (-flow).max(0.0)]);
+            both.fold([0.0; 2], |sum, flow| [sum[0] + flow[0], sum[1] + flow[1]])
+        };
+        ColumnFlows {
+            around: self.around[cells.clone()].iter().sum(),
+            ends: out_and_in(&self.out[cells.clone()]),
+            feed: out_and_in(self.fed.get(cells).unwrap_or_default()),
+        }
+    }
+
     /// The flows through the open ends.
     pub fn end_flow(&self) -> EndFlow {
         let net = sum_of([&self.out], |[out]| out);
@@ -214,6 +229,14 @@ impl Balance {
             fed: -self.fed.iter().sum::<f64>(),
         }
     }
+}
+
+/// Flows of a column: over the edge before it, out of the ends and in, out into feeds and in.
+#[derive(Clone, Copy, Debug)]
+pub struct ColumnFlows {
+    pub around: f64,
+    pub ends: [f64; 2],
+    pub feed: [f64; 2],
 }
 
 /// Conductance of an edge, from that at `H = 1` and its gap.

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector2;
 
+use super::warmth::HeatGiven;
+
 /// The film at the end of an interval, and its means over the interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Diagnostics {
@@ -38,6 +40,8 @@ pub struct Diagnostics {
     pub mean_outflow: f64,
     /// Mean of the flow through feeds over the interval, m3/s.
     pub mean_feed_flow: f64,
+    /// Heat that a film with a temperature of its own gives away, means over the interval.
+    pub given: HeatGiven,
     /// Number of internal steps.
     pub steps: usize,
     /// Largest error of an internal step's mass balance over the flow through the film, 1. Zero by definition where mass is
@@ -56,6 +60,7 @@ impl Diagnostics {
         self.mean_heat = before.mean_heat + step.heat * duration;
         self.mean_outflow = before.mean_outflow + step.outflow * duration;
         self.mean_feed_flow = before.mean_feed_flow + step.feed_flow * duration;
+        self.given = before.given.plus(&step.given, duration);
         self.steps = before.steps + 1;
         self.mass_error = before.mass_error.max(step.mass_error);
         self.energy_error = before.energy_error.max(step.energy_error);
@@ -68,6 +73,7 @@ impl Diagnostics {
             self.mean_heat /= interval;
             self.mean_outflow /= interval;
             self.mean_feed_flow /= interval;
+            self.given = HeatGiven::default().plus(&self.given, 1.0 / interval);
         }
         self
     }

@@ -8,6 +8,7 @@ use super::periodic::PeriodicSearch;
 use super::stage::NoSolution;
 use super::state::State;
 use super::step::{Step, Stepper};
+use super::warmth::HeatExchange;
 use super::workspace::Workspace;
 use crate::reynolds::grid::Grid;
 use crate::reynolds::settings::{Drive, FilmError, FilmSettings, positive, within};
@@ -197,6 +198,45 @@ impl ReynoldsFilm {
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
     ) -> Result<Diagnostics, FilmError> {
+        self.pass(interval, drive, contact, None)
+    }
+
+    /// The same with a temperature of the film around the bearing, which oil, friction and the surfaces change: its viscosity is
+    /// that of each column's temperature, relative to the drive's.
+    ///
+    /// # Errors
+    /// As for [`advance`](Self::advance), and [`FilmError::Setting`] where the oil's mass is not conserved: then its heat is not.
+    pub fn advance_warm(
+        &mut self,
+        interval: f64,
+        drive: &Drive,
+        contact: &dyn Fn(f64) -> f64,
+        exchange: &HeatExchange<'_>,
+    ) -> Result<Diagnostics, FilmError> {
+        let conserves = self.work.geometry.cells.conserves_mass();
+        let must =
+            "one that conserves the oil's mass where the film has a temperature around the bearing";
+        within("cavitation condition", f64::NAN, conserves, must)?;
+        self.pass(interval, drive, contact, Some(exchange))
+    }
+
+    /// The film's temperature, K: the mean of its oil's. `None` before [`advance_warm`](Self::advance_warm).
+    pub fn temperature(&self) -> Option<f64> {
+        self.work.temperature()
+    }
+
+    /// The temperature of each column, K; none before [`advance_warm`](Self::advance_warm).
+    pub fn temperatures(&self) -> impl Iterator<Item = f64> + '_ {
+        self.work.state.warm.iter().map(|warm| warm.temperature)
+    }
+
+    fn pass(
+        &mut self,
+        interval: f64,
+        drive: &Drive,
+        contact: &dyn Fn(f64) -> f64,
+        exchange: Option<&HeatExchange<'_>>,
+    ) -> Result<Diagnostics, FilmError> {
         let usable = interval.is_finite() && interval >= LEAST_INTERVAL;
         within("interval", interval, usable, "at least 1e-250 s")?;
         drive.check()?;
@@ -228,7 +268,8 @@ impl ReynoldsFilm {
                 share: duration / interval,
                 duration,
             };
-            match self.stepper.step(&mut self.work, place, drive, contact) {
+            let stepped = (self.stepper).step(&mut self.work, place, drive, contact, exchange);
+            match stepped {
                 Ok((report, error)) if error <= 2.0 || duration <= shortest => {
                     done += duration;
                     let fitting = duration * (0.9 / error.max(1e-6).sqrt()).clamp(0.3, 2.5);

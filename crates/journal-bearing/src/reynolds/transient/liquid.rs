@@ -2,6 +2,7 @@
 
 use super::gap::Gap;
 use super::state::Field;
+use super::warmth::Warm;
 use crate::reynolds::settings::{Drive, FilmSettings};
 use crate::rheology::PressureLaw;
 
@@ -42,17 +43,20 @@ impl Liquid {
         }
     }
 
-    /// Computes the properties for the present field. True when they have converged.
+    /// Computes the properties for the present field, with columns of `stride` cells as `warm` as they are. True when they have
+    /// converged.
     pub fn update(
         &mut self,
         settings: &FilmSettings,
         gap: &Gap,
         field: &Field,
+        (warm, stride): (&[Warm], usize),
         drive: &Drive,
     ) -> bool {
         let to_pascal = settings.pressure_scale(drive.viscosity);
         self.compress(settings, field, to_pascal);
-        if settings.rheology.is_newtonian() && !settings.is_compressible() {
+        let even = warm.is_empty() && !settings.is_compressible();
+        if settings.rheology.is_newtonian() && even {
             return true;
         }
         self.uniform = false;
@@ -64,14 +68,15 @@ impl Liquid {
         for (cell, fluidity) in self.fluidity.iter_mut().enumerate() {
             let pressure = field.pressure[cell] * to_pascal;
             let rate = sliding / gap.cell[cell];
-            let ratio = settings.rheology.ratio(drive.viscosity, pressure, rate);
-            let now = 1.0 / ratio;
+            let thin = warm.get(cell / stride).map_or(1.0, |warm| warm.fluidity);
+            let viscosity = drive.viscosity / thin;
+            let now = thin / settings.rheology.ratio(viscosity, pressure, rate);
             largest = largest.max((now / *fluidity - 1.0).abs());
             *fluidity = now;
             let ease = now * self.density[cell];
             self.ease[cell] = ease;
             if self.thickens {
-                let thickening = settings.rheology.thickening(drive.viscosity, pressure);
+                let thickening = settings.rheology.thickening(viscosity, pressure);
                 let swelling = self.swelling[cell] / self.density[cell];
                 self.easing[cell] = ease * (swelling - thickening * to_pascal);
             }

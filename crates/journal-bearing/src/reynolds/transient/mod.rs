@@ -6,6 +6,7 @@
 //! * `geometry`, `workspace`: the film at a place of the journal, with all buffers; a step allocates nothing.
 //! * `asperities`, `forces`, `way`: the journal in it.
 //! * `newton`, `landing`: the solution of one implicit stage.
+//! * `warmth`, `heating`: the film's temperature around the bearing.
 //! * `compression`, `evaluation`, `step`: one internal step of two stages, with its forces, flows and balances.
 //! * `periodic`: the search for the orbit that a turn of the load leads back to.
 //! * `film`: intervals of controlled error, and the public face.
@@ -22,6 +23,7 @@ mod film;
 mod forces;
 mod gap;
 mod geometry;
+mod heating;
 mod landing;
 mod linear;
 mod liquid;
@@ -33,6 +35,7 @@ mod step;
 
 mod sweeps;
 mod upwind;
+mod warmth;
 mod way;
 mod workspace;
 
@@ -42,3 +45,4 @@ mod tests;
 pub use diagnostics::Diagnostics;
 pub use film::{FilmState, ReynoldsFilm};
 pub use periodic::PeriodicSearch;
+pub use warmth::{HeatExchange, HeatGiven};

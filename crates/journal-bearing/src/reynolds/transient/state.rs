@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::cells::Cells;
+use super::warmth::Warm;
 
 /// Pressure and content cell by cell, in the order of [`Cells`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,6 +58,8 @@ pub struct State {
     /// Internal step that the error control expects to fit next, s.
     pub step: Option<f64>,
     pub field: Field,
+    /// Temperature and viscosity of each column; empty where the film has no temperature of its own.
+    pub warm: Vec<Warm>,
     /// Pressure for which a value of one in the field stands, Pa.s.
     pub unit: f64,
 }
@@ -70,6 +73,7 @@ impl State {
             angles: [0.0; 2],
             step: None,
             field: Field::flooded(cells),
+            warm: Vec::new(),
             unit: 0.0,
         }
     }
@@ -81,6 +85,7 @@ impl State {
         self.angles = other.angles;
         self.step = other.step;
         self.field.copy_from(&other.field);
+        self.warm.clone_from(&other.warm);
         self.unit = other.unit;
     }
 }

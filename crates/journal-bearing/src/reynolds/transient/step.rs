@@ -7,6 +7,7 @@ use super::landing::Landing;
 use super::newton;
 use super::stage::{NoSolution, Stage, Task};
 use super::state::State;
+use super::warmth::{Column, HeatExchange};
 use super::workspace::Workspace;
 use crate::reynolds::settings::Drive;
 
@@ -35,6 +36,8 @@ pub struct Stepper {
     /// The state before the present step.
     pub kept: State,
     landing: Landing,
+    /// Oil and heat of the step, by column.
+    columns: Vec<Column>,
     /// Steps of the interval without a solution.
     pub failures: usize,
 }
@@ -50,6 +53,7 @@ impl Stepper {
             landing: Landing {
                 trial: work.state.field.clone(),
             },
+            columns: Vec::new(),
             failures: 0,
         }
     }
@@ -61,9 +65,13 @@ impl Stepper {
         step: Step,
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
+        exchange: Option<&HeatExchange<'_>>,
     ) -> Result<(Diagnostics, f64), NoSolution> {
         self.kept.copy_from(&work.state);
-        let done = self.two_stages(work, step, drive, contact);
+        if let Some(exchange) = exchange {
+            work.thin(drive, exchange);
+        }
+        let done = self.two_stages(work, step, drive, contact, exchange);
         self.failures += usize::from(done.is_err());
         done
     }
@@ -74,12 +82,14 @@ impl Stepper {
         step: Step,
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
+        exchange: Option<&HeatExchange<'_>>,
     ) -> Result<(Diagnostics, f64), NoSolution> {
         let Self {
             start: mass,
             launch,
             kept,
             landing,
+            columns,
             failures,
         } = self;
         let lands = work.geometry.cells.conserves_mass() && *failures >= PATIENCE;
@@ -105,6 +115,10 @@ impl Stepper {
         work.turn(first, drive);
         let middle = solve(work, &stage(work, first, mass, drive), &task)?;
         let first_flow = work.balance.end_flow();
+        if exchange.is_some() {
+            work.begin_columns(mass, columns);
+            work.add_flows(1.0 - GAMMA, columns);
+        }
 
         // The second stage starts from where the rates of the first one lead at (1 - gamma) of the step.
         let ahead = (1.0 - GAMMA) / GAMMA;
@@ -137,6 +151,11 @@ impl Stepper {
                 fed: mean(first_flow.fed, last_flow.fed),
             };
             report.mass_error = mass_error(work, mass, step.duration, flow, stage.rotation);
+        }
+        if let Some(exchange) = exchange {
+            work.add_flows(GAMMA, columns);
+            report.given =
+                work.end_columns(columns, step.duration, report.heat, drive, exchange)?;
         }
         Ok((report, error))
     }

@@ -159,7 +159,8 @@ impl Workspace {
     pub fn update_balance(&mut self, stage: &Stage<'_>, drive: &Drive) -> bool {
         let (field, geometry) = (&self.state.field, &self.geometry);
         let (cells, gap) = (&geometry.cells, &geometry.gap);
-        let steady = self.liquid.update(&geometry.settings, gap, field, drive);
+        let warm = (&self.state.warm[..], cells.stride);
+        let steady = (self.liquid).update(&geometry.settings, gap, field, warm, drive);
         self.balance.update(cells, gap, &self.liquid, field, stage);
         steady
     }

@@ -5,3 +5,4 @@ mod feed;
 mod film;
 mod lives;
 mod periodic;
+mod warm;
