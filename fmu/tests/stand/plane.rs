@@ -263,6 +263,9 @@ impl Squeezed {
     }
 }
 
+/// A load, N, over the time, s.
+type Load<'a> = &'a dyn Fn(f64) -> Vector2<f64>;
+
 /// How far two paths are apart, at most.
 fn apart(one: &[Vector2<f64>], other: &[Vector2<f64>]) -> f64 {
     one.iter()
@@ -275,7 +278,7 @@ fn apart(one: &[Vector2<f64>], other: &[Vector2<f64>]) -> f64 {
 #[test]
 fn both_films_follow_a_film_solved_in_another_way() {
     let turn = TAU / SPEED;
-    let loads: [(&str, &dyn Fn(f64) -> Vector2<f64>); 3] = [
+    let loads: [(&str, Load); 3] = [
         ("ellipse", &|time| {
             let angle = 0.7 * SPEED * time;
             Vector2::new(600.0 * angle.cos(), 250.0 * angle.sin())

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::settings::{FilmError, finite, positive, within};
+use super::error::{FilmError, finite, positive, within};
 
 /// The shape of a feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

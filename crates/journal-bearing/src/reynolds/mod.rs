@@ -23,6 +23,7 @@
 //! `zeta` in 0..1 (the mean over the width). `P`, `v` and `W` have the unit 1/s.
 
 mod coefficients;
+mod error;
 mod feed;
 mod grid;
 mod lanes;
@@ -36,10 +37,11 @@ pub use crate::roughness::{
     shear_stress_factor, sliding_stress_factor,
 };
 pub use coefficients::Coefficients;
+pub use error::FilmError;
 pub use feed::{Feed, FeedShape};
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, Groove, NotConverged, QuasiStatic};
-pub use settings::{Cavitation, Drive, FilmError, FilmSettings};
+pub use settings::{Cavitation, Drive, FilmSettings};
 pub use transient::{
     Diagnostics, FilmState, HeatExchange, HeatGiven, PeriodicSearch, ReynoldsFilm,
 };

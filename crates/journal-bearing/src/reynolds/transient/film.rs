@@ -10,8 +10,9 @@ use super::state::State;
 use super::step::{Step, Stepper};
 use super::warmth::HeatExchange;
 use super::workspace::Workspace;
+use crate::reynolds::error::{FilmError, positive, within};
 use crate::reynolds::grid::Grid;
-use crate::reynolds::settings::{Drive, FilmError, FilmSettings, positive, within};
+use crate::reynolds::settings::{Drive, FilmSettings};
 
 /// The film between journal and bush by the transient Reynolds equation in two dimensions, with its journal.
 ///

@@ -7,9 +7,10 @@ use nalgebra::{Matrix2, Vector2};
 use super::cells::Cells;
 use super::gap::{Form, Gap};
 use super::state::Field;
+use crate::reynolds::error::{FilmError, within};
 use crate::reynolds::grid::Grid;
 use crate::reynolds::lanes::{dot, smallest};
-use crate::reynolds::settings::{Drive, FilmError, FilmSettings, within};
+use crate::reynolds::settings::{Drive, FilmSettings};
 use crate::roughness::{mean_gap, parting};
 
 /// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.

@@ -9,8 +9,9 @@ use super::linear::{Base, Linear};
 use super::liquid::Liquid;
 use super::stage::Stage;
 use super::state::{Field, State};
+use crate::reynolds::error::FilmError;
 use crate::reynolds::lanes::dot;
-use crate::reynolds::settings::{Drive, FilmError, FilmSettings};
+use crate::reynolds::settings::{Drive, FilmSettings};
 
 /// A film through which flows less than this share of its content in a step counts as still: its mass balance is judged
 /// by this flow, which is still well above the rounding of the content.
