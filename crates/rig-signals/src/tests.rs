@@ -240,7 +240,7 @@ fn the_noise_of_a_row_is_what_was_put_in() {
     for memory in [0.0, 0.6_f64] {
         let density = (1.0 - memory * memory) / (1.0 - 2.0 * memory * turn.cos() + memory * memory);
         let (mut ratios, mut correlations, mut whites) = (Vec::new(), Vec::new(), Vec::new());
-        for seed in 0..40 {
+        for seed in 0..20 {
             let mut r = recording(0.0);
             let mut random = StdRng::seed_from_u64(seed);
             let mut next = || random.sample::<f64, _>(StandardNormal);
