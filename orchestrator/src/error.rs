@@ -29,12 +29,9 @@ pub enum Error {
     /// A file cannot be read or written, or says what cannot be used.
     #[error(transparent)]
     File(#[from] FileError),
-    /// There is a study in the folder already.
-    #[error(
-        "{0} holds a study that has begun already; continue it with --resume, replace it with --force, or choose another \
-         --output"
-    )]
-    Begun(PathBuf),
+    /// The folder's journal cannot be used, or another run has the folder.
+    #[error(transparent)]
+    Journal(#[from] point_journal::Error),
     /// There is nothing to resume or to read in the folder.
     #[error("{0} holds no study; run `verify` into it first")]
     Missing(PathBuf),

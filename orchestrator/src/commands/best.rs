@@ -1,11 +1,12 @@
 //! The best point as a parameter set of SSP, with its provenance.
 
 use crate::error::Error;
-use crate::results::{Summary, traceability, write_atomically};
+use crate::results::{Summary, traceability};
 use crate::study::plan::Plan;
 use crate::study::ssv;
 use fmu_import::{Description, Value, Variable, digest};
 use fmu_points::task::Case;
+use point_journal::files::write_text;
 use std::path::Path;
 
 const SET: &str = "best.ssv";
@@ -49,7 +50,7 @@ pub(super) fn write(
     let set = ssv::write(&name, fmu, &named.collect::<Vec<_>>());
     let provenance = traceability::resource(&name, SET, &entries(summary, best.point, &set));
     for (file, text) in [(SET, set), (PROVENANCE, provenance)] {
-        write_atomically(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
+        write_text(&folder.join(file), text)?;
     }
     Ok(())
 }

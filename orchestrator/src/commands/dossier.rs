@@ -1,9 +1,10 @@
 //! The verdict for other tools: meta data of the summary and of the whole task, after SSP Traceability.
 
 use crate::error::Error;
+use crate::results::Summary;
 use crate::results::traceability::{self, criteria, dossier, origin, parameters, verdict};
-use crate::results::{Summary, write_atomically};
 use number_tables::files;
+use point_journal::files::write_text;
 use std::path::Path;
 
 const SUMMARY: &str = "summary.json";
@@ -21,7 +22,7 @@ pub(super) fn write(folder: &Path, summary: &Summary) -> Result<(), Error> {
     let name = format!("{}: verdict", title.unwrap_or(&summary.provenance.study));
     let resource = traceability::resource(&name, SUMMARY, &entries);
     for (file, text) in [(RESOURCE, resource), (TASK, traceability::task(summary))] {
-        write_atomically(&folder.join(file), |out| out.write_all(text.as_bytes()))?;
+        write_text(&folder.join(file), text)?;
     }
     Ok(())
 }

@@ -11,10 +11,10 @@ use super::isolated::Isolated;
 use super::{output, simulate};
 use crate::cli::Init;
 use crate::error::Error;
-use crate::results::write_atomically;
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 use fmu_points::task::Schedule;
 use measured::Measured;
+use point_journal::files::write_text;
 use write::{Criteria, Shown};
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
@@ -54,7 +54,7 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
     match &options.output {
         None => output::print(&study.text()),
         Some(path) => {
-            write_atomically(path, |out| out.write_all(study.text().as_bytes()))?;
+            write_text(path, study.text())?;
             output::print(&study.told(path));
         }
     }

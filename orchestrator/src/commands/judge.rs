@@ -12,11 +12,10 @@ use crate::error::Error;
 use crate::judge::Judge;
 use crate::methods::asking::warn;
 use crate::pipeline::folder::Earlier;
-use crate::results::lock::Lock;
+use crate::results::concerns;
 use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
 use crate::results::tally::{Sample, Tally};
-use crate::results::{concerns, lines, write_atomically};
 use crate::session::{FileSet, Request, provenance};
 use crate::study::Study;
 use fmu_import::quantity::Scale;
@@ -24,6 +23,8 @@ use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
 use fmu_points::failure::{Failure, Partial};
 use number_tables::Table;
+use point_journal::files::write_text;
+use point_journal::{Lock, lines};
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let begun = Instant::now();
@@ -90,8 +91,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
         files.finish(&summary)?;
     }
     if let Some(folder) = &options.output {
-        let path = folder.join("study.toml");
-        write_atomically(&path, |out| out.write_all(study.text().as_bytes()))?;
+        write_text(&folder.join("study.toml"), study.text())?;
         complete(folder, &summary);
     }
     output::print(&table::told(&summary));

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use crate::cli::{Cli, Manual};
 use crate::error::Error;
-use crate::results::make_folder;
 use clap::CommandFactory;
+use point_journal::files::make_folder;
 
 pub(super) fn run(options: &Manual) -> Result<ExitCode, Error> {
     let folder = &options.folder;

@@ -11,10 +11,11 @@ use crate::error::Error;
 use crate::judge::Judge;
 use crate::pipeline::Model;
 use crate::results::points::number;
-use crate::results::{draft, keep, table};
+use crate::results::table;
 use crate::session::Verification;
 use fmu_points::names::{did_you_mean, nearest};
 use fmu_points::task::Case;
+use point_journal::files::{draft, keep};
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;

@@ -1,6 +1,5 @@
 //! `synchronise`: from measured time series to criteria, and a page that shows how.
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use super::output;
@@ -8,8 +7,8 @@ use crate::cli;
 use crate::error::Error;
 use crate::recording::Settings;
 use crate::report::recording;
-use crate::results::{make_folder, write_atomically};
 use number_tables::files::FileError;
+use point_journal::files::{make_folder, write_text};
 use rig_signals::case::{Case, Frame};
 use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
 
@@ -27,8 +26,8 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     if recorded.power.is_none() {
         text += NO_POWER;
     }
-    save(&folder.join("criteria.toml"), &text)?;
-    save(&folder.join("synchronised.csv"), &table(&result))?;
+    write_text(&folder.join("criteria.toml"), &text)?;
+    write_text(&folder.join("synchronised.csv"), &table(&result))?;
     let title = options.measured.file_name().unwrap_or_default();
     let title = title.to_string_lossy();
     recording::write(&recorded, &result, &title, options.amplitudes, folder)?;
@@ -60,14 +59,9 @@ fn case(
         lag: settings.lag()?,
     };
     let text = case.to_toml(&frame);
-    save(&table, &case.table(&drives))?;
-    save(&folder.join("case.toml"), &text)?;
+    write_text(&table, &case.table(&drives))?;
+    write_text(&folder.join("case.toml"), &text)?;
     Ok(text)
-}
-
-fn save(path: &Path, text: &str) -> Result<(), Error> {
-    write_atomically(path, |out| out.write_all(text.as_bytes()))?;
-    Ok(())
 }
 
 fn table(result: &Synchronised) -> String {

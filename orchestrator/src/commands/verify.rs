@@ -18,12 +18,13 @@ use crate::pipeline::folder::Earlier;
 use crate::pipeline::{Pipeline, Step};
 use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
-use crate::results::{Journal, Looked, Summary, lines, parquet};
+use crate::results::{Looked, Summary, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use crate::study::plan::bare;
 use crate::study::{Name, Setting};
 use fmu_points::names::behind;
 use fmu_points::task::Case;
+use point_journal::{Journal, lines};
 use sampling::design::Method;
 
 /// With `--until`, a study has as many points as needed, but for a limit.
@@ -131,7 +132,7 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), Error> {
         if summary.exists() {
             fs::remove_file(&summary).map_err(Error::io(&summary))?;
         }
-        return Journal::rewrite(folder, header);
+        return Ok(Journal::rewrite(folder, header)?);
     }
     let method = verification.session.study.design.method.name();
     let with = Method::named(Method::is_extensible);

@@ -5,9 +5,9 @@ use std::cell::RefCell;
 use super::bind::Bound;
 use crate::error::Error;
 use crate::pipeline::{Model, Pipeline};
-use crate::results::Outcome;
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
 use fmu_points::Answer;
+use point_journal::Outcome;
 
 impl Model for Bound {
     fn values(&self, point: &[f64]) -> Vec<f64> {

@@ -12,11 +12,13 @@ use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::pipeline::folder::Kept;
 use crate::results::origin::Origin;
+use crate::results::table;
 use crate::results::validity::Validity;
-use crate::results::{Header, Outcome, make_folder, table, write_json};
 use crate::session::{Asking, Request, Session};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
+use point_journal::files::{make_folder, write_json};
+use point_journal::{Header, Outcome};
 
 /// An analysis that asks for points of its own. Its fields are its options, as the request keeps them.
 pub trait Analysis: Serialize {
@@ -135,7 +137,7 @@ impl AnalysisResult {
     /// When the system says no.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         make_folder(folder)?;
-        write_json(&folder.join(self.file), &self.content)
+        Ok(write_json(&folder.join(self.file), &self.content)?)
     }
 }
 

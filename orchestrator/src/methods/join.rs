@@ -9,9 +9,8 @@ use super::setup::{Place, Source};
 use crate::error::Error;
 use crate::pipeline::folder::Earlier;
 use crate::pipeline::{Part, Pipeline};
-use crate::results::finished::Finished;
-use crate::results::{Header, Journal, journal, lines};
 use crate::session::Request;
+use point_journal::{Finished, Header, Journal, journal, lines};
 
 /// The folders of shards, and where their points go.
 #[derive(Clone, Copy, Debug)]
@@ -104,7 +103,7 @@ impl Shards<'_> {
         for folder in self.folders {
             journal::copy(folder, joined)?;
         }
-        joined.sync()
+        Ok(joined.sync()?)
     }
 
     /// Refuses folders that are not of one study, before anything is written; names their shards.

@@ -4,13 +4,12 @@ use crate::error::Error;
 use crate::options::Means;
 use crate::pipeline::folder::{Earlier, Kept, RunFolder};
 use crate::pipeline::{Model, Part, Pipeline};
-use crate::results::lock::Lock;
-use crate::results::{Header, lines};
 use crate::session::{Request, Session, Verification};
 use crate::study::Study;
 use fmu_import::Package;
 use fmu_points::crew::Crew;
 use fmu_points::task::Case;
+use point_journal::{Header, Lock, lines};
 use std::path::{Path, PathBuf};
 
 /// A study that is tied to its FMU, whose points are run.

@@ -4,10 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use crate::error::Error;
-use crate::results::finished::Finished;
-use crate::results::lock::Lock;
-use crate::results::{DRAFT, Header, Journal, lines};
 use fmu_points::scratch::{self, Scratch};
+use point_journal::files::DRAFT;
+use point_journal::{Finished, Header, Journal, Lock, lines};
 
 /// A folder that is taken for a run.
 #[derive(Debug)]

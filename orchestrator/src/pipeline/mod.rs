@@ -17,9 +17,6 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crate::error::Error;
-use crate::results::finished::Finished;
-use crate::results::note::Note;
-use crate::results::{Journal, Outcome};
 use doubt::Doubt;
 use fmu_points::crew::Crew;
 use fmu_points::notices::Notices;
@@ -30,6 +27,7 @@ use fmu_points::{
 };
 use progress::Progress;
 
+use point_journal::{Finished, Journal, Note, Outcome};
 pub use shard::{Part, Shard};
 
 /// Points of one model in the units of the study.
@@ -366,11 +364,11 @@ impl<'a> Pipeline<'a> {
         const OFTEN: Duration = Duration::from_secs(5);
         if self.synced.elapsed() < OFTEN {
             self.note_audits()?;
-            return self.journal.flush();
+            return Ok(self.journal.flush()?);
         }
         self.synced = Instant::now();
         self.note_conduct()?;
-        self.journal.sync()
+        Ok(self.journal.sync()?)
     }
 
     /// Notes the first audits at once: a run that is killed must not forget them.
@@ -392,7 +390,7 @@ impl<'a> Pipeline<'a> {
         let conduct = crew.conduct();
         let before = self.noted.replace(conduct.clone());
         let since = conduct.since(before.as_ref());
-        self.journal.note(&Note::Conduct(since))
+        Ok(self.journal.note(&Note::Conduct(since))?)
     }
 
     /// The outcomes of a set of points, given in the study's units. What the journal knows is read from it, all
@@ -514,7 +512,7 @@ impl<'a> Pipeline<'a> {
         };
         let mut outcomes = finished.outcomes()?;
         let known = (0..count as u64).map(|k| outcomes.get(first + k));
-        known.collect()
+        Ok(known.collect::<Result<_, _>>()?)
     }
 
     /// Notes which points a set has. Where the journal has answers for other points, these count no more: a search
@@ -528,7 +526,7 @@ impl<'a> Pipeline<'a> {
             }
             Arc::make_mut(finished).begin_set(first, &sum);
         }
-        self.journal.append_set(first, &sum)
+        Ok(self.journal.append_set(first, &sum)?)
     }
 
     /// Ends the run: everything is on the disk, and the journal says that the analysis needs no further points.
@@ -547,7 +545,7 @@ impl<'a> Pipeline<'a> {
     pub fn pause(mut self) -> Result<(), Error> {
         self.progress.finish();
         self.note_conduct()?;
-        self.journal.sync()
+        Ok(self.journal.sync()?)
     }
 }
 

@@ -21,13 +21,14 @@ mod shown;
 pub(crate) mod whatif;
 
 use crate::error::Error;
-use crate::results::{Summary, write_atomically};
+use crate::results::Summary;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
 use fmu_points::tell::visible;
 use judgement::Judgement;
 use parameter_regions::table::PointTable;
+use point_journal::files::write_text;
 #[cfg(feature = "png")]
 use rayon::prelude::*;
 use result_document::{Document, svg};
@@ -132,7 +133,7 @@ impl Report {
         plots.par_iter().try_for_each(|(name, plot)| {
             let file = painter.png(&svg::plain(plot)).map_err(no_png)?;
             let path = folder.join("plots").join(format!("{name}.png"));
-            write_atomically(&path, |out| out.write_all(&file))
+            Ok::<_, Error>(write_text(&path, file)?)
         })?;
         Ok(plots.len())
     }
@@ -154,7 +155,7 @@ fn no_png(message: String) -> Error {
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), Error> {
-    write_atomically(path, |out| out.write_all(visible(text).as_bytes()))
+    Ok(write_text(path, &*visible(text))?)
 }
 
 /// The text that the page unpacks.

@@ -6,10 +6,11 @@ use std::path::Path;
 
 use super::{Halt, Reruns};
 use crate::report::history;
-use crate::results::{Summary, write_atomically};
+use crate::results::Summary;
 use curves::Sampler;
 use fmu_points::task::MeasuredCurve;
 use number_tables::csv_file;
+use point_journal::files::write_table;
 
 /// So many points for each of those that are run once more to see whether they had settled.
 const EACH: usize = 5;
@@ -54,9 +55,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Op
             }
         }
     }
-    let written = write_atomically(&path, |out| {
-        let mut table = csv::Writer::from_writer(out);
-        table.write_record(history::MEASURED_COLUMNS)?;
+    let written = write_table(&path, history::MEASURED_COLUMNS, |table| {
         for ((k, probe), name) in probes().zip(summary.criteria.keys()) {
             let Some(curve) = &probe.curve else { continue };
             let band = bands[k].as_ref();
@@ -75,7 +74,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Op
                 ])?;
             }
         }
-        table.flush()
+        Ok(())
     });
     written
         .err()

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use super::finer::for_a_plot;
 use super::{Halt, Reruns};
-use crate::error::Error;
 use crate::report::history;
-use crate::results::{Summary, write_atomically};
+use crate::results::Summary;
 use fmu_points::task::Task;
 use number_tables::csv_file;
+use point_journal::files::write_atomically;
 
 /// So many numbers a file holds at the most, more or less: of more communication points some are left out.
 const MOST_NUMBERS: u64 = 1_000_000;
@@ -148,6 +148,6 @@ fn write_case(
     match (written, halt) {
         (Ok(()), _) => Ok((every > 1).then_some(every)),
         (Err(_), Some(halt)) => Err(halt),
-        (Err(error), None) => Err(Halt::Failed(Error::to_string(&error))),
+        (Err(error), None) => Err(Halt::Failed(error.to_string())),
     }
 }

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::error::Error;
-use crate::results::{Summary, write_json};
+use crate::results::Summary;
 use crate::session::Verification;
 use crate::study::plan::Plan;
 use budget::Budget;
@@ -28,6 +28,7 @@ use fmu_points::single::{Recorder, Recording};
 use fmu_points::stop;
 use fmu_points::task::{Case, Task};
 use fmu_points::{Answer, RunError, working_directory};
+use point_journal::files::write_json;
 
 /// The runs that are to be made once more.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +61,7 @@ pub fn run(
     left_out.extend(settled::observe(&reruns, folder, summary));
     left_out.extend(band::write(&reruns, folder, summary));
     summary.left_out = (!left_out.is_empty()).then(|| left_out.join("; "));
-    write_json(&folder.join("summary.json"), summary)
+    Ok(write_json(&folder.join("summary.json"), summary)?)
 }
 
 /// Takes the time, s, and the signals' values then.

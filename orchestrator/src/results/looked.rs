@@ -9,9 +9,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Header, write_json};
 use crate::error::Error;
 use conformity::looks::History;
+use point_journal::Header;
+use point_journal::files::write_json;
 
 /// The verdicts of a study.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,6 +52,6 @@ impl Looked {
     /// # Errors
     /// When the system says no.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
-        write_json(&folder.join(FILE), self)
+        Ok(write_json(&folder.join(FILE), self)?)
     }
 }

@@ -13,10 +13,11 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::{Summary, keep};
+use super::Summary;
 use crate::error::Error;
 use number_tables::csv_file;
 use number_tables::parquet::one_line;
+use point_journal::files::{draft, keep};
 
 /// Rows that are held in memory at a time.
 const GROUP: usize = 1 << 16;
@@ -27,7 +28,7 @@ const GROUP: usize = 1 << 16;
 /// When the table cannot be read or the file not be written.
 pub fn convert(folder: &Path, summary: &Summary) -> Result<(), Error> {
     let path = folder.join("points.parquet");
-    let draft = super::draft(folder).map_err(Error::io(folder))?;
+    let draft = draft(folder).map_err(Error::io(folder))?;
     let attempt = || -> Result<(), ParquetError> {
         let mut table = csv::Reader::from_path(folder.join("points.csv")).map_err(other)?;
         let header = table.headers().map_err(other)?.clone();
@@ -57,7 +58,7 @@ pub fn convert(folder: &Path, summary: &Summary) -> Result<(), Error> {
         },
         error => Error::io(&path)(io::Error::other(one_line(&error))),
     })?;
-    keep(draft, &path)
+    Ok(keep(draft, &path)?)
 }
 
 fn other(error: csv::Error) -> ParquetError {

@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-use super::Outcome;
 use super::choice::{Best, Even};
 use super::summary::Summary;
 use crate::error::Error;
@@ -14,6 +13,7 @@ use conformity::measured::Measurement;
 use conformity::risk::Guard;
 use number_tables::csv_file;
 use parameter_regions::table::{ParameterColumn, PointTable};
+use point_journal::Outcome;
 use sampling::statistics::moments::length;
 
 /// Writes `points.csv` row by row.

@@ -1,10 +1,10 @@
 //! The most probable point: that with the largest product of prior density and likelihood.
 
-use super::Outcome;
 use super::summary::Kept;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::likelihood::Likelihood;
+use point_journal::Outcome;
 
 /// Looks for the most probable of the points that are shown to it.
 ///

@@ -4,8 +4,8 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::Outcome;
 use crate::judge::Judge;
+use point_journal::Outcome;
 
 /// The largest number of points that are run once more.
 pub const MOST_EXTRA_RUNS: usize = 10;

@@ -1,18 +1,19 @@
 //! Conclusions from all points together besides the counts: how far they reach, which is the most probable, how the model
 //! compares with the measurement, what to improve first.
 
+use super::Row;
 use super::concerns::{out_of_reach, unmoved};
 use super::failed::{self, place};
 use super::improvement::{improvements, most_points};
 use super::probable::MostProbable;
 use super::settled::{Edges, Settled};
 use super::summary::{BestPoint, Summary};
-use super::{Outcome, Row};
 use crate::concern::Code;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::conclusion::grouped;
 use conformity::validation::{Comparison, Numerical, Spread};
+use point_journal::Outcome;
 
 /// Looks at points one by one, in constant memory.
 #[derive(Debug)]

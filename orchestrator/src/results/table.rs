@@ -1,10 +1,11 @@
 //! The table of points from what `verify` leaves behind.
 
-use super::{Outcome, Summary, points, validity};
+use super::{Summary, points, validity};
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
 use crate::study::plan::Input;
 use parameter_regions::table::{ParameterColumn, PointTable};
+use point_journal::Outcome;
 use std::path::Path;
 
 /// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that

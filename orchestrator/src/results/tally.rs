@@ -2,7 +2,6 @@
 
 use indexmap::IndexMap;
 
-use super::Outcome;
 use super::failed;
 use super::resampled::{not_stated, told};
 use super::summary::{
@@ -16,6 +15,7 @@ use conformity::looks::Looks;
 use conformity::measured::Limits;
 use conformity::risk::RiskTally;
 use fmu_points::notices::{Notices, Replicates};
+use point_journal::Outcome;
 
 /// How the points represent the space.
 #[derive(Clone, Copy, Debug)]

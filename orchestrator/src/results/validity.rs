@@ -9,8 +9,6 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
-use super::finished::Finished;
-use super::{draft, keep};
 use crate::error::Error;
 use conformity::conclusion::grouped;
 use fmu_import::Description;
@@ -18,6 +16,8 @@ use fmu_import::validity::{CATEGORY, alike};
 use fmu_points::Separation;
 use fmu_points::notices::Limit;
 use number_tables::csv_file;
+use point_journal::Finished;
+use point_journal::files::{draft, keep};
 
 /// The file with the points.
 const FILE: &str = "validity.csv";
@@ -171,7 +171,7 @@ impl Writer {
         match self.0 {
             Some((mut csv, file)) => {
                 csv.flush().map_err(Error::io(&path))?;
-                keep(file, &path)
+                Ok(keep(file, &path)?)
             }
             None => match fs::remove_file(&path) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => {

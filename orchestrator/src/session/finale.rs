@@ -12,15 +12,16 @@ use super::{Ending, Front, Session, Verification};
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
 use crate::results::asides::Asides;
-use crate::results::finished::Finished;
 use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
 use crate::results::survey::Survey;
 use crate::results::tally::{Sample, Tally};
 use crate::results::validity::{self, Validity};
-use crate::results::{Looked, Outcome, draft, keep, points, write_json};
+use crate::results::{Looked, points};
 use crate::study::Study;
 use crate::study::plan::Input;
 use fmu_points::notices::Limit;
+use point_journal::files::{draft, keep, write_json};
+use point_journal::{Finished, Outcome};
 
 impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to
@@ -244,7 +245,7 @@ impl FileSet {
         };
         keep(file, &path)?;
         self.limits.finish(&self.folder)?;
-        write_json(&self.folder.join("summary.json"), summary)
+        Ok(write_json(&self.folder.join("summary.json"), summary)?)
     }
 }
 

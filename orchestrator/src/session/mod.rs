@@ -8,7 +8,6 @@ mod verification;
 use crate::error::Error;
 use crate::judge::Judge;
 use crate::pipeline::Model;
-use crate::results::{Header, Outcome};
 use crate::study::Study;
 use crate::study::plan::Plan;
 use crate::study::points;
@@ -16,6 +15,7 @@ use fmu_import::Package;
 use fmu_points::Answer;
 
 pub use finale::{FileSet, provenance};
+use point_journal::{Header, Outcome};
 pub use request::{Asking, Request};
 pub use until::{Ending, Front, Until};
 pub use verification::Verification;

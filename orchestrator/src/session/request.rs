@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::pipeline::Shard;
 use crate::pipeline::folder::Earlier;
-use crate::results::{write_atomically, write_json};
 use crate::study::Study;
+use point_journal::files::{write_json, write_text};
 
 /// The request: all options of the command.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -146,9 +146,7 @@ impl Request {
             ..self.clone()
         };
         write_json(&folder.join(FILE), &kept)?;
-        write_atomically(&folder.join(STUDY), |out| {
-            out.write_all(study.text().as_bytes())
-        })
+        Ok(write_text(&folder.join(STUDY), study.text())?)
     }
 
     /// The request of a folder. The study is the one that was kept there.

@@ -3,11 +3,11 @@
 use std::str::FromStr;
 
 use crate::judge::Judge;
-use crate::results::Outcome;
 use conformity::decision::{Decision, Rule};
 use conformity::interval::{LEAST_SAMPLES, clopper_pearson};
 use conformity::looks::{History, Looks, Way};
 use conformity::risk::Guard;
+use point_journal::Outcome;
 use sampling::design::Method;
 
 /// The condition that ends sampling, as the option gives it.

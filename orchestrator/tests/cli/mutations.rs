@@ -10,12 +10,11 @@ use fmu_import::Package;
 use fmu_points::Separation;
 use number_tables::Table;
 use orchestrator::judge::Judge;
-use orchestrator::results::finished::Finished;
 use orchestrator::results::table;
-use orchestrator::results::{Journal, lines};
 use orchestrator::source::Source;
 use orchestrator::study::plan::Plan;
 use orchestrator::study::{Study, ssv};
+use point_journal::{Finished, Journal, lines};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 

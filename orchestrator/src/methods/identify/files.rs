@@ -1,12 +1,12 @@
 //! The files of an identification.
 
 use crate::error::Error;
-use crate::results::write_atomically;
 use crate::study::{Identification, Study};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
 use number_tables::csv_file::{self, CsvFile};
 use std::path::{Path, PathBuf};
+use point_journal::files::{write_table, write_text, write_texts};
 
 /// Writes all files.
 pub(super) fn write(
@@ -25,7 +25,7 @@ pub(super) fn write(
     for place in 0..optima {
         let section = text::fixed_section(&name, place, outcome, others);
         let file = numbered("optimum", "toml", place, optima);
-        write_atomically(&folder.join(file), |out| out.write_all(section.as_bytes()))?;
+        write_text(&folder.join(file), section)?;
     }
     for (stem, ending) in [("optimum", "toml"), ("cases", "csv")] {
         remove_others(folder, stem, ending, optima)?;
@@ -70,15 +70,10 @@ fn write_validation(folder: &Path, outcome: &IdentificationOutcome) -> Result<()
         // One of an earlier run would be taken for this one's.
         return remove(&path);
     };
-    write_atomically(&path, |out| {
-        let mut table = csv::Writer::from_writer(out);
-        table.write_record(cross::text::HEAD)?;
-        for row in cross::text::rows(validation) {
-            table.write_record(row.iter().map(|text| csv_file::cell(text).into_owned()))?;
-        }
-        table.flush()
-    })?;
-    Ok(())
+    let mut rows = cross::text::rows(validation).into_iter();
+    Ok(write_table(&path, cross::text::HEAD, |table| {
+        rows.try_for_each(|row| write_texts(table, &row))
+    })?)
 }
 
 /// The table of cases with the latent parameters' most probable values in place of what it had.
@@ -93,7 +88,6 @@ fn write_cases(
         return Ok(());
     };
     let path = resolve(study, path.as_ref());
-    let failed = |error: csv::Error| Error::content(&path, error);
     let mut table = CsvFile::open(&path, Some(b'#'))?;
     let header = table.header()?;
     let latents = settings.latent.values();
@@ -104,10 +98,7 @@ fn write_cases(
                 .position(|name| Some(name) == latent.column.as_ref())
         })
         .collect();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let names = header.iter().map(|name| csv_file::cell(name).into_owned());
-    writer.write_record(names).map_err(failed)?;
-    let mut row = csv::StringRecord::new();
+    let (mut rows, mut row) = (Vec::new(), csv::StringRecord::new());
     for case in &outcome.optima[optimum].latents {
         if !table.row(&mut row)? {
             break;
@@ -119,16 +110,12 @@ fn write_cases(
                 *cell = text::digits(latent.value).to_string();
             }
         }
-        writer
-            .write_record(cells.iter().map(|text| csv_file::cell(text).into_owned()))
-            .map_err(failed)?;
+        rows.push(cells);
     }
-    let bytes = writer
-        .into_inner()
-        .expect("memory takes all that is written");
     let file = numbered("cases", "csv", optimum, outcome.optima.len());
-    write_atomically(&folder.join(file), |out| out.write_all(&bytes))?;
-    Ok(())
+    Ok(write_table(&folder.join(file), &header, |table| {
+        rows.iter().try_for_each(|row| write_texts(table, row))
+    })?)
 }
 
 /// A path that the study gives relative to itself.

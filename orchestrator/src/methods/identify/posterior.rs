@@ -8,7 +8,6 @@ use serde::Deserialize;
 use super::files::remove;
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use crate::results::write_atomically;
 use crate::study::identification::PosteriorStart;
 use crate::study::{Identification, Study};
 use calibration::discrepancy::Unknown;
@@ -22,6 +21,7 @@ use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
 use calibration::search::SearchError;
 use number_tables::csv_file;
 use number_tables::files;
+use point_journal::files::write_atomically;
 
 /// The most particles: more would be the table's work, not the posterior's.
 const MOST: u64 = 1_000_000;

@@ -15,9 +15,10 @@ use crate::judge::Judge;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::points::number;
-use crate::results::{Outcome, write_atomically};
 use crate::session::{Request, Session};
 use number_tables::csv_file;
+use point_journal::Outcome;
+use point_journal::files::write_table;
 use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
 use statement::{Statement, confidence};
 
@@ -212,7 +213,7 @@ impl Analysis for Rare {
             Ok(results)
         };
         let answer = rare::share(&search, &mut ask)?;
-        write_table(&folder.join(TABLE), session, &answer, &met)?;
+        write_points(&folder.join(TABLE), session, &answer, &met)?;
         let statement = Statement::new(self.event, &search, &answer, session);
         let origin = asking::origin(session)?;
         let mut result =
@@ -232,26 +233,17 @@ fn bits(scores: &[f64]) -> Vec<u64> {
 }
 
 /// The points of the event that the share rests on, each with the share that it stands for.
-fn write_table(
+fn write_points(
     path: &Path,
     session: &Session,
     answer: &Answer,
     outcomes: &HashMap<Vec<u64>, Outcome>,
 ) -> Result<(), Error> {
     let Session { plan, judge, .. } = session;
-    write_atomically(path, |out| {
-        let mut table = csv::Writer::from_writer(out);
-        let parameters = plan.inputs.iter().map(|input| input.name.as_str());
-        let criteria = judge
-            .criteria
-            .iter()
-            .map(|criterion| criterion.name.as_str());
-        let header = ["weight"]
-            .into_iter()
-            .chain(parameters)
-            .chain(criteria)
-            .chain(["status"]);
-        table.write_record(header.map(|name| csv_file::cell(name).into_owned()))?;
+    let parameters = plan.inputs.iter().map(|input| input.name.as_str());
+    let names = parameters.chain(judge.names().map(String::as_str));
+    let head = ["weight"].into_iter().chain(names).chain(["status"]);
+    Ok(write_table(path, head, |table| {
         for point in &answer.sample {
             let mut record = vec![number(point.weight)];
             record.extend(plan.at_scores(&point.scores).into_iter().map(number));
@@ -268,6 +260,6 @@ fn write_table(
             }
             table.write_record(record)?;
         }
-        table.flush()
-    })
+        Ok(())
+    })?)
 }

@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
 use crate::results::origin::Origin;
-use crate::results::{make_folder, points, table, write_atomically};
+use crate::results::{points, table};
 use crate::session::{Request, Session};
 use crate::study::Study;
 use crate::study::plan::Plan;
@@ -30,6 +30,7 @@ use result_document::Document;
 
 pub use document::document;
 pub use outputs::{Sensitivity, from_points};
+use point_journal::files::{make_folder, write_table};
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";
@@ -315,11 +316,10 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), Error> {
         .iter()
         .map(|c| (c.name.as_str(), c.values.as_slice()));
     let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
-    write_atomically(&folder.join("sensitivity-runs.csv"), |out| {
-        let mut table = csv::Writer::from_writer(out);
-        let names = columns.iter().map(|(name, _)| *name);
-        let names = names.chain(["verified", "status"]);
-        table.write_record(names.map(|name| csv_file::cell(name).into_owned()))?;
+    let names = columns.iter().map(|(name, _)| *name);
+    let head = names.chain(["verified", "status"]);
+    let path = folder.join("sensitivity-runs.csv");
+    Ok(write_table(&path, head, |table| {
         for row in 0..rows.len() {
             let cell = |(_, values): &(&str, &[f64])| match values[row] {
                 value if value.is_finite() => points::number(value),
@@ -329,7 +329,6 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), Error> {
             let verdict = [rows.verified[row].to_string(), status];
             table.write_record(columns.iter().map(cell).chain(verdict))?;
         }
-        table.flush()
-    })?;
-    Ok(())
+        Ok(())
+    })?)
 }

@@ -14,7 +14,6 @@ use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
 use crate::pipeline::Pipeline;
-use crate::results::Outcome;
 use crate::results::summary::ParameterSummary;
 use crate::results::table;
 use crate::session::{Request, Session};
@@ -30,6 +29,7 @@ use result_document::format::number;
 use sampling::design::Joint;
 
 pub use document::document;
+use point_journal::Outcome;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "tolerances.json";

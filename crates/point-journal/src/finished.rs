@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::Outcome;
-use super::header::Header;
-use super::lines::{Line, Lines, open, path_in};
-use super::note::{Note, SAME_SET, SET, separation};
-use crate::error::Error;
+use crate::Error;
+use crate::Outcome;
+use crate::header::Header;
+use crate::lines::{Line, Lines, open, path_in};
+use crate::note::{Note, SAME_SET, SET, separation};
 use fmu_points::failure::Failure;
 use fmu_points::notices::Notices;
 use fmu_points::{Conduct, Isolation, Separation};
@@ -43,9 +43,9 @@ pub struct Finished {
     /// Whether the analysis needed no further points.
     pub ended: bool,
     /// Lines whose checksum is wrong, from a flipped bit or a bad block: their points are open.
-    pub(super) damaged: u64,
+    pub(crate) damaged: u64,
     /// The length of the file without a last line that was not written to its end.
-    pub(super) end: u64,
+    pub(crate) end: u64,
 }
 
 const NOWHERE: u64 = u64::MAX;
@@ -188,7 +188,7 @@ impl Finished {
     }
 
     /// Whether a line at this place is that of a finished point, and not of one that was computed again.
-    pub(super) fn counts(&self, line: &str, place: u64) -> bool {
+    pub(crate) fn counts(&self, line: &str, place: u64) -> bool {
         let index = line.split(' ').next().and_then(|text| text.parse().ok());
         index.is_some_and(|index| self.place(index) == Some(place))
     }

@@ -9,8 +9,8 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::make_folder;
-use crate::error::Error;
+use crate::Error;
+use crate::files::make_folder;
 
 const FILE: &str = "run.lock";
 /// How long to wait for the lock. When a run is killed while it starts a worker, the new process holds a copy of the lock

@@ -1,12 +1,12 @@
 //! Which study, FMU and points a journal belongs to.
 
-use crate::error::Error;
+use crate::Error;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 /// Identity of a run: study, FMU, seed, versions. Points of different runs must not be mixed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
     /// The version of this program.
     pub orchestrator: String,

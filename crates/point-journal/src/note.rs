@@ -25,12 +25,12 @@ pub enum Note {
 }
 
 /// Begins a line that says which points a set has.
-pub(super) const SET: &str = "set";
+pub(crate) const SET: &str = "set";
 /// Begins the same line once more, for the case that the first one is damaged.
-pub(super) const SAME_SET: &str = "same-set";
+pub(crate) const SAME_SET: &str = "same-set";
 
 /// How a line names the process of a point that has results.
-pub(super) fn word(separation: Separation) -> &'static str {
+pub(crate) fn word(separation: Separation) -> &'static str {
     match separation {
         Separation::Apart => "apart",
         Separation::New => "ok",
@@ -40,7 +40,7 @@ pub(super) fn word(separation: Separation) -> &'static str {
 }
 
 /// The process that a line names.
-pub(super) fn separation(word: &str) -> Option<Separation> {
+pub(crate) fn separation(word: &str) -> Option<Separation> {
     let all = [
         Separation::Apart,
         Separation::New,

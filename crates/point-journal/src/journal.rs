@@ -26,12 +26,13 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::finished::Finished;
-use super::header::Header;
-use super::lines::{self, Line, open, path_in};
-use super::note::{Note, SAME_SET, SET, word};
-use super::{Outcome, draft, keep, make_folder};
-use crate::error::Error;
+use crate::Error;
+use crate::Outcome;
+use crate::files::{draft, keep, make_folder};
+use crate::finished::Finished;
+use crate::header::Header;
+use crate::lines::{self, Line, open, path_in};
+use crate::note::{Note, SAME_SET, SET, word};
 use fmu_points::Separation;
 use fmu_points::notices::Notices;
 use fmu_points::tell::one_line;
@@ -82,7 +83,7 @@ impl Journal {
             }
         }
         anew.sync()?;
-        keep(draft, &path)
+        Ok(keep(draft, &path)?)
     }
 
     /// A journal with its first line, which is not yet in its place.

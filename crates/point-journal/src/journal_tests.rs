@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use std::fs;
 
 use super::*;
-use crate::error::Error;
+use crate::Error;
 use fmu_points::failure::Failure;
 use fmu_points::{Conduct, Isolation, Separation};
 

@@ -1,7 +1,7 @@
 //! The lines of a journal, checked.
 
-use super::header::Header;
-use crate::error::Error;
+use crate::Error;
+use crate::header::Header;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub fn header(folder: &Path) -> Result<Header, Error> {
 }
 
 /// Opens the journal of a folder and reads its header: the first line, or a copy of it further on.
-pub(super) fn open(folder: &Path) -> Result<(Lines, Header), Error> {
+pub(crate) fn open(folder: &Path) -> Result<(Lines, Header), Error> {
     let path = path_in(folder);
     let file = File::open(&path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),
@@ -44,7 +44,7 @@ pub(super) fn open(folder: &Path) -> Result<(Lines, Header), Error> {
 
 /// A line of the file.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Line<'a> {
+pub(crate) enum Line<'a> {
     /// Its checksum is right; this is what stands behind it.
     Sound(&'a str),
     /// Its checksum is wrong.
@@ -55,7 +55,7 @@ pub(super) enum Line<'a> {
 
 /// Lines, one after the other.
 #[derive(Debug)]
-pub(super) struct Lines {
+pub(crate) struct Lines {
     reader: BufReader<File>,
     line: Vec<u8>,
     /// Position at which the next line begins.
@@ -63,7 +63,7 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    pub(super) fn new(file: File) -> Self {
+    pub(crate) fn new(file: File) -> Self {
         Self {
             reader: BufReader::with_capacity(1 << 16, file),
             line: Vec::new(),
@@ -72,11 +72,11 @@ impl Lines {
     }
 
     /// Position at which the next line begins.
-    pub(super) fn place(&self) -> u64 {
+    pub(crate) fn place(&self) -> u64 {
         self.place
     }
 
-    pub(super) fn seek(&mut self, place: u64) -> io::Result<()> {
+    pub(crate) fn seek(&mut self, place: u64) -> io::Result<()> {
         match i64::try_from(i128::from(place) - i128::from(self.place)) {
             // Stays in the buffer where that holds the place.
             Ok(distance) => self.reader.seek_relative(distance)?,
@@ -87,7 +87,7 @@ impl Lines {
     }
 
     /// The next line without its checksum.
-    pub(super) fn next_line(&mut self) -> io::Result<Line<'_>> {
+    pub(crate) fn next_line(&mut self) -> io::Result<Line<'_>> {
         self.line.clear();
         let length = self.reader.read_until(b'\n', &mut self.line)? as u64;
         let Some(line) = self.line.strip_suffix(b"\n") else {

@@ -1,0 +1,38 @@
+//! Why a folder's journal cannot be written or read, as the user reads it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use number_tables::files::FileError;
+
+/// Why a folder's journal cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file cannot be read or written, or says what cannot be used.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// There is a journal in the folder already.
+    #[error(
+        "{0} holds a study that has begun already; continue it with --resume, replace it with --force, or choose another \
+         --output"
+    )]
+    Begun(PathBuf),
+    /// There is nothing to resume or to read in the folder.
+    #[error("{0} holds no study; run `verify` into it first")]
+    Missing(PathBuf),
+    /// The folder, or its journal, is that of another run.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl Error {
+    /// What is wrong with a file's content.
+    pub(crate) fn content(path: &Path, message: impl Into<String>) -> Self {
+        FileError::new(path, message).into()
+    }
+
+    /// Turns an error of the system into one that names the file.
+    pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |source| FileError::read(path, source).into()
+    }
+}

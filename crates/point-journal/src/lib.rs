@@ -1,0 +1,22 @@
+#![doc = include_str!("../README.md")]
+
+mod error;
+pub mod files;
+pub mod finished;
+mod header;
+pub mod journal;
+pub mod lines;
+mod lock;
+mod note;
+
+use fmu_points::failure::Failure;
+
+pub use error::Error;
+pub use finished::Finished;
+pub use header::Header;
+pub use journal::Journal;
+pub use lock::Lock;
+pub use note::Note;
+
+/// A point's values, or why there are none.
+pub type Outcome = Result<Vec<f64>, Failure>;
