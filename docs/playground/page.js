@@ -30,7 +30,7 @@ const Playground = (() => {
       tolerance: null, fixed: [], stops: [], inputs: [], observed: observed.map(variable),
       times: { start: 0, stop, step: stop / steps, steps, leap: 0, even: 0 },
     }],
-    varied: CONTROLS.map(([name, , , unit]) => ({ reference: data.variables[name][0], content: "Real", unit, min: null, max: null, items: [] })),
+    varied: CONTROLS.map(([name, , , unit]) => ({ handle: { reference: data.variables[name][0], content: "Real" }, unit, min: null, max: null, items: [] })),
   });
   const run = (stop, steps, observed, values) => Simulator(module, task(stop, steps, observed)).trace(values, 0, 0);
   const values = changes => CONTROLS.map(([name]) => ({ ...state, ...changes })[name]);

@@ -6,6 +6,7 @@ mod formats;
 pub mod parquet;
 pub mod recorded;
 mod rows;
+pub mod typed;
 
 use crate::files::FileError;
 use std::collections::HashSet;

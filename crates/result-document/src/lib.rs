@@ -4,6 +4,8 @@ pub mod bins;
 mod document;
 pub mod format;
 mod html;
+#[cfg(feature = "png")]
+pub mod png;
 pub mod svg;
 mod text;
 

@@ -27,7 +27,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
         text += NO_POWER;
     }
     write_text(&folder.join("criteria.toml"), &text)?;
-    write_text(&folder.join("synchronised.csv"), &table(&result))?;
+    write_text(&folder.join("synchronised.csv"), table(&result))?;
     let title = options.measured.file_name().unwrap_or_default();
     let title = title.to_string_lossy();
     recording::write(&recorded, &result, &title, options.amplitudes, folder)?;
@@ -59,7 +59,7 @@ fn case(
         lag: settings.lag()?,
     };
     let text = case.to_toml(&frame);
-    write_text(&table, &case.table(&drives))?;
+    write_text(&table, case.table(&drives))?;
     write_text(&folder.join("case.toml"), &text)?;
     Ok(text)
 }

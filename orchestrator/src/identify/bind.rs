@@ -144,6 +144,20 @@ impl<'a> Input<'a> {
         input().map_err(|message: String| study.error_of(name, message))
     }
 
+    /// An unknown parameter of the study.
+    pub(super) fn free(
+        study: &Study,
+        fmu: &'a Description,
+        name: &Name,
+        text: &FreeText,
+    ) -> Result<(Free, Self), FileError> {
+        let unit = text.unit.as_deref().or(text.min.unit.as_deref());
+        let input = Self::new(study, fmu, name, unit)?;
+        let free = free(name.as_ref(), text, &input.scale);
+        let free = free.map_err(|message| study.error_of(name, message))?;
+        Ok((free, input))
+    }
+
     fn check(&self, value: f64) -> Result<(), String> {
         self.slot.check(self.scale.conversion.value(value))
     }
@@ -241,11 +255,8 @@ impl Binder<'_> {
 
     fn bind_free(&self, bound: &mut Bound) -> Result<(), FileError> {
         for (name, text) in &self.settings.free {
-            let unit = text.unit.as_deref().or(text.min.unit.as_deref());
-            let input = self.input(name, unit)?;
-            let free = free(name.as_ref(), text, &input.scale).map_err(self.at(name))?;
-            let Input { slot, scale } = input;
-            bound.add_free(self.study, name, free, slot, scale.conversion)?;
+            let (free, input) = Input::free(self.study, self.fmu, name, text)?;
+            bound.add_free(self.study, name, free, input.slot, input.scale.conversion)?;
         }
         Ok(())
     }
@@ -419,7 +430,7 @@ impl Binder<'_> {
 ///
 /// # Errors
 /// When its numbers or their units do not fit.
-pub(super) fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
+fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
     let number = |quantity: &Text, sense| scale.number(quantity, sense);
     let prior = match (
         text.scale,

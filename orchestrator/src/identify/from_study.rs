@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use indexmap::IndexMap;
 
-use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_difference, free};
+use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_difference};
 use super::late::{Read, Reading, late};
 use super::offsets;
 use crate::judge::{Criterion, Judge};
@@ -459,6 +459,14 @@ impl Shared {
         }
     }
 
+    /// The number of the source of a sensor's error.
+    fn source(&mut self, sensor: String, kind: SharedKind) -> usize {
+        *self.sensors.entry((sensor, kind)).or_insert_with(|| {
+            self.sources.push(Source::default());
+            self.sources.len() - 1
+        })
+    }
+
     /// Adds the offset and the gain of a curve's sensor.
     fn add(&mut self, recorded: &Recorded<'_>, (sensor, sign): (String, f64)) {
         let Some(errors) = &recorded.curve.errors else {
@@ -501,14 +509,7 @@ impl Shared {
             if changes.iter().all(|change| *change == 0.0) {
                 continue;
             }
-            let sources = &mut self.sources;
-            let source = *self
-                .sensors
-                .entry((sensor.clone(), kind))
-                .or_insert_with(|| {
-                    sources.push(Source::default());
-                    sources.len() - 1
-                });
+            let source = self.source(sensor.clone(), kind);
             let channel = Channel {
                 name: recorded.name.as_ref().clone(),
                 kind,
@@ -516,14 +517,15 @@ impl Shared {
                 limit,
                 sources: vec![(source, sign * one)],
             };
-            sources[source].rectangular |= errors.rectangular && kind != SharedKind::Gain;
+            let source = &mut self.sources[source];
+            source.rectangular |= errors.rectangular && kind != SharedKind::Gain;
             let effects = changes.iter().enumerate().map(|(row, change)| Effect {
                 case: 0,
                 quantity: recorded.first + row,
                 change: sign * change,
                 part: part_of(kind).map(|part| sign * part),
             });
-            sources[source].effects.extend(effects);
+            source.effects.extend(effects);
             self.tell(channel);
         }
     }
@@ -591,14 +593,9 @@ impl Tied {
             .enumerate()
             .filter(|(_, part)| **part != 0.0)
         {
-            let key = (format!("\0{column}"), SharedKind::Offset);
-            let all = &mut shared.sources;
-            let source = *shared.sensors.entry(key).or_insert_with(|| {
-                all.push(Source::default());
-                all.len() - 1
-            });
+            let source = shared.source(format!("\0{column}"), SharedKind::Offset);
             let change = standard * part;
-            all[source].effects.push(Effect {
+            shared.sources[source].effects.push(Effect {
                 case: 0,
                 quantity,
                 change,
@@ -673,11 +670,8 @@ impl Unknowns<'_> {
         }
         self.refuse_doubles()?;
         for (name, text) in &self.settings.free {
-            let unit = text.unit.as_deref().or(text.min.unit.as_deref());
-            let Input { slot, scale } = Input::new(self.study, self.fmu, name, unit)?;
-            let free = free(name.as_ref(), text, &scale)
-                .map_err(|message| self.study.error_of(name, message))?;
-            self.add(bound, name, free, slot, scale.conversion)?;
+            let (free, input) = Input::free(self.study, self.fmu, name, text)?;
+            self.add(bound, name, free, input.slot, input.scale.conversion)?;
         }
         for ((name, input), slot) in named {
             let is_free = self.settings.free.contains_key(name.as_ref().as_str());

@@ -4,7 +4,7 @@ use crate::study::plan::Plan;
 use curves::Metric;
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Interface, Package, Value, Version};
-use fmu_points::task::{Delay, Detail, MeasuredCurve, Probe, Schedule, Series, Task, place};
+use fmu_points::task::{Delay, Detail, MeasuredCurve, Probe, Schedule, Series, Slot, Task, place};
 use parameter_regions::table::PointTable;
 use sampling::statistics::Statistic;
 use serde::Serialize;
@@ -39,7 +39,7 @@ struct Scene {
     stops: Vec<f64>,
     /// Start values that stay as they are: value reference, type, number.
     fixed: Vec<(u32, Content, f64)>,
-    inputs: Vec<Input>,
+    inputs: Vec<Series>,
     observed: Vec<Observed>,
 }
 
@@ -57,24 +57,10 @@ struct Times {
 
 #[derive(Clone, Debug, Serialize)]
 struct Varied {
-    reference: u32,
-    content: Content,
+    #[serde(flatten)]
+    slot: Slot,
     /// Factor and offset from the study's unit to the FMU's.
     unit: [f64; 2],
-    min: Option<f64>,
-    max: Option<f64>,
-    items: Vec<i64>,
-}
-
-/// An input over time, as [`Series`] has it.
-#[derive(Clone, Debug, Serialize)]
-struct Input {
-    reference: u32,
-    content: Content,
-    hold: bool,
-    ramp: bool,
-    times: Vec<f64>,
-    values: Vec<f64>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -132,12 +118,8 @@ impl Live {
             guid: package.description().guid.clone(),
             varied: varied
                 .map(|(slot, input)| Varied {
-                    reference: slot.handle.reference,
-                    content: slot.handle.content,
+                    slot: slot.clone(),
                     unit: line(input.conversion),
-                    min: slot.min,
-                    max: slot.max,
-                    items: slot.items.clone(),
                 })
                 .collect(),
             cases: (0..plan.cases.len()).map(scene).collect(),
@@ -161,20 +143,7 @@ impl Scene {
             observed: observed
                 .map(|(probe, conversion)| Observed::new(probe, *conversion, &task.schedule))
                 .collect(),
-            inputs: task.inputs.into_iter().map(Input::new).collect(),
-        }
-    }
-}
-
-impl Input {
-    fn new(series: Series) -> Self {
-        Self {
-            reference: series.slot.handle.reference,
-            content: series.slot.handle.content,
-            hold: series.hold,
-            ramp: series.ramp,
-            times: series.times,
-            values: series.values,
+            inputs: task.inputs,
         }
     }
 }

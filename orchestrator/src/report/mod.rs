@@ -14,8 +14,6 @@ mod overlay;
 mod page;
 mod payload;
 mod planes;
-#[cfg(feature = "png")]
-mod png;
 pub(crate) mod recording;
 mod shown;
 pub(crate) mod whatif;
@@ -128,7 +126,7 @@ impl Report {
     /// When the machine has no font, or a file cannot be written.
     #[cfg(feature = "png")]
     pub fn write_png(&self, folder: &Path) -> Result<usize, Error> {
-        let painter = png::Painter::new().map_err(no_png)?;
+        let painter = result_document::png::Painter::new().map_err(no_png)?;
         let plots = page::plots(self);
         plots.par_iter().try_for_each(|(name, plot)| {
             let file = painter.png(&svg::plain(plot)).map_err(no_png)?;

@@ -120,27 +120,21 @@ pub struct PlotColumn<'a> {
 
 /// Lists the columns of a table; the axis of a column without any value is 0 to 1.
 pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColumn<'a>> {
-    let column = |name, unit, values, accepted: [f64; 2], nominal| PlotColumn {
-        name,
-        unit,
-        values,
-        accepted,
-        drawn_in: None,
-        is_criterion: false,
-        nominal,
-        range: bins::axis_range(values.iter().copied(), accepted[0], accepted[1])
-            .unwrap_or([0.0, 1.0]),
-    };
+    let column =
+        |name: &'a str, unit: &'a str, values: &'a [f64], accepted: [f64; 2], nominal| PlotColumn {
+            name,
+            unit,
+            values,
+            accepted,
+            drawn_in: None,
+            is_criterion: false,
+            nominal,
+            range: bins::axis_range(values.iter().copied(), accepted[0], accepted[1])
+                .unwrap_or([0.0, 1.0]),
+        };
     let free = [f64::NEG_INFINITY, f64::INFINITY];
-    let parameters = table.parameters.iter().map(|p| {
-        column(
-            p.name.as_str(),
-            p.unit.as_str(),
-            p.values.as_slice(),
-            free,
-            None,
-        )
-    });
+    let parameters = table.parameters.iter();
+    let parameters = parameters.map(|p| column(&p.name, &p.unit, &p.values, free, None));
     let criteria = table.criteria.iter().enumerate().map(|(k, c)| {
         let tolerance = [c.lower, c.upper];
         let measured = Some(c.nominal).filter(|_| tolerance.iter().all(|end| end.is_finite()));

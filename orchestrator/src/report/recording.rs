@@ -3,38 +3,18 @@
 
 use super::write_file;
 use crate::error::Error;
-use minijinja::{Environment, context, value::Serde};
+use minijinja::value::{Serde, Value};
+use minijinja::{Environment, context};
+use result_document::Figure;
 use result_document::bins::axis_range;
 use result_document::format::number;
 use result_document::svg::{Frame, area, envelope, path};
 use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Length of the record's end that is drawn, s.
 const SHOWN: f64 = 1.0;
-
-#[derive(Serialize)]
-struct Figure {
-    name: String,
-    file: String,
-    svg: String,
-}
-
-#[derive(Serialize)]
-struct Row {
-    name: String,
-    about: String,
-    value: String,
-    expanded: String,
-    scatter: String,
-    sensor: String,
-    noise: String,
-    change: String,
-    steady: String,
-    alarm: bool,
-}
 
 /// One line of a plot.
 struct Trace<'a> {
@@ -58,7 +38,7 @@ pub fn write(
     let milliseconds = |s: f64| number(1e3 * s, 4);
     let per_cent = |part: f64| number(100.0 * part, 3);
     let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
-    let rows: Vec<Row> = result.findings.iter().filter(shown).map(row).collect();
+    let rows: Vec<Value> = result.findings.iter().filter(shown).map(row).collect();
     let [start, end] =
         [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
@@ -90,7 +70,7 @@ pub fn write(
         blocks => delay.blocks,
         warnings => Serde(&result.warnings),
         figures => Serde(&figures),
-        rows => Serde(&rows),
+        rows,
         block => number(result.block, 3),
         confidence => number(100.0 * recording.confidence, 4),
         steady => Serde(&steady),
@@ -102,24 +82,20 @@ pub fn write(
             ("Longest delay looked for", format!("{longest} ms")),
         ]),
     };
-    let mut environment = Environment::new();
-    environment.add_template("recording.html", include_str!("assets/recording.html"))?;
-    let html = environment.get_template("recording.html")?.render(page)?;
+    let template = include_str!("assets/recording.html");
+    let html = Environment::new().render_named_str("recording.html", template, page)?;
     let path = folder.join("report.html");
     write_file(&path, &html)?;
     Ok(path)
 }
 
-fn row(finding: &DerivedCriterion) -> Row {
+fn row(finding: &DerivedCriterion) -> Value {
     let m = &finding.measured;
     let unit = &finding.unit;
     let change = |s: &rig_signals::stationarity::Stationarity| {
-        format!(
-            "{} ({} … {})",
-            number(s.change.value, 2),
-            number(s.change.low, 2),
-            number(s.change.high, 2)
-        )
+        let [value, low, high] =
+            [s.change.value, s.change.low, s.change.high].map(|v| number(v, 2));
+        format!("{value} ({low} … {high})")
     };
     let (steady, alarm) = match &finding.stationarity {
         None if finding.statistic == "amplitude" => ("–".to_owned(), false),
@@ -128,18 +104,16 @@ fn row(finding: &DerivedCriterion) -> Row {
         Some(s) if s.drift => (format!("wandering, chance {:.0e}", s.wander_chance), true),
         Some(_) => ("steady".to_owned(), false),
     };
-    Row {
-        name: finding.name.clone(),
-        about: format!("{} of {}", finding.statistic, finding.variable),
-        value: format!("{} {unit}", number(m.value, 6)),
-        expanded: format!("± {} {unit}", number(m.expanded(), 2)),
-        scatter: number(m.scatter, 2),
-        sensor: number(m.sensor, 2),
-        noise: match &finding.noise {
-            Some(noise) => number(noise.stated(), 2),
-            None => "–".to_owned(),
-        },
-        change: finding.stationarity.as_ref().map_or("–".into(), change),
+    let noise = finding.noise.as_ref();
+    context! {
+        name => &finding.name,
+        about => format!("{} of {}", finding.statistic, finding.variable),
+        value => format!("{} {unit}", number(m.value, 6)),
+        expanded => format!("± {} {unit}", number(m.expanded(), 2)),
+        scatter => number(m.scatter, 2),
+        sensor => number(m.sensor, 2),
+        noise => noise.map_or("–".into(), |noise| number(noise.stated(), 2)),
+        change => finding.stationarity.as_ref().map_or("–".into(), change),
         steady,
         alarm,
     }
@@ -159,11 +133,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
     }
     let of_time = |name: &str, file: &str, unit: &str, traces: &[Trace<'_>]| {
         let svg = plot(name, "time (s)", unit, traces, |_| String::new())?;
-        Some(Figure {
-            name: name.to_owned(),
-            file: file.to_owned(),
-            svg,
-        })
+        Some(figure(name, file, svg))
     };
     let signals = [
         of_time(
@@ -232,17 +202,9 @@ fn search(result: &Synchronised) -> Option<Figure> {
         };
         band + &path("nominal", format_args!("M{delay:.2},{top:.1}V{bottom:.1}"))
     };
-    Some(Figure {
-        name: name.to_owned(),
-        file: "delay".to_owned(),
-        svg: plot(
-            name,
-            "torque later than load (ms)",
-            "unexplained part of the standard deviation (%)",
-            &[trace],
-            marks,
-        )?,
-    })
+    let up = "unexplained part of the standard deviation (%)";
+    let svg = plot(name, "torque later than load (ms)", up, &[trace], marks)?;
+    Some(figure(name, "delay", svg))
 }
 
 /// The means of blocks with the straight line through them.
@@ -266,11 +228,17 @@ fn wander(finding: &DerivedCriterion, result: &Synchronised) -> Option<Figure> {
         path("limit", line)
     };
     let name = format!("{}: means of blocks and their trend", finding.name);
-    Some(Figure {
-        svg: plot(&name, "time (s)", &finding.unit, &[trace], line)?,
-        file: format!("blocks-{}", finding.name),
-        name,
-    })
+    let svg = plot(&name, "time (s)", &finding.unit, &[trace], line)?;
+    Some(figure(&name, &format!("blocks-{}", finding.name), svg))
+}
+
+fn figure(caption: &str, file: &str, svg: String) -> Figure {
+    Figure {
+        file: file.to_owned(),
+        caption: caption.to_owned(),
+        svg,
+        ..Figure::default()
+    }
 }
 
 /// Lines over a common axis, and marks under them; nothing without any value.

@@ -135,15 +135,12 @@ impl WhatIf {
     /// # Errors
     /// Says why not.
     pub fn can_be_drawn(&self) -> Result<(), String> {
-        let cannot = |reason: &str| {
+        let reason = self.fixed.as_ref();
+        reason.map_or(Ok(()), |reason| {
             Err(format!(
                 "no fresh points can be drawn in the page: {reason}"
             ))
-        };
-        match self.fixed {
-            Some(reason) => cannot(reason),
-            None => Ok(()),
-        }
+        })
     }
 
     /// The points that the page holds are a choice of independent ones, in no order of the design.

@@ -98,11 +98,8 @@ impl Page<'_> {
             text => self.text,
             program => concat!("orchestrator ", env!("CARGO_PKG_VERSION")),
         };
-        let mut environment = Environment::new();
-        environment.add_template("identification.html", include_str!("page.html"))?;
-        let html = environment
-            .get_template("identification.html")?
-            .render(page)?;
+        let template = include_str!("page.html");
+        let html = Environment::new().render_named_str("identification.html", template, page)?;
         Ok(write_text(&folder.join("report.html"), html)?)
     }
 

@@ -294,27 +294,15 @@ fn simulate(
     let plan = &session.plan;
     let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
     let outcomes = pipeline.ask(&points)?;
-    let varied = plan.varied();
-    Ok(table::from_runs(
-        &plan.inputs,
-        &varied,
-        &session.judge,
-        &points,
-        outcomes,
-    ))
+    let (inputs, judge) = (&plan.inputs, &session.judge);
+    Ok(table::from_runs(inputs, &plan.varied(), judge, &points, outcomes))
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.
 fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), Error> {
     make_folder(folder)?;
-    let parameters = rows
-        .parameters
-        .iter()
-        .map(|p| (p.name.as_str(), p.values.as_slice()));
-    let criteria = rows
-        .criteria
-        .iter()
-        .map(|c| (c.name.as_str(), c.values.as_slice()));
+    let parameters = rows.parameters.iter().map(|p| (&*p.name, &*p.values));
+    let criteria = rows.criteria.iter().map(|c| (&*c.name, &*c.values));
     let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
     let names = columns.iter().map(|(name, _)| *name);
     let head = names.chain(["verified", "status"]);

@@ -73,10 +73,10 @@ const Simulator = (module, task) => {
   };
   const inputAt = (input, t) => between(input, before(input.times, other => other <= t), t);
   const inputSlope = (input, t, next) => (between(input, before(input.times, other => other < next), next) - inputAt(input, t)) / (next - t);
-  const feed = ({ inputs }, component, t) => { for (const input of inputs) set(component, input.reference, input.content, inputAt(input, t)); };
+  const feed = ({ inputs }, component, t) => { for (const input of inputs) set(component, input.slot.handle.reference, input.slot.handle.content, inputAt(input, t)); };
 
   const allowed = (slot, value) => {
-    const stored = slot.content === "Integer" ? whole(value) : value;
+    const stored = slot.handle.content === "Integer" ? whole(value) : value;
     return Number.isFinite(value) && !(stored < slot.min && slot.min !== null) && !(stored > slot.max && slot.max !== null)
       && (!slot.items.length || slot.items.includes(stored));
   };
@@ -166,7 +166,7 @@ const Simulator = (module, task) => {
     const { tolerance, times: { start, stop } } = scene;
     call("SetupExperiment", component, tolerance === null ? 0 : 1, tolerance ?? 0, start, 1, stop);
     for (const [reference, content, value] of scene.fixed) set(component, reference, content, value);
-    task.varied.forEach((slot, k) => set(component, slot.reference, slot.content, values[k]));
+    task.varied.forEach((slot, k) => set(component, slot.handle.reference, slot.handle.content, values[k]));
     feed(scene, component, start);
     call("EnterInitializationMode", component);
     call("ExitInitializationMode", component);
@@ -189,7 +189,7 @@ const Simulator = (module, task) => {
     for (let k = before(stops, stop => stop <= begin); t < end; k++) {
       const next = k < stops.length && stops[k] < end ? stops[k] : end;
       feed(scene, component, t);
-      for (const input of inputs) if (input.ramp) setSlope(component, input.reference, inputSlope(input, t, next));
+      for (const input of inputs) if (input.ramp) setSlope(component, input.slot.handle.reference, inputSlope(input, t, next));
       once(component, t, next);
       t = next;
     }

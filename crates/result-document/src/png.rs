@@ -67,7 +67,7 @@ impl Painter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use result_document::svg::{Frame, plain};
+    use crate::svg::{Frame, plain};
 
     #[test]
     fn a_plot_becomes_pixels_with_its_colours() {
