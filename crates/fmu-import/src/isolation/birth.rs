@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 
+use rustix::process::{Pid, setpgid};
+
 use super::child::Child;
 use super::frame::{self, Inbox};
 use super::keeper::{Keeper, Process};
@@ -33,8 +35,7 @@ impl Keeper {
             0 => be_child(parent, orders_end, answers_end, ticket, work),
             pid => {
                 // Parent and child both do so, whoever comes first.
-                // SAFETY: changes the child's group only.
-                unsafe { libc::setpgid(pid, pid) };
+                let _ = setpgid(Pid::from_raw(pid), Pid::from_raw(pid));
                 let process = Process(pid as u32);
                 Ok(Child::new(process, answers.into(), orders.into(), ticket))
             }
@@ -87,15 +88,12 @@ fn be_child(
     ticket: u64,
     work: &mut dyn FnMut(Place),
 ) -> ! {
-    // SAFETY: these change this process only; the arguments are plain numbers.
-    unsafe {
-        libc::setpgid(0, 0);
-        #[cfg(target_os = "linux")]
-        libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
-        // The parent may have ended before.
-        if libc::getppid() as u32 != parent {
-            end(0);
-        }
+    let _ = setpgid(None, None);
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL));
+    // The parent may have ended before.
+    if std::os::unix::process::parent_id() != parent {
+        end(0);
     }
     usual_signals();
     let (orders, answers) = hidden(orders, answers);

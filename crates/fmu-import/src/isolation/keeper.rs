@@ -1,9 +1,14 @@
 //! A process that keeps children, watches them and outlives whatever they do. It has a single thread.
 
 use std::fs::File;
-use std::io;
-use std::os::fd::{AsRawFd, OwnedFd, RawFd};
+use std::os::fd::OwnedFd;
 use std::time::Duration;
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+use rustix::process::{
+    Pid, Signal, WaitId, WaitIdOptions, WaitOptions, WaitStatus, waitid, waitpid,
+};
 
 use super::frame::Inbox;
 use super::loss::{DONE, Loss, MUTE, State};
@@ -59,7 +64,7 @@ impl Keeper {
         #[cfg(target_os = "linux")]
         {
             const F_SETSIG: i32 = 10;
-            let fd = self.superior.as_raw_fd();
+            let fd = std::os::fd::AsRawFd::as_raw_fd(&self.superior);
             // SAFETY: changes what this process does when its own descriptor becomes ready.
             unsafe {
                 let flags = libc::fcntl(fd, libc::F_GETFL);
@@ -79,40 +84,29 @@ impl Keeper {
 
     /// Whether the superior has gone.
     pub(super) fn is_orphaned(&self) -> bool {
-        let mut superior = libc::pollfd {
-            fd: self.superior.as_raw_fd(),
-            events: 0,
-            revents: 0,
-        };
-        // SAFETY: one valid descriptor, which stays open through the call.
-        unsafe { libc::poll(&raw mut superior, 1, 0) > 0 }
+        let mut superior = [PollFd::new(&self.superior, PollFlags::empty())];
+        poll(&mut superior, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)
     }
 
     /// Waits a short time until there is something to read, or the end of it.
     pub(super) fn is_ready(&mut self, answers: &mut Inbox<File>) -> Result<bool, Loss> {
-        let look = |fd: RawFd, events| libc::pollfd {
-            fd,
-            events,
-            revents: 0,
-        };
         let mut polled = [
-            look(answers.source().as_raw_fd(), libc::POLLIN),
-            look(self.words.as_raw_fd(), libc::POLLIN),
+            PollFd::new(answers.source(), PollFlags::IN),
+            PollFd::new(&self.words, PollFlags::IN),
             // Its hang-up is told in any case.
-            look(self.superior.as_raw_fd(), 0),
+            PollFd::new(&self.superior, PollFlags::empty()),
         ];
-        // SAFETY: three valid descriptors, which stay open through the call.
-        let count = unsafe { libc::poll(polled.as_mut_ptr(), 3, LOOK.as_millis() as i32) };
-        if count <= 0 {
+        if !poll(&mut polled, Some(&LOOK)).is_ok_and(|ready| ready > 0) {
             return Ok(false);
         }
-        if polled[1].revents != 0 {
+        let [answers, words, superior] = polled.map(|polled| polled.revents());
+        if !words.is_empty() {
             self.words.hear();
         }
-        if polled[2].revents & (libc::POLLHUP | libc::POLLERR | libc::POLLNVAL) != 0 {
+        if superior.intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL) {
             return Err(Loss::Orphaned);
         }
-        Ok(polled[0].revents != 0)
+        Ok(!answers.is_empty())
     }
 }
 
@@ -120,7 +114,10 @@ impl Keeper {
 pub(super) type Answers = File;
 pub(super) type Orders = File;
 /// How often a silent child is looked at.
-const LOOK: Duration = Duration::from_millis(10);
+const LOOK: Timespec = Timespec {
+    tv_sec: 0,
+    tv_nsec: 10_000_000,
+};
 /// Between two looks at a child that has nothing more to say.
 pub(super) const PAUSE: Duration = Duration::from_micros(50);
 
@@ -135,54 +132,51 @@ impl Process {
 
     /// Looks at the child without reaping it, so that its number stays its own.
     pub(super) fn state(&self) -> State {
-        // SAFETY: zeroes are a valid value of this plain struct.
-        let mut info: libc::siginfo_t = unsafe { std::mem::zeroed() };
-        let flags = libc::WEXITED | libc::WSTOPPED | libc::WNOHANG | libc::WNOWAIT;
-        // SAFETY: `info` is valid for writing.
-        let result = unsafe { libc::waitid(libc::P_PID, self.0 as _, &raw mut info, flags) };
-        // SAFETY: `waitid` fills these fields, or leaves them at zero where nothing has happened.
-        let (pid, status) = unsafe { (info.si_pid(), info.si_status()) };
-        if result != 0 {
+        let options = WaitIdOptions::EXITED
+            | WaitIdOptions::STOPPED
+            | WaitIdOptions::NOHANG
+            | WaitIdOptions::NOWAIT;
+        let status = match waitid(WaitId::Pid(self.pid()), options) {
+            Ok(Some(status)) => status,
             // Somebody else has reaped it.
-            let gone = io::Error::last_os_error().raw_os_error() == Some(libc::ECHILD);
-            return if gone {
-                State::Ended(Loss::Mute)
-            } else {
-                State::Running
-            };
+            Err(Errno::CHILD) => return State::Ended(Loss::Mute),
+            _ => return State::Running,
+        };
+        if status.stopped() || status.trapped() {
+            return State::Stopped;
         }
-        if pid == 0 {
-            return State::Running;
-        }
-        match info.si_code {
-            libc::CLD_STOPPED | libc::CLD_TRAPPED => State::Stopped,
-            libc::CLD_EXITED if status == MUTE => State::Ended(Loss::Mute),
-            libc::CLD_EXITED => State::Ended(Loss::Exit(status)),
-            libc::CLD_KILLED | libc::CLD_DUMPED => State::Ended(Loss::Signal(status)),
-            _ => State::Running,
-        }
+        let loss = match status.exit_status() {
+            Some(MUTE) => Some(Loss::Mute),
+            Some(code) => Some(Loss::Exit(code)),
+            None => status.terminating_signal().map(Loss::Signal),
+        };
+        loss.map_or(State::Running, State::Ended)
     }
 
     /// Ends the child with its group at once, and reaps it. The loss that its status tells.
     pub(super) fn finish(&mut self) -> Option<Loss> {
         kill_group(self.0);
-        let mut status = 0;
-        // SAFETY: `status` is valid for writing; SIGKILL ends the child, so the wait is short.
-        let reaped = unsafe { libc::waitpid(self.0 as libc::pid_t, &raw mut status, 0) };
+        // SIGKILL ends the child, so the wait is short.
+        let ended = waitpid(Some(self.pid()), WaitOptions::empty());
         // Whatever it has started and left to us.
         offspring::end_all();
-        unusual(status).filter(|_| reaped as u32 == self.0)
+        let (_, status) = ended.ok()??;
+        unusual(status)
+    }
+
+    fn pid(&self) -> Pid {
+        let pid = Pid::from_raw(self.0 as i32);
+        pid.expect("a process that was forked has a number")
     }
 }
 
 /// The loss that the status of an ended child tells. One that was ending by itself when it was killed ends as it
 /// would have, so SIGKILL is our own.
-fn unusual(status: i32) -> Option<Loss> {
-    if libc::WIFSIGNALED(status) {
-        let signal = libc::WTERMSIG(status);
-        return (signal != libc::SIGKILL).then_some(Loss::Signal(signal));
+fn unusual(status: WaitStatus) -> Option<Loss> {
+    if let Some(signal) = status.terminating_signal() {
+        return (signal != Signal::KILL.as_raw()).then_some(Loss::Signal(signal));
     }
-    let code = libc::WEXITSTATUS(status);
+    let code = status.exit_status()?;
     (![DONE, MUTE].contains(&code)).then_some(Loss::Exit(code))
 }
 

@@ -6,6 +6,12 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
+use rustix::param::page_size;
+use rustix::process::{
+    Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, kill_process_group,
+    setrlimit, wait, waitpid,
+};
+
 use super::system::ignore_signals;
 
 /// Makes this process the parent of all that its children leave behind, where the system can. Whoever started it may ignore
@@ -13,23 +19,18 @@ use super::system::ignore_signals;
 pub fn adopt_orphans() {
     // SAFETY: this signal then has no effect; no handler is involved.
     unsafe { libc::signal(libc::SIGCHLD, libc::SIG_DFL) };
+    // Every Linux of today can.
     #[cfg(target_os = "linux")]
-    // SAFETY: sets a property of this process; the arguments are plain numbers.
-    unsafe {
-        libc::prctl(libc::PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);
-    }
+    let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
 }
 
 /// Ends a process and its group at once: SIGKILL cannot be blocked, and reaches stopped processes too.
 pub fn kill_group(leader: u32) {
-    let leader = leader as libc::pid_t;
     // A group of 0 or 1 would be this process's own or everyone's.
-    if leader > 1 {
-        // SAFETY: sends a signal; nothing of this process changes.
-        unsafe {
-            libc::kill(-leader, libc::SIGKILL);
-            libc::kill(leader, libc::SIGKILL);
-        }
+    if let Some(leader) = Pid::from_raw(leader as i32).filter(|_| leader > 1) {
+        // Where that fails, there is none left to end.
+        let _ = kill_process_group(leader, Signal::KILL);
+        let _ = kill_process(leader, Signal::KILL);
     }
 }
 
@@ -40,12 +41,10 @@ pub fn kill_group(leader: u32) {
 pub fn end_all() {
     let deadline = Instant::now() + Duration::from_secs(1);
     loop {
-        let mut status = 0;
-        // SAFETY: `status` is valid for writing.
-        match unsafe { libc::waitpid(-1, &raw mut status, libc::WNOHANG) } {
+        match wait(WaitOptions::NOHANG) {
             // No child is left: the usual case, at the cost of one system call.
-            -1 => return,
-            0 => {
+            Err(_) => return,
+            Ok(None) => {
                 if Instant::now() > deadline {
                     return;
                 }
@@ -54,7 +53,7 @@ pub fn end_all() {
                     .for_each(kill_group);
                 std::thread::sleep(Duration::from_micros(200));
             }
-            _ => {}
+            Ok(Some(_)) => {}
         }
     }
 }
@@ -64,14 +63,12 @@ pub fn end_all() {
 pub fn become_keeper() {
     adopt_orphans();
     ignore_signals();
-    // SAFETY: zeroes are a valid value of this plain struct, which the calls fill and read.
-    unsafe {
-        let mut usual: libc::rlimit = std::mem::zeroed();
-        if libc::getrlimit(libc::RLIMIT_CORE, &raw mut usual) == 0 {
-            usual.rlim_cur = 0;
-            libc::setrlimit(libc::RLIMIT_CORE, &raw const usual);
-        }
-    }
+    let limit = Rlimit {
+        current: Some(0),
+        ..getrlimit(Resource::Core)
+    };
+    // A dump is a nuisance, and no more.
+    let _ = setrlimit(Resource::Core, limit);
 }
 
 /// The memory that a process occupies, bytes; 0 where that is not known.
@@ -81,9 +78,7 @@ pub fn resident(pid: u32) -> u64 {
     let pages = text
         .ok()
         .and_then(|text| text.split(' ').nth(1)?.parse::<u64>().ok());
-    // SAFETY: asks for a constant.
-    let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
-    pages.unwrap_or(0) * page.max(0) as u64
+    pages.unwrap_or(0) * page_size() as u64
 }
 
 /// Whether a process has been stopped (SIGSTOP), so that nothing will come from it.
@@ -99,15 +94,14 @@ pub fn end_marked(mark: &str, spared: impl Fn(u32) -> bool) -> bool {
         if spared(pid) {
             continue;
         }
-        let (mut status, mut how) = (0, libc::WNOHANG);
+        let mut how = WaitOptions::NOHANG;
         if is_marked(pid, mark) {
             any = true;
             kill_group(pid);
-            how = 0;
+            how = WaitOptions::empty();
         }
         // One that has ended already has no environment any more; nobody else will wait for it.
-        // SAFETY: `status` is valid for writing.
-        unsafe { libc::waitpid(pid as libc::pid_t, &raw mut status, how) };
+        let _ = Pid::from_raw(pid as i32).map(|pid| waitpid(Some(pid), how));
     }
     any
 }

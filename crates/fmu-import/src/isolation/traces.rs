@@ -5,6 +5,8 @@ use std::io;
 use std::os::fd::{FromRawFd, IntoRawFd};
 use std::os::unix::fs::MetadataExt;
 
+use rustix::process::{WaitId, WaitIdOptions, waitid};
+
 use super::birth::raised;
 
 /// The signals of the standard and those for real time.
@@ -89,9 +91,8 @@ fn running() -> usize {
 
 /// Whether this process has started another one that it has not asked how it ended.
 fn has_children() -> bool {
-    let flags = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
-    // SAFETY: nothing is written, and no child is reaped.
-    unsafe { libc::waitid(libc::P_ALL, 0, std::ptr::null_mut(), flags) == 0 }
+    let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+    waitid(WaitId::All, options).is_ok()
 }
 
 fn actions() -> [Action; SIGNALS] {

@@ -162,10 +162,11 @@ impl Events {
 
 #[cfg(target_os = "linux")]
 mod linux {
-    use std::ffi::CString;
-    use std::io;
-    use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
-    use std::os::unix::ffi::OsStrExt;
+    use std::mem::MaybeUninit;
+    use std::os::fd::OwnedFd;
+
+    use rustix::fs::inotify::{self, CreateFlags, ReadFlags, Reader, WatchFlags};
+    use rustix::io::Errno;
 
     use super::{Seen, Snapshot};
 
@@ -173,78 +174,40 @@ mod linux {
     #[derive(Debug)]
     pub(super) struct Events(OwnedFd);
 
-    const CHANGES: u32 = libc::IN_MODIFY
-        | libc::IN_ATTRIB
-        | libc::IN_CREATE
-        | libc::IN_DELETE
-        | libc::IN_DELETE_SELF
-        | libc::IN_MOVE
-        | libc::IN_MOVE_SELF
-        | libc::IN_Q_OVERFLOW
-        | libc::IN_UNMOUNT;
-
     impl Events {
         /// The events of all folders of a snapshot; `None` where the system has no room for them.
         pub(super) fn of(snapshot: &Snapshot) -> Option<Self> {
-            // SAFETY: asks for a new descriptor.
-            let queue = unsafe { libc::inotify_init1(libc::IN_NONBLOCK | libc::IN_CLOEXEC) };
-            if queue < 0 {
-                return None;
-            }
-            // SAFETY: it was just made, and nobody else owns it.
-            let queue = unsafe { OwnedFd::from_raw_fd(queue) };
+            let wanted = WatchFlags::MODIFY
+                | WatchFlags::ATTRIB
+                | WatchFlags::CREATE
+                | WatchFlags::DELETE
+                | WatchFlags::DELETE_SELF
+                | WatchFlags::MOVE
+                | WatchFlags::MOVE_SELF
+                | WatchFlags::CLOSE_WRITE
+                | WatchFlags::DONT_FOLLOW;
+            let queue = inotify::init(CreateFlags::NONBLOCK | CreateFlags::CLOEXEC).ok()?;
             for folder in snapshot.folders() {
-                let path = CString::new(folder.as_os_str().as_bytes()).ok()?;
-                let mask = CHANGES | libc::IN_CLOSE_WRITE | libc::IN_DONT_FOLLOW;
-                // SAFETY: a valid descriptor and a path that ends with a zero byte.
-                let watch =
-                    unsafe { libc::inotify_add_watch(queue.as_raw_fd(), path.as_ptr(), mask) };
-                if watch < 0 {
-                    return None;
-                }
+                inotify::add_watch(&queue, folder, wanted).ok()?;
             }
             Some(Self(queue))
         }
 
-        /// The gravest of the events so far, which are taken from the queue.
+        /// The gravest of the events so far, which are taken from the queue up to a change.
         pub(super) fn read(&self) -> Seen {
             let mut seen = Seen::Nothing;
-            let mut buffer = [0_u8; 4096];
+            let mut buffer = [MaybeUninit::uninit(); 4096];
+            let mut events = Reader::new(&self.0, &mut buffer);
             loop {
-                let (start, size) = (buffer.as_mut_ptr().cast(), buffer.len());
-                // SAFETY: the buffer is valid for writing that many bytes.
-                let count = unsafe { libc::read(self.0.as_raw_fd(), start, size) };
-                let Ok(count @ 1..) = usize::try_from(count) else {
-                    let why = io::Error::last_os_error().kind();
-                    match why {
-                        io::ErrorKind::Interrupted => continue,
-                        io::ErrorKind::WouldBlock => return seen,
-                        // A queue that cannot be read may hide anything.
-                        _ => return Seen::Changed,
-                    }
-                };
-                for mask in masks(&buffer[..count]) {
-                    let one = if mask & CHANGES == 0 {
-                        Seen::Opened
-                    } else {
-                        Seen::Changed
-                    };
-                    seen = seen.max(one);
+                match events.next().map(|event| event.events()) {
+                    Ok(ReadFlags::CLOSE_WRITE) => seen = Seen::Opened,
+                    Err(Errno::INTR) => {}
+                    Err(Errno::AGAIN) => return seen,
+                    // A queue that cannot be read may hide anything.
+                    _ => return Seen::Changed,
                 }
             }
         }
-    }
-
-    /// The masks of a buffer of events: watch, mask, cookie and the length of the name that follows (`inotify(7)`).
-    fn masks(mut events: &[u8]) -> impl Iterator<Item = u32> {
-        std::iter::from_fn(move || {
-            let (head, rest) = events.split_first_chunk::<16>()?;
-            let word = |at: usize| {
-                u32::from_ne_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]])
-            };
-            events = rest.get(word(12) as usize..).unwrap_or_default();
-            Some(word(4))
-        })
     }
 }
 

@@ -2,7 +2,10 @@
 
 use std::fs::File;
 use std::io::{self, Read, Write};
-use std::os::fd::{AsRawFd, OwnedFd, RawFd};
+use std::os::fd::{AsFd, BorrowedFd};
+
+use rustix::io::ioctl_fionbio;
+use rustix::stdio::{dup2_stderr, dup2_stdout};
 
 use super::system::pipe;
 use super::tail::{KEPT, Tail};
@@ -22,15 +25,10 @@ impl Words {
     /// # Errors
     /// When the system has no room for further descriptors.
     pub fn overhear(echo: Option<File>) -> io::Result<Self> {
-        let (heard, printed): (OwnedFd, OwnedFd) = pipe()?;
-        // SAFETY: all are open descriptors of this process; Rust's own handles of the streams own none.
-        unsafe {
-            if libc::dup2(printed.as_raw_fd(), 1) < 0 || libc::dup2(printed.as_raw_fd(), 2) < 0 {
-                return Err(io::Error::last_os_error());
-            }
-            let flags = libc::fcntl(heard.as_raw_fd(), libc::F_GETFL);
-            libc::fcntl(heard.as_raw_fd(), libc::F_SETFL, flags | libc::O_NONBLOCK);
-        }
+        let (heard, printed) = pipe()?;
+        dup2_stdout(&printed)?;
+        dup2_stderr(&printed)?;
+        ioctl_fionbio(&heard, true)?;
         Ok(Self {
             heard: heard.into(),
             end: Tail::default(),
@@ -73,8 +71,8 @@ impl Words {
     }
 }
 
-impl AsRawFd for Words {
-    fn as_raw_fd(&self) -> RawFd {
-        self.heard.as_raw_fd()
+impl AsFd for Words {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.heard.as_fd()
     }
 }

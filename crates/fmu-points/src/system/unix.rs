@@ -2,11 +2,11 @@
 
 use std::fs::{self, File};
 use std::io;
-use std::os::fd::{AsFd, AsRawFd, OwnedFd};
+use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, Command, ExitStatus};
-use std::ptr::NonNull;
+use std::ptr::{NonNull, null_mut};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -14,6 +14,10 @@ use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::offspring;
 use fmu_import::isolation::words::Words;
 use fmu_import::isolation::{Keeper, Loss};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::mm::{MapFlags, ProtFlags, mmap_anonymous};
+use rustix::process::{Pid, Signal, kill_process_group};
+use rustix::stdio::dup2_stdin;
 
 pub(crate) use fmu_import::isolation::offspring::{
     adopt_orphans, end_all, end_marked, is_stopped, kill_group as kill_worker,
@@ -48,13 +52,9 @@ pub(crate) fn source(pipe: ChildStdout) -> Source {
 
 /// Waits until there is something to read, or the end of it; `false` when the time is over.
 pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
-    let mut poll = libc::pollfd {
-        fd: replies.source().as_raw_fd(),
-        events: libc::POLLIN,
-        revents: 0,
-    };
-    // SAFETY: one valid descriptor, which `replies` keeps open.
-    unsafe { libc::poll(&raw mut poll, 1, time.as_millis() as i32) > 0 }
+    let mut replies = [PollFd::new(replies.source(), PollFlags::IN)];
+    let time = Timespec::try_from(time).ok();
+    poll(&mut replies, time.as_ref()).is_ok_and(|ready| ready > 0)
 }
 
 /// How a process ended.
@@ -65,8 +65,8 @@ pub(crate) fn loss(status: ExitStatus) -> Loss {
 
 /// Ends the group of a process at once. The process itself may have ended, and its number may be another's.
 pub(crate) fn kill_group(leader: u32) {
-    // SAFETY: sends a signal to a group that this process has made; nothing of this process changes.
-    unsafe { libc::kill(-(leader as libc::pid_t), libc::SIGKILL) };
+    // Where that fails, there is none left to end.
+    let _ = Pid::from_raw(leader as i32).map(|leader| kill_process_group(leader, Signal::KILL));
 }
 
 /// The memory of this machine, bytes; `None` where that is not known.
@@ -100,11 +100,7 @@ impl Streams {
         let input = io::stdin().as_fd().try_clone_to_owned()?;
         let output = io::stdout().as_fd().try_clone_to_owned()?;
         let error = io::stderr().as_fd().try_clone_to_owned()?;
-        let nothing = File::open("/dev/null")?;
-        // SAFETY: both are open descriptors of this process, and Rust's own handle of standard input owns none.
-        if unsafe { libc::dup2(nothing.as_raw_fd(), 0) } < 0 {
-            return Err(io::Error::last_os_error());
-        }
+        dup2_stdin(File::open("/dev/null")?)?;
         offspring::become_keeper();
         let superior = input.try_clone()?;
         Ok((input.into(), output.into(), Self { superior, error }))
@@ -124,14 +120,10 @@ pub(crate) struct Shared(NonNull<AtomicU64>);
 impl Shared {
     pub(crate) fn new() -> io::Result<Self> {
         let size = size_of::<AtomicU64>();
-        let access = libc::PROT_READ | libc::PROT_WRITE;
-        let kind = libc::MAP_SHARED | libc::MAP_ANONYMOUS;
+        let access = ProtFlags::READ | ProtFlags::WRITE;
         // SAFETY: asks for fresh memory; no existing mapping is touched.
-        let place = unsafe { libc::mmap(std::ptr::null_mut(), size, access, kind, -1, 0) };
-        if place == libc::MAP_FAILED {
-            return Err(io::Error::last_os_error());
-        }
-        let place = NonNull::new(place.cast()).ok_or_else(io::Error::last_os_error)?;
+        let place = unsafe { mmap_anonymous(null_mut(), size, access, MapFlags::SHARED) }?;
+        let place = NonNull::new(place.cast()).expect("nothing is mapped at 0");
         // It lives as long as this process.
         Ok(Self(place))
     }
