@@ -29,7 +29,7 @@ pub enum Error {
     /// A file cannot be read or written, or says what cannot be used.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The folder's journal cannot be used, or another run has the folder.
+    /// The folder's journal cannot be used, another run has the folder, or not all points could be run.
     #[error(transparent)]
     Journal(#[from] point_journal::Error),
     /// There is nothing to resume or to read in the folder.
@@ -48,25 +48,6 @@ pub enum Error {
     /// The points cannot be run.
     #[error(transparent)]
     Engine(#[from] RunError),
-    /// Ctrl-C.
-    #[error("interrupted: {} done; --resume goes on", share(*.done, *.of))]
-    Interrupted {
-        /// Points that are done.
-        done: u64,
-        /// How many there are, where that is known.
-        of: Option<u64>,
-    },
-    /// The points of this run's shard are done; those of the others are not its task.
-    #[error("{0} points of this shard are done")]
-    Shard(u64),
-    /// Only the journal is read, and it does not hold all points.
-    #[error("{missing} of {of} points are missing")]
-    Unknown {
-        /// How many are missing.
-        missing: u64,
-        /// How many were asked for.
-        of: u64,
-    },
     /// A single simulation failed.
     #[error("the simulation failed: {0}")]
     Simulation(#[from] Failure),
@@ -126,12 +107,5 @@ impl Error {
 impl From<ScratchError> for Error {
     fn from(ScratchError { path, source }: ScratchError) -> Self {
         FileError::read(&path, source).into()
-    }
-}
-
-fn share(done: u64, of: Option<u64>) -> String {
-    match of {
-        Some(of) => format!("{done} of {of} points are"),
-        None => format!("{done} points are"),
     }
 }

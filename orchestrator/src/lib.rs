@@ -9,7 +9,6 @@ pub mod identify;
 pub mod judge;
 pub mod methods;
 pub mod options;
-pub mod pipeline;
 pub mod recording;
 pub mod report;
 pub mod reruns;

@@ -6,12 +6,12 @@ use std::thread::available_parallelism;
 use std::time::Duration;
 
 use crate::error::Error;
-use crate::pipeline::Shard;
-use crate::pipeline::folder::Earlier;
 use clap::Args;
 use fmu_points::Limits;
 use fmu_points::crew::Place;
 use fmu_points::{Isolation, system};
+use point_journal::pipeline::Shard;
+use point_journal::pipeline::folder::Earlier;
 
 /// Shards of a run, and resuming.
 #[derive(Debug, Args)]

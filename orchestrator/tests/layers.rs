@@ -12,13 +12,12 @@ use std::collections::BTreeSet;
 use arrows::{Tree, circles};
 
 /// The orchestrator's modules, from the ground up.
-const FLOORS: [&[&str]; 15] = [
+const FLOORS: [&[&str]; 14] = [
     &["concern"],
     &["error"],
     &["study"],
     &["judge", "source", "recording"],
     &["results"],
-    &["pipeline"],
     &["session", "identify"],
     &["options"],
     &["methods"],

@@ -1,11 +1,13 @@
-//! Why a folder's journal cannot be written or read, as the user reads it.
+//! Why a folder's journal cannot be written or read, or points cannot be run, as the user reads it.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
+use fmu_points::RunError;
+use fmu_points::scratch::ScratchError;
 use number_tables::files::FileError;
 
-/// Why a folder's journal cannot be written or read.
+/// Why a folder's journal cannot be written or read, or points cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file cannot be read or written, or says what cannot be used.
@@ -23,6 +25,28 @@ pub enum Error {
     /// The folder, or its journal, is that of another run.
     #[error("{0}")]
     Refused(String),
+    /// The points cannot be run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Ctrl-C.
+    #[error("interrupted: {} done; --resume goes on", share(*.done, *.of))]
+    Interrupted {
+        /// Points that are done.
+        done: u64,
+        /// How many there are, where that is known.
+        of: Option<u64>,
+    },
+    /// The points of this run's shard are done; those of the others are not its task.
+    #[error("{0} points of this shard are done")]
+    Shard(u64),
+    /// Only the journal is read, and it does not hold all points.
+    #[error("{missing} of {of} points are missing")]
+    Unknown {
+        /// How many are missing.
+        missing: u64,
+        /// How many were asked for.
+        of: u64,
+    },
 }
 
 impl Error {
@@ -34,5 +58,18 @@ impl Error {
     /// Turns an error of the system into one that names the file.
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         move |source| FileError::read(path, source).into()
+    }
+}
+
+impl From<ScratchError> for Error {
+    fn from(ScratchError { path, source }: ScratchError) -> Self {
+        FileError::read(&path, source).into()
+    }
+}
+
+fn share(done: u64, of: Option<u64>) -> String {
+    match of {
+        Some(of) => format!("{done} of {of} points are"),
+        None => format!("{done} points are"),
     }
 }

@@ -8,6 +8,7 @@ pub mod journal;
 pub mod lines;
 mod lock;
 mod note;
+pub mod pipeline;
 
 use fmu_points::failure::Failure;
 
@@ -17,6 +18,7 @@ pub use header::Header;
 pub use journal::Journal;
 pub use lock::Lock;
 pub use note::Note;
+pub use pipeline::Pipeline;
 
 /// A point's values, or why there are none.
 pub type Outcome = Result<Vec<f64>, Failure>;

@@ -11,7 +11,6 @@ use crate::concern::Code;
 use crate::error::Error;
 use crate::judge::Judge;
 use crate::methods::asking::warn;
-use crate::pipeline::folder::Earlier;
 use crate::results::concerns;
 use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
@@ -24,6 +23,7 @@ use fmu_import::{Description, Package};
 use fmu_points::failure::{Failure, Partial};
 use number_tables::Table;
 use point_journal::files::write_text;
+use point_journal::pipeline::folder::Earlier;
 use point_journal::{Lock, lines};
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {

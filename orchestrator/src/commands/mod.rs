@@ -29,6 +29,7 @@ use crate::report::Report;
 use crate::results::Summary;
 use fmu_points::stop::INTERRUPTED;
 use fmu_points::tell as output;
+use point_journal::Error as Halt;
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;
@@ -39,11 +40,11 @@ pub const MISTAKE: u8 = 2;
 /// With one clear line, for a mistake in what was asked for.
 pub fn run(cli: Cli) -> Result<ExitCode, Error> {
     match dispatch(cli) {
-        Err(halt @ Error::Interrupted { .. }) => {
+        Err(Error::Journal(halt @ Halt::Interrupted { .. })) => {
             fmu_points::tell::line!("{halt}");
             Ok(ExitCode::from(INTERRUPTED))
         }
-        Err(halt @ Error::Shard(_)) => {
+        Err(Error::Journal(halt @ Halt::Shard(_))) => {
             output::print(&format!("{halt}; `orchestrator merge` joins the shards\n"));
             Ok(ExitCode::SUCCESS)
         }

@@ -9,13 +9,13 @@ use super::output;
 use crate::cli::Replay;
 use crate::error::Error;
 use crate::judge::Judge;
-use crate::pipeline::Model;
 use crate::results::points::number;
 use crate::results::table;
 use crate::session::Verification;
 use fmu_points::names::{did_you_mean, nearest};
 use fmu_points::task::Case;
 use point_journal::files::{draft, keep};
+use point_journal::pipeline::Model;
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;

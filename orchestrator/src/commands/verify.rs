@@ -14,8 +14,6 @@ use crate::cli::Verify;
 use crate::error::Error;
 use crate::methods::asking;
 use crate::methods::setup::{self, Place, Source, Work};
-use crate::pipeline::folder::Earlier;
-use crate::pipeline::{Pipeline, Step};
 use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
 use crate::results::{Looked, Summary, parquet};
@@ -24,6 +22,8 @@ use crate::study::plan::bare;
 use crate::study::{Name, Setting};
 use fmu_points::names::behind;
 use fmu_points::task::Case;
+use point_journal::pipeline::folder::Earlier;
+use point_journal::pipeline::{Pipeline, Step};
 use point_journal::{Journal, lines};
 use sampling::design::Method;
 
@@ -77,7 +77,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     })?;
     let (done, computed, halt) = computed;
     if let Some(halt) = halt {
-        return Err(halt);
+        return Err(halt.into());
     }
     if verification.session.request.shard.is_some() {
         output::print(&format!(

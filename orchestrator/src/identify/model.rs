@@ -4,10 +4,10 @@ use std::cell::RefCell;
 
 use super::bind::Bound;
 use crate::error::Error;
-use crate::pipeline::{Model, Pipeline};
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
 use fmu_points::Answer;
 use point_journal::Outcome;
+use point_journal::pipeline::{Model, Pipeline};
 
 impl Model for Bound {
     fn values(&self, point: &[f64]) -> Vec<f64> {
@@ -84,7 +84,7 @@ impl Simulate for FmuModel<'_, '_> {
                 Ok(pairs.map(predicted).collect())
             }
             Err(halt) => {
-                *self.halted.borrow_mut() = Some(halt);
+                *self.halted.borrow_mut() = Some(halt.into());
                 Err(NoPrediction::Stopped)
             }
         }

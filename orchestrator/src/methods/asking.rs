@@ -9,8 +9,6 @@ use super::setup::{self, Place, Source, SourceParts};
 use crate::error::Error;
 use crate::judge::Judge;
 use crate::options::Work;
-use crate::pipeline::Pipeline;
-use crate::pipeline::folder::Kept;
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::results::validity::Validity;
@@ -18,6 +16,8 @@ use crate::session::{Asking, Request, Session};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
 use point_journal::files::{make_folder, write_json};
+use point_journal::pipeline::Pipeline;
+use point_journal::pipeline::folder::Kept;
 use point_journal::{Header, Outcome};
 
 /// An analysis that asks for points of its own. Its fields are its options, as the request keeps them.

@@ -7,9 +7,9 @@ use serde::de::DeserializeOwned;
 use super::asking::{self, Analysis, Delivery};
 use super::setup::{Place, Source};
 use crate::error::Error;
-use crate::pipeline::folder::Earlier;
-use crate::pipeline::{Part, Pipeline};
 use crate::session::Request;
+use point_journal::pipeline::folder::Earlier;
+use point_journal::pipeline::{Part, Pipeline};
 use point_journal::{Finished, Header, Journal, journal, lines};
 
 /// The folders of shards, and where their points go.
@@ -53,7 +53,7 @@ impl Shards<'_> {
                 result.tell_validity(source.parts(), &place.state())?;
                 Ok(Delivery::new(result, self.output.to_owned(), taken.kept))
             }
-            Err(Error::Unknown { missing, of }) => {
+            Err(Error::Journal(point_journal::Error::Unknown { missing, of })) => {
                 let command = format!("{} STUDY ...", A::NAME);
                 Err(self.incomplete([missing, of], &named, &command))
             }

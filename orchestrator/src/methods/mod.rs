@@ -86,7 +86,7 @@ pub(crate) fn proven<T>(
     work: fn(&mut T) -> &mut Work,
 ) -> Result<Delivery, Error> {
     match run(&options) {
-        Err(Error::Engine(RunError::Refuted)) => {
+        Err(Error::Journal(point_journal::Error::Run(RunError::Refuted))) => {
             fmu_points::tell::line!(
                 "note: the FMU gives other results in a process that has computed points before: all points are \
                  computed again, each alone"

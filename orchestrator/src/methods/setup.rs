@@ -2,13 +2,13 @@
 
 use crate::error::Error;
 use crate::options::Means;
-use crate::pipeline::folder::{Earlier, Kept, RunFolder};
-use crate::pipeline::{Model, Part, Pipeline};
 use crate::session::{Request, Session, Verification};
 use crate::study::Study;
 use fmu_import::Package;
 use fmu_points::crew::Crew;
 use fmu_points::task::Case;
+use point_journal::pipeline::folder::{Earlier, Kept, RunFolder};
+use point_journal::pipeline::{Model, Part, Pipeline};
 use point_journal::{Header, Lock, lines};
 use std::path::{Path, PathBuf};
 

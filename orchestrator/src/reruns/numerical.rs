@@ -3,10 +3,10 @@
 
 use super::Reruns;
 use super::finer::refined_case;
-use crate::pipeline::Model;
 use crate::results::Summary;
 use conformity::validation::{Comparison, Numerical, Refined, refined};
 use fmu_points::task::Case;
+use point_journal::pipeline::Model;
 
 /// So many points are refined.
 const POINTS: u64 = 3;

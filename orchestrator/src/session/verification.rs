@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::{Ending, Request, Session, Until};
 use crate::error::Error;
-use crate::pipeline::{Model, Part};
 use crate::results::Looked;
 use crate::source::Source;
 use conformity::looks::History;
 use fmu_import::digest;
 use fmu_points::Job;
 use number_tables::files;
+use point_journal::pipeline::{Model, Part};
 use point_journal::{Header, lines};
 
 /// A study whose points are known beforehand.

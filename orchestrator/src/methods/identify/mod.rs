@@ -21,7 +21,7 @@ use crate::identify::from_study;
 use crate::identify::model::FmuModel;
 use crate::identify::offsets;
 use crate::options::Work;
-use crate::pipeline::Pipeline;
+use point_journal::pipeline::Pipeline;
 use crate::session::Request;
 use crate::study::{Identification, Study};
 use calibration::cross::outcome::CrossValidation;

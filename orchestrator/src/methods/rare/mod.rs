@@ -13,12 +13,12 @@ use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, e
 use crate::error::Error;
 use crate::judge::Judge;
 use crate::options::Work;
-use crate::pipeline::Pipeline;
 use crate::results::points::number;
 use crate::session::{Request, Session};
 use number_tables::csv_file;
 use point_journal::Outcome;
 use point_journal::files::write_table;
+use point_journal::pipeline::Pipeline;
 use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
 use statement::{Statement, confidence};
 

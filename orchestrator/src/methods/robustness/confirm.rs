@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::super::asking;
 use super::joint;
 use crate::error::Error;
-use crate::pipeline::Pipeline;
+use point_journal::pipeline::Pipeline;
 use crate::session::Session;
 use parameter_regions::robustness::{Robustness, refined, rows};
 use parameter_regions::table::PointTable;

@@ -15,7 +15,7 @@ use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
-use crate::pipeline::Pipeline;
+use point_journal::pipeline::Pipeline;
 use crate::results::origin::Origin;
 use crate::results::{points, table};
 use crate::session::{Request, Session};

@@ -13,7 +13,7 @@ use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
-use crate::pipeline::Pipeline;
+use point_journal::pipeline::Pipeline;
 use crate::results::summary::ParameterSummary;
 use crate::results::table;
 use crate::session::{Request, Session};

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use crate::error::Error;
+use crate::{Error, Finished, Journal, Note, Outcome};
 use doubt::Doubt;
 use fmu_points::crew::Crew;
 use fmu_points::notices::Notices;
@@ -27,7 +27,6 @@ use fmu_points::{
 };
 use progress::Progress;
 
-use point_journal::{Finished, Journal, Note, Outcome};
 pub use shard::{Part, Shard};
 
 /// Points of one model in the units of the study.

@@ -9,10 +9,9 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use super::Pipeline;
-use crate::error::Error;
+use crate::{Error, Note, Outcome};
 use fmu_points::stop;
 use fmu_points::{Event, Isolation, Job, Post, RunError, Separation, Worker};
-use point_journal::{Note, Outcome};
 
 /// So many points are audited where that takes little time: they find 95 % of the FMUs that err in 5 % of theirs.
 const AUDITS: usize = 60;

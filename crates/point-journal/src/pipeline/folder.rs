@@ -3,10 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::error::Error;
+use crate::files::DRAFT;
+use crate::{Error, Finished, Header, Journal, Lock, lines};
 use fmu_points::scratch::{self, Scratch};
-use point_journal::files::DRAFT;
-use point_journal::{Finished, Header, Journal, Lock, lines};
 
 /// A folder that is taken for a run.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use point_journal::Header;
+use crate::Header;
 use sampling::random::mix;
 
 /// One of several equal parts of the points, as its number among them.
