@@ -10,15 +10,10 @@ mod lock;
 mod note;
 pub mod pipeline;
 
-use fmu_points::failure::Failure;
-
 pub use error::Error;
 pub use finished::Finished;
 pub use header::Header;
 pub use journal::Journal;
 pub use lock::Lock;
-pub use note::Note;
+pub use note::{Note, Outcome};
 pub use pipeline::Pipeline;
-
-/// A point's values, or why there are none.
-pub type Outcome = Result<Vec<f64>, Failure>;

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use fmu_points::failure::Failure;
 use fmu_points::{Conduct, Separation};
+
+/// A point's values, or why there are none.
+pub type Outcome = Result<Vec<f64>, Failure>;
 
 /// A line about many points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
