@@ -363,11 +363,11 @@ impl<'a> Pipeline<'a> {
         const OFTEN: Duration = Duration::from_secs(5);
         if self.synced.elapsed() < OFTEN {
             self.note_audits()?;
-            return Ok(self.journal.flush()?);
+            return self.journal.flush();
         }
         self.synced = Instant::now();
         self.note_conduct()?;
-        Ok(self.journal.sync()?)
+        self.journal.sync()
     }
 
     /// Notes the first audits at once: a run that is killed must not forget them.
@@ -389,7 +389,7 @@ impl<'a> Pipeline<'a> {
         let conduct = crew.conduct();
         let before = self.noted.replace(conduct.clone());
         let since = conduct.since(before.as_ref());
-        Ok(self.journal.note(&Note::Conduct(since))?)
+        self.journal.note(&Note::Conduct(since))
     }
 
     /// The outcomes of a set of points, given in the study's units. What the journal knows is read from it, all
@@ -511,7 +511,7 @@ impl<'a> Pipeline<'a> {
         };
         let mut outcomes = finished.outcomes()?;
         let known = (0..count as u64).map(|k| outcomes.get(first + k));
-        Ok(known.collect::<Result<_, _>>()?)
+        known.collect()
     }
 
     /// Notes which points a set has. Where the journal has answers for other points, these count no more: a search
@@ -525,7 +525,7 @@ impl<'a> Pipeline<'a> {
             }
             Arc::make_mut(finished).begin_set(first, &sum);
         }
-        Ok(self.journal.append_set(first, &sum)?)
+        self.journal.append_set(first, &sum)
     }
 
     /// Ends the run: everything is on the disk, and the journal says that the analysis needs no further points.
@@ -544,7 +544,7 @@ impl<'a> Pipeline<'a> {
     pub fn pause(mut self) -> Result<(), Error> {
         self.progress.finish();
         self.note_conduct()?;
-        Ok(self.journal.sync()?)
+        self.journal.sync()
     }
 }
 
