@@ -16,10 +16,10 @@ use sampling::statistics::moments::{deviation, mean};
 
 use crate::error::Error;
 use crate::identify::bind::Bound;
+use point_journal::files::write_text;
 use result_document::format::{count, number, with_unit as with_unit_in_brackets};
 use result_document::svg::{Frame, area, circle, envelope, path};
 use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
-use point_journal::files::write_text;
 
 /// Most rows of the table of values, curves and pairs that are drawn, and points of a scatter.
 const MOST_ROWS: usize = 200;

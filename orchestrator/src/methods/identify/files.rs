@@ -5,8 +5,8 @@ use crate::study::{Identification, Study};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
 use number_tables::csv_file::{self, CsvFile};
-use std::path::{Path, PathBuf};
 use point_journal::files::{write_table, write_text, write_texts};
+use std::path::{Path, PathBuf};
 
 /// Writes all files.
 pub(super) fn write(

@@ -21,7 +21,6 @@ use crate::identify::from_study;
 use crate::identify::model::FmuModel;
 use crate::identify::offsets;
 use crate::options::Work;
-use point_journal::pipeline::Pipeline;
 use crate::session::Request;
 use crate::study::{Identification, Study};
 use calibration::cross::outcome::CrossValidation;
@@ -41,6 +40,7 @@ use calibration::search::{self, Progress, SearchError};
 use calibration::text;
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
+use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::cube;
 

@@ -11,7 +11,6 @@ use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
-use point_journal::pipeline::Pipeline;
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::session::{Request, Session};
@@ -19,6 +18,7 @@ use crate::study::Study;
 use parameter_regions::pareto::nsga2;
 use parameter_regions::pareto::study::{Member, Pareto, trade_off};
 use parameter_regions::table::PointTable;
+use point_journal::pipeline::Pipeline;
 use result_document::Document;
 
 pub use document::document;

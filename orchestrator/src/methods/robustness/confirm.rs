@@ -5,10 +5,10 @@ use std::ops::Range;
 use super::super::asking;
 use super::joint;
 use crate::error::Error;
-use point_journal::pipeline::Pipeline;
 use crate::session::Session;
 use parameter_regions::robustness::{Robustness, refined, rows};
 use parameter_regions::table::PointTable;
+use point_journal::pipeline::Pipeline;
 
 /// The most draws to search for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;

@@ -12,7 +12,6 @@ use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
-use point_journal::pipeline::Pipeline;
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::session::{Request, Session};
@@ -21,6 +20,7 @@ use crate::study::plan::Plan;
 use confirm::Confirmation;
 use parameter_regions::robustness::{Robustness, region, robustness, rows};
 use parameter_regions::table::PointTable;
+use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::{Design, Method, Sampling, cube};
 

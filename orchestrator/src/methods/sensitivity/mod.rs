@@ -15,7 +15,6 @@ use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
-use point_journal::pipeline::Pipeline;
 use crate::results::origin::Origin;
 use crate::results::{points, table};
 use crate::session::{Request, Session};
@@ -26,6 +25,7 @@ use ::sensitivity::methods::{RUNS, named};
 use number_tables::csv_file;
 use outputs::from_runs;
 use parameter_regions::table::PointTable;
+use point_journal::pipeline::Pipeline;
 use result_document::Document;
 
 pub use document::document;
@@ -295,7 +295,13 @@ fn simulate(
     let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
     let outcomes = pipeline.ask(&points)?;
     let (inputs, judge) = (&plan.inputs, &session.judge);
-    Ok(table::from_runs(inputs, &plan.varied(), judge, &points, outcomes))
+    Ok(table::from_runs(
+        inputs,
+        &plan.varied(),
+        judge,
+        &points,
+        outcomes,
+    ))
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.
