@@ -226,7 +226,7 @@ def test_a_slider_simulates_and_the_mouse_draws(browser, tmp_path, module):  # n
       const text = document.querySelector('#whatif .caution').textContent;
       if (text.includes('fresh points of the changed') || Date.now() - begun > 60000) done(text); else setTimeout(look, 50);
     }; look()"""
-    assert "From 2000 fresh points" in browser.execute_async_script(wait)
+    assert "From 2,000 fresh points" in browser.execute_async_script(wait)
     assert browser.execute_script("return document.querySelector('#whatif .outcome').textContent").startswith("What if: ")
     # The plots count their own points, not the fresh ones.
     browser.execute_async_script("const done = arguments[0]; setTimeout(done, 300)")
