@@ -102,7 +102,7 @@ fn intervals_on_rough_surrogates_hold() {
     assert!(held.iter().all(|count| *count >= 2), "{held:?}");
 }
 
-/// A row of docs/analysis.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
+/// A figure of docs/evidence/coverage.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
 fn row(accuracy: f64, runs: usize, seed: u64) {
     let trial = Trial {
         accuracy,
@@ -134,7 +134,8 @@ fn intervals_on_surrogates_hold_with_weak_data() {
     row(0.5, 60, 24);
 }
 
-/// Rows of docs/analysis.md for what no polynomial follows: intervals of 95 % that hold less, by how much is what they print.
+/// Figures of docs/evidence/coverage.md for what no polynomial follows: intervals of 95 % that hold less, by how
+/// much is what they print.
 #[test]
 #[ignore = "takes minutes"]
 fn kinks_and_jumps() {

@@ -219,8 +219,8 @@ fn a_short_record_is_refused() {
     assert!(error.contains("200 usable samples"), "{error}");
 }
 
-/// The table in docs/analysis.md: `cargo test --release --workspace --lib -- --ignored --nocapture table_of_delays`. Of 200
-/// intervals that hold with 95 %, 179 or more hold with a probability of 99.9 %.
+/// The table in docs/evidence/coverage.md: `cargo test --release --workspace --lib -- --ignored --nocapture table_of_delays`. Of
+/// 200 intervals that hold with 95 %, 179 or more hold with a probability of 99.9 %.
 #[test]
 #[ignore = "minutes"]
 fn table_of_delays() {
@@ -258,8 +258,8 @@ fn row(load: Load, [rate, seconds]: [f64; 2], noise: f64, faults: Faults) {
     assert!(held > 0.894, "{held}");
 }
 
-/// The shares of unrelated signals in docs/analysis.md: as above, `share_of_unrelated`. Of 500 that are taken for related in
-/// 2 %, 20 or fewer are with a probability of 99.9 %. Random walks pass more often.
+/// The shares of unrelated signals in docs/evidence/coverage.md: as above, `share_of_unrelated`. Of 500 that are taken for
+/// related in 2 %, 20 or fewer are with a probability of 99.9 %. Random walks pass more often.
 #[test]
 #[ignore = "minutes"]
 fn share_of_unrelated() {
@@ -341,7 +341,7 @@ fn what_both_channels_pick_up_leaves_no_interval() {
     assert!(told == 6 && held >= 5, "{told} {held}");
 }
 
-/// The figures in docs/analysis.md: `cargo test --workspace --lib -- --ignored --nocapture table_of_disturbances`.
+/// The figures in docs/evidence/coverage.md: `cargo test --workspace --lib -- --ignored --nocapture table_of_disturbances`.
 #[test]
 #[ignore = "minutes"]
 fn table_of_disturbances() {
