@@ -102,7 +102,8 @@ const Playground = (() => {
     // The film carries what touching asperities, which push from the wall to the middle, and their friction leave.
     const touched = [unit[0] - friction * unit[1], unit[1] + friction * unit[0]];
     const load = [1 - shares[k] * touched[0], -shares[k] * touched[1]].map(part => part * loads[k] / (scale * diameter / 2 * width));
-    const { film_pressure, memory } = film, at = film_pressure(ratios[k] * unit[0], ratios[k] * unit[1], ...load, width / diameter);
+    const { film_pressure, memory } = film, roughness = 1e-6 * state["bearing.roughness"] / clearances[k];
+    const at = film_pressure(ratios[k] * unit[0], ratios[k] * unit[1], ...load, width / diameter, roughness);
     if (!at) return null;
     const cells = Array.from(new Float64Array(memory.buffer, at, COLUMNS * ROWS), p => p * scale / 1e6), most = Math.max(...cells);
     const [W, H, LEFT, TOP, WIDE, HIGH] = [840, 460, 96, 16, 610, 360], small = new OffscreenCanvas(COLUMNS, 2 * ROWS), image = new ImageData(COLUMNS, 2 * ROWS);

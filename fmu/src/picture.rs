@@ -11,7 +11,8 @@ const CELLS: [usize; 2] = [96, 12];
 static FIELD: Mutex<Vec<f64>> = Mutex::new(Vec::new());
 
 /// The pressure `P` of the cells, column by column from `theta = -pi` on, at the eccentricity ratio `(ex, ey)` under the load
-/// `(wx, wy)`: `journal_bearing::reynolds` defines all. It stays until the next call; NULL where the film has no solution.
+/// `(wx, wy)` between surfaces of this roughness over the clearance: `journal_bearing::reynolds` defines all. It stays until the next
+/// call; NULL where the film has no solution.
 // SAFETY: no other function has this name.
 #[unsafe(no_mangle)]
 pub extern "C" fn film_pressure(
@@ -20,10 +21,16 @@ pub extern "C" fn film_pressure(
     wx: f64,
     wy: f64,
     width_to_diameter: f64,
+    roughness: f64,
 ) -> *const f64 {
     let [columns, rows] = CELLS;
     let eps = Vector2::new(ex, ey);
-    let sound = eps.norm() < 1.0 && width_to_diameter > 0.0 && wx.is_finite() && wy.is_finite();
+    let load = Vector2::new(wx, wy);
+    let [finite, inside] = [
+        load.norm().is_finite() && (0.0..1.0).contains(&roughness),
+        eps.norm() < 1.0 + 3.0 * roughness,
+    ];
+    let sound = finite && inside && width_to_diameter > 0.0;
     let Ok(mut field) = FIELD.lock() else {
         return std::ptr::null();
     };
@@ -31,9 +38,9 @@ pub extern "C" fn film_pressure(
         return std::ptr::null();
     }
     let grid = Grid::uniform(columns, rows);
-    let mut film = QuasiStatic::new(grid, width_to_diameter, Boundary::Free);
+    let mut film = QuasiStatic::between(roughness, grid, width_to_diameter, Boundary::Free);
     film.place(eps);
-    if film.velocity_under(Vector2::new(wx, wy)).is_err() {
+    if film.velocity_under(load).is_err() {
         return std::ptr::null();
     }
     let cells = (0..columns).flat_map(|i| (0..rows).map(move |j| [i, j]));

@@ -57,6 +57,8 @@ readings! {
     film_viscosity,
     /// Temperature of the film, K.
     film_temperature,
+    /// Highest temperature of the film around the bearing, K.
+    max_film_temperature,
     /// Oil that leaves the film at both ends, m³/s.
     side_flow,
     /// Oil that comes in through feeds, m³/s.

@@ -334,6 +334,7 @@ impl Stand {
             max_film_pressure: motion.max_film_pressure,
             film_viscosity: at.viscosity,
             film_temperature: temperatures.film,
+            max_film_temperature: self.film.hottest().unwrap_or(temperatures.film),
             side_flow: motion.flows.side_flow,
             feed_flow: motion.flows.feed,
             contact_share: sensors::load_ratio(motion.contact.force, load),

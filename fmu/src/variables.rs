@@ -266,6 +266,7 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.maxFilmPressure" => output!(max_film_pressure),
         "bearing.filmViscosity" => output!(film_viscosity),
         "bearing.filmTemperature" => output!(film_temperature),
+        "bearing.maxFilmTemperature" => output!(max_film_temperature),
         "bearing.sideFlow" => output!(side_flow),
         "bearing.feedFlow" => output!(feed_flow),
         "bearing.contactShare" => output!(contact_share),

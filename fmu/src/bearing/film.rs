@@ -161,6 +161,16 @@ impl Film {
         film.map_or_else(Coefficients::default, |film| film.coefficients(bearing, at))
     }
 
+    /// Columns of cells around the bearing, where the film has any.
+    pub fn columns(&self) -> Option<usize> {
+        self.running.film()?.columns()
+    }
+
+    /// The highest temperature around the bearing, K, where the film has more than one.
+    pub fn hottest(&self) -> Option<f64> {
+        self.running.film()?.hottest()
+    }
+
     /// Whether the film takes steps of its own.
     pub fn is_transient(&self) -> bool {
         self.running.film().is_some_and(JournalFilm::is_transient)

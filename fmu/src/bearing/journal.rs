@@ -174,6 +174,16 @@ pub trait JournalFilm {
         }
     }
 
+    /// Columns of cells around the bearing, where the film has any.
+    fn columns(&self) -> Option<usize> {
+        None
+    }
+
+    /// The highest temperature around the bearing, K, where the film has more than one.
+    fn hottest(&self) -> Option<f64> {
+        None
+    }
+
     /// Whether the film takes steps of its own.
     fn is_transient(&self) -> bool {
         false

@@ -2,6 +2,7 @@
 
 use super::{Stand, unknowns};
 use fmu_export::model::Log;
+use std::f64::consts::TAU;
 
 /// The log category.
 pub(super) const VALIDITY: &str = "validity";
@@ -18,6 +19,11 @@ const OIL: i32 = 2;
 const PRESSURE: i32 = 4;
 const LEVER: i32 = 8;
 const CONTACT: i32 = 16;
+const COARSE: i32 = 32;
+
+/// A film of a smallest gap `h` lies in an angle of some `sqrt(2 h/c)`. Columns wider than half of that do not follow it: friction and
+/// gap are then off by a tenth and more.
+const COLUMNS_ACROSS: f64 = 2.0;
 
 /// The mean planes may cross by so many roughnesses: beyond, hardly any height of the surfaces is left, and the tables end.
 const HEIGHT: f64 = 3.0;
@@ -33,12 +39,13 @@ impl Stand {
 
     /// Sets the bits of the limits that are passed now, and logs each that was not passed before.
     pub(super) fn check_validity(&mut self, log: &mut dyn Log) {
-        let limits: [(i32, Passed); 5] = [
+        let limits: [(i32, Passed); 6] = [
             (TURBULENT, Self::turbulent),
             (OIL, Self::beyond_the_oil),
             (PRESSURE, Self::overpressed),
             (LEVER, Self::lifted),
             (CONTACT, Self::pressed_through),
+            (COARSE, Self::coarse),
         ];
         for (bit, passed) in limits {
             if self.state.validity & bit != 0 {
@@ -66,7 +73,10 @@ impl Stand {
     }
 
     fn beyond_the_oil(&self) -> Option<String> {
+        let supply = &self.bearing.supply;
+        let fed = supply.feeds().then_some(supply.temperature);
         let all = self.state.temperatures.array().into_iter();
+        let all = all.chain(self.film.hottest()).chain(fed);
         let mut beyond =
             all.filter_map(|temperature| Some((temperature, self.fluid.beyond(temperature)?)));
         let (temperature, why) = beyond.next()?;
@@ -87,6 +97,19 @@ impl Stand {
         (reach > HEIGHT).then(|| {
             format!(
                 "the mean planes of journal and bush cross by {reach:.1} roughnesses, beyond the surfaces' own height of {HEIGHT:.0}: the surfaces' law ends there"
+            )
+        })
+    }
+
+    fn coarse(&self) -> Option<String> {
+        let columns = self.film.columns()?;
+        let gap = self.readings.min_film_thickness;
+        let angle = (2.0 * gap / self.readings.hot_radial_clearance).sqrt();
+        let needed = (TAU * COLUMNS_ACROSS / angle).ceil();
+        (columns as f64 <= needed).then(|| {
+            format!(
+                "a film of {gap:.3e} m is thinner than {columns} columns follow: gap and friction are only rough; take {needed:.0} \
+                 or more (bearing.filmColumns)"
             )
         })
     }

@@ -102,3 +102,22 @@ fn a_lever_that_lifts_off_does_not_pull() {
     }
     assert_eq!(least, 0.0);
 }
+
+/// A thin film in a Reynolds film of few columns is told, with the number that would do; the rig's is not.
+#[test]
+fn a_film_thinner_than_its_columns_follow_is_told() {
+    let of = |columns: i32, clearance: f64| {
+        let mut stand = Stand::default();
+        stand.film.model = plain_bearing_stand::bearing::FilmModel::Reynolds;
+        stand.bearing.resolution.columns = columns;
+        stand.bearing.radial_clearance = clearance;
+        stand.bearing.surface.roughness = 0.0;
+        stand.thermal.isothermal = true;
+        stand.load.lever_ratio = 0.0;
+        stand.inputs.external_force.value = 1000.0;
+        stand.initialise(&Experiment::default(), &mut ()).unwrap();
+        stand.advance(0.0, 1.0, &mut ()).unwrap();
+        stand.validity()
+    };
+    assert_eq!([of(96, 1e-4), of(240, 1e-4), of(96, 2e-5)], [32, 0, 0]);
+}

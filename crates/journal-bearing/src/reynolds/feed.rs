@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{FilmError, finite, positive, within};
+use super::error::{FilmError, finite, within};
 
 /// The shape of a feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,11 +39,12 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// Refuses numbers that are out of range; `cavities` is the bath's pressure above that of cavities which keep account of their
-    /// oil, Pa.
-    pub(super) fn check(&self, cavities: Option<f64>) -> Result<(), FilmError> {
+    /// Refuses numbers that are out of range in a bearing of this width, m, whose bath has this pressure above the cavities', Pa.
+    pub(super) fn check(&self, width: f64, bath: f64) -> Result<(), FilmError> {
         finite("feed angle", self.angle)?;
-        positive("feed length", self.length)?;
+        let usable = self.length > 0.0 && self.length < width;
+        let must = "shorter than the bearing is wide";
+        within("feed length", self.length, usable, must)?;
         let extent = self.extent;
         if self.shape != FeedShape::Circumferential {
             let usable = extent > 0.0 && extent < TAU;
@@ -53,21 +54,9 @@ impl Feed {
             let must = "at least 1, and leave room between them";
             within("number of feeds", count, usable, must)?;
         }
-        finite("feed pressure", self.pressure)?;
-        match cavities {
-            None => within(
-                "feed pressure",
-                self.pressure,
-                self.pressure >= 0.0,
-                "0 or more",
-            ),
-            Some(bath) => within(
-                "feed pressure",
-                self.pressure,
-                bath + self.pressure > 0.0,
-                "above that of the cavities",
-            ),
-        }
+        let above = bath + self.pressure;
+        let must = "no lower than that of the cavities";
+        within("feed pressure", self.pressure, above >= 0.0, must)
     }
 
     /// The angle from the middle of the nearest feed, rad.

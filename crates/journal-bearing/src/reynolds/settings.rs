@@ -111,20 +111,27 @@ impl FilmSettings {
         let pressure = self.side_pressure;
         let usable = pressure.is_finite() && pressure >= 0.0;
         within("side pressure", pressure, usable, "0 or more")?;
-        (self.feed.iter()).try_for_each(|feed| feed.check(self.bath_above_cavities()))
+        (self.feed.iter()).try_for_each(|feed| feed.check(self.width, self.bath_above_cavities()))
     }
 
-    /// The bath's pressure above that of cavities, Pa, which keep account of their oil; `None` where none do.
-    fn bath_above_cavities(&self) -> Option<f64> {
-        (self.cavitation == Cavitation::MassConserving).then_some(self.side_pressure)
+    /// The bath's pressure above that of the cavities, Pa.
+    fn bath_above_cavities(&self) -> f64 {
+        match self.cavitation {
+            Cavitation::MassConserving => self.side_pressure,
+            Cavitation::NonNegative => 0.0,
+        }
     }
 
-    /// Pressures of the bath and of the feeds above that of the cavities, in units of the dimensionless pressure at a viscosity
-    /// (Pa.s), 1/s.
-    pub(super) fn reservoirs(&self, viscosity: f64) -> [f64; 2] {
-        let bath = self.bath_above_cavities().unwrap_or(0.0);
+    /// Pressures of the bath and of the feeds above that of the cavities, in units of the dimensionless pressure, 1/s.
+    ///
+    /// Feeds stand at least a little above the cavities, so that their oil can follow the film: some 60 Pa at the rig.
+    pub(super) fn reservoirs(&self, drive: &Drive) -> [f64; 2] {
+        const LEAST: f64 = 2e-5;
+        let bath = self.bath_above_cavities();
         let feed = self.feed.as_ref().map_or(0.0, |feed| feed.pressure);
-        [bath, bath + feed].map(|pressure| pressure / self.pressure_scale(viscosity))
+        let [bath, feed] =
+            [bath, bath + feed].map(|pressure| pressure / self.pressure_scale(drive.viscosity));
+        [bath, feed.max(LEAST * drive.rotation().abs())]
     }
 
     /// Roughness over clearance where the film sees the roughness, else zero.

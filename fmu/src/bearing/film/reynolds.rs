@@ -141,6 +141,14 @@ impl JournalFilm for ReynoldsJournal {
             .coefficients(&drive, &|ratio| aligned(contact, ratio, at.clearance))
     }
 
+    fn columns(&self) -> Option<usize> {
+        Some(self.film.grid().columns())
+    }
+
+    fn hottest(&self) -> Option<f64> {
+        self.film.temperatures().reduce(f64::max)
+    }
+
     fn is_transient(&self) -> bool {
         true
     }
@@ -296,6 +304,16 @@ fn message(error: &FilmError) -> String {
             "tilt or form error bring the smooth surfaces together at eccentricity ratio {ratio:?}, where no film carries the \
              load; give bearing.roughness, or reduce them"
         ),
+        FilmError::Setting { name, value, must } if name.contains("feed") => {
+            let variable = match *name {
+                "feed angle" => "bearing.feedAngle",
+                "feed extent" => "bearing.feedExtent",
+                "feed length" => "bearing.feedLength",
+                "feed pressure" => "bearing.feedPressure",
+                _ => "bearing.feedCount",
+            };
+            format!("{variable} is {value:?} (SI units); it must be {must}")
+        }
         error => error.to_string(),
     }
 }

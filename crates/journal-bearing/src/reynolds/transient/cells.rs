@@ -164,8 +164,8 @@ impl Cells {
                     dug += 1;
                     self.feed[cell] = SUPPLY * (self.along[cell] + self.across[cell]);
                     self.open[cell] = 0.0;
-                    self.land[cell] = 0.0;
                 }
+                self.land[cell] *= 1.0 - self.share_in(feed, width, [i, j]);
                 if here != fed(before, j) {
                     let (theta, z) = place(if here { before } else { i }, j);
                     self.along[cell] *= nearer(apart, feed.gap_around(theta, z));
@@ -178,6 +178,22 @@ impl Cells {
             }
         }
         dug
+    }
+
+    /// The share of a cell's area that lies in a feed.
+    fn share_in(&self, feed: &Feed, width: f64, [i, j]: [usize; 2]) -> f64 {
+        const POINTS: usize = 16;
+        let along =
+            |from: f64, to: f64, k: usize| from + (to - from) * (k as f64 + 0.5) / POINTS as f64;
+        let (grid, half) = (&self.grid, 0.5 * width);
+        let thetas = [grid.theta_edge(i), grid.theta_edge(i + 1)];
+        let ends = [half * grid.zeta_edge(j), half * grid.zeta_edge(j + 1)];
+        let covered = |k: usize| {
+            let theta = along(thetas[0], thetas[1], k / POINTS);
+            feed.covers(theta, along(ends[0], ends[1], k % POINTS))
+        };
+        let inside = (0..POINTS * POINTS).filter(|&k| covered(k)).count();
+        inside as f64 / (POINTS * POINTS) as f64
     }
 
     /// Number of cells, padding included.

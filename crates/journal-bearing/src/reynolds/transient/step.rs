@@ -164,7 +164,7 @@ impl Stepper {
 /// A stage that starts from the masses `mass`.
 pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> Stage<'a> {
     let settings = &work.geometry.settings;
-    let [side, feed] = settings.reservoirs(drive.viscosity);
+    let [side, feed] = settings.reservoirs(drive);
     // The flow of sliding rough surfaces at a shear flow factor of one (Patir & Cheng 1979).
     let shear = settings.flow_factors().map_or(0.0, |share| {
         let (roughness, excess) = (work.geometry.form.roughness, 2.0 * share - 1.0);

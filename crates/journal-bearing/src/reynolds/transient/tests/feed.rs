@@ -183,6 +183,55 @@ fn a_circumferential_groove_feeds_two_slots() {
     }
 }
 
+/// Around a centred journal a longer groove leaves less to be sheared: the torque falls evenly with its length, wherever its ends lie
+/// in the cells.
+#[test]
+fn shear_ends_at_the_groove() {
+    let torque = |length: f64| {
+        let feed = Feed {
+            shape: FeedShape::Circumferential,
+            length,
+            pressure: 1e5,
+            ..Feed::default()
+        };
+        let settings = FilmSettings {
+            feed: Some(feed),
+            ..FilmSettings::new(0.019, 0.025, 20e-6)
+        };
+        let mut film = ReynoldsFilm::new(settings).unwrap();
+        let drive = Drive::steady(Vector2::zeros(), 31.4, 0.02);
+        let report = film.advance(0.1, &drive, &smooth).unwrap();
+        report.journal_torque
+    };
+    let whole = TAU * 0.02 * 31.4 * 0.0125_f64.powi(3) * 0.019 / 20e-6;
+    for length in [0.009, 0.0098, 0.0105, 0.0113, 0.012] {
+        let ratio = torque(length) / (whole * (1.0 - length / 0.019));
+        println!("{length}: {ratio}");
+        assert!((ratio - 1.0).abs() < 0.02, "{length}: {ratio}");
+    }
+}
+
+/// A groove at the cavities' own pressure is full all the same, and feeds what the film draws in.
+#[test]
+fn a_groove_without_pressure_feeds() {
+    let settings = FilmSettings {
+        side_pressure: 0.0,
+        feed: Some(Feed {
+            pressure: 0.0,
+            length: 0.015,
+            angle: PI,
+            ..groove()
+        }),
+        ..FilmSettings::new(0.019, 0.025, 20e-6)
+    };
+    let mut film = ReynoldsFilm::new(settings).unwrap();
+    let drive = Drive::steady(Vector2::new(300.0, 0.0), 31.4, 0.02);
+    let report = film.advance(3.0, &drive, &smooth).unwrap();
+    println!("{:e} {:e}", report.feed_flow, report.outflow);
+    assert!(report.feed_flow > 1e-8 && (report.outflow / report.feed_flow - 1.0).abs() < 1e-4);
+    assert!(report.mass_error < 1e-10 && report.energy_error < 1e-8);
+}
+
 /// A finer grid hardly moves flow and journal of a groove whose edges lie between the cells' middles.
 #[test]
 fn edges_between_middles_count() {
@@ -226,7 +275,8 @@ fn impossible_feeds_are_refused() {
         change(&mut feed);
         feed
     };
-    assert_eq!(refused(feed(|f| f.pressure = -1e5)), "feed pressure");
+    assert_eq!(refused(feed(|f| f.pressure = -1.1e5)), "feed pressure");
+    assert_eq!(refused(feed(|f| f.length = 0.08)), "feed length");
     assert_eq!(refused(feed(|f| f.extent = 0.0)), "feed extent");
     assert_eq!(refused(feed(|f| f.extent = 1e-4)), "feed extent");
     assert_eq!(refused(feed(|f| f.count = 30)), "number of feeds");
