@@ -43,25 +43,16 @@ pub struct Inputs {
 
 impl Inputs {
     /// All of them.
-    pub(super) fn all(&self) -> [Input; INPUTS] {
-        let Self {
-            speed,
-            external_force,
-            external_force_x,
-            external_force_y,
-            ambient_temperature,
-        } = *self;
-        [
-            speed,
-            external_force,
-            external_force_x,
-            external_force_y,
-            ambient_temperature,
-        ]
+    pub(super) fn all(mut self) -> [Input; INPUTS] {
+        self.each_of().map(|input| *input)
     }
 
     /// Changes each of them.
     pub(super) fn each(&mut self, change: impl Fn(&mut Input)) {
+        self.each_of().into_iter().for_each(change);
+    }
+
+    fn each_of(&mut self) -> [&mut Input; INPUTS] {
         let Self {
             speed,
             external_force,
@@ -76,8 +67,6 @@ impl Inputs {
             external_force_y,
             ambient_temperature,
         ]
-        .into_iter()
-        .for_each(change);
     }
 }
 
