@@ -1,4 +1,4 @@
-"""From the recordings of a simulated rig to a study: the commands of docs/cases.md on examples/recording."""
+"""From the recordings of a simulated rig to a study: the commands of docs/recordings.md on examples/recording."""
 
 import json
 import os
