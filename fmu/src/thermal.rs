@@ -3,7 +3,7 @@
 //!
 //! The paper gives none of its thermal constants. The conductances to oil and surroundings are calibrated
 //! (`studies/calibration-rig.toml`) so that the measured friction power holds the measured temperatures of Table 2 in
-//! steady state. `docs/calibration.md` tells which constants this determines.
+//! steady state. `docs/evidence/calibration.md` tells which constants this determines.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-"""Measures the orchestrator and the FMU side by side with others and writes docs/benchmarks.md."""
+"""Measures the orchestrator and the FMU side by side with others and writes docs/evidence/benchmarks.md."""
 
 import argparse
 import datetime
@@ -67,8 +67,7 @@ def measure(size):
                  error.worst <= 1, " %", f"{points} points of Table 3") for error in errors]
     sections.append(("Multirate / resolved", MULTIRATE, rows))
     for study, found, count in [("paper-table3.toml", errors, points), ("rig.toml", mixed, few)]:
-        sections.append((f"The errors of leaps: {study}", f"Over {count} points of `studies/{study}`, in per cent of the "
-                         "criterion's tolerance.", page.errors(found)))
+        sections.append((f"The errors of leaps: {count} points of {study}, in per cent of the tolerance", "", page.errors(found)))
     say("leaps of the Reynolds film")
     sections.append(("Leaps of the Reynolds film", FILM_LEAPS, parts.film_leaps()))
     say("boundary")
@@ -86,46 +85,32 @@ def measure(size):
 
 
 OVERHEAD = """\
-`verify --in-process --jobs 1` against `scripts/benchmarks/minimal.c`, which makes one run after another on one instance. The
-trivial FMU (`scripts/benchmarks/trivial`) computes a multiplication or two a step, so its ratio is that of the bare loops.
-The time of a step is the difference between runs of many steps and runs of few. It leaves out the cost of a run (see
-"Worker processes") and the report's replay of the best point. In "an output read each step" the orchestrator computes the
-mean over time, and the minimal loop reads and adds up. Neither this section nor the next has the extra runs that `verify`
-makes to see whether values rest (`--extra-runs 0`): what it is compared with makes none."""
+`verify --in-process --jobs 1` (without `--extra-runs`) against `scripts/benchmarks/minimal.c`, a bare loop on one instance. The
+trivial FMU computes a multiplication or two a step."""
 IMPORTERS = """\
-CPU time of a run that reads one output at each step. For fmpy only the runs count: it gets a model description and an
-unpacked FMU, and importing and loading are left out. For the orchestrator the whole process counts, from its start to the
-written report, divided by its points. A ratio above 1 is in the orchestrator's favour. The goals are for a trivial FMU and
-1,000 runs, where the orchestrator's start and report are a good part of its time."""
-AWAY = """
-
-OMSimulator is left out because it is not in `.venv`. Its package on PyPI holds no program; on installation it downloads a
-nightly build from another server without checking a signature. With OMSimulator in `.venv` its rows appear here."""
+CPU time of a run that reads one output at each step, over the orchestrator's. For fmpy importing and loading are left out; for
+the orchestrator the whole process counts, divided by its points. The goals are for 1,000 runs of a trivial FMU."""
+AWAY = """ OMSimulator is
+left out: it is not in `.venv`, and its package on PyPI only downloads a program."""
 MULTIRATE = """\
-`solver.multirate` on (the default) and off. Both times include a point's share of the journal, the tables and the page.
-The goal is 50 and the aim 200 at the points of Table 3. Their thick film lets even the resolved turns take large steps; the
-rig's mixed lubrication does not."""
+`solver.multirate` off over on, and the error of leaps; a point's share of journal, tables and page included."""
 FILM_LEAPS = """\
 `bearing.film = Reynolds`, 150 s from the given temperatures in one step, with `solver.multirate` on and off."""
 BOUNDARY = """\
-`fmu/examples/direct.rs` calls the stand without FMI; the minimal loop steps the packaged FMU. Both read one output after
-each step. The comparison of a 150 s step includes initialisation and uses default parameters."""
+The minimal loop on the packaged FMU over `fmu/examples/direct.rs`, which calls the stand without FMI; both read one output a
+step."""
 ISOLATION = """\
-CPU time of all processes, with one worker process and without any. The figure is what a point costs more than in the
-orchestrator's own process: the message there and back in a used process (`--isolation reuse`), or the fork of a process with
-the FMU's memory (`--isolation fresh`)."""
-PAPER = "CPU time of the whole process, including the page and the files."
+What a point costs more than in the orchestrator's own process: a message to a used process and back (`--isolation reuse`), or
+the fork of a process (`--isolation fresh`)."""
+PAPER = "The whole process, with page and files."
 SCALING = """\
-`verify` of `studies/paper-table3.toml` with one 150 s step a point, including the report and all files. Memory is the peak
-of resident memory, of the orchestrator itself and of the largest of its worker processes.
+`verify studies/paper-table3.toml` with one 150 s step a point, all included.
 
-![CPU time a point over the number of points](images/benchmarks-scaling.svg)"""
-LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point."
+![CPU time a point over the number of points](../images/benchmarks-scaling.svg)"""
+LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point. Memory is the peak of resident memory."
 FILM = """\
-`crates/journal-bearing/examples/bound.rs` steps the film over the stand's cycle. In the same process it measures how many
-multiplications and additions a second one core achieves with the instructions that the build uses. The bound is the time of
-the operations that a step cannot do without: in each of its two implicit stages one assembly, one block elimination of the
-ring and two solutions. The file counts them."""
+`crates/journal-bearing/examples/bound.rs` compares a step with the time that this core takes for the multiplications and
+additions which a step needs at least."""
 
 
 def main():

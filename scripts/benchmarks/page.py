@@ -1,5 +1,6 @@
-"""Writes docs/benchmarks.md and its plot."""
+"""Writes docs/evidence/benchmarks.md, the file with all rows beside it, and the plot."""
 
+import csv
 import datetime
 import os
 import platform
@@ -7,16 +8,20 @@ from pathlib import Path
 
 import plot
 
-FOLDER = Path("docs")
+FOLDER = Path("docs/evidence")
+IMAGES = Path("docs/images")
 
 HEAD = """\
 # Benchmarks
 
 Written by `scripts/bench`; edits are lost. Two programs that are compared run alternately (A B, B A, A B, ...) on one
-machine. A ratio is the median over the repetitions, with the lowest and the highest beside it. Times are CPU times,
-including child processes, unless said otherwise. The time of a step or a point is the difference of a long and a short run,
-so it leaves out the start of the process, unless the row says "all included".
+machine. A figure is the median over the repetitions, in CPU time with child processes unless it says otherwise. The time of
+a step or a point is the difference of a long and a short run, so it leaves out the start of the process, unless it says "all
+included". [benchmarks.csv](benchmarks.csv) has all rows, with the lowest and the highest figure and remarks; those below a
+fifth of what they may be at most are there alone.
 """
+
+COLUMNS = ["what", "median", "lowest", "highest", "unit", "goal", "met", "remark"]
 
 
 def number(value):
@@ -24,18 +29,23 @@ def number(value):
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
-def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+def cells(row):
+    """A measured row, as the file has it."""
+    met = {True: "yes", False: "no", None: ""}[row.met]
+    figures = [number(figure) for figure in (row.ratio.median, row.ratio.low, row.ratio.high)]
+    return [row.what, *figures, row.unit.strip(), row.goal, met, row.note]
 
 
-def ratios(rows):
-    def goal(row):
-        return f"{row.goal}{row.unit}: {'met' if row.met else '**missed**'}" if row.goal else ""
+def line(row):
+    """The same in the page."""
+    goal = f" (goal {row.goal}{row.unit}{'' if row.met else ': **missed**'})" if row.goal else ""
+    return f"- {row.what}: {number(row.ratio.median)}{row.unit}{goal}"
 
-    return table(["what", "median", "min .. max", "goal", "remark"], [
-        [row.what, number(row.ratio.median) + row.unit, f"{number(row.ratio.low)} .. {number(row.ratio.high)}",
-         goal(row), row.note] for row in rows])
+
+def notable(row):
+    """Whether a row has a goal and is not far within it."""
+    most, _, limit = row.goal.partition(" ")
+    return most == ">=" or (most == "<=" and row.ratio.median > float(limit) / 5)
 
 
 def machine():
@@ -57,25 +67,31 @@ def machine():
 
 
 def write(command, began, loads, sections, sizes):
-    """The page. A section is a title, a text, and rows or a table that is made already."""
+    """The page. A section is a title, a text, and measured rows or a table: a head and rows of cells, for the file alone."""
     seconds = (datetime.datetime.now() - began).total_seconds()
     busy = "" if max(loads) < 1.5 else (
         " Other programs were running: CPU times and ratios are still valid, wall times are not.")
-    parts = [HEAD, f"- machine: {machine()}",
-             f"- command: `{command}`, {seconds:.0f} s on {began:%Y-%m-%d}",
-             f"- load average (1 min) at the start {loads[0]:.1f}, at the end {loads[1]:.1f}.{busy}", ""]
-    missed = [row for _, _, rows in sections if isinstance(rows, list) for row in rows if row.met is False]
-    parts.append("## What falls short\n")
-    parts += [f"- {row.what}: {number(row.ratio.median)}{row.unit} instead of {row.goal}{row.unit}"
-              for row in missed] or ["Nothing: all goals are met."]
-    for title, text, rows in sections:
-        parts += ["", f"## {title}\n", text + "\n"]
-        if rows:
-            parts.append(ratios(rows) if isinstance(rows, list) else rows)
-    FOLDER.mkdir(exist_ok=True)
+    head = [f"- machine: {machine()}", f"- command: `{command}`, {seconds:.0f} s on {began:%Y-%m-%d}",
+            f"- load average (1 min) at the start {loads[0]:.1f}, at the end {loads[1]:.1f}.{busy}"]
     if sizes:
-        (FOLDER / "images").mkdir(exist_ok=True)
-        (FOLDER / "images" / "benchmarks-scaling.svg").write_text(plot.scaling(sizes), encoding="utf-8")
+        IMAGES.mkdir(exist_ok=True)
+        (IMAGES / "benchmarks-scaling.svg").write_text(plot.scaling(sizes), encoding="utf-8")
+    return pages(head, sections)
+
+
+def pages(head, sections):
+    """The page and the file of what was measured."""
+    parts, lines = [HEAD, *head], []
+    for title, text, rows in sections:
+        measured = isinstance(rows, list)
+        lines += [[f"# {title}"], *([COLUMNS, *map(cells, rows)] if measured else [rows[0], *rows[1]])]
+        if text:
+            parts += ["", f"## {title}\n", text]
+            told = ([row for row in rows if notable(row)] or rows[:1]) if measured else []
+            parts += ["", *map(line, told)] if told else []
+    FOLDER.mkdir(exist_ok=True)
+    with (FOLDER / "benchmarks.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows(lines)
     page = FOLDER / "benchmarks.md"
     page.write_text("\n".join(parts).rstrip() + "\n", encoding="utf-8")
     return page
@@ -83,16 +99,16 @@ def write(command, began, loads, sections, sizes):
 
 def errors(found):
     """The table of errors that leaps make."""
-    return table(["criterion", "median", "99 % below", "worst", "worst at point", "above 1 %", "verdict changed"], [
+    return ["criterion", "median", "99 % below", "worst", "worst at point", "above 1 %", "verdict changed"], [
         [e.name, f"{e.median:.2g} %", f"{e.high:.2g} %", f"{e.worst:.2g} %", e.point, str(e.above), str(e.other)]
-        for e in found])
+        for e in found]
 
 
 def scaling(sizes):
     """The table of the scaling series."""
     alone = {size.points: size.wall for size in sizes if size.jobs == 1}
-    return table(["points", "run", "CPU a point, ms", "wall, s", "one worker / this, wall", "peak memory, MB",
-                  "largest worker's, MB"], [
+    return ["points", "run", "CPU a point, ms", "wall, s", "one worker / this, wall", "peak memory, MB",
+            "largest worker's, MB"], [
         [f"{size.points:,}", f"{size.jobs} at a time, {size.place}", f"{1e3 * size.cpu / size.points:.2f}",
          f"{size.wall:.2f}", f"{alone[size.points] / size.wall:.2f}", f"{size.memory:.0f}",
-         f"{size.worker_memory:.0f}" if size.worker_memory else ""] for size in sizes])
+         f"{size.worker_memory:.0f}" if size.worker_memory else ""] for size in sizes]

@@ -301,12 +301,12 @@ def at_scale(sizes):
         for ten in sizes:
             if (ten.points, ten.jobs, ten.place) == (10_000, one.jobs, one.place) and most > 10_000:
                 growth = Ratio([one.cpu / most * ten.points / ten.cpu])
-                rows.append(Row(f"the same over that at 10,000 points, {how}", growth, **at_most(growth, 1.1)))
+                rows.append(Row(f"CPU time a point over that at 10,000 points, {how}", growth, **at_most(growth, 1.1)))
         memory = Ratio([one.memory])
         rows.append(Row(f"peak resident memory, {how}", memory, unit=" MB", note=points, **at_most(memory, 200)))
         if one.worker_memory:
             memory = Ratio([one.worker_memory])
-            rows.append(Row(f"that of its largest worker, {how}", memory, unit=" MB", note=points, **at_most(memory, 200)))
+            rows.append(Row(f"peak resident memory of the largest worker, {how}", memory, unit=" MB", note=points, **at_most(memory, 200)))
     return rows
 
 

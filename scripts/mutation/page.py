@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Takes over what scripts/mutants left in results/mutants into runs.json, and writes docs/mutation.md from it.
+"""Takes over what scripts/mutants left in results/mutants into runs.json, and writes docs/evidence/mutation.md from it.
 
 A part that was not run now keeps its earlier row. Exit code 1 when a mutant of the parts just run (the arguments)
 survives that equivalent.toml does not explain.
@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 RESULTS = ROOT / "results" / "mutants"
 RUNS = HERE / "runs.json"
-PAGE = ROOT / "docs" / "mutation.md"
+PAGE = ROOT / "docs/evidence/mutation.md"
 PARTS = ["solver", "statistics", "distribution", "design", "conformity", "verdict", "sensitivity"]
 
 HEAD = """# Mutation testing
@@ -23,8 +23,8 @@ HEAD = """# Mutation testing
 Written by `scripts/mutants`; edits are lost. It changes the code that decides results, one operator, constant or return
 value at a time (cargo-mutants), and runs the unit tests of that code. A mutant is *caught* when a test fails or never
 ends, *unviable* when it does not compile. One that *survives* shows a test that is missing, unless it is *equivalent*:
-no input makes it behave differently. `scripts/mutation/equivalent.toml` says why. The mutants of a part come in random
-order, so those *tried* are a sample of all where a run was ended early.
+no input makes it behave differently. `scripts/mutation/equivalent.toml` says why, `scripts/mutation/runs.json` names the files.
+The mutants of a part come in random order, so those *tried* are a sample where a run was ended early.
 
 | part | date | mutants | tried | caught | unviable | equivalent | survive |
 |---|---|---|---|---|---|---|---|
@@ -111,9 +111,6 @@ def page(runs):
         counts = [run[key] for key in ("mutants", "tried", "caught", "unviable", "equivalent")]
         cells = [name, run["date"], *counts, len(run["survivors"])]
         text += "| " + " | ".join(map(str, cells)) + " |\n"
-    text += "\n## Files\n\nThe figures are of these files, and of no others:\n\n"
-    for name in (name for name in PARTS if name in runs):
-        text += f"- {name}: " + ", ".join(f"`{file}`" for file in runs[name]["files"]) + "\n"
     survivors = [line for name in PARTS for line in runs.get(name, {}).get("survivors", [])]
     if survivors:
         text += "\n## Survivors\n\n| file | mutation | code |\n|---|---|---|\n"

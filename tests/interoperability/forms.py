@@ -4,7 +4,7 @@ FMI project's Reference FMUs and with others, and compares the results.
 
 `fmusim` and the examples of the standard are compiled from a checkout of github.com/modelica/Reference-FMUs at commit 690a339, the
 last with `fmusim`: REFERENCE_FMUS names its folder; without it the repository is cloned into .cache. They need Debian's gcc,
-libxml2-dev, zlib1g-dev, libminizip-dev and libsundials-dev. With --write the table goes into docs/interoperability.md. Exit code 1
+libxml2-dev, zlib1g-dev, libminizip-dev and libsundials-dev. With --write the table goes into docs/evidence/interoperability.md. Exit code 1
 when a program fails or differs.
 """
 
@@ -219,7 +219,7 @@ def table(rows):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="write the table into docs/interoperability.md")
+    parser.add_argument("--write", action="store_true", help="write the table into docs/evidence/interoperability.md")
     options = parser.parse_args()
     folder = checkout()
     with tempfile.TemporaryDirectory() as into:

@@ -2,7 +2,7 @@
 """Runs the FMU through every importer that installs, and compares their outputs with our own.
 
 The same start values, the same communication points; each importer in a Python environment of
-its own under .cache/importers. With --write the table goes into docs/interoperability.md.
+its own under .cache/importers. With --write the table goes into docs/evidence/interoperability.md.
 Exit code 1 when an importer that runs here fails or differs by more than 1e-12.
 """
 
@@ -22,7 +22,7 @@ ROOT = HERE.parent.parent
 CACHE = ROOT / ".cache" / "importers"
 FMU = ROOT / "dist" / "PlainBearingStand.fmu"
 ORCHESTRATOR = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / os.environ.get("PROFILE", "debug") / "orchestrator"
-PAGE = ROOT / "docs" / "interoperability.md"
+PAGE = ROOT / "docs/evidence/interoperability.md"
 TOLERANCE = 1e-12
 BEGIN, END = "<!-- interoperability:begin -->", "<!-- interoperability:end -->"
 
@@ -282,7 +282,7 @@ def measure():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="write the table into docs/interoperability.md")
+    parser.add_argument("--write", action="store_true", help="write the table into docs/evidence/interoperability.md")
     options = parser.parse_args()
     if not FMU.is_file():
         raise SystemExit(f"{FMU} is missing: run scripts/package-fmu first")

@@ -5,9 +5,10 @@ code is 1 when a result is wrong or lost.
     scripts/foreign FOLDER [--only PART] [--points N] [--keep DIR] [--table FILE]
 
 FOLDER holds .fmu files, named REPOSITORY--NAME.fmu. In the folder of `--keep`, fmpy's results stay for the next time, and the
-rows of this very program: a run that was interrupted goes on where it was. `--table` writes a page with the table."""
+rows of this very program: a run that was interrupted goes on where it was. `--table` writes a page, and the table as csv beside it."""
 
 import argparse
+import csv
 import hashlib
 import itertools
 import json
@@ -47,19 +48,18 @@ REAL, UNUSABLE = ("Real", "Float64", "Float32"), ("String", "Binary", "Clock")
 
 PAGE = """# Other people's FMUs
 
-`scripts/foreign FOLDER --table docs/foreign-fmus.md` ran FMUs from public repositories and Python wheels, Co-Simulation and
-Model Exchange for itself: {points} points within 10 % of the start values, by fmpy's `simulate_fmu` with a fresh process for
-every point and by `orchestrator verify` with two workers, three times: undisturbed, with `--isolation fresh`, and killed by
-SIGKILL on the way and resumed. *Equal*: all outputs agree bit for bit, or neither gives a result. *Within*: by 1e-4 of
-the largest value (Model Exchange: two solvers). *Lost*: only the other has a result. *Once*: nothing to vary, one run.
-`check` counts errors, warnings and notes. The FMUs are not part of this repository, and the script fetches none.
+`scripts/foreign FOLDER --table docs/evidence/foreign-fmus.md` ran FMUs from public repositories and Python wheels, which are not
+part of this repository, Co-Simulation and Model Exchange each: {points} points within 10 % of the start values, by fmpy with a
+fresh process a point, and by `orchestrator verify` three times: undisturbed, with `--isolation fresh`, and killed by SIGKILL on
+the way and resumed. [foreign-fmus.csv](foreign-fmus.csv) has the counts by repository. *Equal*: all outputs agree bit for bit, or
+neither gives a result. *Within*: by 1e-4 of the largest value (Model Exchange: two solvers). *Lost*: only the other has a result.
+*Once*: nothing to vary, one run. The last columns count what `check` finds.
 
 Written on {date} with orchestrator {version}: {summary}
-
 """
 
-COLUMNS = ["repository", "FMUs and kinds", "equal", "within", "different", "lost", "lost by fmpy", "once", "neither runs",
-           "check: errors, warnings, notes"]
+COLUMNS = ["repository", "FMUs", "FMUs and kinds", "equal", "within", "different", "lost", "lost by fmpy", "once", "neither runs",
+           "errors", "warnings", "notes"]
 
 
 @dataclass
@@ -394,16 +394,18 @@ def table(rows):
     by_repository = defaultdict(list)
     for row in rows:
         by_repository[row.name.split("--")[0]].append(row)
-    lines = [cells(COLUMNS), "|" + "---|" * len(COLUMNS)]
+    yield COLUMNS
     for name in [*sorted(by_repository, key=str.lower), "all"]:
         group = by_repository.get(name, rows)
         counts = total(group)
         checked = [sum(column) for column in zip(*(row.check for row in group if row.check))]
-        lines.append(cells([name, f"{len({row.name for row in group})}, {len(group)}",
-                            *(counts[what] for what in ("equal", "within", "different", "lost", "lost by fmpy", "once",
-                                                        "neither")), ", ".join(map(str, checked))]))
-    odd = [f"- {row.line()}" for row in rows if row.wrong or set(row.counts) & {"different", "lost", "lost by fmpy"}]
-    return "\n".join(lines) + ("\n\nWhat is lost or differs:\n\n" + "\n".join(odd) if odd else "") + "\n"
+        yield [name, len({row.name for row in group}), len(group),
+               *(counts[what] for what in ("equal", "within", "different", "lost", "lost by fmpy", "once", "neither")), *checked]
+
+
+def odd(rows):
+    """What is lost or differs."""
+    return [f"- {row.line()}" for row in rows if row.wrong or set(row.counts) & {"different", "lost", "lost by fmpy"}]
 
 
 def summary(rows):
@@ -416,7 +418,7 @@ def summary(rows):
 def page(rows, options):
     version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
     return PAGE.format(date=datetime.now(timezone.utc).date(), version=version, points=options.points,
-                       summary=summary(rows)) + table(rows)
+                       summary=summary(rows)) + "\n" + "\n".join(["What is lost or differs:", "", *odd(rows)]) + "\n"
 
 
 def kinds(fmu):
@@ -431,7 +433,7 @@ def main():
     arguments.add_argument("--only", default="", metavar="PART", help="only FMUs with this in their names")
     arguments.add_argument("--points", type=int, default=24, metavar="N")
     arguments.add_argument("--keep", type=Path, metavar="DIR", help="where results stay for the next time")
-    arguments.add_argument("--table", type=Path, metavar="FILE", help="a page with the table")
+    arguments.add_argument("--table", type=Path, metavar="FILE", help="a page; a file of the same name ending in .csv has the table")
     options = arguments.parse_args()
     fmus = sorted(fmu for fmu in options.folder.absolute().glob("**/*.fmu") if options.only in fmu.name)
     if options.keep:
@@ -443,9 +445,11 @@ def main():
             rows.append(examined(fmu, kind, options.points, options.keep, server))
             print(rows[-1].line(), flush=True)
     server.close()
-    print("\n" + table(rows) + "\n" + summary(rows))
+    print(*map(cells, table(rows)), *odd(rows), summary(rows), sep="\n")
     if options.table:
         options.table.write_text(page(rows, options))
+        with options.table.with_suffix(".csv").open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(table(rows))
     return 1 if any(row.wrong for row in rows) or not rows else 0
 
 

@@ -6,7 +6,7 @@ table; the exit code is 1 when a result is wrong.
 
 FOLDER is a checkout of github.com/modelica/Reference-FMUs, which is built here by cmake, or an unpacked release of it
 (the folders 2.0 and 3.0 with FMUs; published results are then left out). Fetches nothing. `--write` puts the table into
-docs/interoperability.md."""
+docs/evidence/interoperability.md."""
 
 import argparse
 import csv
@@ -25,7 +25,7 @@ from scipy.integrate import solve_ivp
 from supervised import PROGRAM
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs/interoperability.md"
+PAGE = ROOT / "docs/evidence/interoperability.md"
 BEGIN, END = "<!-- reference-fmus:begin -->", "<!-- reference-fmus:end -->"
 TOLERANCE = 1e-10
 # Model Exchange, relative to the largest value; bounces, s.

@@ -315,7 +315,7 @@ fn module(package: &mut Package) -> Result<Vec<u8>, String> {
     };
     let Some(entry) = package.entries().into_iter().find(fits) else {
         return Err(format!(
-            "{} has no WebAssembly module, so the page cannot simulate; it would be extra/FOLDER/{file} (docs/live.md)",
+            "{} has no WebAssembly module, so the page cannot simulate; it would be extra/FOLDER/{file} (docs/evidence/live.md)",
             package.path().display()
         ));
     };

@@ -435,7 +435,7 @@ fn the_documents_name_all_that_differs_in_the_summary_of_a_resumed_run() {
     killed(&bench, "whole", "resumed", |lines| lines.truncate(300));
     assert_eq!(verify(&bench, "resumed", &["--resume"]).code, 0);
     let [whole, resumed] = ["whole", "resumed"].map(|folder| bench.summary(folder));
-    let engine = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/engine.md");
+    let engine = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/evidence/engine.md");
     let engine = fs::read_to_string(engine).unwrap();
     let (_, named) = engine.split_once("`summary.json` except for").unwrap();
     for (key, value) in whole.as_object().unwrap() {

@@ -1,4 +1,4 @@
-//! Recomputes both calibrations from the shipped studies: the residuals that docs/calibration.md states.
+//! Recomputes both calibrations from the shipped studies: the residuals that docs/evidence/calibration.md states.
 
 #![allow(clippy::unwrap_used)]
 

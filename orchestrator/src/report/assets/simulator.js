@@ -1,5 +1,5 @@
 "use strict";
-// Simulates points with an FMU's WebAssembly module: the functions of FMI 2.0 for Co-Simulation (docs/live.md). The function is
+// Simulates points with an FMU's WebAssembly module: the functions of FMI 2.0 for Co-Simulation (docs/evidence/live.md). The function is
 // whole by itself, since a worker gets its text. `task` is what `report/live.rs` writes.
 const Simulator = (module, task) => {
   const PAGE = 65536, OK = 1, DISCARD = 2, ERROR = 3, TERMINATED = 3;
