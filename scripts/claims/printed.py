@@ -11,7 +11,6 @@ PAPER = ROOT / "studies" / "paper"
 # The columns of Table 3 that stand in Table 1.
 COLUMNS = {"h": "h_mm", "C": "C_Npm", "beta": "beta_Nspm", "F0": "F0_N", "epsilon": "eps_mm", "B": "B_mm", "D": "D_mm"}
 # Table 3 as printed.
-TABLE_3 = ["B_mm", "beta_Nspm", "C_Npm", "D_mm", "F0_N", "h_mm", "eps_mm", "F_N_N", "P_fr_W", "T_oil_degC", "T_bearing_degC"]
 # The load law of the stand (its start values): lever ratio, travel ratio, offset (m), phase (rad).
 LEVER, TRAVEL, OFFSET, PHASE = 16.621, 15.74, 0.03267, math.radians(88.9)
 RADIUS = 0.0125

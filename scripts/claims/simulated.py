@@ -10,7 +10,7 @@ import tomllib
 from pathlib import Path
 from statistics import mean
 
-from printed import COLUMNS, ROOT, TABLE_3, rows
+from printed import COLUMNS, ROOT, rows
 
 FMU = ROOT / "dist/PlainBearingStand.fmu"
 STEADY = {"thermal.initialization": "SteadyState"}
@@ -177,9 +177,8 @@ def row_of_table_3(row, printed, h):
     off = {name: float(row[name]) - float(printed[column]) for name, column in
            {"F_N": "F_N_N", "P_fr": "P_fr_W", "T_oil": "T_oil_degC", "T_bearing": "T_bearing_degC"}.items()}
     share = 100 * off["P_fr"] / float(printed["P_fr_W"])
-    paper = " | ".join(printed[column] for column in TABLE_3)
     judged = "yes" if row["verified"] == "true" else "no: " + ", ".join(n for n in off if row[f"{n}.ok"] == "false")
-    return (f"| {row['point']} | {paper} | {h:.4f} | {off['F_N']:+.2f} | {share:+.2f} | {off['T_oil']:+.3f} "
+    return (f"| {row['point']} | {h:.4f} | {off['F_N']:+.2f} | {share:+.2f} | {off['T_oil']:+.3f} "
             f"| {off['T_bearing']:+.3f} | {judged} |")
 
 
