@@ -1,12 +1,12 @@
 """The Reference FMUs of the FMI project: each version and both kinds by `orchestrator simulate`, against their published
-results and fmpy (Co-Simulation), and against closed forms and converged solutions (Model Exchange). Prints a Markdown
-table; the exit code is 1 when a result is wrong.
+results and fmpy (Co-Simulation), and against closed forms and converged solutions (Model Exchange). Prints a
+line each; the exit code is 1 when a result is wrong.
 
     scripts/reference-fmus FOLDER [--write]
 
 FOLDER is a checkout of github.com/modelica/Reference-FMUs, which is built here by cmake, or an unpacked release of it
-(the folders 2.0 and 3.0 with FMUs; published results are then left out). Fetches nothing. `--write` puts the table into
-docs/evidence/interoperability.md."""
+(the folders 2.0 and 3.0 with FMUs; published results are then left out). Fetches nothing. `--write` writes
+docs/evidence/reference-fmus.csv."""
 
 import argparse
 import csv
@@ -25,8 +25,7 @@ from scipy.integrate import solve_ivp
 from supervised import PROGRAM
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs/evidence/interoperability.md"
-BEGIN, END = "<!-- reference-fmus:begin -->", "<!-- reference-fmus:end -->"
+TABLE = ROOT / "docs/evidence/reference-fmus.csv"
 TOLERANCE = 1e-10
 # Model Exchange, relative to the largest value; bounces, s.
 MOST, MOST_LATE = 1e-6, 1e-9
@@ -113,7 +112,7 @@ def with_fmpy(fmu, got, step, signals=None):
         compared += 1
     if not compared:
         raise Wrong("nothing could be compared with fmpy")
-    return f"{compared} outputs bit for bit"
+    return f"{compared} outputs equal to fmpy bit for bit"
 
 
 def with_published(path, got):
@@ -241,7 +240,7 @@ def judge_feedthrough(fmu, folder):
             name.startswith("Enumeration"))
         if output in got and np.abs(got[output] - exact).max() > (1e-6 if "32" in name else 1e-12):
             raise Wrong(f"{output} is not {name}")
-    return f"{len(names)} inputs"
+    return f"{len(names)} inputs come out as they go in"
 
 
 def co_simulation(fmu, published, folder):
@@ -251,7 +250,7 @@ def co_simulation(fmu, published, folder):
     words = [with_fmpy(fmu, got, float(got["time"][1] - got["time"][0]))]
     # The published file of Roberts is BouncingBall's.
     if published.is_file() and name != "Roberts" and with_published(published, got):
-        words.append("published")
+        words.append("equal to the published file")
     return "; ".join(words)
 
 
@@ -269,7 +268,7 @@ def refused(fmu, folder):
     except Wrong as error:
         why = str(error)
         if "Scheduled Execution" in why:
-            return "refused"
+            return "refused: it has Scheduled Execution only"
         raise
     raise Wrong("clocks are not refused")
 
@@ -287,7 +286,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--write", action="store_true")
     given = parser.parse_args()
-    lines, right = ["| Reference FMU | FMI | Co-Simulation | Model Exchange |", "|---|---|---|---|"], True
+    lines, right = [["Reference FMU", "FMI", "Co-Simulation", "Model Exchange"]], True
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         for version in (2, 3):
@@ -298,13 +297,11 @@ def main():
                 else:
                     results = [attempt(co_simulation, fmu, published, folder), attempt(model_exchange, fmu, folder)]
                 right &= all(good for _, good in results)
-                lines.append(f"| {fmu.stem} | {version}.0 | {results[0][0]} | {results[1][0]} |")
-                print(lines[-1], file=sys.stderr)
-    table = "\n".join(lines)
-    print(table)
+                lines.append([fmu.stem, f"{version}.0", results[0][0], results[1][0]])
+                print(*lines[-1], sep=" | ")
     if given.write:
-        before, rest = PAGE.read_text().split(BEGIN)
-        PAGE.write_text(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END)[1]}")
+        with TABLE.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(lines)
     return 0 if right else 1
 
 
