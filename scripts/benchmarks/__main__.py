@@ -89,9 +89,8 @@ OVERHEAD = """\
 trivial FMU computes a multiplication or two a step."""
 IMPORTERS = """\
 CPU time of a run that reads one output at each step, over the orchestrator's. For fmpy importing and loading are left out; for
-the orchestrator the whole process counts, divided by its points. The goals are for 1,000 runs of a trivial FMU."""
-AWAY = """ OMSimulator is
-left out: it is not in `.venv`, and its package on PyPI only downloads a program."""
+the orchestrator the whole process counts, divided by its points."""
+AWAY = """ OMSimulator is not in `.venv`."""
 MULTIRATE = """\
 `solver.multirate` off over on, and the error of leaps; a point's share of journal, tables and page included."""
 FILM_LEAPS = """\

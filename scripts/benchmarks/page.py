@@ -17,8 +17,8 @@ HEAD = """\
 Written by `scripts/bench`; edits are lost. Two programs that are compared run alternately (A B, B A, A B, ...) on one
 machine. A figure is the median over the repetitions, in CPU time with child processes unless it says otherwise. The time of
 a step or a point is the difference of a long and a short run, so it leaves out the start of the process, unless it says "all
-included". [benchmarks.csv](benchmarks.csv) has all rows, with the lowest and the highest figure and remarks; those below a
-fifth of what they may be at most are there alone.
+included". Here is the first goal of each section, and what was missed; [benchmarks.csv](benchmarks.csv) has all, with the
+lowest and the highest figure and remarks.
 """
 
 COLUMNS = ["what", "median", "lowest", "highest", "unit", "goal", "met", "remark"]
@@ -40,12 +40,6 @@ def line(row):
     """The same in the page."""
     goal = f" (goal {row.goal}{row.unit}{'' if row.met else ': **missed**'})" if row.goal else ""
     return f"- {row.what}: {number(row.ratio.median)}{row.unit}{goal}"
-
-
-def notable(row):
-    """Whether a row has a goal and is not far within it."""
-    most, _, limit = row.goal.partition(" ")
-    return most == ">=" or (most == "<=" and row.ratio.median > float(limit) / 5)
 
 
 def machine():
@@ -87,7 +81,8 @@ def pages(head, sections):
         lines += [[f"# {title}"], *([COLUMNS, *map(cells, rows)] if measured else [rows[0], *rows[1]])]
         if text:
             parts += ["", f"## {title}\n", text]
-            told = ([row for row in rows if notable(row)] or rows[:1]) if measured else []
+            first = next((row for row in rows if row.goal), rows[0])
+            told = [row for row in rows if row is first or row.met is False] if measured else []
             parts += ["", *map(line, told)] if told else []
     FOLDER.mkdir(exist_ok=True)
     with (FOLDER / "benchmarks.csv").open("w", encoding="utf-8", newline="") as file:
