@@ -42,6 +42,12 @@ def line(row):
     return f"- {row.what}: {number(row.ratio.median)}{row.unit}{goal}"
 
 
+def notable(rows):
+    """The first row with a goal, and those that missed theirs."""
+    first = next((row for row in rows if row.goal), rows[0])
+    return [row for row in rows if row is first or row.met is False]
+
+
 def machine():
     """The machine, as far as it tells."""
     model = platform.processor() or platform.machine()
@@ -81,9 +87,7 @@ def pages(head, sections):
         lines += [[f"# {title}"], *([COLUMNS, *map(cells, rows)] if measured else [rows[0], *rows[1]])]
         if text:
             parts += ["", f"## {title}\n", text]
-            first = next((row for row in rows if row.goal), rows[0])
-            told = [row for row in rows if row is first or row.met is False] if measured else []
-            parts += ["", *map(line, told)] if told else []
+            parts += ["", *map(line, notable(rows))] if measured else []
     FOLDER.mkdir(exist_ok=True)
     with (FOLDER / "benchmarks.csv").open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows(lines)
