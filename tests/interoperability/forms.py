@@ -4,7 +4,7 @@ FMI project's Reference FMUs and with others, and compares the results.
 
 `fmusim` and the examples of the standard are compiled from a checkout of github.com/modelica/Reference-FMUs at commit 690a339, the
 last with `fmusim`: REFERENCE_FMUS names its folder; without it the repository is cloned into .cache. They need Debian's gcc,
-libxml2-dev, zlib1g-dev, libminizip-dev and libsundials-dev. With --write the table goes into docs/evidence/interoperability.md. Exit code 1
+libxml2-dev, zlib1g-dev, libminizip-dev and libsundials-dev. With --write the table goes into docs/evidence/forms.csv. Exit code 1
 when a program fails or differs.
 """
 
@@ -19,12 +19,11 @@ from pathlib import Path
 import fmpy
 import numpy as np
 
-import matrix
 from matrix import CACHE, ROOT, Trouble, run
 
 DIST = ROOT / "dist"
 COMMIT = "690a339"
-BEGIN, END = "<!-- forms:begin -->", "<!-- forms:end -->"
+TABLE = ROOT / "docs/evidence/forms.csv"
 OUTPUTS = ["sensor.loadForce", "sensor.frictionTorque", "sensor.bearingTemperature", "bearing.eccentricityRatio",
            "bearing.minFilmThickness", "drive.angle"]
 STOP, STEP = 1.0, 0.01
@@ -210,28 +209,28 @@ def lag(program):
     return errors
 
 
-def table(rows):
-    lines = [f"| Program | {' | '.join(HEADS)} |", "|---" * 5 + "|"]
+def table(rows, errors):
+    """The lines of the file: a program each, and the errors of `lag`."""
+    yield ["Program", *HEADS]
     for name, cells in rows:
-        lines.append(f"| {name} | {' | '.join('-' if one is None else one[0] for one in cells)} |")
-    return "\n".join(lines)
+        yield [name, *("-" if one is None else one[0] for one in cells)]
+    yield ["example lag in fmusim, against its exact solution", *(f"{errors[form[1], form[2]]:.0e}" for form in FORMS)]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="write the table into docs/evidence/interoperability.md")
+    parser.add_argument("--write", action="store_true", help="write the table into docs/evidence/forms.csv")
     options = parser.parse_args()
     folder = checkout()
     with tempfile.TemporaryDirectory() as into:
         program = fmusim(folder, Path(into))
         rows = forms(program, folder)
         errors = lag(program)
-    text = table(rows)
-    text += "\n\nThe example `lag` in fmusim, against its exact solution: " + ", ".join(
-        f"{head} {errors[form[1], form[2]]:.0e}" for head, form in zip(HEADS, FORMS)) + "."
-    print(text)
+    lines = list(table(rows, errors))
+    print(*map(" | ".join, lines), sep="\n")
     if options.write:
-        matrix.into_page(text, BEGIN, END)
+        with TABLE.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(lines)
     exact = all(error <= (1e-14 if kind == "cs" else 1e-8) for (_, kind), error in errors.items())
     return 0 if exact and all(good for _, cells in rows for one in cells if one for good in one[1:]) else 1
 

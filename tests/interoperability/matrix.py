@@ -261,12 +261,12 @@ def table(rows):
     return "\n".join(lines)
 
 
-def into_page(text, first=BEGIN, last=END):
-    before, begin, rest = PAGE.read_text(encoding="utf-8").partition(first)
-    _, end, after = rest.partition(last)
+def into_page(text):
+    before, begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+    _, end, after = rest.partition(END)
     if not begin or not end:
-        raise SystemExit(f"{PAGE.name} has no {first} ... {last}")
-    PAGE.write_text(f"{before}{first}\n{text}\n{last}{after}", encoding="utf-8")
+        raise SystemExit(f"{PAGE.name} has no {BEGIN} ... {END}")
+    PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
 
 
 def measure():
