@@ -13,6 +13,7 @@ from ._errors import Interrupted, OrchestratorError, OrchestratorWarning
 from ._files import program, shipped_fmu, shipped_studies
 from ._fmu import Check, Finding, check, inspect, simulate
 from ._function import StudyFunction
+from ._measured import Synchronised, init, synchronise
 from ._results import (
     Analysis,
     Estimate,
@@ -47,14 +48,17 @@ __all__ = [
     "Sensitivity",
     "Study",
     "StudyFunction",
+    "Synchronised",
     "Table",
     "Tolerances",
     "Verdict",
     "Verification",
     "check",
+    "init",
     "inspect",
     "program",
     "shipped_fmu",
     "shipped_studies",
     "simulate",
+    "synchronise",
 ]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from . import _html
-from ._program import Value, flags, run, text_of
+from ._program import Value, flags, run, text_of, units_of_fmu
 from ._table import Given, Table, given, read
 
 StrPath = str | os.PathLike[str]
@@ -43,7 +43,7 @@ def simulate(
         options["output"] = file = Path(folder) / "trajectory.csv"
         options["input"] = None if inputs is None else given(inputs, Path(folder))
         run("simulate", fmu, *settings, *flags(options))
-        return read(file)
+        return read(file, units=lambda: units_of_fmu(fmu))
 
 
 def inspect(fmu: StrPath) -> dict[str, Any]:
@@ -72,6 +72,8 @@ class Check:
 
     passed: bool
     findings: tuple[Finding, ...]
+    data: Mapping[str, Any]
+    """The answer as the command line writes it with ``--format json``."""
 
     def _repr_html_(self) -> str:
         lines = [f"{found.severity}: {found.message} [{found.source}]" for found in self.findings]
@@ -84,8 +86,8 @@ def check(fmu: StrPath, *, strict: bool = False, patience: float | None = None) 
     ``patience``, s, limits each of the short simulations.
     """
     done = run("check", fmu, "--format=json", *flags({"strict": strict, "patience": patience}), results=(0, 1))
-    findings = tuple(_finding(found) for found in json.loads(done.text)["findings"])
-    return Check(done.code == 0, findings)
+    data = json.loads(done.text)
+    return Check(done.code == 0, tuple(map(_finding, data["findings"])), data)
 
 
 def _finding(found: Mapping[str, Any]) -> Finding:

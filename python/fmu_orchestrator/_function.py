@@ -25,8 +25,6 @@ class Verified(Protocol):
 class Verifiable(Protocol):
     """What a function needs of a study."""
 
-    path: Path
-
     @property
     def parameters(self) -> list[str]:
         """The parameters that vary."""
@@ -70,7 +68,7 @@ class StudyFunction:
         _check("criterion", self.outputs, study.criteria, study)
         missing = [name for name in names if name not in self.inputs and name not in self.others]
         if missing:
-            raise OrchestratorError(f"{study.path}: give `others` values for {', '.join(missing)}, or make them inputs")
+            raise OrchestratorError(f"{study}: give `others` values for {', '.join(missing)}, or make them inputs")
 
     def __call__(self, x: "ArrayLike") -> "NDArray[numpy.float64]":
         """The outputs at points."""
@@ -105,4 +103,4 @@ def _listed(names: str | Iterable[str]) -> list[str]:
 def _check(kind: str, names: list[str], known: list[str], study: Verifiable) -> None:
     for name in names:
         if name not in known:
-            raise OrchestratorError(f"{study.path}: no {kind} `{name}`; there are {', '.join(known)}")
+            raise OrchestratorError(f"{study}: no {kind} `{name}`; there are {', '.join(known)}")

@@ -1,13 +1,19 @@
 """Results as notebooks show them."""
 
-from collections.abc import Mapping
+from base64 import b64encode
+from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-# A notebook keeps what it shows; a larger page is linked instead.
-LARGEST = 4 << 20
+from . import _plot
+from ._errors import OrchestratorError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 COLOURS = {"verified": "#1a7f37", "not verified": "#b3261e", "inconclusive": "#8a6100"}
+Draw = Callable[[], "Figure"]
 
 
 def text(content: str) -> str:
@@ -15,14 +21,28 @@ def text(content: str) -> str:
     return f"<pre>{escape(content)}</pre>"
 
 
-def verification(summary: Mapping[str, Any], report: Path) -> str:
-    """The verdict, the criteria and the page."""
+def verification(summary: Mapping[str, Any], pictures: Iterable[Draw], report: Path) -> str:
+    """The verdict, beside it what makes it doubtful, the criteria, the pictures, and where the page is."""
     colour = COLOURS.get(summary["verdict"], "inherit")
-    title = f"<p><b>{escape(summary['title'] or summary['provenance']['study'])}</b></p>" if summary["title"] else ""
-    words = f'<p style="color: {colour}">{escape(summary["verdict_words"])}</p>'
+    title = f"<p>{escape(summary['title'])}</p>" if summary["title"] else ""
+    words = f'<p style="color: {colour}"><b>{escape(_sentence(summary["verdict_words"]))}</b></p>'
+    warnings = [f"<li>{escape(said)}</li>" for said in map(_said, summary.get("concerns", [])) if said]
+    beside = f'<ul style="color: {COLOURS["inconclusive"]}">{"".join(warnings)}</ul>' if warnings else ""
     head = "<tr><th>criterion</th><th>accepted range</th><th>points</th><th>share</th></tr>"
     rows = "".join(_criterion(name, count) for name, count in summary["criteria"].items())
-    return f"{title}{words}<table><thead>{head}</thead><tbody>{rows}</tbody></table>{page(report)}"
+    table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
+    return f"{title}{words}{beside}{table}{drawn(pictures)}{page(report)}"
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:] + "."
+
+
+def _said(concern: Any) -> str:
+    """What a concern says, where it is a warning; earlier versions wrote the text alone."""
+    if isinstance(concern, str):
+        return concern
+    return str(concern["text"]) if concern["severity"] != "note" else ""
 
 
 def _criterion(name: str, count: Mapping[str, Any]) -> str:
@@ -37,15 +57,25 @@ def _criterion(name: str, count: Mapping[str, Any]) -> str:
     return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
 
 
+def drawn(pictures: Iterable[Draw]) -> str:
+    """Pictures, where matplotlib is installed."""
+    shown = []
+    for draw in pictures:
+        try:
+            content = b64encode(_plot.png(draw())).decode()
+        except OrchestratorError:
+            continue
+        shown.append(f'<img alt="" style="max-width: 100%" src="data:image/png;base64,{content}"/>')
+    return "".join(f"<div>{one}</div>" for one in shown)
+
+
 def page(report: Path) -> str:
-    """A page in a frame of its own: its styles and scripts do not reach the notebook."""
-    try:
-        content = report.read_text(encoding="utf-8")
-    except OSError:
+    """A link to the page."""
+    if not report.is_file():
         return ""
-    if len(content) > LARGEST:
-        return f"<p>The report: {escape(str(report))}</p>"
-    return (
-        f'<details open><summary>Report</summary><iframe srcdoc="{escape(content)}" sandbox="allow-scripts allow-downloads" '
-        'style="width: 100%; height: 45em; border: 1px solid #999" title="Verification report"></iframe></details>'
-    )
+    place = report.resolve()
+    try:
+        name = link = place.relative_to(Path.cwd()).as_posix()
+    except ValueError:
+        name, link = str(place), place.as_uri()
+    return f'<p>All results: <a href="{escape(link)}" target="_blank">{escape(name)}</a></p>'

@@ -1,5 +1,6 @@
 """Runs the command-line program."""
 
+import json
 import os
 import signal
 import subprocess
@@ -78,6 +79,12 @@ def run(
     if process.returncode not in results:
         raise OrchestratorError(complaint(said, process.returncode))
     return Done(process.returncode, text)
+
+
+def units_of_fmu(fmu: str | os.PathLike[str]) -> dict[str, str]:
+    """The units of an FMU's variables, by name, and that of the time."""
+    variables = json.loads(run("inspect", fmu, "--json").text)["variables"]
+    return {"time": "s"} | {one["name"]: one["unit"] for one in variables if one.get("unit")}
 
 
 def _wait(process: "subprocess.Popen[str]", look: Callable[[], None] | None) -> tuple[str, str]:

@@ -3,16 +3,20 @@
 import json
 import os
 import tempfile
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from . import _html
+from . import _html, _plot
 from ._errors import OrchestratorError
-from ._program import run
+from ._program import run, units_of_fmu
 from ._table import Kind, Table, read
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 VerdictName = Literal["verified", "not verified", "inconclusive"]
 Interval = tuple[float, float]
@@ -32,6 +36,21 @@ def load_json(path: Path) -> Any:
 def interval(found: Any) -> Interval | None:
     """An interval, where there is one."""
     return None if found is None else (float(found[0]), float(found[1]))
+
+
+def stated_units(folder: Path) -> dict[str, str]:
+    """The units of the parameters and criteria of the study that was run into a folder, by name: those that it states, else
+    the FMU's. A curve has that of its reference."""
+    study = tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
+    known = {**study.get("parameters", {}), **study.get("criteria", {})}
+    for case in study.get("cases", []):
+        own = {**study.get("criteria", {}), **case.get("criteria", {})}
+        known |= {f"{case['name']}/{name}": criterion for name, criterion in own.items()}
+    of_fmu = units_of_fmu(load_json(folder / "request.json")["fmu"])
+    found = {}
+    for name, one in known.items():
+        found[name] = one.get("reference", {}).get("unit") or one.get("unit") or of_fmu.get(one.get("variable", name), "")
+    return found
 
 
 @dataclass(frozen=True)
@@ -159,7 +178,12 @@ class Verification:
     def points(self) -> Table:
         """A row a point: its number, parameters, the criteria's values in the study's units, ``NAME.ok``, ``verified``,
         where a guard band acts ``accepted``, and ``status``."""
-        return read(self.folder / "points.csv", self._kinds)
+        return read(self.folder / "points.csv", self._kinds, self._units())
+
+    def _units(self) -> dict[str, str]:
+        """The units of parameters and criteria."""
+        named = [*self.summary["parameters"], *({**count, "name": name} for name, count in self.summary["criteria"].items())]
+        return {one["name"]: one["unit"] for one in named if one.get("unit")}
 
     def _kinds(self, width: int) -> list[Kind]:
         """The types of the columns of ``points.csv``."""
@@ -185,7 +209,40 @@ class Verification:
         options = [f"--output={path}"] + ([f"--case={case}"] if case is not None else [])
         # 1 says that the point does not meet all criteria.
         run("replay", self.folder, str(point), *options, results=(0, 1))
-        return read(path)
+        return read(path, units=lambda: units_of_fmu(load_json(self.folder / "request.json")["fmu"]))
+
+    @cached_property
+    def curves(self) -> Table | None:
+        """The measured curves of a study that has some, each with all values of verified points at its times: columns
+        ``criterion``, ``time`` (s), ``value``, ``uncertainty``, ``verified_least``, ``verified_most``, ``verified_points``."""
+        path = self.folder / "measured-curves.csv"
+        return read(path, units={"time": "s"}) if path.exists() else None
+
+    def plot(self, x: str | None = None, y: str | None = None) -> "Figure":
+        """A picture: the cloud of points, and a histogram of each criterion with its accepted range.
+
+        ``x`` and ``y`` are the columns of the cloud; unless given, the two parameters that differ most between points that
+        are accepted and others. Needs matplotlib.
+        """
+        return _plot.points(self.points, self.summary, x, y)
+
+    def plot_curves(self) -> "Figure":
+        """A picture of each measured curve with its uncertainty, and the band that the verified points fill. Needs
+        matplotlib."""
+        if self.curves is None:
+            raise OrchestratorError(f"{self.folder}: the study compares no measured curves")
+        return _plot.curves(self.curves, self.summary, stated_units(self.folder))
+
+    def sensitivity(self) -> "Sensitivity":
+        """Tells from the points which parameter matters: rank correlations and PAWN indices. `Study.sensitivity` runs designs
+        that tell more."""
+        if not (self.folder / Sensitivity.file).exists():
+            run("sensitivity", self.folder / "study.toml", f"--from={self.folder}", f"--output={self.folder}", "--force")
+        return Sensitivity(self.folder)
+
+    def plot_sensitivity(self) -> "Figure":
+        """A picture of `sensitivity`. Needs matplotlib."""
+        return self.sensitivity().plot()
 
     @property
     def cases(self) -> dict[str, Any]:
@@ -198,7 +255,8 @@ class Verification:
         return f"<Verification: {self.verdict.words}; {self.folder}>"
 
     def _repr_html_(self) -> str:
-        return _html.verification(self.summary, self.report)
+        pictures = [self.plot] if self.curves is None else [self.plot, self.plot_curves]
+        return _html.verification(self.summary, pictures, self.report)
 
 
 class Analysis:
@@ -217,7 +275,10 @@ class Analysis:
         return f"<{type(self).__name__}: {self.folder / self.file}>"
 
     def _repr_html_(self) -> str:
-        return _html.text(self.text or repr(self))
+        return _html.text(self.text or repr(self)) + _html.drawn(self._pictures()) + _html.page(self.folder / "report.html")
+
+    def _pictures(self) -> "list[_html.Draw]":
+        return []
 
 
 class Sensitivity(Analysis):
@@ -250,7 +311,19 @@ class Sensitivity(Analysis):
     @cached_property
     def runs(self) -> Table:
         """The runs in the order of their design, for the methods of other libraries."""
-        return read(self.folder / "sensitivity-runs.csv")
+        return read(self.folder / "sensitivity-runs.csv", units=self._units)
+
+    def plot(self) -> "Figure":
+        """A picture: for each output the parameters that matter most, with 95 % intervals. Needs matplotlib."""
+        return _plot.effects(self.parameters, self.data["outputs"], self._units())
+
+    def _units(self) -> dict[str, str]:
+        """Those of the study that asked for the runs, or of the one whose points were used."""
+        own = self.folder / "sensitivity"
+        return stated_units(own if (own / "study.toml").exists() else self.folder)
+
+    def _pictures(self) -> "list[_html.Draw]":
+        return [self.plot]
 
 
 @dataclass(frozen=True)
@@ -296,6 +369,23 @@ class Identification(Analysis):
     def parameters(self) -> dict[str, Estimate]:
         """The free parameters at the first optimum; see `optima` whether it is the only one."""
         return _estimates(self.data["free"])
+
+    @cached_property
+    def posterior(self) -> Table:
+        """Sets of parameters drawn from the posterior, a row each; ``identify(posterior=1000)`` draws them."""
+        path = self.folder / "posterior.csv"
+        if self.data.get("posterior") is None or not path.exists():
+            raise OrchestratorError(f"{self.folder}: no posterior was drawn; identify(posterior=1000) draws one")
+        return read(path, units={one["name"]: one["unit"] for one in self.data["free"]})
+
+    def plot(self) -> "Figure":
+        """A picture of the posterior where one was drawn: each parameter's histogram with its 95 % interval, and each pair;
+        else the identified values with their intervals. Needs matplotlib."""
+        drawn = self.data.get("posterior")
+        return _plot.posterior(self.posterior, drawn["free"], drawn) if drawn else _plot.estimates(self.optima)
+
+    def _pictures(self) -> "list[_html.Draw]":
+        return [self.plot]
 
 
 def _estimates(free: list[Any]) -> dict[str, Estimate]:

@@ -1,12 +1,16 @@
 """Studies: loaded, verified, analysed."""
 
+import json
 import os
 import tempfile
 import tomllib
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack
 
+from . import _toml
 from ._errors import OrchestratorError
 from ._files import study_path
 from ._function import StudyFunction
@@ -14,10 +18,13 @@ from ._program import Done, Value, flags, run
 from ._progress import Progress, Show
 from ._results import Identification, Pareto, Robustness, Sensitivity, Tolerances, Verification
 from ._table import Given, given
+from ._toml import changed, placed
 
 # Exit codes that are answers: verified or done, not verified, inconclusive.
 ANSWERS = (0, 1, 3)
 StrPath = str | os.PathLike[str]
+# The first line of studies that are no files, so that they are known again where a run could not begin.
+MARK = "# Written by the Python package: this study is no file of its own.\n"
 # A finished study, or its folder.
 Points = Verification | StrPath
 
@@ -47,16 +54,36 @@ class Running(TypedDict, total=False):
 
 
 class Study:
-    """A study: an FMU, its uncertain parameters, and the criteria that it has to meet."""
+    """A study: an FMU, its uncertain parameters, and the criteria that it has to meet.
 
-    def __init__(self, path: Path, content: Mapping[str, Any]) -> None:
-        self.path = path
-        self.content = content
-        """The study as its TOML file has it. The program reads the file anew for every call."""
+    >>> study = Study({
+    ...     "fmu": "my.fmu",
+    ...     "simulation": {"stop": 10, "step": 0.01},
+    ...     "parameters": {"mass": {"distribution": "uniform", "min": 0.9, "max": 1.1, "unit": "kg"}},
+    ...     "criteria": {"x": {"variable": "position", "statistic": "max", "nominal": 1.2, "tolerance": "5 %"}},
+    ... })
+    """
+
+    def __init__(self, content: Mapping[str, Any] | str, *, name: str = "study", folder: StrPath | None = None) -> None:
+        """``content`` as a mapping or as TOML. Files that it names are relative to ``folder``, the present one unless
+        given."""
+        self.name = name
+        """What the folder of results is called by."""
+        self.path: Path | None = None
+        """The study's file, where it has one."""
+        self.folder = Path.cwd() if folder is None else Path(folder).absolute()
+        """The folder to which the names of files are relative."""
+        self.content: dict[str, Any] = deepcopy(dict(_parsed(content) if isinstance(content, str) else content))
+        """The content, as TOML has it. What is changed here changes what runs."""
+        self._read: dict[str, Any] | None = None
+        self._temporary: tempfile.TemporaryDirectory[str] | None = None
 
     @classmethod
     def load(cls, path: StrPath) -> "Study":
-        """Opens the TOML file of a study. ``"paper-table3"`` and other names of `shipped_studies` open these."""
+        """Opens the TOML file of a study. ``"paper-table3"`` and other names of `shipped_studies` open these.
+
+        As long as `content` is as it was read, the file itself runs, in the text that it then has.
+        """
         file = study_path(path).absolute()
         try:
             content = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -64,7 +91,30 @@ class Study:
             raise OrchestratorError(f"{file}: {error.strerror}") from error
         except ValueError as error:
             raise OrchestratorError(f"{file}: {error}") from error
-        return cls(file, content)
+        study = cls(content, name=file.stem, folder=file.parent)
+        study.path, study._read = file, content
+        return study
+
+    def with_(self, *, points: int | None = None, seed: int | None = None, **changes: Any) -> "Study":
+        """Another study, which differs in some values: ``study.with_(points=200, **{"criteria.T.nominal": 81.5})``.
+
+        ``points`` and ``seed`` are those of the design. Other names are dotted, as in TOML; None takes a key out.
+        """
+        design = {f"design.{name}": value for name, value in (("points", points), ("seed", seed)) if value is not None}
+        return Study(changed(self.content, design | changes), name=self.name, folder=self.folder)
+
+    def __getitem__(self, section: str) -> Any:
+        """A part of the content: ``study["design"]["points"] = 200``."""
+        return self.content[section]
+
+    def __setitem__(self, section: str, value: Any) -> None:
+        self.content[section] = value
+
+    def save(self, path: StrPath) -> "Study":
+        """Writes the study into a TOML file, for the command line, and opens that."""
+        file = Path(path)
+        file.write_text(_toml.text(placed(self.content, self.folder)), encoding="utf-8")
+        return Study.load(file)
 
     @property
     def parameters(self) -> list[str]:
@@ -112,7 +162,7 @@ class Study:
         with tempfile.TemporaryDirectory(prefix="table-") as place:
             file = given(table, Path(place))
             forced = ["--force"] if force else []
-            done = run("judge", self.path, file, f"--output={folder}", *forced, results=ANSWERS)
+            done = run("judge", self._file(folder, force=force), file, f"--output={folder}", *forced, results=ANSWERS)
         return Verification(folder, done.text, keep)
 
     def sensitivity(
@@ -235,8 +285,35 @@ class Study:
         """The study as a function of arrays, for SALib, OpenTURNS, scipy and whatever else calls ``f(X)``."""
         return StudyFunction(self, inputs, outputs, others or {}, running)
 
+    @property
+    def _is_file(self) -> bool:
+        return self.path is not None and self.content == self._read
+
     def _folder(self, output: StrPath | None) -> Path:
-        return Path("results", self.path.stem) if output is None else Path(output)
+        if output is not None:
+            return Path(output)
+        # Another content gets another folder, so that earlier results stay what they are.
+        mark = "" if self._is_file else f"-{sha256(self._text().encode()).hexdigest()[:8]}"
+        return Path("results", f"{self.name}{mark}")
+
+    def _text(self) -> str:
+        return MARK + _toml.text(placed(self.content, self.folder))
+
+    def _file(self, folder: Path, *, force: bool = False, resume: bool = False) -> Path:
+        """The file that the program reads: the study's own, or its content in the folder of the results."""
+        if self.path is not None and self._is_file:
+            return self.path
+        text, file = self._text(), folder / "study.toml"
+        if not force and not _is_free(file, text, resume):
+            # The program then says what the folder holds.
+            self._temporary = tempfile.TemporaryDirectory(prefix="study-")
+            file = Path(self._temporary.name) / "study.toml"
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise OrchestratorError(f"{file}: {error.strerror}") from error
+        return file
 
     def _folders(self, points_of: Points | None, output: StrPath | None) -> tuple[Path | None, Path]:
         """The folder of the points that an analysis uses, where one is given, and that of its results."""
@@ -254,7 +331,7 @@ class Study:
         try:
             return run(
                 command,
-                self.path,
+                self._file(folder, force=bool(settings.get("force")), resume=bool(settings.get("resume"))),
                 f"--output={folder}",
                 *flags({**options, **settings}),
                 results=ANSWERS,
@@ -265,4 +342,33 @@ class Study:
             progress.end()
 
     def __repr__(self) -> str:
-        return f"<Study {self.path}>"
+        return f"<Study {self}: {len(self.parameters)} parameters, {len(self.criteria)} criteria>"
+
+    def __str__(self) -> str:
+        return str(self.path) if self.path is not None and self._is_file else self.name
+
+
+def _parsed(text: str) -> dict[str, Any]:
+    if "=" not in text:
+        raise OrchestratorError(f"{text!r} is no content of a study; Study.load opens a file")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise OrchestratorError(f"study: {error}") from error
+
+
+def _is_free(file: Path, text: str, resume: bool) -> bool:
+    """Whether a study may be written there: nothing is there, or what an earlier run of such a study has left."""
+    try:
+        there = file.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return True
+    except (OSError, ValueError):
+        return False
+    if there == text or not there.startswith(MARK):
+        return there == text
+    try:
+        request = json.loads((file.parent / "request.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return True
+    return not resume and os.path.abspath(request["study"]) == os.path.abspath(file)

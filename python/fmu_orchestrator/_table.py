@@ -5,10 +5,11 @@ import math
 import os
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from hashlib import sha256
 from html import escape
 from io import StringIO
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["count", "number", "flag", "text"]
 Kinds = Sequence[Kind] | Callable[[int], Sequence[Kind]] | None
+Units = Mapping[str, str | None] | Callable[[], Mapping[str, str | None]] | None
 # Rows that are text at a time.
 GROUP = 1 << 14
 SHOWN = 10
@@ -31,12 +33,14 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 class Table:
     """Columns by name. A missing number is NaN here and null in Arrow.
 
-    pandas, polars, pyarrow and DuckDB take it as it is, through the Arrow PyCapsule interface, without copying numbers.
-    Without any of them ``table["name"]`` is a column, ``dict(table)`` holds all.
+    ``to_pandas()``, ``polars.DataFrame(table)``, ``pyarrow.table(table)`` and DuckDB take it, the latter three as it is,
+    through the Arrow PyCapsule interface, without copying numbers. Without any of them ``table["name"]`` is a column,
+    ``dict(table)`` holds all.
     """
 
-    def __init__(self, columns: Mapping[str, Column]) -> None:
+    def __init__(self, columns: Mapping[str, Column], units: Units = None) -> None:
         self._columns = dict(columns)
+        self._units = units
 
     @property
     def names(self) -> list[str]:
@@ -46,6 +50,16 @@ class Table:
     def keys(self) -> list[str]:
         """The names of the columns, as ``dict(table)`` asks for them."""
         return self.names
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The units of the columns that have one, by name."""
+        known = self._units() if callable(self._units) else self._units or {}
+        return {name: unit for name in self if (unit := known.get(name)) not in (None, "", "1")}
+
+    def label(self, name: str) -> str:
+        """The name of a column with its unit."""
+        return f"{name} [{self.units[name]}]" if name in self.units else name
 
     def __getitem__(self, name: str) -> Column:
         try:
@@ -76,15 +90,30 @@ class Table:
         columns = [numpy.asarray(self[name], dtype=numpy.float64) for name in chosen]
         return numpy.column_stack(columns) if columns else numpy.empty((len(self), 0))
 
+    def to_pandas(self) -> Any:
+        """The table as a frame of pandas; its ``attrs["units"]`` are the units. Needs pandas."""
+        import numpy
+        import pandas  # type: ignore[import-untyped, unused-ignore]
+
+        frame = pandas.DataFrame(
+            {name: numpy.array(column) if isinstance(column, array) else column for name, column in self._columns.items()}
+        )
+        frame.attrs["units"] = self.units
+        return frame
+
+    def __array__(self, dtype: object = None, copy: object = None) -> "NDArray[numpy.float64]":
+        # Else numpy and pandas would take the names for the values, without a word.
+        raise TypeError("a table has columns of several types: use its to_pandas() or to_numpy()")
+
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
         """The table as a stream of one batch (Arrow PyCapsule interface)."""
         return _arrow.stream(self._columns)
 
     def __repr__(self) -> str:
-        return f"<Table of {len(self)} rows: {', '.join(self._columns)}>"
+        return f"<Table of {len(self)} rows: {', '.join(map(self.label, self))}>"
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{escape(name)}</th>" for name in self._columns)
+        head = "".join(f"<th>{escape(self.label(name))}</th>" for name in self)
         rows = "".join(
             "<tr>" + "".join(f"<td>{escape(_cell(value))}</td>" for value in row.values()) + "</tr>"
             for row in islice(self.rows(), SHOWN)
@@ -99,19 +128,21 @@ def _cell(value: object) -> str:
     return str(value)
 
 
-def read(path: Path, kinds: Kinds = None) -> Table:
+def read(path: Path, kinds: Kinds = None, units: Units = None) -> Table:
     """Reads a csv file of the program."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
-            return parse(file, kinds)
+            return parse(file, kinds, units)
     except OSError as error:
         raise OrchestratorError(f"{path}: {error.strerror}") from error
 
 
-def parse(file: TextIO, kinds: Kinds = None) -> Table:
+def parse(file: TextIO, kinds: Kinds = None, units: Units = None) -> Table:
     """Reads a table of the program; ``kinds`` are the types of its columns, or what says them of a number of columns, else
     they are found from the cells."""
-    reader = csv.reader(file)
+    first = next(iter(file), "")
+    # A first line that begins with # tells of the columns.
+    reader = csv.reader(file if first.startswith("#") else chain([first], file))
     header = [unquoted(name) for name in next(reader, [])]
     known = kinds(len(header)) if callable(kinds) else kinds
     chosen: Sequence[Kind] = known or ["text"] * len(header)
@@ -121,7 +152,7 @@ def parse(file: TextIO, kinds: Kinds = None) -> Table:
             _extend(column, kind, cells)
     if known is None:
         columns = [_found(column) for column in columns]
-    return Table(dict(zip(header, columns, strict=True)))
+    return Table(dict(zip(header, columns, strict=True)), units)
 
 
 def _empty(kind: Kind) -> Any:
@@ -164,8 +195,10 @@ def given(table: Given, folder: Path) -> Path:
     names = getattr(table, "column_names", None)
     if names is None:
         names = getattr(table, "columns", None)
-    if names is None:
+    if names is None and hasattr(table, "keys"):
         names = table.keys()
+    if names is None:
+        raise OrchestratorError(f"a {type(table).__name__} is no table: give a file, a mapping, or one of pandas, polars or pyarrow")
     content = StringIO(newline="")
     writer = csv.writer(content)
     writer.writerow([str(name) for name in names])
@@ -177,6 +210,11 @@ def given(table: Given, folder: Path) -> Path:
     path = folder / f"table-{sha256(text).hexdigest()[:8]}.csv"
     path.write_bytes(text)
     return path
+
+
+def is_table(value: object) -> bool:
+    """Whether it is a table or the name of a file, and no column."""
+    return isinstance(value, str | os.PathLike | Mapping | Table) or hasattr(value, "columns") or hasattr(value, "column_names")
 
 
 def _listed(column: Any) -> list[Any]:

@@ -1,0 +1,147 @@
+"""Writes the content of a study as TOML, and changes it by dotted names."""
+
+import json
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any
+
+from ._errors import OrchestratorError
+
+BARE = re.compile(r"[A-Za-z0-9_-]+")
+Content = dict[str, Any]
+
+
+def text(content: Mapping[str, Any]) -> str:
+    """The content as TOML."""
+    return "\n".join(_table(content, ())) + "\n"
+
+
+def _table(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
+    """The lines of a table: its values, then the tables in it under their headers."""
+    for name, value in table.items():
+        if not isinstance(value, Mapping) and not _is_tables(value):
+            yield f"{_key(name)} = {_value(value)}"
+    for name, value in table.items():
+        inner = (*path, name)
+        header = ".".join(map(_key, inner))
+        if isinstance(value, Mapping):
+            yield f"\n[{header}]"
+            yield from _table(value, inner)
+        elif _is_tables(value):
+            for one in value:
+                yield f"\n[[{header}]]"
+                yield from _table(one, inner)
+
+
+def _is_tables(value: Any) -> bool:
+    return isinstance(value, list | tuple) and bool(value) and all(isinstance(one, Mapping) for one in value)
+
+
+def _key(name: str) -> str:
+    return name if BARE.fullmatch(name) else _value(name)
+
+
+def _value(value: Any) -> str:
+    # numpy's truth values and numbers are none of Python's.
+    if isinstance(value, bool) or type(value).__name__ in ("bool", "bool_"):
+        return str(bool(value)).lower()
+    if isinstance(value, str | os.PathLike):
+        return json.dumps(os.fspath(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Integral):
+        return str(int(value))
+    if isinstance(value, Real):
+        return repr(float(value))
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(name)} = {_value(one)}" for name, one in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    if hasattr(value, "tolist"):
+        return _value(value.tolist())
+    raise OrchestratorError(f"a study cannot hold {value!r}, a {type(value).__name__}")
+
+
+def placed(content: Mapping[str, Any], folder: Path) -> Content:
+    """A copy of the content of a study that stood in a folder, with the files that it names as absolute paths."""
+    copy: Content = _placed(content, folder)
+    for names in (("fmu",), ("fixed-from",), ("identify", "cases")):
+        *path, last = names
+        table: Any = copy
+        for name in path:
+            table = table.get(name)
+        if isinstance(table, dict) and isinstance(table.get(last), str | os.PathLike):
+            table[last] = os.path.normpath(folder / table[last])
+    return copy
+
+
+def _placed(value: Any, folder: Path) -> Any:
+    if isinstance(value, Mapping):
+        return {
+            name: os.path.normpath(folder / one) if name == "file" and isinstance(one, str | os.PathLike) else _placed(one, folder)
+            for name, one in value.items()
+        }
+    return [_placed(one, folder) for one in value] if isinstance(value, list | tuple) else value
+
+
+def changed(content: Mapping[str, Any], changes: Mapping[str, Any]) -> Content:
+    """A copy with other values by dotted names, such as ``criteria.T.nominal``; None takes a key out."""
+    copy = deepcopy(dict(content))
+    for name, value in changes.items():
+        _assign(copy, name, value)
+    return copy
+
+
+def _assign(content: Content, name: str, value: Any) -> None:
+    table: Any = content
+    parts = _parts(content, name)
+    for depth, part in enumerate(parts[:-1]):
+        if isinstance(table, list):
+            table = _case(table, part, name)
+        elif part in table:
+            table = table[part]
+        elif depth == 0 or len(parts) == depth + 2:
+            table = table.setdefault(part, {})
+        else:
+            raise OrchestratorError(f"{name}: there is no `{part}` in it; there are {', '.join(table)}")
+    if not isinstance(table, dict):
+        raise OrchestratorError(f"{name}: `{'.'.join(parts[:-1])}` is no table")
+    if value is None:
+        table.pop(parts[-1], None)
+    else:
+        table[parts[-1]] = deepcopy(value)
+
+
+def _parts(content: Content, name: str) -> list[str]:
+    """The keys of a dotted name: names of parameters and criteria may hold dots, so known ones come first."""
+    if '"' in name:
+        try:
+            return _keys(tomllib.loads(f"{name} = 0"))
+        except tomllib.TOMLDecodeError as error:
+            raise OrchestratorError(f"{name}: {error}") from None
+    parts: list[str] = []
+    table: Any = content
+    rest = name
+    while rest:
+        known = [case.get("name", "") for case in table] if isinstance(table, list) else table
+        fits = [key for key in known if rest == key or rest.startswith(f"{key}.")] if known else []
+        key = max(fits, key=len) if fits else rest.partition(".")[0]
+        parts.append(key)
+        table = _case(table, key, name) if isinstance(table, list) else table.get(key) if isinstance(table, dict) else None
+        rest = rest[len(key) + 1 :]
+    return parts
+
+
+def _keys(nested: Any) -> list[str]:
+    [(key, inner)] = nested.items()
+    return [key, *_keys(inner)] if isinstance(inner, dict) else [key]
+
+
+def _case(cases: list[Any], name: str, whole: str) -> Any:
+    for case in cases:
+        if case.get("name") == name:
+            return case
+    raise OrchestratorError(f"{whole}: there is no case `{name}`; there are {', '.join(str(case.get('name')) for case in cases)}")

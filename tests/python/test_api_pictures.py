@@ -1,0 +1,157 @@
+"""Pictures of results, what a notebook shows, and the units of tables."""
+
+import subprocess
+import sys
+import xml.etree.ElementTree
+
+import matplotlib.figure
+import numpy as np
+import pandas
+import pytest
+from functions import pack
+from python_package import ENVIRONMENT, PAPER
+
+from fmu_orchestrator import Identification, OrchestratorError, Study, Verification
+from fmu_orchestrator._plot import limits, points
+from fmu_orchestrator._table import Table
+
+
+def labels(figure):
+    return [(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes]
+
+
+def test_the_cloud_and_the_histograms(verified):
+    figure = verified.plot()
+    cloud, *histograms = labels(figure)
+    assert all(label.endswith("]") for label in cloud) and cloud[0] != cloud[1]
+    assert [name for name, _ in histograms] == ["T_oil [degC]", "T_bearing [degC]", "F_N [N]", "P_fr [W]"]
+    # Every point is in the cloud, and all finite values in each histogram.
+    legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert legend == ["not verified (48)", "verified (12)"]
+    for axes in figure.axes[1:]:
+        assert sum(bar.get_height() for bar in axes.patches if bar.get_y() >= 0 and bar.get_width() < np.ptp(axes.get_xlim()) / 20) == 60
+    assert labels(verified.plot("load.preload", "F_N"))[0] == ("load.preload [N]", "F_N [N]")
+    with pytest.raises(KeyError, match="there are point"):
+        verified.plot("load.prelaod")
+
+
+@pytest.mark.parametrize("count, expected", [
+    ({"nominal": 5.0, "tolerance": 1.0}, (4, 6)), ({"nominal": None, "lower": None, "upper": 3.0}, (None, 3)),
+    ({"nominal": 0.0, "tolerance": 0.05, "metric": "nrmse"}, (None, 0.05)),
+    ({"nominal": 1.0, "tolerance": 0.25, "metric": "corridor"}, (0.75, None))])
+def test_accepted_ranges(count, expected):
+    assert limits(count) == expected
+
+
+@pytest.mark.parametrize("values, flags", [
+    ([1.0, 2.0, 3.0, 1e160], [True, True, False, False]), ([float("nan")] * 4, [False] * 4), ([2.0] * 4, [True] * 4)])
+def test_odd_values_have_a_picture(values, flags, tmp_path):
+    table = Table({"point": [1, 2, 3, 4], "a": [1.0, 2.0, 3.0, 4.0], "b": values, "verified": flags}, {"b": "K"})
+    count = {"fraction": 0.5, "lower": None, "upper": 2.5}
+    figure = points(table, {"parameters": [{"name": "a"}], "criteria": {"b": count}}, None, None)
+    figure.savefig(tmp_path / "picture.png")
+    assert labels(figure)[0] == ("a", "b [K]")
+
+
+def test_sensitivities(verified, tmp_path):
+    study = Study.load(PAPER)
+    ranks = verified.plot_sensitivity()
+    assert {name for name, _ in labels(ranks)} == {"PAWN index (95 % intervals)"}
+    assert [axes.get_title() for axes in ranks.axes] == [*study.criteria, "verified"]
+    sobol = study.sensitivity(base=8, output=tmp_path / "sobol")
+    assert {name for name, _ in labels(sobol.plot())} == {"Sobol index (95 % intervals)"}
+    assert sobol.runs.units["bearing.radialClearance"] == "mm" and sobol.runs.units["F_N"] == "N"
+    morris = study.sensitivity(morris=4, output=tmp_path / "morris")
+    assert labels(morris.plot())[0][0] == "Morris' mean effect [degC] (95 % intervals)"
+    assert "<img" in sobol._repr_html_()
+
+
+IDENTIFY = """
+fmu = "functions.fmu"
+[identify.free.x1]
+min = 0.5
+max = 2
+scale = "log"
+[identify.free.x2]
+min = "0.5"
+max = "2"
+unit = "1"
+[identify.measured.P]
+variable = "product"
+value = 1.0
+accuracy = 0.1
+"""
+
+
+def test_a_posterior_is_a_table_with_a_picture(tmp_path):
+    pack(tmp_path, 2, "product")
+    study = Study(IDENTIFY, folder=tmp_path)
+    found = study.identify(posterior=200, output=tmp_path / "found", jobs=1)
+    assert len(found.posterior) == 200 and found.posterior.to_pandas()["x1"].between(0.5, 2).all()
+    assert found.posterior.units == {one["name"]: one["unit"] for one in found.data["free"] if one["unit"] not in (None, "1")}
+    names = {name for pair in labels(found.plot()) for name in pair}
+    assert names == {"sets", *map(found.posterior.label, ["x1", "x2"])}
+    plain = study.identify(output=tmp_path / "plain")
+    assert [name for name, _ in labels(plain.plot())] == ["x1", "x2"]
+    with pytest.raises(OrchestratorError, match=r"identify\(posterior=1000\)"):
+        Identification(plain.folder).posterior  # noqa: B018
+
+
+def test_tables_have_units(verified):
+    table = verified.points
+    assert table.units["T_bearing"] == "degC" and "verified" not in table.units
+    assert "T_bearing [degC]" in repr(table) and "T_bearing [degC]" in table._repr_html_()
+    frame = table.to_pandas()
+    assert frame.attrs["units"] == table.units and frame["verified"].dtype == bool and frame["status"].iloc[0] == "ok"
+    assert frame["F_N"].tolist() == list(table["F_N"]) and frame["point"].tolist() == list(range(1, 61))
+    assert verified.replay(1).units["sensor.bearingTemperature"] == "K" and verified.replay(1).units["time"] == "s"
+
+
+def test_no_library_takes_names_for_values(verified):
+    for take in (pandas.DataFrame, np.asarray):
+        with pytest.raises(TypeError, match="to_pandas"):
+            take(verified.points)
+
+
+def test_a_notebook_shows_verdict_warnings_pictures_page(verified):
+    html = verified._repr_html_()
+    root = xml.etree.ElementTree.fromstring(f"<div>{html}</div>")
+    warnings = [one["text"] for one in verified.summary["concerns"] if one["severity"] == "warning"]
+    assert [item.text for item in root.iter("li")] == warnings and warnings
+    order = [html.index(part) for part in (verified.verdict.words[1:], "<li>", "data:image/png", "report.html")]
+    assert order == sorted(order)
+    # Warnings are as large as the verdict.
+    assert "size" not in html
+
+
+def test_pictures_are_figures_that_notebooks_show(verified):
+    figure = verified.plot()
+    assert isinstance(figure, matplotlib.figure.Figure) and figure._repr_png_().startswith(b"\x89PNG")
+
+
+WITHOUT = """
+import sys
+sys.modules["matplotlib"] = None
+from fmu_orchestrator import OrchestratorError, Verification
+result = Verification.load(sys.argv[1])
+assert "<img" not in result._repr_html_() and "report.html" in result._repr_html_()
+try:
+    result.plot()
+except OrchestratorError as error:
+    print(error)
+"""
+
+
+def test_without_matplotlib_the_extra_is_named(verified):
+    done = subprocess.run([sys.executable, "-c", WITHOUT, verified.folder], env=ENVIRONMENT, capture_output=True, text=True)
+    assert done.stdout.strip() == "pictures need matplotlib: pip install 'fmu-orchestrator[plot]'", done.stderr
+
+
+def test_windows_of_pyplot_hold_the_pictures(verified):
+    """Where the user shows windows, the picture is one of them; with the back ends of files it is not."""
+    code = ("import sys, matplotlib; matplotlib.use('webagg'); import matplotlib.pyplot as p; from fmu_orchestrator import Verification;"
+            "Verification.load(sys.argv[1]).plot(); print(len(p.get_fignums())); matplotlib.use('agg');"
+            "Verification.load(sys.argv[1]).plot(); print(len(p.get_fignums()))")
+    done = subprocess.run([sys.executable, "-c", code, verified.folder], env=ENVIRONMENT, capture_output=True, text=True)
+    assert done.stdout.split() == ["1", "1"], done.stderr
+    assert Verification.load(verified.folder).verdict == verified.verdict
