@@ -1,4 +1,4 @@
-"""Puts the program, the FMU and the studies into the wheel."""
+"""Puts the program, the FMU, the studies and the tutorial's recording into the wheel."""
 
 import os
 from pathlib import Path
@@ -14,10 +14,12 @@ class Contents(BuildHookInterface[Any]):
         program, platform, fmu = (os.environ.get(f"WHEEL_{name}", "") for name in ("PROGRAM", "PLATFORM", "FMU"))
         if not (program and platform and fmu):
             raise SystemExit("the wheel holds a program and an FMU: build it with scripts/wheel")
+        root = Path(self.root).parent
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{platform}"
         build_data["force_include"] |= {
             program: f"fmu_orchestrator/bin/{Path(program).name}",
             fmu: "fmu_orchestrator/dist/PlainBearingStand.fmu",
-            str(Path(self.root).parent / "studies"): "fmu_orchestrator/studies",
+            str(root / "studies"): "fmu_orchestrator/studies",
+            str(root / "examples/tutorial/recording.csv"): "fmu_orchestrator/examples/tutorial/recording.csv",
         }

@@ -10,7 +10,7 @@ bit, and lies in the same files. ``docs/python.md`` in the repository describes 
 """
 
 from ._errors import Interrupted, OrchestratorError, OrchestratorWarning
-from ._files import program, shipped_fmu, shipped_studies
+from ._files import program, shipped_fmu, shipped_recording, shipped_studies
 from ._fmu import Check, Finding, check, inspect, simulate
 from ._function import StudyFunction
 from ._measured import Synchronised, init, synchronise
@@ -58,6 +58,7 @@ __all__ = [
     "inspect",
     "program",
     "shipped_fmu",
+    "shipped_recording",
     "shipped_studies",
     "simulate",
     "synchronise",

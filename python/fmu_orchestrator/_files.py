@@ -30,6 +30,11 @@ def shipped_fmu() -> Path:
     return HOME / "dist" / "PlainBearingStand.fmu"
 
 
+def shipped_recording() -> Path:
+    """The recording of the tutorial: two seconds of the stand's load and friction torque, with noise."""
+    return HOME / "examples" / "tutorial" / "recording.csv"
+
+
 def shipped_studies() -> dict[str, Path]:
     """The studies that the package holds, by name, such as ``paper-table3``."""
     return {path.stem: path for path in sorted((HOME / "studies").glob("*.toml"))}

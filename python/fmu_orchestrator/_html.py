@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _plot
-from ._errors import OrchestratorError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,13 +57,13 @@ def _criterion(name: str, count: Mapping[str, Any]) -> str:
 
 
 def drawn(pictures: Iterable[Draw]) -> str:
-    """Pictures, where matplotlib is installed."""
+    """Pictures, or why there are none."""
     shown = []
     for draw in pictures:
         try:
             content = b64encode(_plot.png(draw())).decode()
-        except OrchestratorError:
-            continue
+        except Exception as error:  # The answer is shown whatever becomes of its pictures.
+            return f"<p>No picture: {escape(str(error))}</p>"
         shown.append(f'<img alt="" style="max-width: 100%" src="data:image/png;base64,{content}"/>')
     return "".join(f"<div>{one}</div>" for one in shown)
 

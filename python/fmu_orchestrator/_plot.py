@@ -29,14 +29,21 @@ FILES = {"agg", "cairo", "pdf", "pgf", "ps", "svg", "template"}
 TAIL = 1.0
 
 
-def figure(width: float, height: float) -> "Figure":
-    """An empty figure; where the user shows windows by pyplot, one of them."""
+def needed() -> None:
+    """Says which extra is missing, where there is no matplotlib, which brings numpy."""
     try:
-        from matplotlib import get_backend
-
-        from ._picture import Picture
+        import matplotlib  # noqa: F401
     except ImportError:
         raise OrchestratorError("pictures need matplotlib: pip install 'fmu-orchestrator[plot]'") from None
+
+
+def figure(width: float, height: float) -> "Figure":
+    """An empty figure; where the user shows windows by pyplot, one of them."""
+    needed()
+    from matplotlib import get_backend
+
+    from ._picture import Picture
+
     options: dict[str, Any] = {"figsize": (width, height), "layout": "constrained"}
     pyplot = sys.modules.get("matplotlib.pyplot")
     backend = get_backend().lower()
@@ -74,6 +81,7 @@ def limits(count: Mapping[str, Any]) -> tuple[float | None, float | None]:
 
 def points(table: Table, summary: Mapping[str, Any], x: str | None, y: str | None) -> "Figure":
     """The cloud of points, and a histogram of each criterion with its accepted range."""
+    needed()
     import numpy
 
     criteria = {name: count for name, count in summary["criteria"].items() if name in table}
@@ -93,7 +101,8 @@ def points(table: Table, summary: Mapping[str, Any], x: str | None, y: str | Non
         if name in criteria:
             low, high = limits(criteria[name])
             draw(_end(low, values, -1), _end(high, values, 1), color=RANGE, alpha=0.15, lw=0, zorder=0)
-    cloud.legend(fontsize="small", loc="best")
+    cloud.legend(fontsize="small", ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, borderpad=0.0,
+                 handletextpad=0.1, columnspacing=0.8)
     for axes, name in zip(histograms, shown, strict=True):
         _histogram(axes, _numbers(table, name), good, criteria[name], table.label(name))
     left = len(criteria) - len(shown)
@@ -163,8 +172,7 @@ def _histogram(
     import numpy
 
     known = numpy.isfinite(values)
-    metric = f", {count['metric']}" if count.get("metric") else ""
-    axes.set(xlabel=f"{label}{metric}", ylabel="points")
+    axes.set(xlabel=f"{count['metric']} of {label}" if count.get("metric") else label, ylabel="points")
     low, high = limits(count)
     if known.any():
         inner = numpy.percentile(values[known], [TAIL, 100 - TAIL])
@@ -190,6 +198,7 @@ def _histogram(
 
 def curves(table: Table, summary: Mapping[str, Any], units: Mapping[str, str]) -> "Figure":
     """The measured curves with their uncertainty, and all values of the accepted points."""
+    needed()
     import numpy
 
     names = list(dict.fromkeys(map(str, table["criterion"])))[:MOST_PANELS]
@@ -201,17 +210,17 @@ def curves(table: Table, summary: Mapping[str, Any], units: Mapping[str, str]) -
             _numbers(table, column)[rows]
             for column in ("time", "value", "uncertainty", "verified_least", "verified_most", "verified_points")
         )
-        if numpy.isfinite(least).any():
-            many = f"{count.max():.0f} verified points" if count.max() > 1 else "the verified point"
-            axes.fill_between(time, least, most, facecolor=GOOD, edgecolor=GOOD, alpha=0.4, lw=1, label=many)
         if numpy.isfinite(uncertainty).any():
             axes.fill_between(time, value - uncertainty, value + uncertainty, color=RANGE, alpha=0.3, lw=0,
                               label="uncertainty of the measured curve")
+        if numpy.isfinite(least).any():
+            axes.fill_between(time, least, most, facecolor=GOOD, edgecolor=GOOD, alpha=0.4, lw=1, label="verified points")
         axes.plot(time, value, color="black", lw=0, marker=".", ms=3, label="measured")
         unit = f" [{units[name]}]" if name in units else ""
         axes.set(xlabel="time [s]", ylabel=f"{summary['criteria'].get(name, {}).get('variable', name)}{unit}")
-        axes.legend(title=name, title_fontsize="small", fontsize="x-small", ncols=3, loc="lower left",
-                    bbox_to_anchor=(0.0, 1.0), frameon=False)
+        axes.set_title(f"{name}: {int(numpy.nan_to_num(count).max())} verified points", fontsize="small")
+    keys = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    drawn.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=3, fontsize="small", frameon=False)
     return drawn
 
 
@@ -272,6 +281,7 @@ def _error(estimate: Mapping[str, Any], end: str, side: int) -> float:
 
 def posterior(table: Table, free: Sequence[Mapping[str, Any]], found: Mapping[str, Any]) -> "Figure":
     """The sets of parameters drawn from the posterior: each parameter's histogram with its 95 % interval, and each pair."""
+    needed()
     import numpy
 
     shown = [one for one in free if one["name"] in table][:MOST_PARAMETERS]
@@ -294,8 +304,7 @@ def posterior(table: Table, free: Sequence[Mapping[str, Any]], found: Mapping[st
                 if shown[row].get("scale") == "log":
                     axes.set_yscale("log")
                 axes.set_ylabel(table.label(shown[row]["name"]), fontsize="small")
-            if row == size - 1 or row == column:
-                axes.set_xlabel(table.label(shown[column]["name"]), fontsize="small")
+            axes.set_xlabel(table.label(shown[column]["name"]), fontsize="small")
             axes.tick_params(labelsize="x-small")
     doubt = "" if found.get("trusted", True) else "; not to be trusted: " + "; ".join(found.get("doubts", []))
     left = f", {size} of {len(free)} parameters" if size < len(free) else ""

@@ -131,10 +131,10 @@ def test_pictures_are_figures_that_notebooks_show(verified):
 
 WITHOUT = """
 import sys
-sys.modules["matplotlib"] = None
+sys.modules["matplotlib"] = sys.modules["numpy"] = None
 from fmu_orchestrator import OrchestratorError, Verification
 result = Verification.load(sys.argv[1])
-assert "<img" not in result._repr_html_() and "report.html" in result._repr_html_()
+assert "<img" not in result._repr_html_() and "fmu-orchestrator[plot]" in result._repr_html_() and "report.html" in result._repr_html_()
 try:
     result.plot()
 except OrchestratorError as error:
