@@ -64,7 +64,7 @@ def drawn(pictures: Iterable[Draw]) -> str:
             content = b64encode(_plot.png(draw())).decode()
         except Exception as error:  # The answer is shown whatever becomes of its pictures.
             return f"<p>No picture: {escape(str(error))}</p>"
-        shown.append(f'<img alt="" style="max-width: 100%" src="data:image/png;base64,{content}"/>')
+        shown.append(f'<img alt="{escape(_first_line(draw))}" style="max-width: 100%" src="data:image/png;base64,{content}"/>')
     return "".join(f"<div>{one}</div>" for one in shown)
 
 
@@ -78,3 +78,8 @@ def page(report: Path) -> str:
     except ValueError:
         name, link = str(place), place.as_uri()
     return f'<p>All results: <a href="{escape(link)}" target="_blank">{escape(name)}</a></p>'
+
+
+def _first_line(draw: Draw) -> str:
+    """What a picture shows, as the method that draws it says."""
+    return (draw.__doc__ or "").strip().split("\n")[0]

@@ -218,7 +218,7 @@ def curves(table: Table, summary: Mapping[str, Any], units: Mapping[str, str]) -
         axes.plot(time, value, color="black", lw=0, marker=".", ms=3, label="measured")
         unit = f" [{units[name]}]" if name in units else ""
         axes.set(xlabel="time [s]", ylabel=f"{summary['criteria'].get(name, {}).get('variable', name)}{unit}")
-        axes.set_title(f"{name}: {int(numpy.nan_to_num(count).max())} verified points", fontsize="small")
+        axes.set_title(f"{name}: band of {int(numpy.nan_to_num(count).max())} verified points", fontsize="small")
     keys = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     drawn.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=3, fontsize="small", frameon=False)
     return drawn
