@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes recording.csv, the recording of the tutorial: the stand with a clearance and an elastic element that differ from
+"""Makes recording.csv, the recording of docs/tutorial.md: the stand with a clearance and an elastic element that differ from
 the FMU's start values, and the noise of its sensors.
 
     python3 examples/tutorial/record.py [FMU]      # the program `orchestrator` must be on the PATH
