@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::methods::Method;
 pub use fmu::{Check, Format, Init, Inspect, Simulate, Synchronise};
-pub use study::{Judge, Merge, Replay, Report, Verify};
+pub use study::{Compare, Gate, Judge, Merge, Replay, Report, Verify};
 
 /// Verifies FMUs of FMI 2.0 and 3.0 against measurements under uncertainty.
 #[derive(Debug, Parser)]
@@ -104,6 +104,8 @@ pub enum Command {
     Replay(Replay),
     /// Joins shards; the result is the same as that of one run
     Merge(Merge),
+    /// Compares two results of a study, point by point
+    Compare(Compare),
     /// Writes the completion script of a shell to standard output
     Completion(Completion),
     /// Writes manual pages into a folder: one of the program and one of each command

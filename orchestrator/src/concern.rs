@@ -74,6 +74,15 @@ pub enum Code {
     Other,
 }
 
+impl Code {
+    /// Its name, as in `summary.json`.
+    pub fn name(self) -> String {
+        let name = serde_json::to_value(self).ok();
+        let name = name.as_ref().and_then(serde_json::Value::as_str);
+        name.expect("a kind is written as its name").to_owned()
+    }
+}
+
 /// How far a doubt touches a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

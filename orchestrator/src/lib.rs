@@ -3,10 +3,12 @@
 
 pub mod cli;
 pub mod commands;
+pub mod compare;
 pub mod concern;
 pub mod error;
 pub mod identify;
 pub mod judge;
+pub mod junit;
 pub mod methods;
 pub mod options;
 pub mod recording;

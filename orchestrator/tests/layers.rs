@@ -12,9 +12,10 @@ use std::collections::BTreeSet;
 use arrows::{Tree, circles};
 
 /// The orchestrator's modules, from the ground up.
-const FLOORS: [&[&str]; 14] = [
+const FLOORS: [&[&str]; 16] = [
     &["concern"],
     &["error"],
+    &["junit"],
     &["study"],
     &["judge", "source", "recording"],
     &["results"],
@@ -22,6 +23,7 @@ const FLOORS: [&[&str]; 14] = [
     &["options"],
     &["methods"],
     &["report"],
+    &["compare"],
     &["reruns"],
     &["cli"],
     &["commands"],

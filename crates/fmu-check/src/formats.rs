@@ -26,7 +26,11 @@ impl Findings {
             [] => "nothing found".to_owned(),
             some => some.join(", "),
         };
-        let mut text = format!("{}: {verdict}\n", self.fmu.display());
+        let ignored = match self.ignored.len() {
+            0 => String::new(),
+            known => format!(", {known} known and ignored"),
+        };
+        let mut text = format!("{}: {verdict}{ignored}\n", self.fmu.display());
         let mut told: HashMap<&str, usize> = HashMap::new();
         for Finding { rule, hit } in &self.all {
             let before = told.entry(rule.id).or_insert(0);
@@ -62,20 +66,31 @@ impl Findings {
                 "message": hit.text,
             })
         };
+        let known = |(finding, reason): &(Finding, String)| {
+            let mut known = of(finding);
+            known["reason"] = json!(reason);
+            known
+        };
         pretty(&json!({
             "fmu": self.fmu.display().to_string(),
             "errors": self.count(Severity::Error),
             "warnings": self.count(Severity::Warning),
             "notes": self.count(Severity::Note),
             "findings": self.all.iter().map(of).collect::<Vec<_>>(),
+            "ignored": self.ignored.iter().map(known).collect::<Vec<_>>(),
         }))
     }
 
     /// A SARIF log of one run of `program`.
     pub fn sarif(&self, program: &str) -> String {
         let rules: Vec<Value> = RULES.iter().map(described).collect();
+        let known = self.ignored.iter().map(|(finding, reason)| {
+            let mut known = result(&self.fmu, finding);
+            known["suppressions"] = json!([{"kind": "external", "justification": reason}]);
+            known
+        });
         let results = self.all.iter().map(|finding| result(&self.fmu, finding));
-        let results: Vec<Value> = results.collect();
+        let results: Vec<Value> = results.chain(known).collect();
         pretty(&json!({
             "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
             "version": "2.1.0",

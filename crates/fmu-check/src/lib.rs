@@ -67,6 +67,8 @@ pub struct Findings {
     pub fmu: PathBuf,
     /// All that was found, the worst first.
     pub all: Vec<Finding>,
+    /// The findings that are [ignored](Findings::ignore), each with the reason.
+    pub ignored: Vec<(Finding, String)>,
 }
 
 /// Looks at an FMU before it is used: first at the model description and the archive, then at short simulations, each in
@@ -79,6 +81,7 @@ pub fn check(fmu: &Path, patience: Duration) -> Result<Findings, CheckError> {
     let mut findings = Findings {
         fmu: fmu.to_owned(),
         all: Vec::new(),
+        ignored: Vec::new(),
     };
     match Package::open(fmu) {
         Ok(package) => findings.look(package, patience)?,
@@ -118,6 +121,19 @@ impl Findings {
     pub fn count(&self, severity: Severity) -> usize {
         let of_it = |finding: &&Finding| finding.rule.severity == severity;
         self.all.iter().filter(of_it).count()
+    }
+
+    /// Ignores the findings of a rule, which are known, and returns how many there are: those that name the variable, or
+    /// all of them.
+    pub fn ignore(&mut self, rule: &str, variable: Option<&str>, reason: &str) -> usize {
+        let is_known = |finding: &mut Finding| {
+            finding.rule.id == rule && variable.is_none_or(|name| finding.hit.names(name))
+        };
+        let known = self.all.extract_if(.., is_known);
+        let before = self.ignored.len();
+        self.ignored
+            .extend(known.map(|finding| (finding, reason.to_owned())));
+        self.ignored.len() - before
     }
 
     fn add(&mut self, rule: &'static str, hit: Hit) {

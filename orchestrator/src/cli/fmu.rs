@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::Gate;
+
 /// Options of `inspect`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: orchestrator inspect dist/PlainBearingStand.fmu")]
@@ -24,9 +26,12 @@ pub struct Check {
     /// The format of the findings: text, JSON, or SARIF for editors and build servers
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Exit with 1 on warnings, too
-    #[arg(long)]
-    pub strict: bool,
+    /// What a build server wants
+    #[command(flatten)]
+    pub gate: Gate,
+    /// Findings that are known: a TOML file with [[ignore]] entries of `rule`, `reason` and, to be narrow, `variable`
+    #[arg(long, value_name = "FILE.toml")]
+    pub ignore: Option<PathBuf>,
     /// Time limit for each of the short simulations, s
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub patience: f64,

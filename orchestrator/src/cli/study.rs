@@ -11,6 +11,17 @@ use crate::options::Work;
 use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
 
+/// What a build server wants.
+#[derive(Debug, Args)]
+pub struct Gate {
+    /// Write the outcome as JUnit XML, too: a test for the whole, and one a criterion, a case, a warning or a finding
+    #[arg(long, value_name = "FILE.xml")]
+    pub junit: Option<PathBuf>,
+    /// Exit with 1 on warnings, too
+    #[arg(long)]
+    pub strict: bool,
+}
+
 /// Options of `verify`.
 #[derive(Debug, Args)]
 #[command(
@@ -52,12 +63,15 @@ pub struct Verify {
         value_name = "OF",
         num_args = 0..=1,
         default_missing_value = "verified",
-        conflicts_with_all = ["until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run"]
+        conflicts_with_all = ["until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run", "junit", "strict"]
     )]
     pub rare: Option<RareEvent>,
     /// Run at most so many points once more, with finer steps and to a later end, to see whether their values rest
     #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
     pub extra_runs: usize,
+    /// For a build server
+    #[command(flatten)]
+    pub gate: Gate,
 }
 
 impl Verify {
@@ -117,6 +131,31 @@ pub struct Merge {
     /// Replace what the output folder holds, also where it is of another study file or FMU
     #[arg(long)]
     pub force: bool,
+    /// For a build server
+    #[command(flatten)]
+    pub gate: Gate,
+}
+
+/// Options of `compare`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit codes: 0 the same verdict and no point that changed sides beyond the stated numerical uncertainty, 1 \
+    a difference (with --strict also a changed value), 2 a mistake in the call.\n\nExample: orchestrator compare \
+    results/release-1 results/rig --output results/changes"
+)]
+pub struct Compare {
+    /// The folder that `verify` or `judge` has written before
+    #[arg(value_name = "OLD")]
+    pub old: PathBuf,
+    /// The folder with the result now
+    #[arg(value_name = "NEW")]
+    pub new: PathBuf,
+    /// The folder for compare.html and compare.json
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// For a build server
+    #[command(flatten)]
+    pub gate: Gate,
 }
 
 /// Options of `judge`.
@@ -135,6 +174,9 @@ pub struct Judge {
     /// Replace what the output folder holds, also where it is of another study file
     #[arg(long, requires = "output")]
     pub force: bool,
+    /// For a build server
+    #[command(flatten)]
+    pub gate: Gate,
 }
 
 /// Options of `report`.

@@ -1,32 +1,128 @@
 //! `check`: looks at an FMU before it is used.
 
+use std::fs;
+use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use fmu_check::{CheckError, Severity, check};
+use fmu_check::{CheckError, Finding, Findings, RULES, Severity, check};
+use fmu_points::names::{did_you_mean, nearest};
+use serde::Deserialize;
 
 use super::output;
 use crate::cli::{Check, Format};
 use crate::error::Error;
+use crate::junit::{self, Outcome, Test};
+
+/// The findings that are known.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Known {
+    #[serde(default)]
+    ignore: Vec<Entry>,
+}
+
+/// Findings of a rule that are known, and why they are accepted.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    rule: String,
+    variable: Option<String>,
+    reason: String,
+}
 
 pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
+    let begun = Instant::now();
+    let known = options.ignore.as_deref().map(known).transpose()?;
     let patience = Duration::try_from_secs_f64(options.patience).unwrap_or(Duration::MAX);
-    let findings = check(&options.fmu, patience).map_err(|error| match error {
+    let mut findings = check(&options.fmu, patience).map_err(|error| match error {
         CheckError::Fmu(error) => Error::from(error),
         CheckError::Scratch(error) => Error::from(error),
         CheckError::Io { path, source } => Error::io(&path)(source),
     })?;
+    for Entry {
+        rule,
+        variable,
+        reason,
+    } in known.iter().flat_map(|known| &known.ignore)
+    {
+        if findings.ignore(rule, variable.as_deref(), reason) == 0 {
+            let variable = variable.as_ref();
+            let of = variable.map_or_else(String::new, |name| format!(" of {name}"));
+            fmu_points::tell::line!(
+                "note: no finding of the rule {rule}{of} is left to ignore: remove the entry"
+            );
+        }
+    }
     output::print(&match options.format {
         Format::Text => findings.text(),
         Format::Json => findings.json(),
         Format::Sarif => findings.sarif("orchestrator check"),
     });
-    let enough = match options.strict {
+    let enough = match options.gate.strict {
         true => Severity::Warning,
         false => Severity::Error,
     };
+    if let Some(file) = &options.gate.junit {
+        let seconds = begun.elapsed().as_secs_f64();
+        junit::write(file, "check", &tests(&findings, enough), seconds)?;
+    }
     Ok(match findings.worst() {
         Some(severity) if severity >= enough => ExitCode::FAILURE,
         _ => ExitCode::SUCCESS,
     })
+}
+
+/// Reads the findings that are known.
+fn known(path: &Path) -> Result<Known, Error> {
+    let text = fs::read_to_string(path).map_err(Error::io(path))?;
+    let known: Known = toml::from_str(&text).map_err(|error| Error::content(path, error))?;
+    for Entry { rule, reason, .. } in &known.ignore {
+        if RULES.iter().all(|known| known.id != rule) {
+            let suggestion = did_you_mean(nearest(rule, RULES.iter().map(|rule| rule.id)));
+            let message =
+                format!("there is no rule `{rule}`{suggestion}; --format json names them");
+            return Err(Error::content(path, message));
+        }
+        if reason.trim().is_empty() {
+            let message = format!("`{rule}` has no reason: say why its findings are accepted");
+            return Err(Error::content(path, message));
+        }
+    }
+    Ok(known)
+}
+
+/// A test for the FMU as a whole, and one a finding.
+fn tests(findings: &Findings, enough: Severity) -> Vec<Test> {
+    let fmu = findings
+        .fmu
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let counting = |finding: &&Finding| finding.rule.severity >= enough;
+    let count = findings.all.iter().filter(counting).count();
+    let whole = Outcome::of(count == 0, || {
+        format!("{count} findings of severity {} or worse", enough.word())
+    });
+    let found = findings.all.iter().map(|finding| {
+        let (severity, text) = (finding.rule.severity, finding.hit.full());
+        let text = format!("{}: {text} [{}]", severity.word(), finding.rule.source);
+        match severity >= enough {
+            true => (finding, Outcome::Failed(text)),
+            false => (finding, Outcome::Skipped(text)),
+        }
+    });
+    let known = findings.ignored.iter();
+    let known = known.map(|(finding, reason)| {
+        let text = format!("known: {reason} ({})", finding.hit.full());
+        (finding, Outcome::Skipped(text))
+    });
+    let each = found.chain(known).map(|(finding, outcome)| {
+        let name = format!("{}: {}", finding.rule.id, finding.hit.text);
+        Test::new(&format!("{fmu}.check"), &name, outcome)
+    });
+    [Test::new(&fmu, "check", whole)]
+        .into_iter()
+        .chain(each)
+        .collect()
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use super::{complete, output, table, verdict};
+use super::{complete, gate, output, table};
 use crate::cli;
 use crate::concern::Code;
 use crate::error::Error;
@@ -95,7 +95,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
         complete(folder, &summary);
     }
     output::print(&table::told(&summary));
-    Ok(verdict(&summary))
+    gate::verdict(&summary, &options.gate)
 }
 
 /// Takes the folder for the results. It keeps the request, unless it holds that of a run of the same study.

@@ -2,9 +2,11 @@
 
 mod best;
 mod check;
+mod compare;
 mod completion;
 mod cost;
 mod dossier;
+mod gate;
 mod init;
 mod inspect;
 mod isolated;
@@ -23,7 +25,7 @@ use std::process::ExitCode;
 
 use crate::cli::{Cli, Command};
 use crate::error::Error;
-use crate::methods::asking::{Delivery, exit_code};
+use crate::methods::asking::Delivery;
 use crate::methods::{proven, rare};
 use crate::report::Report;
 use crate::results::Summary;
@@ -67,6 +69,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),
+        Command::Compare(options) => compare::run(&options),
         Command::Report(options) => report::run(&options),
         Command::Method(method) => deliver(method.run()?),
         Command::Synchronise(options) => synchronise::run(&options),
@@ -104,13 +107,4 @@ fn complete(folder: &Path, summary: &Summary) {
 
 fn left_out(what: &str, error: &dyn std::error::Error) {
     fmu_points::tell::line!("note: {what}: {error}");
-}
-
-fn verdict(summary: &Summary) -> ExitCode {
-    exit_code(
-        summary
-            .conclusion
-            .as_ref()
-            .map(|conclusion| conclusion.verdict),
-    )
 }

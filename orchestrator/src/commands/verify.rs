@@ -9,8 +9,8 @@ use std::time::Instant;
 use indexmap::{IndexMap, IndexSet};
 use toml::Spanned;
 
-use super::{best, complete, cost, left_out, output, table, verdict};
-use crate::cli::Verify;
+use super::{best, complete, cost, gate, left_out, output, table};
+use crate::cli::{Gate, Verify};
 use crate::error::Error;
 use crate::methods::asking;
 use crate::methods::setup::{self, Place, Source, Work};
@@ -32,6 +32,10 @@ const MOST_POINTS: u64 = 1_000_000;
 
 pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     let begun = Instant::now();
+    if options.gate.junit.is_some() && options.work.parts.shard()?.is_some() {
+        let message = "a part of the points has no verdict; give this option to `merge`";
+        return Err(Error::option("junit", message));
+    }
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
     let means = &options.work.means;
@@ -97,7 +101,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         limits: means.limits(jobs)?,
         jobs,
     };
-    conclude(&mut verification, &folder, summary, &wish)
+    conclude(&mut verification, &folder, summary, &wish, &options.gate)
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
@@ -150,6 +154,7 @@ pub(super) fn conclude(
     folder: &Path,
     mut summary: Summary,
     wish: &Wish,
+    gate: &Gate,
 ) -> Result<ExitCode, Error> {
     let again = reruns::run(verification, folder, &mut summary, wish);
     again.unwrap_or_else(|error| left_out("no point was run once more", &error));
@@ -163,7 +168,7 @@ pub(super) fn conclude(
         table::best(&summary),
         folder.display()
     ));
-    Ok(verdict(&summary))
+    gate::verdict(&summary, gate)
 }
 
 /// A number of things.

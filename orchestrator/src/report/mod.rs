@@ -13,6 +13,7 @@ pub(crate) mod outlook;
 mod overlay;
 mod page;
 mod payload;
+pub(crate) mod plain;
 mod planes;
 pub(crate) mod recording;
 mod shown;

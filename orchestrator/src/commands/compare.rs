@@ -1,0 +1,29 @@
+//! `compare`: two results of a study, point by point.
+
+use std::process::ExitCode;
+
+use super::output;
+use crate::cli;
+use crate::compare::{compare, write};
+use crate::error::Error;
+use crate::junit;
+
+pub(super) fn run(options: &cli::Compare) -> Result<ExitCode, Error> {
+    let comparison = compare(&options.old, &options.new)?;
+    if let Some(folder) = &options.output {
+        write(&comparison, folder)?;
+    }
+    if let Some(file) = &options.gate.junit {
+        junit::write(file, "compare", &comparison.tests(options.gate.strict), 0.0)?;
+    }
+    output::print(&format!(
+        "{}\n{}",
+        comparison.headline(),
+        comparison.document().as_text()
+    ));
+    let fails = !comparison.same || (options.gate.strict && !comparison.warnings.is_empty());
+    Ok(match fails {
+        true => ExitCode::FAILURE,
+        false => ExitCode::SUCCESS,
+    })
+}

@@ -1,0 +1,112 @@
+//! A verdict for a build server: its exit code, and its tests as JUnit XML.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use crate::cli::Gate;
+use crate::concern::{Concern, Severity};
+use crate::error::Error;
+use crate::junit::{self, Outcome, Test};
+use crate::methods::asking::exit_code;
+use crate::results::Summary;
+use crate::results::summary::Count;
+use conformity::conclusion::{Conclusion, grouped};
+use conformity::decision::Decision;
+use indexmap::IndexMap;
+
+/// The exit code of a verdict. Writes its tests where they are wanted.
+pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode, Error> {
+    if let Some(file) = &gate.junit {
+        let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
+        junit::write(file, &name(summary), &tests(summary, gate.strict), seconds)?;
+    }
+    let conclusion = summary.conclusion.as_ref();
+    let verdict = conclusion.map(|conclusion| conclusion.verdict);
+    let doubts = warnings(summary).count();
+    if gate.strict && verdict == Some(Decision::Verified) && doubts > 0 {
+        let plural = if doubts == 1 { "" } else { "s" };
+        fmu_points::tell::line!(
+            "note: exit code 1, since --strict allows for no warning, and there is {doubts}{plural}"
+        );
+        return Ok(ExitCode::FAILURE);
+    }
+    Ok(exit_code(verdict))
+}
+
+fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
+    let concerns = summary.concerns.iter();
+    concerns.filter(|concern| concern.severity == Severity::Warning)
+}
+
+/// The study's name.
+pub(super) fn name(summary: &Summary) -> String {
+    let stem = Path::new(&summary.provenance.study).file_stem();
+    stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The verdict, each criterion, each case, and each warning as a test. A criterion that no point meets, or fewer than the
+/// required share, fails: with it the model cannot be verified.
+fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
+    let study = name(summary);
+    let conclusion = summary.conclusion.as_ref();
+    let whole = conclusion.map_or_else(
+        || Outcome::Failed("there is no verdict".to_owned()),
+        |Conclusion {
+             verdict,
+             verdict_words,
+             ..
+         }| match verdict {
+            Decision::Verified => Outcome::Passed,
+            Decision::NotVerified => Outcome::Failed(verdict_words.clone()),
+            Decision::Inconclusive => Outcome::Undecided(verdict_words.clone()),
+        },
+    );
+    let required = conclusion.and_then(|conclusion| conclusion.required.as_ref());
+    let counted = |what: &str, count: &Count| {
+        let least = required.map_or(0.0, |required| required.rule.share);
+        Outcome::of(count.passed > 0 && count.fraction >= least, || {
+            let (passed, points) = (grouped(count.passed), grouped(summary.points));
+            let wanted = match required {
+                Some(_) => format!(", {} % of them are required", 100.0 * least),
+                None => String::new(),
+            };
+            format!("{what}: {passed} of {points} points meet it{wanted}")
+        })
+    };
+    let criteria = summary.criteria.iter().map(|(name, entry)| {
+        let case = name.split_once('/');
+        let case = case.filter(|(case, _)| summary.cases.contains_key(*case));
+        let outcome = counted(&entry.criterion.wanted(), &entry.count);
+        match case {
+            Some((case, inner)) => Test::new(&format!("{study}.{case}"), inner, outcome),
+            None => Test::new(&study, name, outcome),
+        }
+    });
+    let cases = summary.cases.iter();
+    let cases = cases.map(|(name, case)| {
+        let outcome = counted("all criteria of the case", &case.count);
+        Test::new(&format!("{study}.{name}"), "all criteria", outcome)
+    });
+    let mut named: IndexMap<String, usize> = IndexMap::new();
+    let doubts = warnings(summary).map(|concern| {
+        let text = concern.text.clone();
+        let count = named.entry(concern.code.name()).or_insert(0);
+        *count += 1;
+        let name = match count {
+            1 => concern.code.name(),
+            number => format!("{} {number}", concern.code.name()),
+        };
+        let outcome = match strict {
+            true => Outcome::Failed(text),
+            false => Outcome::Skipped(format!("warning: {text}")),
+        };
+        Test::new(&format!("{study}.warnings"), &name, outcome)
+    });
+    let verdict = Test::new(&study, "verdict", whole);
+    [verdict]
+        .into_iter()
+        .chain(criteria)
+        .chain(cases)
+        .chain(doubts)
+        .collect()
+}

@@ -1,0 +1,542 @@
+//! Two results of a study, point by point: what changed, by how much of the tolerance, and where.
+
+mod document;
+mod pairs;
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use indexmap::IndexMap;
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::judge::Criterion;
+use crate::junit::{Outcome, Test};
+use crate::results::summary::CriterionCount;
+use crate::results::{Summary, table};
+use conformity::conclusion::grouped;
+use conformity::decision::Decision;
+use pairs::Pairs;
+use parameter_regions::table::PointTable;
+use result_document::format::number;
+use sampling::statistics::moments::{mean, quantile, sorted};
+use sensitivity::regional;
+
+pub use document::write;
+
+/// How a difference is told from what the computation itself leaves open. It stands here alone.
+pub const RULE: &str = "A value has changed when it differs by more than rounding: 1e-9 of itself, or of its tolerance. The change \
+    counts when it also exceeds the numerical uncertainty of a difference: twice the root of the sum of the squares of both \
+    runs' standard uncertainties, as `verify --validation` states them. Where a run does not, only rounding is allowed for.";
+
+/// Relative to a value or its tolerance, this is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The coverage factor of a difference's expanded uncertainty.
+const COVERAGE: f64 = 2.0;
+
+/// One of the two results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Side {
+    /// The folder.
+    pub folder: PathBuf,
+    /// The verdict.
+    pub verdict: Option<Decision>,
+    /// How many points there are.
+    pub points: u64,
+    /// How many have no result.
+    pub failed: u64,
+    /// How many are within all tolerances.
+    pub verified: u64,
+    /// How many are accepted, with the guard bands.
+    pub accepted: Option<u64>,
+    /// The model's name.
+    pub fmu: Option<String>,
+    /// Its version.
+    pub fmu_version: Option<String>,
+    /// The FMU's SHA-256 digest.
+    pub fmu_sha256: Option<String>,
+    /// The study's SHA-256 digest.
+    pub study_sha256: String,
+    /// The program's version.
+    pub orchestrator: String,
+}
+
+impl Side {
+    fn new(folder: &Path, summary: &Summary) -> Self {
+        let from = &summary.provenance;
+        let conclusion = summary.conclusion.as_ref();
+        Self {
+            folder: folder.to_owned(),
+            verdict: conclusion.map(|conclusion| conclusion.verdict),
+            points: summary.points,
+            failed: summary.failed,
+            verified: summary.verified,
+            accepted: conclusion.map(|conclusion| conclusion.accepted),
+            fmu: from.fmu.clone(),
+            fmu_version: from.fmu_version.clone(),
+            fmu_sha256: from.fmu_sha256.clone(),
+            study_sha256: from.study_sha256.clone(),
+            orchestrator: from.orchestrator.clone(),
+        }
+    }
+}
+
+/// Points of a kind: how many, and the first ones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Points {
+    /// How many.
+    pub count: u64,
+    /// The numbers of the first ones.
+    pub first: Vec<u64>,
+}
+
+impl Points {
+    fn of(points: &[u64]) -> Self {
+        const NAMED: usize = 20;
+        Self {
+            count: points.len() as u64,
+            first: points.iter().copied().take(NAMED).collect(),
+        }
+    }
+}
+
+/// The change of a criterion's values.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// The unit.
+    pub unit: Option<String>,
+    /// Points with a value in both results.
+    pub compared: u64,
+    /// The expanded numerical uncertainty of a difference, in the unit; none where a run does not state its own.
+    pub numerical_uncertainty: Option<f64>,
+    /// Points at which the value has changed by more than rounding.
+    pub changed: u64,
+    /// Points at which the change exceeds the numerical uncertainty, too.
+    pub beyond: u64,
+    /// The mean of new less old.
+    pub mean: f64,
+    /// The largest change.
+    pub largest: Option<Largest>,
+    /// Points that meet the criterion in one of the results alone, although that is within the numerical uncertainty.
+    pub flipped_within: Points,
+    /// The same beyond it.
+    pub flipped: Points,
+    /// Where the points lie that changed most.
+    pub regions: Vec<Region>,
+}
+
+/// The largest change of a criterion's values.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Largest {
+    /// The point.
+    pub point: u64,
+    /// Its value before.
+    pub old: f64,
+    /// Its value now.
+    pub new: f64,
+    /// The difference as a share of the tolerance.
+    pub of_tolerance: f64,
+}
+
+/// The part of a parameter's range with the points that changed most.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Region {
+    /// The parameter.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: String,
+    /// From where to where nine tenths of the points lie that changed most.
+    pub most_changed: [f64; 2],
+    /// The same of the other points.
+    pub others: [f64; 2],
+    /// The distance of the two distributions (Kolmogorov-Smirnov): 1 where the parameter decides alone.
+    pub distance: f64,
+}
+
+/// The comparison of two results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Whether nothing differs: the same verdict, each point has its partner, and none changed sides.
+    pub same: bool,
+    /// The differences in words.
+    pub differences: Vec<String>,
+    /// What else changed: values within their tolerances, and the study.
+    pub warnings: Vec<String>,
+    /// The result before.
+    pub old: Side,
+    /// The result now.
+    pub new: Side,
+    /// How a difference is told from rounding and numerical uncertainty.
+    pub rule: &'static str,
+    /// Points of both results with the same parameters.
+    pub pairs: u64,
+    /// Points of the old result alone.
+    pub only_old: Points,
+    /// Points of the new result alone.
+    pub only_new: Points,
+    /// Points with other parameters.
+    pub other_parameters: Points,
+    /// Points that had a result and have none.
+    pub lost: Points,
+    /// Points that had none and have one.
+    pub gained: Points,
+    /// Points that meet all criteria in one of the results alone, beyond the numerical uncertainty.
+    pub flipped: Points,
+    /// By criterion, of those that both results have.
+    pub criteria: IndexMap<String, Change>,
+}
+
+/// Whether two numbers differ by no more than rounding; `scale` is a length that matters.
+fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
+    let size = old.abs().max(new.abs());
+    let size = if scale.is_finite() {
+        size.max(scale)
+    } else {
+        size
+    };
+    old.to_bits() == new.to_bits() || (new - old).abs() <= ROUNDING * size
+}
+
+/// Compares the results in two folders.
+///
+/// # Errors
+/// When one of them holds no finished study, or a damaged one.
+pub fn compare(old: &Path, new: &Path) -> Result<Comparison, Error> {
+    let before = table::read(old)?;
+    let now = table::read(new)?;
+    Ok(between([old, new], [&before, &now]))
+}
+
+fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -> Comparison {
+    let pairs = Pairs::new(&before.1, &now.1);
+    let mut told = Comparison {
+        same: false,
+        differences: Vec::new(),
+        warnings: Vec::new(),
+        old: Side::new(old, &before.0),
+        new: Side::new(new, &now.0),
+        rule: RULE,
+        pairs: pairs.both.len() as u64,
+        only_old: Points::of(&pairs.only_old),
+        only_new: Points::of(&pairs.only_new),
+        other_parameters: Points::of(&pairs.other_parameters),
+        lost: Points::default(),
+        gained: Points::default(),
+        flipped: Points::default(),
+        criteria: IndexMap::new(),
+    };
+    let completed = |[i, j]: [usize; 2]| [before.1.completed(i), now.1.completed(j)];
+    let with = |wanted: [bool; 2]| {
+        let points = pairs.both.iter().filter(|pair| completed(**pair) == wanted);
+        Points::of(&points.map(|[i, _]| before.1.ids[*i]).collect::<Vec<_>>())
+    };
+    (told.lost, told.gained) = (with([true, false]), with([false, true]));
+    // A point changed sides when a criterion did whose value did, or that has other limits now.
+    let mut really = vec![false; pairs.both.len()];
+    for (k, (name, was)) in before.0.criteria.iter().enumerate() {
+        let Some((l, _, is)) = now.0.criteria.get_full(name) else {
+            continue;
+        };
+        if was.criterion.unit != is.criterion.unit
+            || was.criterion.source() != is.criterion.source()
+        {
+            continue;
+        }
+        let uncertainty = uncertainty(name, [&before.0, &now.0]);
+        let columns = [&before.1.criteria[k], &now.1.criteria[l]];
+        let values: Vec<[f64; 2]> = pairs
+            .both
+            .iter()
+            .map(|[i, j]| [columns[0].values[*i], columns[1].values[*j]])
+            .collect();
+        let ok: Vec<[bool; 2]> = pairs
+            .both
+            .iter()
+            .map(|[i, j]| [columns[0].ok[*i], columns[1].ok[*j]])
+            .collect();
+        let judged = Judged {
+            criterion: &was.criterion,
+            uncertainty,
+            other_limits: was.criterion.limits != is.criterion.limits,
+        };
+        let change = judged.change(&before.1, &pairs, &values, &ok, &mut really);
+        told.criteria.insert(name.clone(), change);
+    }
+    let flipped = pairs.both.iter().zip(&really).filter(|([i, j], really)| {
+        let verified = [before.1.verified[*i], now.1.verified[*j]];
+        let lost = completed([*i, *j]);
+        verified[0] != verified[1] && (**really || lost[0] != lost[1])
+    });
+    told.flipped = Points::of(
+        &flipped
+            .map(|([i, _], _)| before.1.ids[*i])
+            .collect::<Vec<_>>(),
+    );
+    told.conclude([&before.0, &now.0]);
+    told
+}
+
+/// The expanded uncertainty of a difference of a criterion's values from what both runs state.
+fn uncertainty(name: &str, summaries: [&Summary; 2]) -> Option<f64> {
+    let [old, new] = summaries.map(|summary| summary.validation.get(name)?.u_num);
+    Some(COVERAGE * old?.hypot(new?)).filter(|u| u.is_finite())
+}
+
+/// A criterion that both results have.
+struct Judged<'a> {
+    criterion: &'a Criterion,
+    uncertainty: Option<f64>,
+    other_limits: bool,
+}
+
+impl Judged<'_> {
+    /// The change of the criterion; marks the pairs that it really moves to the other side.
+    fn change(
+        &self,
+        table: &PointTable,
+        pairs: &Pairs,
+        values: &[[f64; 2]],
+        ok: &[[bool; 2]],
+        really: &mut [bool],
+    ) -> Change {
+        let room = self.criterion.room();
+        let id = |pair: usize| table.ids[pairs.both[pair][0]];
+        let has_both = |pair: &usize| values[*pair].iter().all(|value| value.is_finite());
+        let both: Vec<usize> = (0..values.len()).filter(has_both).collect();
+        let difference = |pair: usize| values[pair][1] - values[pair][0];
+        let is_changed = |pair: &usize| !is_rounding(values[*pair][0], values[*pair][1], room);
+        let changed: Vec<usize> = both.iter().copied().filter(is_changed).collect();
+        let exceeds = |pair: &usize| difference(*pair).abs() > self.uncertainty.unwrap_or(0.0);
+        let beyond: Vec<usize> = changed.iter().copied().filter(exceeds).collect();
+        let flipped = both
+            .iter()
+            .copied()
+            .filter(|&pair| ok[pair][0] != ok[pair][1]);
+        let is_real = |pair: &usize| self.other_limits || (is_changed(pair) && exceeds(pair));
+        let (flipped, within): (Vec<usize>, Vec<usize>) = flipped.partition(is_real);
+        flipped.iter().for_each(|&pair| really[pair] = true);
+        let by_size = |a: &&usize, b: &&usize| {
+            let [a, b] = [a, b].map(|pair| difference(**pair).abs());
+            a.total_cmp(&b)
+        };
+        let largest = changed.iter().max_by(by_size).map(|&pair| Largest {
+            point: id(pair),
+            old: values[pair][0],
+            new: values[pair][1],
+            of_tolerance: difference(pair) / room,
+        });
+        let differences: Vec<f64> = both.iter().map(|&pair| difference(pair)).collect();
+        let ids =
+            |pairs: &[usize]| Points::of(&pairs.iter().map(|&pair| id(pair)).collect::<Vec<_>>());
+        Change {
+            unit: self.criterion.unit.clone(),
+            compared: both.len() as u64,
+            numerical_uncertainty: self.uncertainty,
+            changed: changed.len() as u64,
+            beyond: beyond.len() as u64,
+            mean: if differences.is_empty() {
+                0.0
+            } else {
+                mean(&differences)
+            },
+            largest,
+            regions: regions(table, pairs, &both, &beyond, &flipped, &differences),
+            flipped: ids(&flipped),
+            flipped_within: ids(&within),
+        }
+    }
+}
+
+/// The parameters that decide where values changed most, the most telling first: those of the points that changed sides, or
+/// else of the tenth with the largest changes, against the other points.
+fn regions(
+    table: &PointTable,
+    pairs: &Pairs,
+    both: &[usize],
+    beyond: &[usize],
+    flipped: &[usize],
+    differences: &[f64],
+) -> Vec<Region> {
+    /// Fewer points show no region.
+    const LEAST: usize = 5;
+    /// A distance that chance makes as seldom, of all parameters together, tells something.
+    const CHANCE: f64 = 0.01;
+    if beyond.is_empty() {
+        return Vec::new();
+    }
+    let chosen: Vec<bool> = match flipped.len() {
+        LEAST.. => {
+            let flipped: HashSet<&usize> = flipped.iter().collect();
+            both.iter().map(|pair| flipped.contains(pair)).collect()
+        }
+        _ => {
+            let sizes: Vec<f64> = differences
+                .iter()
+                .map(|difference| difference.abs())
+                .collect();
+            let limit = quantile(&sorted(sizes.clone()), 0.9);
+            sizes
+                .iter()
+                .map(|size| *size >= limit && *size > 0.0)
+                .collect()
+        }
+    };
+    let count = chosen.iter().filter(|chosen| **chosen).count();
+    if count < LEAST || both.len() - count < LEAST {
+        return Vec::new();
+    }
+    let columns: Vec<Vec<f64>> = table
+        .parameters
+        .iter()
+        .map(|parameter| {
+            both.iter()
+                .map(|&pair| parameter.values[pairs.both[pair][0]])
+                .collect()
+        })
+        .collect();
+    let borrowed: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let splits = regional::split(&borrowed, &chosen).unwrap_or_default();
+    let inner = |values: &[f64], wanted: bool| {
+        let of_side = values
+            .iter()
+            .zip(&chosen)
+            .filter(|(_, chosen)| **chosen == wanted);
+        let of_side = sorted(of_side.map(|(value, _)| *value).collect());
+        [0.05, 0.95].map(|part| quantile(&of_side, part))
+    };
+    let telling = splits.iter().zip(&table.parameters).zip(&columns);
+    let telling = telling.filter(|((split, _), _)| split.chance * splits.len() as f64 <= CHANCE);
+    let mut regions: Vec<Region> = telling
+        .map(|((split, parameter), values)| Region {
+            parameter: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            most_changed: inner(values, true),
+            others: inner(values, false),
+            distance: split.distance,
+        })
+        .collect();
+    regions.sort_by(|a, b| b.distance.total_cmp(&a.distance));
+    regions
+}
+
+fn points(count: u64) -> String {
+    format!(
+        "{} point{}",
+        grouped(count),
+        if count == 1 { "" } else { "s" }
+    )
+}
+
+fn said(verdict: Option<Decision>) -> String {
+    verdict.map_or_else(|| "no verdict".to_owned(), |verdict| verdict.to_string())
+}
+
+impl Change {
+    /// The change in words, where it counts.
+    fn told(&self, name: &str) -> Option<String> {
+        let largest = self.largest.filter(|_| self.beyond > 0)?;
+        let share = number(100.0 * largest.of_tolerance.abs(), 3);
+        let beyond = match self.numerical_uncertainty {
+            Some(_) => "the numerical uncertainty",
+            None => "rounding (no numerical uncertainty is stated)",
+        };
+        Some(format!(
+            "{name} changed at {} beyond {beyond}, by up to {share} % of its tolerance (point {})",
+            points(self.beyond),
+            largest.point
+        ))
+    }
+}
+
+impl Comparison {
+    /// Says in words what differs, and what else changed.
+    fn conclude(&mut self, [before, now]: [&Summary; 2]) {
+        let mut differences = Vec::new();
+        if self.old.verdict != self.new.verdict {
+            let [old, new] = [&self.old, &self.new].map(|side| said(side.verdict));
+            differences.push(format!("The verdict was `{old}` and is `{new}`"));
+        }
+        let kinds = [
+            (&self.only_old, "only in the old result"),
+            (&self.only_new, "only in the new result"),
+            (&self.other_parameters, "with other parameters"),
+            (&self.lost, "without a result that had one"),
+            (&self.gained, "with a result that had none"),
+            (&self.flipped, "on the other side of the tolerances"),
+        ];
+        for (found, what) in kinds.into_iter().filter(|(found, _)| found.count > 0) {
+            let first: Vec<String> = found.first.iter().take(5).map(u64::to_string).collect();
+            let more = if found.count > 5 { ", ..." } else { "" };
+            differences.push(format!(
+                "{} {what}: {}{more}",
+                points(found.count),
+                first.join(", ")
+            ));
+        }
+        for (these, others, side) in [(before, now, "old"), (now, before, "new")] {
+            let is_missing = |name: &&String| !others.criteria.contains_key(*name);
+            let missing = these.criteria.keys().filter(is_missing);
+            differences.extend(
+                missing.map(|name| format!("The criterion {name} is only in the {side} result")),
+            );
+        }
+        for (name, was) in &before.criteria {
+            let Some(is) = now.criteria.get(name) else {
+                continue;
+            };
+            let stated = |count: &CriterionCount| {
+                let criterion = &count.criterion;
+                (
+                    criterion.source(),
+                    criterion.unit.clone().unwrap_or_default(),
+                )
+            };
+            let (old, new) = (stated(was), stated(is));
+            if old != new {
+                differences.push(format!(
+                    "The criterion {name} was the {} in `{}` and is the {} in `{}`: its values are not compared",
+                    old.0, old.1, new.0, new.1
+                ));
+            } else if was.criterion.limits != is.criterion.limits {
+                let [old, new] = [was, is].map(|count| count.criterion.wanted());
+                self.warnings
+                    .push(format!("The criterion {name} was `{old}` and is `{new}`"));
+            }
+        }
+        let changed = self
+            .criteria
+            .iter()
+            .filter_map(|(name, change)| change.told(name));
+        self.warnings.extend(changed);
+        self.same = differences.is_empty();
+        self.differences = differences;
+    }
+
+    /// The comparison as tests: the verdict, the points, and a test a criterion. Changed values within the tolerances fail
+    /// only where `strict`.
+    pub fn tests(&self, strict: bool) -> Vec<Test> {
+        let class = "compare";
+        let verdicts = [&self.old, &self.new].map(|side| said(side.verdict));
+        let [old, new] = &verdicts;
+        let verdict = Outcome::of(old == new, || format!("was {old}, is {new}"));
+        // The first difference is that of the verdicts, where there is one.
+        let others = &self.differences[usize::from(old != new)..];
+        let whole = Outcome::of(others.is_empty(), || others.join("; "));
+        let criteria = self.criteria.iter().map(|(name, change)| {
+            let flipped = change.flipped.count;
+            let outcome = match change.told(name) {
+                _ if flipped > 0 => Outcome::Failed(format!("{} changed sides", points(flipped))),
+                Some(text) if strict => Outcome::Failed(text),
+                Some(text) => Outcome::Skipped(text),
+                None => Outcome::Passed,
+            };
+            Test::new(class, name, outcome)
+        });
+        let first = [
+            Test::new(class, "verdict", verdict),
+            Test::new(class, "points", whole),
+        ];
+        first.into_iter().chain(criteria).collect()
+    }
+}

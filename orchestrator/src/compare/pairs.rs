@@ -1,0 +1,60 @@
+//! The points of two tables, paired by their numbers.
+
+use std::collections::HashMap;
+
+use parameter_regions::table::PointTable;
+
+/// The points of two tables.
+#[derive(Debug, Default)]
+pub(super) struct Pairs {
+    /// The rows of points with the same number and the same parameters, in the order of the old table.
+    pub(super) both: Vec<[usize; 2]>,
+    /// The numbers of points of the old table alone.
+    pub(super) only_old: Vec<u64>,
+    /// The numbers of points of the new table alone.
+    pub(super) only_new: Vec<u64>,
+    /// The numbers of points with other parameters.
+    pub(super) other_parameters: Vec<u64>,
+}
+
+impl Pairs {
+    pub(super) fn new(old: &PointTable, new: &PointTable) -> Self {
+        let named = |table: &PointTable| -> HashMap<(String, String), usize> {
+            let columns = table.parameters.iter().enumerate();
+            columns
+                .map(|(k, column)| ((column.name.clone(), column.unit.clone()), k))
+                .collect()
+        };
+        let (theirs, ours) = (named(old), named(new));
+        let same_columns =
+            theirs.len() == ours.len() && theirs.keys().all(|name| ours.contains_key(name));
+        let columns: Vec<[usize; 2]> = theirs
+            .iter()
+            .filter_map(|(name, k)| Some([*k, *ours.get(name)?]))
+            .collect();
+        let rows: HashMap<u64, usize> = new.ids.iter().copied().zip(0..).collect();
+        let mut pairs = Self::default();
+        for (i, id) in old.ids.iter().copied().enumerate() {
+            let Some(&j) = rows.get(&id) else {
+                pairs.only_old.push(id);
+                continue;
+            };
+            let same = |[k, l]: &[usize; 2]| {
+                let [a, b] = [old.parameters[*k].values[i], new.parameters[*l].values[j]];
+                super::is_rounding(a, b, 0.0)
+            };
+            match same_columns && columns.iter().all(same) {
+                true => pairs.both.push([i, j]),
+                false => pairs.other_parameters.push(id),
+            }
+        }
+        let known: HashMap<u64, usize> = old.ids.iter().copied().zip(0..).collect();
+        pairs.only_new = new
+            .ids
+            .iter()
+            .copied()
+            .filter(|id| !known.contains_key(id))
+            .collect();
+        pairs
+    }
+}

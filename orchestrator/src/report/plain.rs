@@ -1,0 +1,44 @@
+//! A page that shows documents alone.
+
+use std::path::Path;
+
+use super::write_file;
+use crate::error::Error;
+use minijinja::{Environment, context};
+use result_document::Document;
+
+/// A page of documents under one answer.
+#[derive(Clone, Copy, Debug)]
+pub struct Page<'a> {
+    /// Its kind.
+    pub kicker: &'a str,
+    /// Its subject.
+    pub title: &'a str,
+    /// The answer.
+    pub headline: &'a str,
+    /// Whether the answer is the wanted one.
+    pub is_good: bool,
+    /// The documents.
+    pub documents: &'a [Document],
+}
+
+impl Page<'_> {
+    /// Writes the page as a file.
+    ///
+    /// # Errors
+    /// When the system says no.
+    pub fn write(&self, file: &Path) -> Result<(), Error> {
+        let sections: String = self.documents.iter().map(Document::as_html).collect();
+        let page = context! {
+            kicker => self.kicker,
+            title => self.title,
+            headline => self.headline,
+            kind => if self.is_good { "yes" } else { "no" },
+            style => [result_document::svg::STYLE, include_str!("assets/report.css")].concat(),
+            sections,
+        };
+        let template = include_str!("assets/plain.html");
+        let html = Environment::new().render_named_str("plain.html", template, page)?;
+        write_file(file, &html)
+    }
+}

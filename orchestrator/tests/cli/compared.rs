@@ -1,0 +1,253 @@
+//! `compare`: two results of a study, point by point.
+
+use crate::gate::tests;
+use crate::support::{Bench, Said};
+use serde_json::{Value, json};
+
+const STUDY: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.4
+[fixed]
+"drive.u" = 1
+[design]
+points = 200
+seed = 7
+[parameters."lag.rate"]
+distribution = "uniform"
+low = 0.5
+high = 1.5
+[parameters."lag.length"]
+distribution = "uniform"
+low = 1e-5
+high = 3e-5
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 0.05
+"#;
+
+/// A folder with the results of the study in `old`.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    verified(&bench, "old", STUDY, &[]);
+    bench
+}
+
+fn verified(bench: &Bench, folder: &str, study: &str, more: &[&str]) {
+    let file = format!("{folder}.toml");
+    bench.write(&file, study);
+    let usual = [
+        "verify",
+        &file,
+        "--output",
+        folder,
+        "--extra-runs",
+        "0",
+        "--force",
+    ];
+    let said = bench.run(&[&usual[..], more].concat());
+    assert!(said.code < 2, "{}", said.err);
+}
+
+fn compared(bench: &Bench, new: &str, more: &[&str]) -> (Said, Value) {
+    let said = bench.run(&[&["compare", "old", new, "--output", "changes"], more].concat());
+    let file = bench.read("changes/compare.json");
+    (said, serde_json::from_str(&file).unwrap())
+}
+
+#[test]
+fn the_same_study_gives_no_difference_however_it_is_run() {
+    let bench = bench();
+    for more in [
+        &["--jobs", "3"][..],
+        &["--isolation", "fresh", "--jobs", "1"],
+        &["--in-process"],
+    ] {
+        verified(&bench, "new", STUDY, more);
+        let (said, file) = compared(&bench, "new", &["--strict"]);
+        assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+        assert!(said.out.starts_with("No difference\n"), "{}", said.out);
+        assert_eq!((&file["same"], &file["pairs"]), (&json!(true), &json!(200)));
+        assert_eq!(file["criteria"]["Y"]["changed"], 0);
+        assert!(bench.read("changes/compare.html").contains("No difference"));
+    }
+}
+
+#[test]
+fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
+    let bench = bench();
+    // The output is proportional to the input: 0.01 % of it, of a tolerance of 0.05.
+    verified(
+        &bench,
+        "new",
+        &STUDY.replace("\"drive.u\" = 1", "\"drive.u\" = 1.0001"),
+        &[],
+    );
+    let (said, file) = compared(&bench, "new", &["--junit", "junit.xml"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let change = &file["criteria"]["Y"];
+    assert_eq!(
+        (&change["changed"], &change["beyond"]),
+        (&json!(200), &json!(200))
+    );
+    let largest = &change["largest"];
+    let number = |value: &Value| value.as_f64().unwrap();
+    let share = 1e-4 * number(&largest["old"]) / 0.05;
+    assert!((number(&largest["of_tolerance"]) - share).abs() < 1e-6 * share);
+    // The larger the rate, the larger the output, and with it the change; the length plays no part.
+    let regions = change["regions"].as_array().unwrap();
+    assert_eq!(regions.len(), 1, "{regions:?}");
+    assert_eq!(regions[0]["parameter"], "lag.rate");
+    assert!(number(&regions[0]["most_changed"][0]) > 1.35, "{regions:?}");
+    let skipped = |all: &[crate::gate::Test]| {
+        all[2]
+            .2
+            .as_deref()
+            .unwrap()
+            .split(':')
+            .next()
+            .unwrap()
+            .to_owned()
+    };
+    let all = tests(&bench, "junit.xml");
+    assert_eq!((&*all[2].1, &*skipped(&all)), ("Y", "skipped"));
+    let (said, _) = compared(&bench, "new", &["--junit", "junit.xml", "--strict"]);
+    assert_eq!(
+        (said.code, &*skipped(&tests(&bench, "junit.xml"))),
+        (1, "failure")
+    );
+
+    verified(
+        &bench,
+        "new",
+        &STUDY.replace("\"drive.u\" = 1", "\"drive.u\" = 1.02"),
+        &[],
+    );
+    let (said, file) = compared(&bench, "new", &["--junit", "junit.xml"]);
+    assert_eq!(said.code, 1, "{}", said.out);
+    let flipped = file["flipped"]["count"].as_u64().unwrap();
+    assert!(
+        flipped > 5 && file["criteria"]["Y"]["flipped"]["count"] == flipped,
+        "{file}"
+    );
+    let all = tests(&bench, "junit.xml");
+    assert!(
+        all[1].2.as_deref().unwrap().starts_with("failure: "),
+        "{all:?}"
+    );
+    assert!(
+        all[2].2.as_deref().unwrap().contains("changed sides"),
+        "{all:?}"
+    );
+    // With an uncertainty of both runs that explains it, nothing has happened.
+    for folder in ["old", "new"] {
+        let mut summary = bench.summary(folder);
+        summary["validation"]["Y"]["u_num"] = json!(0.02 / 2.0_f64.sqrt());
+        bench.write(&format!("{folder}/summary.json"), &summary.to_string());
+    }
+    let (said, file) = compared(&bench, "new", &["--strict"]);
+    assert_eq!(said.code, 0, "{}", said.out);
+    let change = &file["criteria"]["Y"];
+    assert_eq!(
+        (&change["changed"], &change["beyond"]),
+        (&json!(200), &json!(0))
+    );
+    assert_eq!(change["flipped_within"]["count"], flipped);
+    assert!((number(&change["numerical_uncertainty"]) - 0.04).abs() < 1e-12);
+}
+
+#[test]
+fn points_and_criteria_without_a_partner_are_differences() {
+    let bench = bench();
+    let cases = [
+        (
+            "points = 200",
+            "points = 190",
+            "10 points only in the old result: 191, 192",
+        ),
+        (
+            "seed = 7",
+            "seed = 8",
+            "200 points with other parameters: 1, 2",
+        ),
+        (
+            "high = 3e-5",
+            "high = 3.1e-5",
+            "200 points with other parameters",
+        ),
+        (
+            "[criteria.Y]",
+            "[criteria.Z]",
+            "The criterion Y is only in the old result",
+        ),
+        (
+            "variable = \"lag.y\"",
+            "variable = \"lag.y\"\nstatistic = \"max\"",
+            "and is the maximum of lag.y",
+        ),
+        (
+            "nominal = 0.86",
+            "nominal = 8.6",
+            "The verdict was `verified` and is `not verified`",
+        ),
+    ];
+    for (from, to, words) in cases {
+        assert!(STUDY.contains(from));
+        verified(&bench, "new", &STUDY.replacen(from, to, 1), &[]);
+        let (said, file) = compared(&bench, "new", &[]);
+        assert_eq!(said.code, 1, "{to}: {}", said.out);
+        assert!(
+            said.out.contains(words),
+            "{to}: no `{words}` in {}",
+            said.out
+        );
+        assert_eq!(file["same"], false);
+    }
+    // Another tolerance is told; where no point changes sides, nothing differs.
+    verified(
+        &bench,
+        "new",
+        &STUDY.replace("tolerance = 0.05", "tolerance = 0.0500001"),
+        &[],
+    );
+    let (said, _) = compared(&bench, "new", &[]);
+    assert_eq!(said.code, 0, "{}", said.out);
+    let words = "warning: The criterion Y was `0.86 +-0.05` and is `0.86 +-0.0500001`";
+    assert!(said.out.contains(words), "{}", said.out);
+}
+
+#[test]
+fn points_that_lose_their_result_are_differences() {
+    let bench = bench();
+    let table = bench.read("old/points.csv");
+    let lines: Vec<String> = table
+        .lines()
+        .map(|line| match line.strip_prefix("17,") {
+            Some(_) => {
+                let cells: Vec<&str> = line.split(',').collect();
+                format!(
+                    "17,{},{},,false,false,the simulation failed",
+                    cells[1], cells[2]
+                )
+            }
+            None => line.to_owned(),
+        })
+        .collect();
+    std::fs::create_dir(bench.path("new")).unwrap();
+    bench.write("new/summary.json", &bench.read("old/summary.json"));
+    bench.write("new/points.csv", &(lines.join("\n") + "\n"));
+    let (said, file) = compared(&bench, "new", &[]);
+    assert_eq!(said.code, 1, "{}", said.out);
+    assert!(
+        said.out
+            .contains("1 point without a result that had one: 17"),
+        "{}",
+        said.out
+    );
+    assert_eq!(file["lost"], json!({"count": 1, "first": [17]}));
+    bench
+        .run(&["compare", "old", "none"])
+        .is_mistake(&["none holds no study"]);
+}

@@ -1,0 +1,222 @@
+//! What build servers want: JUnit files, exit codes of warnings, findings that are known.
+
+use crate::support::{Bench, model};
+
+const STUDY: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.4
+[design]
+points = 20
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.1
+[[cases]]
+name = "cold"
+criteria.Y = { variable = "lag.y", nominal = 0.86, tolerance = 0.1 }
+[[cases]]
+name = "hot"
+criteria.Y = { variable = "lag.y", nominal = 3, tolerance = 0.1 }
+"#;
+
+/// A test of a JUnit file: its class, its name, and what it holds.
+pub type Test = (String, String, Option<String>);
+
+/// The tests of a JUnit file, of which the counts must be right.
+pub fn tests(bench: &Bench, file: &str) -> Vec<Test> {
+    let text = bench.read(file);
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let suite = document.root_element().first_element_child().unwrap();
+    let cases = suite.children().filter(|node| node.is_element());
+    let test = |case: roxmltree::Node<'_, '_>| {
+        let of = |name| case.attribute(name).unwrap().to_owned();
+        let inner = case.first_element_child();
+        let inner = inner.map(|inner| {
+            let message = inner.attribute("message").unwrap();
+            format!("{}: {message}", inner.tag_name().name())
+        });
+        (of("classname"), of("name"), inner)
+    };
+    let tests: Vec<Test> = cases.map(test).collect();
+    let count = |what: &str| {
+        let of_it = tests
+            .iter()
+            .filter(|(.., inner)| inner.as_ref().is_some_and(|i| i.starts_with(what)));
+        of_it.count().to_string()
+    };
+    for (name, of) in [
+        ("failures", "failure"),
+        ("errors", "error"),
+        ("skipped", "skipped"),
+    ] {
+        assert_eq!(suite.attribute(name), Some(&*count(of)), "{text}");
+    }
+    assert_eq!(suite.attribute("tests"), Some(&*tests.len().to_string()));
+    tests
+}
+
+fn find<'a>(tests: &'a [Test], class: &str, name: &str) -> Option<&'a str> {
+    let is_it = |test: &&Test| test.0 == class && test.1 == name;
+    let test = tests.iter().find(is_it);
+    test.unwrap_or_else(|| panic!("no {class} {name} in {tests:?}"))
+        .2
+        .as_deref()
+}
+
+#[test]
+fn a_verdict_has_a_test_a_criterion_and_a_case() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    let said = bench.run(&[
+        "verify",
+        "study.toml",
+        "--output",
+        "out",
+        "--junit",
+        "new/junit.xml",
+    ]);
+    assert_eq!(said.code, 1, "{}", said.err);
+    let all = tests(&bench, "new/junit.xml");
+    assert_eq!(find(&all, "study.cold", "Y"), None);
+    let failure = "failure: 3 +-0.1: 0 of 20 points meet it";
+    assert_eq!(find(&all, "study.hot", "Y"), Some(failure));
+    assert!(
+        find(&all, "study.hot", "all criteria")
+            .unwrap()
+            .starts_with("failure: ")
+    );
+    assert!(
+        find(&all, "study", "verdict")
+            .unwrap()
+            .starts_with("failure: ")
+    );
+    // A part of the points has no verdict.
+    bench
+        .run(&[
+            "verify",
+            "study.toml",
+            "--shard",
+            "1/2",
+            "--junit",
+            "junit.xml",
+        ])
+        .is_mistake(&["--junit", "merge"]);
+}
+
+#[test]
+fn warnings_end_a_strict_run_with_1() {
+    let bench = Bench::new();
+    let study = STUDY.split("[[cases]]").next().unwrap().to_owned()
+        + "[criteria.Y]\nvariable = \"lag.y\"\nnominal = 0.86\ntolerance = 0.1\nuncertainty = 0.2\n";
+    bench.write("study.toml", &study);
+    bench.write("table.csv", "Y\n0.86\n0.9\n");
+    for command in [
+        "verify study.toml --output out",
+        "judge study.toml table.csv",
+    ] {
+        let arguments: Vec<&str> = command.split(' ').collect();
+        let run = |more: &[&str]| bench.run(&[&arguments[..], more].concat());
+        let said = run(&["--junit", "junit.xml"]);
+        assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+        let class = "study.warnings";
+        let name = "uncertainty-above-tolerance";
+        let doubt = |all: &[Test]| find(all, class, name).unwrap().to_owned();
+        assert!(doubt(&tests(&bench, "junit.xml")).starts_with("skipped: warning: "));
+        let force: &[&str] = if command.starts_with("verify") {
+            &["--force"]
+        } else {
+            &[]
+        };
+        let said = run(&[force, &["--junit", "junit.xml", "--strict"]].concat());
+        assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+        assert!(said.err.contains("--strict"), "{}", said.err);
+        let all = tests(&bench, "junit.xml");
+        assert!(doubt(&all).starts_with("failure: "));
+        assert_eq!(find(&all, "study", "verdict"), None);
+    }
+}
+
+#[test]
+fn findings_that_are_known_do_not_count_and_have_a_reason() {
+    let bench = Bench::new();
+    let broken = model("unit=\"K\" displayUnit=\"degC\"", "unit=\"kelvin\"");
+    bench.fmu("lag.fmu", &[], &broken);
+    let said = bench.run(&[
+        "check",
+        "lag.fmu",
+        "--format",
+        "json",
+        "--junit",
+        "junit.xml",
+    ]);
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    let report: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let rule = report["findings"][0]["rule"].as_str().unwrap();
+    let all = tests(&bench, "junit.xml");
+    assert!(
+        find(&all, "lag", "check")
+            .unwrap()
+            .starts_with("failure: 1 findings")
+    );
+    let entry = |more: &str| {
+        format!(
+            "[[ignore]]\nrule = \"{rule}\"\nvariable = \"lag.temperature\"\nreason = \"as delivered\"\n{more}"
+        )
+    };
+    bench.write("known.toml", &entry(""));
+    let known = [
+        "check",
+        "lag.fmu",
+        "--ignore",
+        "known.toml",
+        "--junit",
+        "junit.xml",
+    ];
+    let said = bench.run(&known);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(
+        said.out.contains("nothing found, 1 known and ignored"),
+        "{}",
+        said.out
+    );
+    assert_eq!(said.err, "");
+    let all = tests(&bench, "junit.xml");
+    assert_eq!(find(&all, "lag", "check"), None);
+    assert!(
+        all[1]
+            .2
+            .as_deref()
+            .unwrap()
+            .starts_with("skipped: known: as delivered")
+    );
+    let said = bench.run(&[
+        "check",
+        "lag.fmu",
+        "--ignore",
+        "known.toml",
+        "--format",
+        "sarif",
+    ]);
+    let log: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let suppression = &log["runs"][0]["results"][0]["suppressions"][0];
+    assert_eq!(suppression["justification"], "as delivered");
+    // An entry that nothing needs is told, and one of another variable hides nothing.
+    bench.write("known.toml", &entry("").replace("lag.temperature", "lag.y"));
+    let said = bench.run(&known);
+    assert_eq!(said.code, 1, "{}", said.out);
+    assert!(
+        said.err.contains("of lag.y is left to ignore"),
+        "{}",
+        said.err
+    );
+    bench.write("known.toml", &entry("").replace(rule, "unit"));
+    bench
+        .run(&known)
+        .is_mistake(&["known.toml", "no rule `unit`"]);
+    bench.write("known.toml", &entry("").replace("as delivered", " "));
+    bench.run(&known).is_mistake(&["has no reason"]);
+    bench.write("known.toml", &entry("because = 1"));
+    bench.run(&known).is_mistake(&["known.toml", "because"]);
+}
