@@ -9,6 +9,7 @@ The package holds the command-line program ``orchestrator`` and drives it: every
 bit, and lies in the same files. ``docs/python.md`` in the repository describes the package.
 """
 
+from ._compare import Comparison, compare
 from ._errors import Interrupted, OrchestratorError, OrchestratorWarning
 from ._files import program, shipped_fmu, shipped_recording, shipped_studies
 from ._fmu import Check, Finding, check, inspect, simulate
@@ -34,6 +35,7 @@ from ._table import Table
 __all__ = [
     "Analysis",
     "Check",
+    "Comparison",
     "Estimate",
     "Finding",
     "Identification",
@@ -54,6 +56,7 @@ __all__ = [
     "Verdict",
     "Verification",
     "check",
+    "compare",
     "init",
     "inspect",
     "program",

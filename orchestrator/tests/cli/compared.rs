@@ -16,12 +16,12 @@ points = 200
 seed = 7
 [parameters."lag.rate"]
 distribution = "uniform"
-low = 0.5
-high = 1.5
+min = 0.5
+max = 1.5
 [parameters."lag.length"]
 distribution = "uniform"
-low = 1e-5
-high = 3e-5
+min = 1e-5
+max = 3e-5
 [criteria.Y]
 variable = "lag.y"
 nominal = 0.86
@@ -173,8 +173,8 @@ fn points_and_criteria_without_a_partner_are_differences() {
             "200 points with other parameters: 1, 2",
         ),
         (
-            "high = 3e-5",
-            "high = 3.1e-5",
+            "max = 3e-5",
+            "max = 3.1e-5",
             "200 points with other parameters",
         ),
         (
