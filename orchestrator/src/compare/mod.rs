@@ -486,17 +486,14 @@ impl Comparison {
                 continue;
             };
             let stated = |count: &CriterionCount| {
-                let criterion = &count.criterion;
-                (
-                    criterion.source(),
-                    criterion.unit.clone().unwrap_or_default(),
-                )
+                let unit = count.criterion.unit.as_ref();
+                let unit = unit.map_or_else(String::new, |unit| format!(" in {unit}"));
+                count.criterion.source() + &unit
             };
             let (old, new) = (stated(was), stated(is));
             if old != new {
                 differences.push(format!(
-                    "The criterion {name} was the {} in `{}` and is the {} in `{}`: its values are not compared",
-                    old.0, old.1, new.0, new.1
+                    "The criterion {name} was the {old} and is the {new}: its values are not compared"
                 ));
             } else if was.criterion.limits != is.criterion.limits {
                 let [old, new] = [was, is].map(|count| count.criterion.wanted());

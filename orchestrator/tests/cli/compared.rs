@@ -185,7 +185,7 @@ fn points_and_criteria_without_a_partner_are_differences() {
         (
             "variable = \"lag.y\"",
             "variable = \"lag.y\"\nstatistic = \"max\"",
-            "and is the maximum of lag.y",
+            "was the final value of lag.y and is the greatest of lag.y",
         ),
         (
             "nominal = 0.86",
