@@ -17,8 +17,8 @@ from ._function import StudyFunction
 from ._program import Done, Value, flags, run
 from ._progress import Progress, Show
 from ._results import Identification, Pareto, Robustness, Sensitivity, Tolerances, Verification
-from ._table import Given, given
-from ._toml import changed, placed
+from ._table import Given, csv_of, given
+from ._toml import Keep, changed, placed
 
 # Exit codes that are answers: verified or done, not verified, inconclusive.
 ANSWERS = (0, 1, 3)
@@ -74,7 +74,8 @@ class Study:
         self.folder = Path.cwd() if folder is None else Path(folder).absolute()
         """The folder to which the names of files are relative."""
         self.content: dict[str, Any] = deepcopy(dict(_parsed(content) if isinstance(content, str) else content))
-        """The content, as TOML has it. What is changed here changes what runs."""
+        """The content, as TOML has it; where TOML names the file of a table, the table itself may stand. What is changed here
+        changes what runs."""
         self._read: dict[str, Any] | None = None
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
 
@@ -113,7 +114,8 @@ class Study:
     def save(self, path: StrPath) -> "Study":
         """Writes the study into a TOML file, for the command line, and opens that."""
         file = Path(path)
-        file.write_text(_toml.text(placed(self.content, self.folder)), encoding="utf-8")
+        content = placed(self.content, self.folder, lambda table: given(table, file.parent))
+        file.write_text(_toml.text(content), encoding="utf-8")
         return Study.load(file)
 
     @property
@@ -287,23 +289,26 @@ class Study:
 
     @property
     def _is_file(self) -> bool:
-        return self.path is not None and self.content == self._read
+        try:
+            return self.path is not None and self.content == self._read
+        except ValueError:  # A table that stands for a file does not compare with its name.
+            return False
 
     def _folder(self, output: StrPath | None) -> Path:
         if output is not None:
             return Path(output)
         # Another content gets another folder, so that earlier results stay what they are.
-        mark = "" if self._is_file else f"-{sha256(self._text().encode()).hexdigest()[:8]}"
+        mark = "" if self._is_file else f"-{sha256(self._text(lambda table: sha256(csv_of(table)).hexdigest()).encode()).hexdigest()[:8]}"
         return Path("results", f"{self.name}{mark}")
 
-    def _text(self) -> str:
-        return MARK + _toml.text(placed(self.content, self.folder))
+    def _text(self, keep: Keep) -> str:
+        return MARK + _toml.text(placed(self.content, self.folder, keep))
 
     def _file(self, folder: Path, *, force: bool = False, resume: bool = False) -> Path:
         """The file that the program reads: the study's own, or its content in the folder of the results."""
         if self.path is not None and self._is_file:
             return self.path
-        text, file = self._text(), folder / "study.toml"
+        text, file = self._text(lambda table: given(table, folder)), folder / "study.toml"
         if not force and not _is_free(file, text, resume):
             # The program then says what the folder holds.
             self._temporary = tempfile.TemporaryDirectory(prefix="study-")

@@ -192,6 +192,16 @@ def given(table: Given, folder: Path) -> Path:
     a mapping."""
     if isinstance(table, str | os.PathLike):
         return Path(table)
+    text = csv_of(table)
+    folder.mkdir(parents=True, exist_ok=True)
+    # An interrupted run goes on with the table that it began with, so another table gets another name.
+    path = folder / f"table-{sha256(text).hexdigest()[:8]}.csv"
+    path.write_bytes(text)
+    return path
+
+
+def csv_of(table: Any) -> bytes:
+    """The columns of a table of pandas, polars, pyarrow or a mapping as a csv file."""
     names = getattr(table, "column_names", None)
     if names is None:
         names = getattr(table, "columns", None)
@@ -204,12 +214,7 @@ def given(table: Given, folder: Path) -> Path:
     writer.writerow([str(name) for name in names])
     columns = [_listed(table[name]) for name in names]
     writer.writerows(map(_written, row) for row in zip(*columns, strict=True))
-    text = content.getvalue().encode()
-    folder.mkdir(parents=True, exist_ok=True)
-    # An interrupted run goes on with the table that it began with, so another table gets another name.
-    path = folder / f"table-{sha256(text).hexdigest()[:8]}.csv"
-    path.write_bytes(text)
-    return path
+    return content.getvalue().encode()
 
 
 def is_table(value: object) -> bool:

@@ -4,16 +4,18 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
 from ._errors import OrchestratorError
+from ._table import is_table
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 Content = dict[str, Any]
+Keep = Callable[[Any], str | os.PathLike[str]]
 
 
 def text(content: Mapping[str, Any]) -> str:
@@ -65,26 +67,24 @@ def _value(value: Any) -> str:
     raise OrchestratorError(f"a study cannot hold {value!r}, a {type(value).__name__}")
 
 
-def placed(content: Mapping[str, Any], folder: Path) -> Content:
-    """A copy of the content of a study that stood in a folder, with the files that it names as absolute paths."""
-    copy: Content = _placed(content, folder)
-    for names in (("fmu",), ("fixed-from",), ("identify", "cases")):
-        *path, last = names
-        table: Any = copy
-        for name in path:
-            table = table.get(name)
-        if isinstance(table, dict) and isinstance(table.get(last), str | os.PathLike):
-            table[last] = os.path.normpath(folder / table[last])
+def placed(content: Mapping[str, Any], folder: Path, keep: Keep | None = None) -> Content:
+    """A copy of the content of a study that stood in a folder, with the files that it names as absolute paths. Where a table
+    stands for a file, ``keep`` writes it and says where."""
+
+    def path_of(file: Any) -> Any:
+        if isinstance(file, str | os.PathLike):
+            return os.path.normpath(folder / file)
+        return os.path.abspath(keep(file)) if keep and is_table(file) else file
+
+    def inner(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {name: path_of(one) if name == "file" else inner(one) for name, one in value.items()}
+        return [inner(one) for one in value] if isinstance(value, list | tuple) else value
+
+    copy: Content = {name: path_of(one) if name in ("fmu", "fixed-from") else inner(one) for name, one in content.items()}
+    if isinstance(copy.get("identify"), dict) and "cases" in copy["identify"]:
+        copy["identify"]["cases"] = path_of(content["identify"]["cases"])
     return copy
-
-
-def _placed(value: Any, folder: Path) -> Any:
-    if isinstance(value, Mapping):
-        return {
-            name: os.path.normpath(folder / one) if name == "file" and isinstance(one, str | os.PathLike) else _placed(one, folder)
-            for name, one in value.items()
-        }
-    return [_placed(one, folder) for one in value] if isinstance(value, list | tuple) else value
 
 
 def changed(content: Mapping[str, Any], changes: Mapping[str, Any]) -> Content:

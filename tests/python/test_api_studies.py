@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pandas
 import pytest
-from python_package import PAPER, command, same
+from python_package import PAPER, command
 from test_acceptance import ROOT
 
 from fmu_orchestrator import OrchestratorError, OrchestratorWarning, Study, init, simulate, synchronise
@@ -73,9 +73,32 @@ def test_what_is_changed_runs(tmp_path, monkeypatch):
     # Earlier results stay what they are.
     assert len(first.points) == 4 and len(second.points) == 5
     loaded["design"]["points"] = 50
-    same(first.folder, loaded.verify(points=4, output="again").folder)
+    again = loaded.verify(points=4, output="again")
+    assert json.loads((again.folder / "request.json").read_text())["study"] == str(PAPER)
+    assert dict(again.points) == dict(first.points)
     # The points of a changed study serve its other analyses.
     assert other.sensitivity(points_of=second).folder == second.folder
+
+
+def test_a_table_stands_for_a_file(fmu, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = simulate(fmu, stop=1, step=0.1, record=["sensor.loadForce"])
+    frame = run.to_pandas().rename(columns={"sensor.loadForce": "F"})
+    curve = {"variable": "sensor.loadForce", "reference": {"file": frame, "time": "time", "column": "F", "unit": "N"},
+             "metric": "rmse", "tolerance": "50 N", "unit": "N"}
+    speed = {"file": {"t": [0.0, 1.0], "n": [300.0, 300.0]}, "time": "t", "column": "n", "unit": "rpm"}
+    study = Study({**STUDY, "fmu": fmu, "simulation": {"stop": 1, "step": 0.1}, "criteria": {"F": curve}, "inputs": {"drive.speed": speed}})
+    result = study.verify()
+    assert result.curves["value"].tolist() == frame["F"].tolist() and len(list(result.folder.glob("table-*.csv"))) == 2
+    (tmp_path / "saved").mkdir()
+    of_file = study.save(tmp_path / "saved/study.toml").verify(output="of-file")
+    assert (of_file.folder / "points.csv").read_bytes() == (result.folder / "points.csv").read_bytes()
+    # Other values, another folder; a table in the place of a name is seen, too.
+    frame["F"] += 100
+    assert study.with_(**{"criteria.F.reference.file": frame}).verify().folder != result.folder
+    loaded = Study.load(tmp_path / "saved/study.toml")
+    loaded["criteria"]["F"]["reference"]["file"] = frame
+    assert loaded.verify().verdict.verified == 0 < result.verdict.verified
 
 
 @pytest.mark.parametrize("changes, expected", [
