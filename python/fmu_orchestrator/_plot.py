@@ -196,8 +196,10 @@ def _histogram(
     axes.set_title(f"{100 * count['fraction']:.0f} % in the accepted range", fontsize="small")
 
 
-def curves(table: Table, summary: Mapping[str, Any], units: Mapping[str, str]) -> "Figure":
-    """The measured curves with their uncertainty, and all values of the accepted points."""
+def curves(
+    table: Table, nearest: Iterable[Table], summary: Mapping[str, Any], units: Mapping[str, str]
+) -> "Figure":
+    """The measured curves with their uncertainty, all values of the accepted points, and the nearest point's runs."""
     needed()
     import numpy
 
@@ -215,12 +217,17 @@ def curves(table: Table, summary: Mapping[str, Any], units: Mapping[str, str]) -
                               label="uncertainty of the measured curve")
         if numpy.isfinite(least).any():
             axes.fill_between(time, least, most, facecolor=GOOD, edgecolor=GOOD, alpha=0.4, lw=1, label="verified points")
+        for run in nearest:
+            if name in run:
+                axes.plot(_numbers(run, "time"), _numbers(run, name), color="#d1622b", lw=0.8, label="nearest point")
         axes.plot(time, value, color="black", lw=0, marker=".", ms=3, label="measured")
-        unit = f" [{units[name]}]" if name in units else ""
+        unit = f" [{units[name]}]" if units.get(name, "1") != "1" else ""
         axes.set(xlabel="time [s]", ylabel=f"{summary['criteria'].get(name, {}).get('variable', name)}{unit}")
-        axes.set_title(f"{name}: band of {int(numpy.nan_to_num(count).max())} verified points", fontsize="small")
+        verified = int(numpy.nan_to_num(count).max())
+        axes.set_title(f"{name}: band of {verified} verified points" if verified else f"{name}: no verified point", fontsize="small")
     keys = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
-    drawn.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=3, fontsize="small", frameon=False)
+    drawn.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=2 if len(names) == 1 else 4, fontsize="small",
+                 frameon=False)
     return drawn
 
 

@@ -38,19 +38,25 @@ def interval(found: Any) -> Interval | None:
     return None if found is None else (float(found[0]), float(found[1]))
 
 
-def stated_units(folder: Path) -> dict[str, str]:
+# Metrics of curves that have no unit.
+SHARES = ("nrmse", "corridor", "iso18571")
+
+
+def stated_units(folder: Path, *, of_curves: bool = False) -> dict[str, str]:
     """The units of the parameters and criteria of the study that was run into a folder, by name: those that it states, else
-    the FMU's. A curve has that of its reference."""
+    the FMU's; of a curve that of its metric, or with ``of_curves`` that of its values."""
     study = tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
     known = {**study.get("parameters", {}), **study.get("criteria", {})}
     for case in study.get("cases", []):
         own = {**study.get("criteria", {}), **case.get("criteria", {})}
         known |= {f"{case['name']}/{name}": criterion for name, criterion in own.items()}
     of_fmu = units_of_fmu(load_json(folder / "request.json")["fmu"])
-    found = {}
-    for name, one in known.items():
-        found[name] = one.get("reference", {}).get("unit") or one.get("unit") or of_fmu.get(one.get("variable", name), "")
-    return found
+    return {
+        name: unit
+        for name, one in known.items()
+        if (of_curves or one.get("metric") not in SHARES)
+        and (unit := one.get("unit") or of_fmu.get(one.get("variable", name)))
+    }
 
 
 @dataclass(frozen=True)
@@ -227,11 +233,12 @@ class Verification:
         return _plot.points(self.points, self.summary, x, y)
 
     def plot_curves(self) -> "Figure":
-        """A picture of each measured curve with its uncertainty, and the band that the verified points fill. Needs
-        matplotlib."""
+        """A picture of each measured curve with its uncertainty, the band that the verified points fill, and the nearest
+        point. Needs matplotlib."""
         if self.curves is None:
             raise OrchestratorError(f"{self.folder}: the study compares no measured curves")
-        return _plot.curves(self.curves, self.summary, stated_units(self.folder))
+        nearest = [read(path) for path in sorted(self.folder.glob("best-point*.csv"))]
+        return _plot.curves(self.curves, nearest, self.summary, stated_units(self.folder, of_curves=True))
 
     def sensitivity(self) -> "Sensitivity":
         """Tells from the points which parameter matters: rank correlations and PAWN indices. `Study.sensitivity` runs designs

@@ -97,6 +97,23 @@ def test_a_posterior_is_a_table_with_a_picture(tmp_path):
         Identification(plain.folder).posterior  # noqa: B018
 
 
+@pytest.mark.parametrize("metric, unit, shown, values", [("nrmse", None, "K", 355), ("rmse", "degC", "degC", 82)])
+def test_curves_have_the_unit_in_which_they_are_kept(metric, unit, shown, values, fmu, tmp_path):
+    curve = {"variable": "sensor.bearingTemperature", "metric": metric, "tolerance": 5,
+             "reference": {"file": {"t": [0, 1], "T": [82, 82.5]}, "time": "t", "column": "T", "unit": "degC"}}
+    clearance = {"distribution": "uniform", "min": 18, "max": 22, "unit": "um"}
+    result = Study({"fmu": fmu, "simulation": {"stop": 1, "step": 1}, "design": {"method": "sobol", "points": 2},
+                    "parameters": {"bearing.radialClearance": clearance},
+                    "criteria": {"T": {**curve, **({"unit": unit} if unit else {})}}}).verify(output=tmp_path)
+    assert result.curves["value"][0] == pytest.approx(values, abs=1)
+    figure = result.plot_curves()
+    assert labels(figure) == [("time [s]", f"sensor.bearingTemperature [{shown}]")]
+    # The nearest point and the measured curve are in the same unit.
+    assert [line.get_ydata()[0] for line in figure.axes[0].lines] == pytest.approx([values] * 2, abs=1)
+    assert result.points.units.get("T") == unit
+    assert result.plot().axes[1].get_xlabel() == (f"{metric} of T [{unit}]" if unit else f"{metric} of T")
+
+
 def test_tables_have_units(verified):
     table = verified.points
     assert table.units["T_bearing"] == "degC" and "verified" not in table.units

@@ -165,7 +165,7 @@ def test_a_study_of_an_fmu(fmu, tmp_path, monkeypatch):
     few = {name: one for name, one in measured["parameters"].items() if name.startswith("load.")}
     result = measured.with_(points=4, parameters=few).verify()
     assert result.curves["criterion"] == ["sensor.loadForce"] * 11
-    result.plot_curves()
+    assert result.plot_curves().axes[0].get_ylabel() == "sensor.loadForce [N]"
 
 
 SETTINGS = {
