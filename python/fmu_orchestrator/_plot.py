@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # Two colours that people with any colour vision tell apart, and shapes beside them.
 GOOD, POOR, RANGE = "#0b62a8", "#b0b0b0", "#2a9d4a"
-MOST_PANELS, MOST_BARS, MOST_PARAMETERS = 12, 12, 5
+MOST_PANELS, MOST_BARS, MOST_PARAMETERS, MOST_MARKS = 12, 12, 5, 20_000
 # The back ends of matplotlib that show no windows.
 FILES = {"agg", "cairo", "pdf", "pgf", "ps", "svg", "template"}
 # What a histogram leaves out at each end where values lie far away.
@@ -92,9 +92,11 @@ def points(table: Table, summary: Mapping[str, Any], x: str | None, y: str | Non
     drawn, (cloud, *histograms) = _panels(len(shown) + 1)
     columns = (x or first, y or second)
     words = "accepted" if "accepted" in table else "verified"
+    step = -(-len(table) // MOST_MARKS)
     across, up = (_numbers(table, name) for name in columns)
     for chosen, colour, marker, label in ((~good, POOR, "x", f"not {words}"), (good, GOOD, "o", words)):
-        cloud.scatter(across[chosen], up[chosen], s=14, c=colour, marker=marker, label=f"{label} ({chosen.sum()})")
+        marks = slice(None, None, step)
+        cloud.scatter(across[chosen][marks], up[chosen][marks], s=14, c=colour, marker=marker, label=f"{label} ({chosen.sum()})")
     cloud.set(xlabel=table.label(columns[0]), ylabel=table.label(columns[1]))
     spans: list[tuple[str, Numbers, Any]] = [(columns[0], across, cloud.axvspan), (columns[1], up, cloud.axhspan)]
     for name, values, draw in spans:
@@ -107,7 +109,8 @@ def points(table: Table, summary: Mapping[str, Any], x: str | None, y: str | Non
         _histogram(axes, _numbers(table, name), good, criteria[name], table.label(name))
     left = len(criteria) - len(shown)
     more = f"; {left} criteria that most points meet are left out" if left else ""
-    drawn.suptitle(f"{len(table)} points, {good.sum()} {words}{more}", fontsize="medium")
+    thinned = f"; the cloud shows one of {step}" if step > 1 else ""
+    drawn.suptitle(f"{len(table)} points, {good.sum()} {words}{thinned}{more}", fontsize="medium")
     return drawn
 
 
@@ -131,9 +134,9 @@ def _two_columns(table: Table, summary: Mapping[str, Any], good: "NDArray[numpy.
     import numpy
 
     names = [one["name"] for one in summary["parameters"] if one["name"] in table]
-    names = [name for name in names if len(set(table[name])) > 1]
+    names = [name for name in names if numpy.ptp(_numbers(table, name)) > 0]
     criteria = sorted(summary["criteria"], key=lambda name: float(summary["criteria"][name]["fraction"]))
-    criteria = [name for name in criteria if name in table]
+    criteria = [name for name in criteria if name in table][:2]
     weight = {}
     for name in names:
         values = _numbers(table, name)

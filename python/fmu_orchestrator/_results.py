@@ -38,6 +38,8 @@ def interval(found: Any) -> Interval | None:
     return None if found is None else (float(found[0]), float(found[1]))
 
 
+# Points that a notebook draws unasked.
+MOST_SHOWN = 100_000
 # Metrics of curves that have no unit.
 SHARES = ("nrmse", "corridor", "iso18571")
 
@@ -262,7 +264,9 @@ class Verification:
         return f"<Verification: {self.verdict.words}; {self.folder}>"
 
     def _repr_html_(self) -> str:
-        pictures = [self.plot] if self.curves is None else [self.plot, self.plot_curves]
+        # Reading a million points takes longer than a glance at the answer may.
+        pictures: list[_html.Draw] = [self.plot] if self.verdict.points <= MOST_SHOWN else []
+        pictures += [self.plot_curves] if self.curves is not None else []
         return _html.verification(self.summary, pictures, self.report)
 
 

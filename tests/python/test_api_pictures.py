@@ -53,6 +53,17 @@ def test_odd_values_have_a_picture(values, flags, tmp_path):
     assert labels(figure)[0] == ("a", "b [K]")
 
 
+def test_many_points_are_thinned():
+    count = 40_001
+    numbers = np.linspace(0, 1, count).tolist()
+    table = Table({"point": list(range(count)), "a": numbers, "b": numbers, "verified": [x < 0.5 for x in numbers]})
+    criterion = {"fraction": 0.5, "lower": None, "upper": 0.5}
+    figure = points(table, {"parameters": [{"name": "a"}], "criteria": {"b": criterion}}, None, None)
+    assert "one of 3" in figure.get_suptitle()
+    drawn = [len(marks.get_offsets()) for marks in figure.axes[0].collections]
+    assert max(drawn) < 7000 and sum(bar.get_height() for bar in figure.axes[1].patches if bar.get_width() < 0.1) == count
+
+
 def test_sensitivities(verified, tmp_path):
     study = Study.load(PAPER)
     ranks = verified.plot_sensitivity()
