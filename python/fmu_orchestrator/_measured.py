@@ -3,7 +3,7 @@
 import os
 import tempfile
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from . import _html, _toml
 from ._program import Value, flags, run
 from ._study import Study
-from ._table import Given, Table, given, is_table, read
+from ._table import Given, Table, given, read
 
 StrPath = str | os.PathLike[str]
 MEASURED = Path("results", "measured")
@@ -77,7 +77,7 @@ class Synchronised:
 
 
 def synchronise(
-    tables: Given | Mapping[str, Given],
+    tables: Given | Sequence[Given],
     settings: Mapping[str, Any] | StrPath,
     *,
     case: str | None = None,
@@ -87,15 +87,13 @@ def synchronise(
 ) -> Synchronised:
     """Turns measured signals into criteria with their uncertainty.
 
-    ``tables`` is a file or a table of pandas, polars, pyarrow or a mapping; or several of them by their names, NAME.csv for
-    the settings. ``settings`` are a TOML file, or its content: columns, units, accuracies. ``case`` makes a case of the
-    recording, ``held_out`` one that is never fitted; ``amplitudes`` makes criteria of the amplitudes, too.
+    ``tables`` is a file or a table of pandas, polars, pyarrow or a mapping, or a list of them. ``settings`` are a TOML file, or
+    its content: columns, units, accuracies. ``case`` makes a case of the recording, ``held_out`` one that is never fitted;
+    ``amplitudes`` makes criteria of the amplitudes, too.
     """
     folder = Path(output).absolute()
-    named: dict[str, Any] = {"": tables}
-    if isinstance(tables, Mapping) and all(map(is_table, tables.values())):
-        named = dict(tables)
-    files = [_named(given(table, folder), name, folder) for name, table in named.items()]
+    several = list(tables) if isinstance(tables, list | tuple) else [tables]
+    files = [given(table, folder) for table in several]
     file = folder / "settings.toml"
     if isinstance(settings, Mapping):
         folder.mkdir(parents=True, exist_ok=True)
@@ -105,8 +103,3 @@ def synchronise(
     options: dict[str, Value] = {"settings": file, "case": case, "held_out": held_out, "amplitudes": amplitudes, "output": folder}
     done = run("synchronise", *files, *flags(options))
     return Synchronised(folder, done.text)
-
-
-def _named(file: Path, name: str, folder: Path) -> Path:
-    """A table that was written for this call, under the name that the settings know."""
-    return file.replace(folder / f"{name}.csv") if name and file.parent == folder else file

@@ -184,7 +184,7 @@ def test_recordings_become_criteria(many, fmu, tmp_path, monkeypatch):
     file = tmp_path / "measured.csv"
     table.to_csv(file, index=False)
     (tmp_path / "settings.toml").write_text(text(SETTINGS))
-    ours = synchronise({"measured": table} if many else table, SETTINGS, case="one", output="ours")
+    ours = synchronise([table] if many else table, SETTINGS, case="one", output="ours")
     done = command("synchronise", file, "--settings", tmp_path / "settings.toml", "--case", "one", "--output", tmp_path / "theirs")
     assert done.returncode == 0, done.stderr
     theirs = tomllib.loads((tmp_path / "theirs/criteria.toml").read_text())["criteria"]
