@@ -12,6 +12,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = {"verified": "#1a7f37", "not verified": "#b3261e", "inconclusive": "#8a6100"}
+# The signs of the terminal's first screen, and where its words begin.
+SIGNS = {"✓ ": COLOURS["verified"], "! ": COLOURS["inconclusive"], "✗ ": COLOURS["not verified"], "? ": COLOURS["inconclusive"]}
+LABEL = 9
+# The share of accepted points from which a verdict is doubtful.
+MOST = 0.5
 Draw = Callable[[], "Figure"]
 
 
@@ -20,17 +25,41 @@ def text(content: str) -> str:
     return f"<pre>{escape(content)}</pre>"
 
 
-def verification(summary: Mapping[str, Any], pictures: Iterable[Draw], report: Path) -> str:
-    """The verdict, beside it what makes it doubtful, the criteria, the pictures, and where the page is."""
-    colour = COLOURS.get(summary["verdict"], "inherit")
+def verification(summary: Mapping[str, Any], said: str, pictures: Iterable[Draw], report: Path) -> str:
+    """The answer and what makes it doubtful, in one size; the criteria; the pictures; where the page is. ``said`` is what the
+    terminal shows."""
     title = f"<p>{escape(summary['title'])}</p>" if summary["title"] else ""
-    words = f'<p style="color: {colour}"><b>{escape(_sentence(summary["verdict_words"]))}</b></p>'
-    warnings = [f"<li>{escape(said)}</li>" for said in map(_said, summary.get("concerns", [])) if said]
-    beside = f'<ul style="color: {COLOURS["inconclusive"]}">{"".join(warnings)}</ul>' if warnings else ""
     head = "<tr><th>criterion</th><th>accepted range</th><th>points</th><th>share</th></tr>"
     rows = "".join(_criterion(name, count) for name, count in summary["criteria"].items())
     table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
-    return f"{title}{words}{beside}{table}{drawn(pictures)}{page(report)}"
+    return f"{title}{_first_screen(said) or _verdict(summary)}{table}{drawn(pictures)}{page(report)}"
+
+
+def _first_screen(said: str) -> str:
+    """The terminal's first screen: a sign with the verdict, then what was asked, the answer, what decides it, what is next."""
+    first, *lines = said.split("\n\n")[0].splitlines() or [""]
+    if not lines or first[:2] not in SIGNS:
+        return ""
+    parts: list[list[str]] = []
+    for line in lines:
+        # A label stands in the first columns; what it is about goes on below.
+        label = line[:LABEL].strip()
+        if label or not parts:
+            parts.append([label])
+        parts[-1].append(line[LABEL:].strip())
+    told = "".join(f"<p><b>{escape(label)}</b> {escape(' '.join(words))}</p>" for label, *words in parts)
+    return f'<p style="color: {SIGNS[first[:2]]}"><b>{escape(first)}</b></p>{told}'
+
+
+def _verdict(summary: Mapping[str, Any]) -> str:
+    """The same of results that were read from a folder: the verdict and its warnings."""
+    warnings = [f"<li>{escape(said)}</li>" for said in map(_said, summary.get("concerns", [])) if said]
+    wrong = (summary.get("risk") or {}).get("not_conforming_given_accepted") or 0.0
+    doubt = summary["verdict"] == "verified" and (warnings or wrong > MOST)
+    colour = COLOURS["inconclusive" if doubt else summary["verdict"]]
+    words = f'<p style="color: {colour}"><b>{"! " if doubt else ""}{escape(_sentence(summary["verdict_words"]))}</b></p>'
+    risk = f"<p>{100 * wrong:.0f} % of the accepted points are expected not to conform.</p>" if wrong else ""
+    return words + risk + (f"<ul>{''.join(warnings)}</ul>" if warnings else "")
 
 
 def _sentence(words: str) -> str:

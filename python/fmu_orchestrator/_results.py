@@ -267,7 +267,7 @@ class Verification:
         # Reading a million points takes longer than a glance at the answer may.
         pictures: list[_html.Draw] = [self.plot] if self.verdict.points <= MOST_SHOWN else []
         pictures += [self.plot_curves] if self.curves is not None else []
-        return _html.verification(self.summary, pictures, self.report)
+        return _html.verification(self.summary, self.text, pictures, self.report)
 
 
 class Analysis:

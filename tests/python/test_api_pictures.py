@@ -12,6 +12,7 @@ from functions import pack
 from python_package import ENVIRONMENT, PAPER
 
 from fmu_orchestrator import Identification, OrchestratorError, Study, Verification
+from fmu_orchestrator._html import COLOURS, verification
 from fmu_orchestrator._plot import limits, points
 from fmu_orchestrator._table import Table
 
@@ -142,14 +143,31 @@ def test_no_library_takes_names_for_values(verified):
 
 
 def test_a_notebook_shows_verdict_warnings_pictures_page(verified):
-    html = verified._repr_html_()
+    html = Verification.load(verified.folder)._repr_html_()
     root = xml.etree.ElementTree.fromstring(f"<div>{html}</div>")
     warnings = [one["text"] for one in verified.summary["concerns"] if one["severity"] == "warning"]
     assert [item.text for item in root.iter("li")] == warnings and warnings
     order = [html.index(part) for part in (verified.verdict.words[1:], "<li>", "data:image/png", "report.html")]
     assert order == sorted(order)
-    # Warnings are as large as the verdict.
-    assert "size" not in html
+    # Warnings are as large as the verdict, which has the colour of doubt.
+    assert "size" not in html and COLOURS["inconclusive"] in html and COLOURS["verified"] not in html
+
+
+SCREEN = """! Verified, with doubts
+Asked    Does the model meet all
+         2 criteria?
+Answer   It does at 1 < 2 points.
+
+F  rmse at most 20 N
+"""
+
+
+def test_a_notebook_shows_the_first_screen_of_the_terminal(verified):
+    html = verification(verified.summary, SCREEN, [], verified.report)
+    root = xml.etree.ElementTree.fromstring(f"<div>{html}</div>")
+    told = ["".join(part.itertext()) for part in root.iter("p")]
+    assert told[1:4] == ["! Verified, with doubts", "Asked Does the model meet all 2 criteria?", "Answer It does at 1 < 2 points."]
+    assert COLOURS["inconclusive"] in html and "rmse at most 20 N" not in html
 
 
 def test_pictures_are_figures_that_notebooks_show(verified):

@@ -21,7 +21,7 @@ def test_the_notebook(fmu, tmp_path, monkeypatch):
         nbformat.write(notebook, keep)
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     html = "".join(output.get("data", {}).get("text/html", "") for output in outputs)
-    assert "by the one-point rule" in html and html.count("data:image/png") == 2
+    assert "36 of 128 points" in html and html.count("data:image/png") == 2
     # The run, the sensitivity, the curves, the posterior: each once.
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 4
     said = "".join(output.get("text", "") for output in outputs)
