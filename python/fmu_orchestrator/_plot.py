@@ -94,10 +94,11 @@ def points(table: Table, summary: Mapping[str, Any], x: str | None, y: str | Non
     words = "accepted" if "accepted" in table else "verified"
     step = -(-len(table) // MOST_MARKS)
     across, up = (_numbers(table, name) for name in columns)
-    for chosen, colour, marker, label in ((~good, POOR, "x", f"not {words}"), (good, GOOD, "o", words)):
+    for chosen, colour, marker, what in ((~good, POOR, "x", f"not {words}"), (good, GOOD, "o", words)):
         marks = slice(None, None, step)
-        cloud.scatter(across[chosen][marks], up[chosen][marks], s=14, c=colour, marker=marker, label=f"{label} ({chosen.sum()})")
-    cloud.set(xlabel=table.label(columns[0]), ylabel=table.label(columns[1]))
+        cloud.scatter(across[chosen][marks], up[chosen][marks], s=14, c=colour, marker=marker, label=f"{what} ({chosen.sum()})")
+    label = [_label(table, criteria, name) for name in columns]
+    cloud.set(xlabel=label[0], ylabel=label[1])
     spans: list[tuple[str, Numbers, Any]] = [(columns[0], across, cloud.axvspan), (columns[1], up, cloud.axhspan)]
     for name, values, draw in spans:
         if name in criteria:
@@ -106,12 +107,18 @@ def points(table: Table, summary: Mapping[str, Any], x: str | None, y: str | Non
     cloud.legend(fontsize="small", ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, borderpad=0.0,
                  handletextpad=0.1, columnspacing=0.8)
     for axes, name in zip(histograms, shown, strict=True):
-        _histogram(axes, _numbers(table, name), good, criteria[name], table.label(name))
+        _histogram(axes, _numbers(table, name), good, criteria[name], _label(table, criteria, name))
     left = len(criteria) - len(shown)
     more = f"; {left} criteria that most points meet are left out" if left else ""
     thinned = f"; the cloud shows one of {step}" if step > 1 else ""
     drawn.suptitle(f"{len(table)} points, {good.sum()} {words}{thinned}{more}", fontsize="medium")
     return drawn
+
+
+def _label(table: Table, criteria: Mapping[str, Any], name: str) -> str:
+    """A column's name with its unit; a curve's value is that of its metric."""
+    metric = criteria.get(name, {}).get("metric")
+    return f"{metric} of {table.label(name)}" if metric else table.label(name)
 
 
 def _numbers(table: Table, name: str) -> "Numbers":
@@ -175,7 +182,7 @@ def _histogram(
     import numpy
 
     known = numpy.isfinite(values)
-    axes.set(xlabel=f"{count['metric']} of {label}" if count.get("metric") else label, ylabel="points")
+    axes.set(xlabel=label, ylabel="points")
     low, high = limits(count)
     if known.any():
         inner = numpy.percentile(values[known], [TAIL, 100 - TAIL])

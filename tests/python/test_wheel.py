@@ -64,7 +64,8 @@ def test_what_the_wheel_holds(wheel):
         names = {entry.filename: entry for entry in archive.infolist()}
         program = names["fmu_orchestrator/bin/orchestrator"]
         assert program.file_size <= LARGEST and program.external_attr >> 16 & 0o111
-        assert {"fmu_orchestrator/py.typed", "fmu_orchestrator/studies/rig.toml"} <= set(names)
+        assert {"fmu_orchestrator/py.typed", "fmu_orchestrator/studies/rig.toml",
+                "fmu_orchestrator/examples/tutorial/recording.csv"} <= set(names)
         content = archive.read("fmu_orchestrator/bin/orchestrator")
         fmu = archive.read("fmu_orchestrator/dist/PlainBearingStand.fmu")
     # No folder of the machine that built it.
