@@ -232,7 +232,8 @@ def curves(
                 axes.plot(_numbers(run, "time"), _numbers(run, name), color="#d1622b", lw=0.8, label="nearest point")
         axes.plot(time, value, color="black", lw=0, marker=".", ms=3, label="measured")
         unit = f" [{units[name]}]" if units.get(name, "1") != "1" else ""
-        axes.set(xlabel="time [s]", ylabel=f"{summary['criteria'].get(name, {}).get('variable', name)}{unit}")
+        axes.set(xlabel="time [s]")
+        axes.set_ylabel(f"{summary['criteria'].get(name, {}).get('variable', name)}{unit}", fontsize="small")
         verified = int(numpy.nan_to_num(count).max())
         axes.set_title(f"{name}: band of {verified} verified points" if verified else f"{name}: no verified point", fontsize="small")
     keys = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
