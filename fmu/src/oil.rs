@@ -44,8 +44,10 @@ impl Default for Oil {
 }
 
 const CELSIUS_0: f64 = 273.15;
-/// ASTM D341 adds this to the kinematic viscosity in mm²/s; its law holds from 2 mm²/s.
+/// ASTM D341 adds this to the kinematic viscosity, mm²/s.
 const D341_SHIFT: f64 = 0.7;
+/// Its law holds from this kinematic viscosity, mm²/s.
+const D341_LEAST: f64 = 2.0;
 
 /// Coefficients of the oil's laws over temperature.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -61,6 +63,8 @@ pub struct Properties {
     pub viscosity_scale: f64,
     /// Temperatures of the first and the last measured row, K; without a file the viscosity law's own limit holds alone.
     measured: Option<[f64; 2]>,
+    /// The temperature at which the viscosity law ends, K.
+    end: f64,
 }
 
 impl Oil {
@@ -79,9 +83,11 @@ impl Oil {
         let at_100 = (self.kinematic_viscosity_100 * 1e6 + D341_SHIFT).ln();
         let (t_40, t_100) = (CELSIUS_0 + 40.0, CELSIUS_0 + 100.0);
         let exponent = (at_40 / at_100).ln() / (t_100 / t_40).ln();
+        let factor = at_40 * t_40.powf(exponent);
         Properties {
-            d341_factor: at_40 * t_40.powf(exponent),
+            d341_factor: factor,
             d341_exponent: exponent,
+            end: end(factor, exponent),
             density_15: self.density_15,
             expansion: expansion(self.density_15),
             viscosity_scale: self.viscosity_scale,
@@ -105,9 +111,11 @@ impl Oil {
             }));
             (density_15, expansion) = (level.exp(), -slope);
         }
+        let (factor, exponent) = (factor.exp(), -slope);
         Properties {
-            d341_factor: factor.exp(),
-            d341_exponent: -slope,
+            d341_factor: factor,
+            d341_exponent: exponent,
+            end: end(factor, exponent),
             density_15,
             expansion,
             viscosity_scale: self.viscosity_scale,
@@ -124,6 +132,11 @@ fn expansion(density_15: f64) -> f64 {
     0.6278 / density_15
 }
 
+/// The temperature, K, at which ASTM D341 ends with these coefficients.
+fn end(factor: f64, exponent: f64) -> f64 {
+    (factor / (D341_LEAST + D341_SHIFT).ln()).powf(1.0 / exponent)
+}
+
 impl Properties {
     /// Kinematic viscosity of the real oil, m²/s, at a temperature, K (ASTM D341).
     pub fn kinematic_viscosity(&self, temperature: f64) -> f64 {
@@ -134,17 +147,16 @@ impl Properties {
 
     /// Why the laws do not hold at a temperature, K: beyond the measured rows, or where the viscosity law ends.
     pub fn beyond(&self, temperature: f64) -> Option<String> {
-        const LEAST: f64 = 2e-6;
         if let Some([low, high]) = self.measured
             && !(low..=high).contains(&temperature)
         {
             return Some(format!("the oil was measured from {low:.2} to {high:.2} K"));
         }
-        let viscosity = self.kinematic_viscosity(temperature);
-        (viscosity < LEAST).then(|| {
+        (temperature > self.end).then(|| {
             format!(
-                "its viscosity law (ASTM D341) ends at {:e} m2/s, where it gives {viscosity:.2e}",
-                LEAST
+                "its viscosity law (ASTM D341) ends at {:e} m2/s, where it gives {:.2e}",
+                1e-6 * D341_LEAST,
+                self.kinematic_viscosity(temperature)
             )
         })
     }

@@ -353,8 +353,7 @@ impl Stand {
 
     /// Logs once that the journal moves, so that the linearised film is none.
     fn tell_of_motion(&mut self, log: &mut dyn Log) {
-        let at = self.situation(0.0, &unknowns(&self.state));
-        if self.state.moves || self.rests(&at) {
+        if self.state.moves || self.rests(&self.situation(0.0, &unknowns(&self.state))) {
             return;
         }
         self.state.moves = true;
@@ -501,7 +500,9 @@ impl Model for Stand {
             "with every turn resolved"
         };
         log.log(EVENTS, format_args!("{step:?} s from {time:?} s {how}"));
-        if let Some(why) = self.hindrance().filter(|_| self.is_long(step)) {
+        if self.is_long(step)
+            && let Some(why) = self.hindrance()
+        {
             log.log(EVENTS, format_args!("no leap: {why}"));
         }
         let done = if leaps {

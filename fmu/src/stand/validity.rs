@@ -1,6 +1,6 @@
 //! Limits of the stand's laws: beyond them a run goes on, and `status.validity` and the log say so.
 
-use super::{Stand, unknowns};
+use super::Stand;
 use fmu_export::model::Log;
 use std::f64::consts::TAU;
 
@@ -62,11 +62,11 @@ impl Stand {
     }
 
     fn turbulent(&self) -> Option<String> {
-        let at = self.situation(0.0, &unknowns(&self.state));
-        let radius = self.bearing.radius();
-        let density = self.fluid.density(self.readings.film_temperature);
-        let number = density * at.speed.abs() * radius * at.clearance / at.viscosity;
-        let limit = REYNOLDS.min(TAYLOR * (radius / at.clearance).sqrt());
+        let now = &self.readings;
+        let (radius, clearance) = (self.bearing.radius(), now.hot_radial_clearance);
+        let density = self.fluid.density(now.film_temperature);
+        let number = density * now.shaft_speed.abs() * radius * clearance / now.film_viscosity;
+        let limit = REYNOLDS.min(TAYLOR * (radius / clearance).sqrt());
         (number > limit).then(|| {
             format!("the film's Reynolds number {number:.0} is beyond {limit:.0}: it is not laminar, and its friction is larger")
         })

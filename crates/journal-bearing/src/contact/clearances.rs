@@ -103,7 +103,7 @@ impl ContactFamily {
     /// The same between tables.
     fn between(&self, eccentricity_ratio: f64, clearance: f64) -> Option<Touch> {
         let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
-        let Reach { start, length, .. } = Reach::new(self.roughness / clearance);
+        let [start, length] = Reach::along(self.roughness / clearance);
         let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / length);
         if position < 0.0 {
             return None;

@@ -2,14 +2,14 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::table::{CHANNELS, MOBILITY, Node, Tabulated, VALUE, splines_over_s};
+use super::table::{Along, CHANNELS, MOBILITY, Node, Tabulated, VALUE, splines_over_s};
 use crate::spline::{End, Spline};
 
 /// The map's slices and their slopes over `ln(B/D)`: what every blend is made from.
 #[derive(Clone, Debug)]
 pub struct Sources {
     pub slices: Vec<Tabulated>,
-    over_s: [Spline; CHANNELS],
+    over_s: Along,
     over_width: Spline,
     /// One per row. A journal visits few of them, and a process may live for one simulation only, so each is made on
     /// first use.

@@ -7,7 +7,7 @@
 
 use super::coordinates::Point;
 use super::map::MapError;
-use super::table::{CHANNELS, NUMBER, Node, SYMMETRY, numbers};
+use super::table::{Along, CHANNELS, NUMBER, Node, nodes_of_row, numbers, splines_over_s};
 use crate::roughness::{NO_CONTACT, Reach};
 use crate::spline::{End, Spline, hermite, slope_of_hermite};
 
@@ -58,8 +58,11 @@ pub fn angle(room: f64, k: usize) -> f64 {
 #[derive(Clone, Debug)]
 pub struct Correction {
     pub reach: Reach,
-    /// Values and slopes by place, then direction.
-    nodes: Vec<Node>,
+    /// Values by place, then direction, then channel.
+    values: Vec<f64>,
+    /// Their slopes over the place.
+    over_place: Vec<f64>,
+    along: Along,
 }
 
 impl Correction {
@@ -109,16 +112,24 @@ impl Correction {
                 }
             }
         }
+        let mut over_place = vec![0.0; size];
+        // Even in the eccentricity ratio at the first place.
+        let spline = Spline::new(SIZE[2], [End::Even, End::Free]);
+        spline.slopes_of_many(SIZE[3] * CHANNELS, &values, &mut over_place);
         Ok(Self {
             reach: Reach::new(roughness_ratio),
-            nodes: with_slopes(&values),
+            values,
+            over_place,
+            along: splines_over_s(SIZE[3]),
         })
     }
 
     /// The corrections at place `i` in `count` even directions, with slopes over places and directions per their spacing.
     pub fn row(&self, i: usize, count: usize) -> impl Iterator<Item = Node> {
         let per_direction = (SIZE[3] - 1) as f64 / (count - 1) as f64;
-        let nodes = &self.nodes[i * SIZE[3]..(i + 1) * SIZE[3]];
+        let row = i * SIZE[3] * CHANNELS..(i + 1) * SIZE[3] * CHANNELS;
+        let row = [&self.values[row.clone()], &self.over_place[row]];
+        let nodes = nodes_of_row(row, &self.along);
         (0..count).map(move |k| {
             let position = k as f64 * per_direction;
             let j = (position as usize).min(SIZE[3] - 2);
@@ -147,33 +158,4 @@ pub fn weights<const N: usize>(x: f64) -> [f64; N] {
             product * (x - j as f64) / (i as f64 - j as f64)
         })
     })
-}
-
-/// Nodes from values by place, then direction: splines that are even in the eccentricity ratio at the first place.
-fn with_slopes(values: &[f64]) -> Vec<Node> {
-    let [places, directions] = [SIZE[2], SIZE[3]];
-    let many = directions * CHANNELS;
-    let mut over_place = vec![0.0; values.len()];
-    Spline::new(places, [End::Even, End::Free]).slopes_of_many(many, values, &mut over_place);
-    let splines = SYMMETRY.map(|symmetry| Spline::new(directions, [symmetry; 2]));
-    let mut nodes = vec![Node::default(); places * directions];
-    let (mut line, mut slopes) = (vec![0.0; directions], vec![0.0; directions]);
-    for (kind, all) in [values, &over_place].into_iter().enumerate() {
-        let rows = all
-            .chunks_exact(many)
-            .zip(nodes.chunks_exact_mut(directions));
-        for (values, nodes) in rows {
-            for (channel, spline) in splines.iter().enumerate() {
-                for (value, at) in line.iter_mut().zip(values.chunks_exact(CHANNELS)) {
-                    *value = at[channel];
-                }
-                spline.slopes(&line, &mut slopes);
-                for (node, (value, slope)) in nodes.iter_mut().zip(line.iter().zip(&slopes)) {
-                    node[kind][channel] = *value;
-                    node[2 + kind][channel] = *slope;
-                }
-            }
-        }
-    }
-    nodes
 }

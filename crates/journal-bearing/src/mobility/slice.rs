@@ -266,21 +266,43 @@ impl MobilitySlice {
         }
     }
 
-    /// All quantities at a point.
-    pub(super) fn quantities(&self, point: Point) -> [f64; CHANNELS] {
-        let place = self.place(point);
-        let ([a, b], [c, d]) = (self.pair::<0>(&place), self.pair::<1>(&place));
-        [a, b, c, d]
+    /// All quantities at a point, interpolated between slices of the same lattice by their weights.
+    pub(super) fn between<const N: usize>(
+        slices: [&Self; N],
+        weights: [f64; N],
+        point: Point,
+    ) -> [f64; CHANNELS] {
+        let place = slices[0].place(point);
+        let mut sum = [0.0; CHANNELS];
+        for (slice, weight) in slices.into_iter().zip(weights) {
+            let mut values = [0.0; CHANNELS];
+            for (node, weights) in slice.corners(&place).into_iter().zip(&place.weights) {
+                for (kind, weight) in node.iter().zip(weights) {
+                    for (value, kind) in values.iter_mut().zip(kind) {
+                        *value += weight * kind;
+                    }
+                }
+            }
+            for (sum, value) in sum.iter_mut().zip(values) {
+                *sum += weight * value;
+            }
+        }
+        sum
+    }
+
+    /// The nodes about a place.
+    #[inline]
+    fn corners(&self, place: &Place) -> [&Node; 4] {
+        let [i, j] = place.near;
+        let (near, far) = (&self.row(i)[j..=j + 1], &self.row(i + 1)[j..=j + 1]);
+        [&near[0], &far[0], &near[1], &far[1]]
     }
 
     /// Interpolates two of the four quantities.
     #[inline]
     fn pair<const PAIR: usize>(&self, place: &Place) -> [f64; 2] {
-        let [i, j] = place.near;
-        let (near, far) = (&self.row(i)[j..=j + 1], &self.row(i + 1)[j..=j + 1]);
-        let corners = [&near[0], &far[0], &near[1], &far[1]];
         let mut sum = [0.0; 2];
-        for (node, weights) in corners.into_iter().zip(&place.weights) {
+        for (node, weights) in self.corners(place).into_iter().zip(&place.weights) {
             for (kind, weight) in node.iter().zip(weights) {
                 sum[0] += weight * kind[2 * PAIR];
                 sum[1] += weight * kind[2 * PAIR + 1];

@@ -8,9 +8,9 @@ use crate::spline::{End, Spline};
 /// `F/(B D)`, and `ln` of the side flow over `F c^3 / (3 eta B^2)`.
 pub const CHANNELS: usize = 4;
 
-/// How each quantity continues beyond the ends of `s`: the lead changes its sign with the angle from eccentricity to
-/// load, the others do not.
-pub const SYMMETRY: [End; CHANNELS] = [End::Even, End::Odd, End::Even, End::Even];
+/// Index of the lead among the quantities. Beyond the ends of `s` it changes its sign with the angle from eccentricity to load,
+/// the others do not.
+const LEAD: usize = 1;
 
 /// One node: of each quantity the value, the slope over `u`, the slope over `s`, and the mixed derivative ("twist"),
 /// all per node spacing.
@@ -86,30 +86,36 @@ impl Tabulated {
         }
     }
 
-    /// The nodes of row `i`: one `u`, all `s`. `along` has the splines over `s`.
-    pub fn row(&self, i: usize, along: &[Spline; CHANNELS]) -> Vec<Node> {
+    /// The nodes of row `i`: one `u`, all `s`.
+    pub fn row(&self, i: usize, along: &Along) -> Vec<Node> {
         let ss = self.lattice.ss;
         let (first, last) = (i * ss * CHANNELS, (i + 1) * ss * CHANNELS);
         let values: Vec<f64> = numbers(&self.values[first * NUMBER..last * NUMBER]).collect();
-        let mut nodes = vec![Node::default(); ss];
-        let (mut line, mut slopes) = (vec![0.0; ss], vec![0.0; ss]);
-        for (kind, all) in [&values, &self.over_u[first..last]].into_iter().enumerate() {
-            for (channel, spline) in along.iter().enumerate() {
-                for (value, at) in line.iter_mut().zip(all.chunks_exact(CHANNELS)) {
-                    *value = at[channel];
-                }
-                spline.slopes(&line, &mut slopes);
-                for (node, (value, slope)) in nodes.iter_mut().zip(line.iter().zip(&slopes)) {
-                    node[kind][channel] = *value;
-                    node[2 + kind][channel] = *slope;
-                }
-            }
-        }
-        nodes
+        nodes_of_row([&values, &self.over_u[first..last]], along)
     }
 }
 
-/// The splines over `s`, one a quantity, for rows of `ss` nodes.
-pub fn splines_over_s(ss: usize) -> [Spline; CHANNELS] {
-    SYMMETRY.map(|symmetry| Spline::new(ss, [symmetry; 2]))
+/// Splines over `s`, even and odd at both ends.
+pub type Along = [Spline; 2];
+
+/// The splines over `s`, for rows of `ss` nodes.
+pub fn splines_over_s(ss: usize) -> Along {
+    [End::Even, End::Odd].map(|end| Spline::new(ss, [end; 2]))
+}
+
+/// The nodes of a row from its values and their slopes along the rows, both by `s`, then channel.
+pub fn nodes_of_row(row: [&[f64]; 2], along: &Along) -> Vec<Node> {
+    let mut slopes = [vec![0.0; row[0].len()], vec![0.0; row[0].len()]];
+    let mut nodes = vec![Node::default(); row[0].len() / CHANNELS];
+    for (kind, values) in row.into_iter().enumerate() {
+        for (spline, slopes) in along.iter().zip(&mut slopes) {
+            spline.slopes_of_many(CHANNELS, values, slopes);
+        }
+        let all = [values, &slopes[0], &slopes[1]].map(|of| of.as_chunks().0);
+        for (j, node) in nodes.iter_mut().enumerate() {
+            (node[kind], node[2 + kind]) = (all[0][j], all[1][j]);
+            node[2 + kind][LEAD] = all[2][j][LEAD];
+        }
+    }
+    nodes
 }

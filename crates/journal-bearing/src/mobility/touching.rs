@@ -8,6 +8,7 @@ use super::coordinates::Point;
 use super::map::MapError;
 use super::rough::{Correction, weights};
 use super::slice::{LookUp, MobilitySlice, ahead};
+use super::table::CHANNELS;
 use crate::contact::Touch;
 use crate::roughness::NO_CONTACT;
 
@@ -90,31 +91,22 @@ impl RoughSlices {
         clearance: f64,
         direction: Vector2<f64>,
     ) -> LookUp<'_> {
-        if clearance == self.clearance {
-            let own = self.own.get_or_init(|| self.slice(clearance));
-            let [cos, sin] = ahead(eps, e, direction);
-            let s = Point::direction(touch.room, cos, sin);
-            return own.look_up_at(Point { u: touch.place, s }, direction, sin);
-        }
-        self.between(eps, e, touch, clearance, direction)
-    }
-
-    /// The same between slices: at the same place between first touch and the end of the reach, and in the same direction.
-    #[inline(never)]
-    fn between(
-        &self,
-        eps: Vector2<f64>,
-        e: f64,
-        touch: &Touch,
-        clearance: f64,
-        direction: Vector2<f64>,
-    ) -> LookUp<'_> {
-        let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
         let [cos, sin] = ahead(eps, e, direction);
         let point = Point {
             u: touch.place,
             s: Point::direction(touch.room, cos, sin),
         };
+        if clearance == self.clearance {
+            let own = self.own.get_or_init(|| self.slice(clearance));
+            return own.look_up_at(point, direction, sin);
+        }
+        LookUp::of(self.between(point, clearance), direction, sin)
+    }
+
+    /// The quantities between slices: at the same place between first touch and the end of the reach, and in the same direction.
+    #[inline(never)]
+    fn between(&self, point: Point, clearance: f64) -> [f64; CHANNELS] {
+        let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
         let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
         let below = x.floor() as i32;
         let lowest = if below >= 0 {
@@ -122,14 +114,8 @@ impl RoughSlices {
         } else {
             (below - 1).min(1 - THROUGH)
         };
-        let mut sum = [0.0; 4];
-        for (number, weight) in (lowest..).zip(weights::<4>(x - f64::from(lowest))) {
-            let values = self.other(number).quantities(point);
-            for (sum, value) in sum.iter_mut().zip(values) {
-                *sum += weight * value;
-            }
-        }
-        LookUp::of(sum, direction, sin)
+        let slices = std::array::from_fn(|k| self.other(lowest + k as i32));
+        MobilitySlice::between(slices, weights::<4>(x - f64::from(lowest)), point)
     }
 
     /// The slice with a number.

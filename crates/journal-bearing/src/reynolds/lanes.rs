@@ -23,6 +23,7 @@ pub fn sum_of<const N: usize>(of: [&[f64]; N], term: impl Fn([f64; N]) -> f64) -
 }
 
 /// The scalar product.
+#[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sum_of([a, b], |[a, b]| a * b)
 }

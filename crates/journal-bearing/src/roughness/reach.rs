@@ -46,16 +46,23 @@ const CROWDED: f64 = 0.5;
 impl Reach {
     /// The contact at a roughness over clearance.
     pub fn new(roughness: f64) -> Self {
-        let start = (1.0 - NO_CONTACT * roughness).max(0.0);
+        let [start, length] = Self::along(roughness);
         let first = ((1.0 - start) / roughness / CROWDED).asinh();
         Self {
             roughness,
             start,
-            length: 1.0 + CROSSING * roughness - start,
+            length,
             whole: room(1.0 / roughness)[0],
             first,
             span: first + (CROSSING / CROWDED).asinh(),
         }
+    }
+
+    /// Start and length of the contact alone.
+    #[inline]
+    pub fn along(roughness: f64) -> [f64; 2] {
+        let start = (1.0 - NO_CONTACT * roughness).max(0.0);
+        [start, 1.0 + CROSSING * roughness - start]
     }
 
     /// The room at an eccentricity ratio: the relative gap of the smooth bearing to which the film is compared. It is `1 - e`

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::cells::Cells;
 use crate::reynolds::lanes::{LANES, smallest};
-use crate::roughness::{NO_CONTACT, RoughFilm};
+use crate::roughness::{NO_CONTACT, RoughFilm, Table, table};
 
 /// All that shapes the gap apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,15 +35,24 @@ impl Form {
         }
     }
 
+    /// The distances of the mean planes in the middle of column `i`, and at the edge before it, at the eccentricity ratio `eps`.
+    #[inline(always)]
+    fn distances(&self, cells: &Cells, eps: Vector2<f64>, i: usize) -> [f64; 2] {
+        let directions = &cells.directions;
+        let normals = [&directions.mean[i], &directions.edge[i]];
+        let deviations = [&self.middle, &self.edge].map(|of| of.get(i).copied().unwrap_or(0.0));
+        std::array::from_fn(|k| 1.0 - eps.dot(normals[k]) + deviations[k])
+    }
+
     /// The gap of content that the film has at a distance of the mean planes, and its slope, in clearances.
     pub fn content(&self, distance: f64) -> [f64; 2] {
-        let seen = self.see(distance);
+        let seen = self.see(table(), distance);
         [seen.content, seen.bears]
     }
 
     /// The gaps that the film has at a distance of the mean planes, in clearances.
     #[inline(always)]
-    fn see(&self, distance: f64) -> Seen {
+    fn see(&self, table: &Table, distance: f64) -> Seen {
         if !self.feels(distance) {
             return Seen {
                 content: distance,
@@ -51,7 +60,8 @@ impl Form {
                 flow: distance,
             };
         }
-        let [[content, bears], [flow, _]] = self.rough_film.gaps(distance / self.roughness);
+        let ratio = distance / self.roughness;
+        let [[content, flow], [bears, _]] = self.rough_film.gaps_in(table, ratio);
         Seen {
             content: content * self.roughness,
             bears,
@@ -125,36 +135,27 @@ impl Gap {
 
     /// Computes the gap at the eccentricity ratio `eps` of the middle plane.
     pub fn update(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
-        let columns = self.cell.chunks_exact_mut(cells.stride);
-        let columns = columns.zip(self.edge.chunks_exact_mut(cells.stride));
-        for (i, (cell, edge)) in columns.enumerate() {
-            let (n, n_edge) = (cells.directions.mean[i], cells.directions.edge[i]);
-            let deviation = |of: &[f64]| of.get(i).copied().unwrap_or(0.0);
-            spread(cell, 1.0 - eps.dot(&n) + deviation(&form.middle));
-            spread(edge, 1.0 - eps.dot(&n_edge) + deviation(&form.edge));
-            if form.tilt != Vector2::zeros() {
-                let (slope, slope_edge) = (form.tilt.dot(&n), form.tilt.dot(&n_edge));
-                for ((cell, edge), zeta) in cell.iter_mut().zip(edge).zip(&cells.zeta) {
-                    *cell -= zeta * slope;
-                    *edge -= zeta * slope_edge;
-                }
-            }
-        }
-        self.smallest = if form.is_plain() {
-            // The narrowest point may lie between two grid points.
-            1.0 - eps.norm()
-        } else {
-            smallest(&self.cell).min(smallest(&self.edge))
-        };
         self.alike = match form.tilt == Vector2::zeros() {
             true => cells.stride,
             false => 1,
         };
         let was_rough = self.rough;
-        self.rough = form.feels(self.smallest);
+        if form.is_plain() {
+            // The narrowest point may lie between two grid points.
+            self.smallest = 1.0 - eps.norm();
+            self.rough = form.feels(self.smallest);
+        }
+        // Such a column gets the gaps between its asperities at once.
+        if !(form.is_plain() && self.rough) {
+            self.part(cells, form, eps);
+        }
+        if !form.is_plain() {
+            self.smallest = smallest(&self.cell).min(smallest(&self.edge));
+            self.rough = form.feels(self.smallest);
+        }
         if self.rough {
             self.smallest = form.content(self.smallest)[0];
-            self.roughen(cells, form);
+            self.roughen(cells, form, eps);
         } else if was_rough {
             let aparts = [
                 &mut self.cell_apart,
@@ -166,6 +167,26 @@ impl Gap {
                 apart.fill(1.0);
             }
             self.pressed.copy_from_slice(&cells.area);
+        }
+    }
+
+    /// Computes the distances of the mean planes.
+    fn part(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
+        let columns = self.cell.chunks_exact_mut(cells.stride);
+        let columns = columns.zip(self.edge.chunks_exact_mut(cells.stride));
+        for (i, (cell, edge)) in columns.enumerate() {
+            let [middle, before] = form.distances(cells, eps, i);
+            spread(cell, middle);
+            spread(edge, before);
+            if form.tilt != Vector2::zeros() {
+                let directions = &cells.directions;
+                let slope = form.tilt.dot(&directions.mean[i]);
+                let slope_edge = form.tilt.dot(&directions.edge[i]);
+                for ((cell, edge), zeta) in cell.iter_mut().zip(edge).zip(&cells.zeta) {
+                    *cell -= zeta * slope;
+                    *edge -= zeta * slope_edge;
+                }
+            }
         }
     }
 
@@ -189,23 +210,24 @@ impl Gap {
             return;
         }
         let stride = self.alike;
-        let slopes = |ratio: f64| form.rough_film.gaps(ratio).map(|[_, slope]| slope);
+        let table = table();
+        let slopes = |ratio: f64| form.rough_film.gaps_in(table, ratio)[1];
         for first in (0..self.cell.len()).step_by(stride) {
             let column = first..first + stride;
             let [_, flow] = slopes(self.ratio[first]);
             let [apart, edge_flow] = slopes(self.edge_ratio[first]);
-            self.cell_flow_apart[column.clone()].fill(flow);
-            self.edge_apart[column.clone()].fill(apart);
-            self.edge_flow_apart[column].fill(edge_flow);
+            spread(&mut self.cell_flow_apart[column.clone()], flow);
+            spread(&mut self.edge_apart[column.clone()], apart);
+            spread(&mut self.edge_flow_apart[column], edge_flow);
         }
     }
 
     /// Replaces the distances of rough surfaces by the gaps that the film sees.
-    fn roughen(&mut self, cells: &Cells, form: &Form) {
+    fn roughen(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
         if self.alike == 1 {
             self.roughen_cells(form);
         } else {
-            self.roughen_columns(form);
+            self.roughen_columns(cells, form, eps);
         }
         let areas = cells.area.iter().zip(&self.cell_apart);
         for (pressed, (area, apart)) in self.pressed.iter_mut().zip(areas) {
@@ -215,11 +237,12 @@ impl Gap {
 
     /// The same in each cell of a tilted journal.
     fn roughen_cells(&mut self, form: &Form) {
+        let table = table();
         for cell in 0..self.cell.len() {
             let [here, edge] = [self.cell[cell], self.edge[cell]];
             self.ratio[cell] = here / form.roughness;
             self.edge_ratio[cell] = edge / form.roughness;
-            let [here, edge] = [form.see(here), form.see(edge)];
+            let [here, edge] = [form.see(table, here), form.see(table, edge)];
             (self.cell[cell], self.cell_flow[cell]) = (here.content, here.flow);
             (self.edge[cell], self.edge_flow[cell]) = (edge.content, edge.flow);
             self.cell_apart[cell] = here.bears;
@@ -227,28 +250,18 @@ impl Gap {
     }
 
     /// The same in each column of an aligned one.
-    fn roughen_columns(&mut self, form: &Form) {
-        let stride = self.alike / LANES;
-        let [cell, cell_apart, cell_flow, edge, edge_flow] = [
-            &mut self.cell,
-            &mut self.cell_apart,
-            &mut self.cell_flow,
-            &mut self.edge,
-            &mut self.edge_flow,
-        ]
-        .map(|values| values.as_chunks_mut::<LANES>().0);
-        for first in (0..cell.len()).step_by(stride) {
-            let [here, before] = [cell[first][0], edge[first][0]];
-            self.ratio[first * LANES] = here / form.roughness;
-            self.edge_ratio[first * LANES] = before / form.roughness;
-            let [here, before] = [form.see(here), form.see(before)];
-            for lane in first..first + stride {
-                cell[lane] = [here.content; LANES];
-                cell_apart[lane] = [here.bears; LANES];
-                cell_flow[lane] = [here.flow; LANES];
-                edge[lane] = [before.content; LANES];
-                edge_flow[lane] = [before.flow; LANES];
-            }
+    fn roughen_columns(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
+        let table = table();
+        for (i, column) in cells.columns() {
+            let [here, before] = form.distances(cells, eps, i);
+            self.ratio[column.start] = here / form.roughness;
+            self.edge_ratio[column.start] = before / form.roughness;
+            let [here, before] = [form.see(table, here), form.see(table, before)];
+            spread(&mut self.cell[column.clone()], here.content);
+            spread(&mut self.cell_apart[column.clone()], here.bears);
+            spread(&mut self.cell_flow[column.clone()], here.flow);
+            spread(&mut self.edge[column.clone()], before.content);
+            spread(&mut self.edge_flow[column], before.flow);
         }
         if !form.is_plain() || matches!(form.rough_film, RoughFilm::FlowFactors { .. }) {
             for ratios in [&mut self.ratio, &mut self.edge_ratio] {
