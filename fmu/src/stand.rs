@@ -430,6 +430,7 @@ impl Model for Stand {
         }
         self.fluid = self.oil.properties(experiment)?;
         self.check_oil()?;
+        self.check_energy()?;
         self.nearby = Nearby::default();
         let temperatures = self.thermal.initial();
         self.film.start(&Setup {

@@ -1,83 +1,76 @@
-"""Resting place and time of one loaded journal: ROSS's PlainJournal beside the quasi-static film."""
+"""Resting place, coefficients and time of one loaded journal: ROSS's PlainJournal beside the quasi-static film."""
 
 import math
 import subprocess
 import sys
 import time
 import warnings
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
 warnings.filterwarnings("ignore")
 
 from ross.bearings.lubricants import lubricants_dict  # noqa: E402
 from ross.bearings.plain_journal import PlainJournal  # noqa: E402
 
-WIDTH, DIAMETER, CLEARANCE = 0.025, 0.025, 20e-6  # m
+WIDTH, DIAMETER, CLEARANCE = 0.0125, 0.025, 20e-6  # m
 SPEED, VISCOSITY = 31.4159, 0.02  # rad/s, Pa.s
-# Raimondi and Boyd (1958), full bearing, L/D = 1: eccentricity ratio, Sommerfeld number, attitude angle (deg).
-ECCENTRICITY, SOMMERFELD, ATTITUDE = 0.8, 0.0446, 36.2
+# Lund and Thomsen (1978), two axial grooves at right angles to the load, L/D = 0.5: their extent (degrees), the Sommerfeld number,
+# eccentricity ratio, attitude angle (degrees), and coefficients.
+GROOVES, SOMMERFELD = 20, 0.379
+PUBLISHED = [0.570, 45.43, 3.33, 3.64, -0.43, 1.68, 6.76, 1.87, 1.87, 1.89]
+NAMES = ["eccentricity ratio", "attitude, deg", "Kxx", "Kxy", "Kyx", "Kyy", "Bxx", "Bxy", "Byx", "Byy"]
 # N; S = eta N D B (R/c)^2 / F with the revolutions per second N.
 LOAD = VISCOSITY * SPEED / (2 * math.pi) * DIAMETER * WIDTH * (DIAMETER / 2 / CLEARANCE) ** 2 / SOMMERFELD
-REPEATS = 2
-# Cells around and over the whole width.
-CELLS = (96, 16)
+REPEATS, SEARCHES = 5, 200
+# Cells around each half of the bush and over the whole width; and across the film, where ROSS resolves it.
+CELLS = (48, 16, 10)
 
 
-def ross_point(cells: tuple[int, int]) -> tuple[float, float, float, float]:
-    """Eccentricity ratio, attitude angle (rad), largest pressure (Pa) and seconds of the search alone, without
-    the dynamic coefficients that PlainJournal computes as well."""
-    # An oil whose viscosity does not change with temperature; ROSS fits a power law through two points.
+def ross_point() -> list[float]:
+    """Eccentricity ratio, attitude angle and coefficients in the frame of this project: x along the load, y ahead of it."""
+    # An oil whose viscosity does not change with temperature; ROSS fits a law through two points.
     oil = dict(lubricants_dict["ISOVG46"], liquid_viscosity1=VISCOSITY, liquid_viscosity2=VISCOSITY * (1 - 1e-9))
-    downwards = -math.pi / 2
+    around, over, across = CELLS
     bearing = PlainJournal(
-        n=0,
-        axial_length=WIDTH,
-        journal_radius=DIAMETER / 2,
-        radial_clearance=CLEARANCE,
-        elements_circumferential=cells[0],
-        elements_axial=cells[1],
-        n_pad=1,
-        pad_arc_length=360,
-        preload=0,
-        geometry="circular",
-        reference_temperature=50,
-        frequency=[SPEED],
-        fxs_load=0,
-        fys_load=-LOAD,
-        groove_factor=[0.5],
-        lubricant=oil,
-        sommerfeld_type=2,
-        # Near the answer; from ROSS's own default guess its search stays where it starts here.
-        initial_guess=[0.7, downwards + 0.7],
-        method="perturbation",
-        operating_type="flooded",
-        oil_supply_pressure=0,
-        oil_flow_v=1e-6,
-    )
-    eccentricity, angle = bearing.equilibrium_pos
-    (seconds,) = bearing._exec_times.values()
-    return eccentricity, angle - downwards, float(bearing.Pdim_last.max()), seconds
+        n=0, pad_axial_length=WIDTH, journal_diameter=DIAMETER, radial_clearance=CLEARANCE, n_pads=2,
+        pad_arc=math.radians(180 - GROOVES), preload=0, oil_supply_temperature=323.15, speed=[SPEED], fxs_load=0,
+        fys_load=-LOAD, lubricant=oil, initial_position=(0.4, -0.4), oil_flow_v=1e-2, thermal_type=None,
+        total_ex_film=around, total_ez_film=over, total_ey_film=across, total_ey_pad=across)
+    eccentricity, attitude = bearing.equilibrium_pos
+    value = {name: float(getattr(bearing, name)[0]) * CLEARANCE / LOAD * (SPEED if name[0] == "c" else 1)
+             for name in ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")}
+    # ROSS's x is our y, its y points against the load.
+    turned = [[value[k + "yy"], -value[k + "yx"], -value[k + "xy"], value[k + "xx"]] for k in "kc"]
+    return [eccentricity, math.degrees(attitude), *turned[0], *turned[1]]
 
 
-def ours(program: str) -> tuple[float, ...]:
-    numbers = (WIDTH, DIAMETER, CLEARANCE, LOAD, SPEED, VISCOSITY)
+def ours(program: str) -> list[float]:
+    numbers = (WIDTH / DIAMETER, SOMMERFELD, GROOVES, SEARCHES)
     printed = subprocess.run([program, *map(str, numbers)], check=True, capture_output=True, text=True).stdout
-    return tuple(map(float, printed.split()))
+    return [float(number) for number in printed.split()][:-1]
+
+
+def timed(run, count: int) -> tuple[list[float], float, float]:
+    """What a run gives, and its CPU and wall time in seconds, one of `count` in it."""
+    used = lambda: sum(sum(getrusage(who)[:2]) for who in (RUSAGE_SELF, RUSAGE_CHILDREN))  # noqa: E731
+    cpu, wall = used(), time.perf_counter()
+    values = run()
+    return values, (used() - cpu) / count, (time.perf_counter() - wall) / count
 
 
 def main() -> None:
-    ross_point((11, 3))  # compiles what ROSS compiles just in time
-    runs = [(ross_point(CELLS), ours(sys.argv[1])) for _ in range(REPEATS)]
-    theirs, own = (min(column, key=lambda run: run[3]) for column in zip(*runs))
-    print(f"One journal at rest, L/D = 1, {LOAD:.0f} N:\n")
-    print("| film | cells | eccentricity ratio | attitude, deg | largest pressure, MPa | time |")
-    print("|---|---|---|---|---|---|")
-    print(f"| Raimondi & Boyd (1958) | | {ECCENTRICITY} | {ATTITUDE} | | |")
-    for name, cells, (e, angle, pressure, seconds) in (
-        ("ROSS PlainJournal", "%d x %d, whole width" % CELLS, theirs),
-        ("`QuasiStatic`", "96 x 8, half the width", own),
-    ):
-        print(f"| {name} | {cells} | {e:.4f} | {math.degrees(angle):.1f} | {pressure / 1e6:.2f} | {1e3 * seconds:,.2f} ms |")
-    print(f"\nratio {theirs[3] / own[3]:.0f} (best of {REPEATS} each, taken in turn)")
+    ross_point()  # compiles what ROSS compiles just in time
+    pairs = [(timed(ross_point, 1), timed(lambda: ours(sys.argv[1]), SEARCHES)) for _ in range(REPEATS)]
+    theirs, own = (runs[0][0] for runs in zip(*pairs))
+    print(f"One journal at rest between two axial grooves of {GROOVES} degrees, L/D = {WIDTH / DIAMETER}, S = {SOMMERFELD}:\n")
+    print("| | Lund & Thomsen (1978) | ROSS 3.1.0 | `QuasiStatic` |\n|---|---:|---:|---:|")
+    for row in zip(NAMES, PUBLISHED, theirs, own):
+        print("| {} | {} | {:.3f} | {:.3f} |".format(*row))
+    for name, k in (("CPU", 1), ("wall", 2)):
+        best = [min(run[k] for run in runs) for runs in zip(*pairs)]
+        print(f"| best {name} time of {REPEATS}, ms | | {1e3 * best[0]:.0f} | {1e3 * best[1]:.2f} |")
+        ratios = sorted(a[k] / b[k] for a, b in pairs)
+        print(f"| ratio, {name} | | {ratios[REPEATS // 2]:.0f} ({ratios[0]:.0f} to {ratios[-1]:.0f}) | |")
 
 
 if __name__ == "__main__":

@@ -1,75 +1,75 @@
-//! The position of a journal under a steady load, by the quasi-static film, and the time that finding it takes.
+//! Where a journal between two axial grooves rests under a steady load, with its eight coefficients, by the quasi-static film, and
+//! the time that finding them takes.
 //!
-//!     cargo run --release -p journal-bearing --example static_point -- WIDTH DIAMETER CLEARANCE LOAD SPEED VISCOSITY
+//!     cargo run --release -p journal-bearing --example static_point -- WIDTH/DIAMETER SOMMERFELD-NUMBER GROOVES SEARCHES
 //!
-//! in m, N, rad/s (of the journal; the bush is at rest) and Pa.s. It prints eccentricity ratio, attitude angle (rad), largest
-//! pressure (Pa) and seconds per search. `scripts/bench-ross` uses it; for people, `steady_bearing` is the better start.
+//! The grooves stand at right angles to the load; GROOVES is the extent of each in degrees. SEARCHES are timed together. It prints eccentricity ratio, attitude
+//! angle (degrees), Kxx, Kxy, Kyx, Kyy in loads over the clearance, Bxx, Bxy, Byx, Byy in loads over clearance and speed, and
+//! seconds per search. `scripts/bench-ross` uses it; for people, `steady_bearing` is the better start.
 
-use journal_bearing::reynolds::{Boundary, Carried, Grid, NotConverged, QuasiStatic};
+use journal_bearing::reynolds::{Boundary, Coefficients, Grid, Groove, NotConverged, QuasiStatic};
 use nalgebra::Vector2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::time::Instant;
 
-/// Number of searches that are timed together.
-const REPEATS: u32 = 200;
-
-/// The steady case in the dimensionless quantities of the module `reynolds`.
-struct Case {
-    /// `B/D`.
-    width_to_diameter: f64,
-    /// The load `W` over the mean rotation.
-    load: f64,
-}
+/// Cells around the bearing, and over half its width.
+const CELLS: [usize; 2] = [96, 8];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let numbers: Vec<f64> = std::env::args()
         .skip(1)
         .map(|a| a.parse::<f64>().map_err(|error| format!("{a}: {error}")))
         .collect::<Result<_, _>>()?;
-    let [width, diameter, clearance, load, speed, viscosity] = numbers[..] else {
-        return Err("six numbers are needed: WIDTH DIAMETER CLEARANCE LOAD SPEED VISCOSITY".into());
-    };
-    let radius = 0.5 * diameter;
-    let scale = 12.0 * viscosity * (radius / clearance).powi(2);
-    let rotation = 0.5 * speed;
-    let case = Case {
-        width_to_diameter: width / diameter,
-        load: load / (scale * radius * width * rotation),
+    let [width, number, extent, searches] = numbers[..] else {
+        return Err(
+            "four numbers are needed: WIDTH/DIAMETER SOMMERFELD-NUMBER GROOVES SEARCHES".into(),
+        );
     };
     let start = Instant::now();
-    for _ in 1..REPEATS {
-        rest(std::hint::black_box(&case))?;
+    for _ in 1..searches as u32 {
+        rest(std::hint::black_box(width), number, extent)?;
     }
-    let (eccentricity, carried) = rest(&case)?;
-    let seconds = start.elapsed().as_secs_f64() / f64::from(REPEATS);
-    let attitude = -carried.load.y.atan2(carried.load.x);
-    let pressure = carried.max_pressure * scale * rotation;
-    println!("{eccentricity} {attitude} {pressure} {seconds}");
+    let (eps, film) = rest(width, number, extent)?;
+    let seconds = start.elapsed().as_secs_f64() / searches;
+    print!("{} {}", eps.norm(), eps.y.atan2(eps.x).to_degrees());
+    for matrix in [film.stiffness, film.damping] {
+        for entry in matrix.transpose().iter() {
+            print!(" {entry}");
+        }
+    }
+    println!(" {seconds}");
     Ok(())
 }
 
-/// Finds the eccentricity ratio at which the film carries the load, from a cold start: the secant method on `ln W` over
-/// `ln(1/(1 - e))`, which is nearly a straight line.
-fn rest(case: &Case) -> Result<(f64, Carried), NotConverged> {
-    let [columns, rows] = Grid::sufficient_cells(case.width_to_diameter);
-    let grid = Grid::standard(columns, rows, case.width_to_diameter);
-    let mut film = QuasiStatic::new(grid, case.width_to_diameter, Boundary::Free);
-    // At a mean rotation of 1 rad/s without squeeze, v = -z x eps.
-    let mut carried = |x: f64| {
-        let e = -(-x).exp_m1();
-        film.place(Vector2::new(e, 0.0));
-        film.load_at(Vector2::new(0.0, -e))
-            .map(|carried| (e, carried))
-    };
-    let miss = |carried: &Carried| (carried.load.norm() / case.load).ln();
-    let (mut a, mut b) = (0.5, 2.0);
-    let mut at_a = miss(&carried(a)?.1);
+/// The eccentricity ratio under a load along `x`, and the coefficients in loads, by Newton's method from a cold start.
+fn rest(
+    width: f64,
+    number: f64,
+    extent: f64,
+) -> Result<(Vector2<f64>, Coefficients), NotConverged> {
+    let grooves = [-FRAC_PI_2, FRAC_PI_2].map(|angle| Groove {
+        angle,
+        extent: extent.to_radians(),
+    });
+    let grid = Grid::standard(CELLS[0], CELLS[1], width);
+    let mut film = QuasiStatic::new(grid, width, Boundary::Free).with_grooves(&grooves);
+    // At a mean rotation of 1 rad/s.
+    let load = 1.0 / (6.0 * PI * number);
+    let mut eps = Vector2::new(0.3, 0.3);
     loop {
-        let (e, film) = carried(b)?;
-        let at_b = miss(&film);
-        if at_b.abs() < 1e-8 {
-            return Ok((e, film));
+        film.place(eps);
+        let (carried, found) = film.coefficients(1.0)?;
+        let missing = Vector2::new(load, 0.0) - carried.load;
+        if missing.norm() < 1e-8 * load {
+            let scaled = Coefficients {
+                stiffness: found.stiffness / load,
+                // The journal turns twice as fast as the mean.
+                damping: found.damping * (2.0 / load),
+            };
+            return Ok((eps, scaled));
         }
-        let next = (b - at_b * (b - a) / (at_b - at_a)).clamp(1e-3, 12.0);
-        (a, at_a, b) = (b, at_b, next);
+        let step = found.stiffness.try_inverse().unwrap_or_default() * missing;
+        let room = 0.5 * (1.0 - eps.norm());
+        eps += step * (room / step.norm()).min(1.0);
     }
 }

@@ -233,6 +233,19 @@ impl Stand {
         energy == FilmEnergy::Circumferential && !self.thermal.isothermal
     }
 
+    /// Refuses a temperature around the bearing in a stand whose temperatures stay as they are.
+    pub(super) fn check_energy(&self) -> Result<(), Fault> {
+        let around = self.bearing.resolution.energy == FilmEnergy::Circumferential;
+        if around && self.thermal.isothermal {
+            return Err(Fault::Invalid(
+                "bearing.filmEnergy = Circumferential: an isothermal stand has no heat to carry around; set \
+                 thermal.isothermal = false, or bearing.filmEnergy = Lumped"
+                    .to_owned(),
+            ));
+        }
+        Ok(())
+    }
+
     /// What a film with a temperature around the bearing exchanges heat with.
     fn exchange<'a>(&self, clearance: f64, viscosity: &'a dyn Fn(f64) -> f64) -> HeatExchange<'a> {
         let Temperatures {

@@ -23,6 +23,10 @@ fn films_without_heat_of_their_own_refuse() {
             |stand| stand.bearing.resolution.mass_conserving = false,
             "bearing.massConserving = true",
         ),
+        (
+            |stand| stand.thermal.isothermal = true,
+            "thermal.isothermal = false",
+        ),
     ] {
         let mut stand = stand(FilmEnergy::Circumferential);
         change(&mut stand);
