@@ -16,8 +16,8 @@ mod cycle;
 mod exchange;
 mod film_leap;
 mod inputs;
-
 mod march;
+mod remembered;
 mod resting;
 mod scout;
 mod slowest;
@@ -37,6 +37,8 @@ use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Var
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
+use remembered::Remembered;
+use std::sync::OnceLock;
 
 /// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -119,9 +121,10 @@ pub struct Stand {
     #[serde(skip)]
     assumed_feed: f64,
     #[serde(skip)]
-    slowest: slowest::Remembered,
+    slowest: Remembered<slowest::Last>,
+    /// The linearised film at the present communication point, once a host has asked for it.
     #[serde(skip)]
-    resting: resting::Remembered,
+    resting: Remembered<OnceLock<resting::Resting>>,
 }
 
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil, wear depth.
@@ -472,8 +475,8 @@ impl Model for Stand {
     }
 
     fn update(&mut self) -> Result<(), Fault> {
-        self.slowest.forget();
-        self.resting = resting::Remembered::default();
+        self.slowest = Remembered::default();
+        self.resting = Remembered::default();
         self.fluid.viscosity_scale = self.oil.viscosity_scale;
         self.readings = self.read(0.0, &unknowns(&self.state));
         Ok(())
@@ -520,7 +523,7 @@ impl Model for Stand {
         }
         self.inputs.each(|input| input.slope = 0.0);
         self.readings = self.read(0.0, &unknowns(&self.state));
-        self.resting = resting::Remembered::default();
+        self.resting = Remembered::default();
         self.tell_of_motion(log);
         self.check_validity(log);
         Ok(())

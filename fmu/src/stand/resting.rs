@@ -1,7 +1,6 @@
 //! The film about a resting journal: stiffness, damping, and the speed at which a rotor would begin to whirl.
 
 use std::f64::consts::PI;
-use std::sync::OnceLock;
 
 use super::{Stand, unknowns};
 use crate::bearing::Situation;
@@ -23,17 +22,6 @@ pub struct Resting {
     pub coefficients: Coefficients,
     /// The speed from which on a rigid rotor whirls whose weight is the load, rad/s.
     pub threshold: f64,
-}
-
-/// The linearised film at the present communication point, once a host has asked for it.
-#[derive(Debug, Default)]
-pub(super) struct Remembered(OnceLock<Resting>);
-
-impl Clone for Remembered {
-    /// A clone may get other parameters, so that it computes anew.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
 }
 
 impl Stand {

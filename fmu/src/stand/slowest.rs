@@ -21,25 +21,10 @@ const GRAIN: f64 = 0.1;
 const WEAR_GRAIN: f64 = 1e-10;
 
 /// The time constant that was computed last, s, and for what. It is `None` where there is no orbit.
-#[derive(Debug, Default)]
-pub(super) struct Remembered(Mutex<Option<(Key, Option<f64>)>>);
+pub(super) type Last = Mutex<Option<(Key, Option<f64>)>>;
 
 /// Temperatures and wear depth in grains, and the inputs.
 type Key = ([i64; 4], i64, [u64; INPUTS]);
-
-impl Clone for Remembered {
-    /// A clone may get other parameters, so that it computes anew.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl Remembered {
-    /// Forgets, as parameters have changed.
-    pub(super) fn forget(&mut self) {
-        *self = Self::default();
-    }
-}
 
 impl Stand {
     /// The slowest time constant of the heat balance at the present temperatures, s, negative where a deviation grows, and
