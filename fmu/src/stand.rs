@@ -497,16 +497,16 @@ impl Model for Stand {
         self.state.time = time;
         let before = (self.state, self.inputs);
         self.film.keep();
-        let leaps = self.can_leap(step);
+        let long = self.is_long(step);
+        let hindrance = long.then(|| self.hindrance()).flatten();
+        let leaps = long && hindrance.is_none();
         let how = if leaps {
             "in a leap over most of its turns"
         } else {
             "with every turn resolved"
         };
         log.log(EVENTS, format_args!("{step:?} s from {time:?} s {how}"));
-        if self.is_long(step)
-            && let Some(why) = self.hindrance()
-        {
+        if let Some(why) = hindrance {
             log.log(EVENTS, format_args!("no leap: {why}"));
         }
         let done = if leaps {

@@ -169,6 +169,7 @@ impl Thermal {
     ///
     /// What leaves the film is replaced by oil from feeds, and by oil from the bath for the rest. The bath takes what leaves, and
     /// spills as much as is fed.
+    #[inline]
     pub fn rates(&self, t: &Temperatures, heat: &Heat) -> Temperatures {
         if self.isothermal {
             return Temperatures::default();
@@ -205,6 +206,7 @@ impl Thermal {
     }
 
     /// Rates of all temperatures but the film's, which gives this heat to bush, shaft and oil bath, W.
+    #[inline]
     pub fn rates_beside(
         &self,
         t: &Temperatures,
