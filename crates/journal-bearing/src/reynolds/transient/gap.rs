@@ -251,17 +251,27 @@ impl Gap {
 
     /// The same in each column of an aligned one.
     fn roughen_columns(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
-        let table = table();
+        let (stride, table) = (self.alike / LANES, table());
+        let [cell, cell_apart, cell_flow, edge, edge_flow] = [
+            &mut self.cell,
+            &mut self.cell_apart,
+            &mut self.cell_flow,
+            &mut self.edge,
+            &mut self.edge_flow,
+        ]
+        .map(|values| values.as_chunks_mut::<LANES>().0);
         for (i, column) in cells.columns() {
             let [here, before] = form.distances(cells, eps, i);
             self.ratio[column.start] = here / form.roughness;
             self.edge_ratio[column.start] = before / form.roughness;
             let [here, before] = [form.see(table, here), form.see(table, before)];
-            spread(&mut self.cell[column.clone()], here.content);
-            spread(&mut self.cell_apart[column.clone()], here.bears);
-            spread(&mut self.cell_flow[column.clone()], here.flow);
-            spread(&mut self.edge[column.clone()], before.content);
-            spread(&mut self.edge_flow[column], before.flow);
+            for lane in i * stride..(i + 1) * stride {
+                cell[lane] = [here.content; LANES];
+                cell_apart[lane] = [here.bears; LANES];
+                cell_flow[lane] = [here.flow; LANES];
+                edge[lane] = [before.content; LANES];
+                edge_flow[lane] = [before.flow; LANES];
+            }
         }
         if !form.is_plain() || matches!(form.rough_film, RoughFilm::FlowFactors { .. }) {
             for ratios in [&mut self.ratio, &mut self.edge_ratio] {
