@@ -1,4 +1,4 @@
-//! How far form error and tilt raise the friction of the Reynolds film: the table of `docs/film.md`.
+//! How far form error and tilt raise the friction of the Reynolds film: the table in `docs/film.md`.
 //!
 //!     cargo run --release -p plain-bearing-stand --example form_error
 

@@ -1,4 +1,4 @@
-//! Convergence of the film's load with the grid: the figures of `docs/film.md`.
+//! Convergence of the film's load with the grid: figures of `docs/evidence/film.md`.
 //!
 //!     cargo run --release -p journal-bearing --example convergence
 //!

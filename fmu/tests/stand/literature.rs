@@ -61,7 +61,7 @@ fn the_settled_journal_is_raimondi_and_boyds() {
 
 /// The Reynolds film with `p >= 0` is the mobility film; with its mass conserved and a bath 1 bar above the
 /// cavities it is another bearing where the load is light: the film is full further around, or all around.
-/// Prints the table of `docs/film.md`.
+/// Prints what `docs/evidence/film.md` names.
 #[test]
 fn the_reynolds_films_beside_raimondi_and_boyd() {
     println!("| table | `p >= 0` | mass conserved |");
