@@ -1,4 +1,4 @@
-//! The settings file of `synchronise`: the columns of a recording and their treatment.
+//! The settings file of `synchronise`: the columns of recordings and their treatment.
 
 use std::path::{Path, PathBuf};
 
@@ -6,11 +6,12 @@ use serde::{Deserialize, Deserializer};
 
 use crate::study::exactly_two;
 use fmu_import::quantity::Quantity;
+use fmu_import::units::{Conversion, known};
 use number_tables::files::FileError;
-use number_tables::recorded::RecordedTable;
+use number_tables::recorded::{Layout, RecordedTable, Stamp, stamp};
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
-use rig_signals::{Accuracy, Channel, Derived, RigRecording};
+use rig_signals::{Accuracy, Bearing, Channel, Derived, RigRecording};
 
 /// The settings of a recording.
 #[derive(Debug, Deserialize)]
@@ -19,24 +20,27 @@ pub struct Settings {
     /// The file.
     #[serde(skip)]
     path: PathBuf,
-    /// The column of the time.
-    time: TimeColumn,
+    /// The time of each file that has none of its own.
+    time: Option<TimeColumn>,
+    /// The files, in the order of the command line.
+    #[serde(default)]
+    files: Vec<FileLayout>,
     /// The load on the bearing.
-    load: Signal,
+    load: Option<Signal>,
     /// The friction torque.
-    torque: Signal,
+    torque: Option<Signal>,
     /// The shaft's speed: a column or a number.
-    speed: Speed,
+    speed: Option<Signal>,
     /// The friction power, torque times speed, where that becomes a criterion.
     power: Option<Power>,
     /// Diameter of the bearing.
-    diameter: Quantity,
+    diameter: Option<Quantity>,
     /// Further signals by the criteria's names.
     #[serde(default)]
     signals: indexmap::IndexMap<String, Signal>,
     /// Further columns that drive the model in a case, by the FMU's variables.
     #[serde(default)]
-    inputs: indexmap::IndexMap<String, InputColumn>,
+    inputs: indexmap::IndexMap<String, Signal>,
     /// The part of the record to use, s.
     #[serde(default, deserialize_with = "window")]
     window: Option<[f64; 2]>,
@@ -55,44 +59,52 @@ fn window<'de, D: Deserializer<'de>>(text: D) -> Result<Option<[f64; 2]>, D::Err
     exactly_two(text).map(Some)
 }
 
-#[derive(Debug, Deserialize)]
+/// The time of a file.
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TimeColumn {
-    column: String,
+    /// The first one where it is not named.
+    column: Option<String>,
+    /// Of the rows, where there is no such column.
+    rate: Option<Quantity>,
     unit: Option<String>,
+    /// The form of time stamps.
+    format: Option<String>,
+    /// When the file's clock starts: a time, or a time stamp where another file has some.
+    offset: Option<String>,
 }
 
-#[derive(Debug, Deserialize)]
+/// How a file is written.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileLayout {
+    time: Option<TimeColumn>,
+    delimiter: Option<String>,
+    header: Option<usize>,
+}
+
+/// A column of a file and its use.
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Signal {
-    column: String,
-    name: Option<String>,
-    variable: String,
-    unit: Option<String>,
-    accuracy: Quantity,
-    /// How far the model may be from the true curve, in a case.
-    tolerance: Option<Quantity>,
-    group: Option<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct InputColumn {
-    column: String,
+    column: Option<String>,
+    /// A number instead of a column.
+    value: Option<f64>,
+    /// The file, counted from 1; without it, the one that has the column.
+    file: Option<usize>,
+    /// The column of its times, where a file has several.
+    time: Option<String>,
+    /// The value in `unit` is the scale times the cell, plus the offset.
+    scale: Option<f64>,
+    offset: Option<f64>,
     unit: Option<String>,
     /// Of its sensor.
     accuracy: Option<Quantity>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Speed {
-    /// The FMU's variable that it drives in a case.
+    name: Option<String>,
     variable: Option<String>,
-    column: Option<String>,
-    value: Option<f64>,
-    unit: Option<String>,
-    accuracy: Quantity,
+    /// How far the model may be from the true curve, in a case; of an input, how far its line may be from the samples.
+    tolerance: Option<Quantity>,
+    group: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -134,70 +146,52 @@ impl Settings {
         FileError::new(&self.path, message)
     }
 
-    /// The signals that drive the model in a case: the speed, where its variable is named, and the further inputs.
-    pub fn drives(&self, measured: &Path) -> Result<Vec<Drive>, FileError> {
-        let table = RecordedTable::read(measured, &self.time.column)?;
-        let recorded =
-            |variable: &String, column: &str, unit: Option<&str>, accuracy: Option<&Quantity>| {
-                let unit = table.unit(column, unit)?;
-                let accuracy = accuracy.map(|stated| of_zero(stated, &unit));
-                let accuracy = accuracy
-                    .transpose()
-                    .map_err(|message| self.wrong(message))?;
-                Ok::<_, FileError>(Drive {
-                    variable: variable.clone(),
-                    unit,
-                    accuracy: accuracy.flatten(),
-                    values: Driven::Recorded(table.column(column)?.values.clone()),
-                })
+    /// Reads the files.
+    ///
+    /// # Errors
+    /// When one cannot be read, or its times are none.
+    pub fn files(&self, measured: &[PathBuf]) -> Result<Recorded<'_>, FileError> {
+        if self.files.len() > measured.len() {
+            let (known, given) = (self.files.len(), measured.len());
+            return Err(self.wrong(format!(
+                "files: {known} are described and {given} given; give them in this order on the command line"
+            )));
+        }
+        let mut tables = Vec::new();
+        for (place, path) in measured.iter().enumerate() {
+            let own = self.files.get(place);
+            let time = own
+                .and_then(|file| file.time.as_ref())
+                .or(self.time.as_ref());
+            let time = time.cloned().unwrap_or_default();
+            let layout = Layout {
+                delimiter: own.and_then(|file| file.delimiter.clone()),
+                header: own.and_then(|file| file.header),
+                format: time.format.clone(),
             };
-        let mut drives = Vec::new();
-        let Speed {
-            variable,
-            column,
-            value,
-            unit,
-            accuracy,
-        } = &self.speed;
-        match (variable, column, value) {
-            (Some(variable), Some(column), _) => {
-                drives.push(recorded(variable, column, unit.as_deref(), Some(accuracy))?);
-            }
-            (Some(variable), None, Some(value)) => drives.push(Drive {
-                variable: variable.clone(),
-                unit: unit.clone().unwrap_or_default(),
-                accuracy: None,
-                values: Driven::Constant(*value),
-            }),
-            _ => {}
+            tables.push((RecordedTable::read(path, &layout)?, time));
         }
-        for (variable, input) in &self.inputs {
-            let InputColumn {
-                column,
-                unit,
-                accuracy,
-            } = input;
-            drives.push(recorded(
-                variable,
-                column,
-                unit.as_deref(),
-                accuracy.as_ref(),
-            )?);
+        let mut recorded = Recorded {
+            settings: self,
+            tables,
+            zero: None,
+        };
+        for file in 0..recorded.tables.len() {
+            let first = recorded.first_stamp(file)?;
+            recorded.zero = recorded.zero.or(first);
         }
-        if drives.is_empty() {
-            let message = "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
-                           \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }";
-            return Err(self.wrong(message));
-        }
-        Ok(drives)
+        Ok(recorded)
     }
 
     /// By how much the torque lags behind the load in the rig itself, s.
+    ///
+    /// # Errors
+    /// When it has no unit of time.
     pub fn lag(&self) -> Result<f64, FileError> {
-        let Some(lag) = &self.lag else { return Ok(0.0) };
-        let factor = scale(lag.unit.as_deref().unwrap_or("s"), TIME);
-        let lag = factor.map(|factor| factor * lag.number);
-        lag.map_err(|message| self.wrong(format!("lag: {message}")))
+        match &self.lag {
+            Some(lag) => self.si("lag", lag, "s"),
+            None => Ok(0.0),
+        }
     }
 
     /// How far the model may be off, by criteria's names.
@@ -206,12 +200,15 @@ impl Settings {
             let name = signal.name.clone().unwrap_or_else(|| name.to_owned());
             Some((name, signal.tolerance.as_ref()?.to_string()))
         };
-        let both = [named(&self.load, "F_N"), named(&self.torque, "M")];
+        let both = [(&self.load, "F_N"), (&self.torque, "M")];
+        let both = both
+            .into_iter()
+            .filter_map(|(signal, name)| named(signal.as_ref()?, name));
         let others = self
             .signals
             .iter()
-            .map(|(name, signal)| named(signal, name));
-        both.into_iter().chain(others).flatten().collect()
+            .filter_map(|(name, signal)| named(signal, name));
+        both.chain(others).collect()
     }
 
     /// Refuses what no case can be called, and tolerances that are no errors of a curve.
@@ -233,123 +230,343 @@ impl Settings {
         }
     }
 
-    /// Reads the recording's columns in SI units.
-    pub fn recording(&self, measured: &Path) -> Result<RigRecording, FileError> {
-        let table = RecordedTable::read(measured, &self.time.column)?;
-        let wrong = |message: String| self.wrong(message);
-        let time = self.times(&table)?;
-        let rows = time.len();
-        let signal = |signal: &Signal, name: &str, known: &[(&str, f64)], si: Option<&str>| {
-            let unit = table.unit(&signal.column, signal.unit.as_deref())?;
-            let factor = if si.is_some() {
-                scale(&unit, known).map_err(wrong)?
-            } else {
-                1.0
-            };
-            let values = table.column(&signal.column)?.values.iter();
-            Ok::<_, FileError>(Channel {
-                name: signal.name.clone().unwrap_or_else(|| name.to_owned()),
-                variable: signal.variable.clone(),
-                values: values.map(|v| v * factor).collect(),
-                accuracy: accuracy(&signal.accuracy, &unit, factor).map_err(wrong)?,
-                unit: si.map_or(unit, str::to_owned),
-                group: signal.group.clone(),
-            })
-        };
-        let own_unit = self.speed.unit.as_deref();
-        let (unit, values) = match (&self.speed.column, self.speed.value) {
-            (Some(name), None) => (
-                table.unit(name, own_unit)?,
-                table.column(name)?.values.clone(),
-            ),
-            (None, Some(value)) => {
-                let missing = || wrong("[speed] needs the `unit` of its value".to_owned());
-                (own_unit.ok_or_else(missing)?.to_owned(), vec![value; rows])
-            }
-            _ => return Err(wrong("[speed] needs either a column or a value".to_owned())),
-        };
-        let turns = scale(&unit, SPEED).map_err(wrong)?;
-        let speed: Vec<f64> = values.into_iter().map(|v| v * turns).collect();
-        let speed_accuracy = accuracy(&self.speed.accuracy, &unit, turns).map_err(wrong)?;
-        let others = self
-            .signals
-            .iter()
-            .map(|(name, s)| signal(s, name, &[], None));
-        let quantity = |q: &Quantity, known, usual: &str| {
-            let unit = q.unit.as_deref().unwrap_or(usual);
-            scale(unit, known)
-                .map(|factor| q.number * factor)
-                .map_err(wrong)
-        };
-        Ok(RigRecording {
-            load: signal(&self.load, "F_N", FORCE, Some("N"))?,
-            torque: signal(&self.torque, "M", TORQUE, Some("N.m"))?,
-            speed: Channel {
-                name: "speed".to_owned(),
-                variable: self.speed.variable.clone().unwrap_or_default(),
-                unit: "rad/s".to_owned(),
-                values: speed,
-                accuracy: speed_accuracy,
-                group: None,
-            },
-            power: self.power.as_ref().map(|power| Derived {
-                name: power.name.clone().unwrap_or_else(|| "P_fr".to_owned()),
-                variable: power.variable.clone(),
-                group: power.group.clone(),
-            }),
-            others: others.collect::<Result<_, _>>()?,
-            diameter: quantity(&self.diameter, LENGTH, "m")?,
-            window: self.window,
-            smoothing: self.smoothing,
-            longest_delay: match &self.longest_delay {
-                Some(delay) => quantity(delay, TIME, "s")?,
-                None => 0.05,
-            },
-            confidence: self.confidence.unwrap_or(0.99),
-            time,
-        })
+    /// A quantity in an SI unit.
+    fn si(&self, key: &str, quantity: &Quantity, si_unit: &str) -> Result<f64, FileError> {
+        let unit = quantity.unit.as_deref().unwrap_or(si_unit);
+        let way =
+            conversion(unit, si_unit).map_err(|message| self.wrong(format!("{key}: {message}")))?;
+        Ok(way.value(quantity.number))
     }
 
-    /// The times of the rows, s; time stamps count from the first one.
-    fn times(&self, table: &RecordedTable) -> Result<Vec<f64>, FileError> {
-        let name = &self.time.column;
-        let column = table.column(name)?;
-        if column.stamps {
-            return Ok(column.values.clone());
-        }
-        let wanted = self.time.unit.as_deref();
-        let unit = match (wanted, &column.unit) {
-            (None, None) => "s".to_owned(),
-            _ => table.unit(name, wanted)?,
-        };
-        let factor = scale(&unit, TIME).map_err(|message| self.wrong(message))?;
-        Ok(column.values.iter().map(|t| t * factor).collect())
+    fn needed<'a, T>(&self, what: Option<&'a T>, of: &str, key: &str) -> Result<&'a T, FileError> {
+        what.ok_or_else(|| self.wrong(format!("{of}: `{key}` is missing; add it")))
     }
 }
 
-const TIME: &[(&str, f64)] = &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0)];
-const FORCE: &[(&str, f64)] = &[("N", 1.0), ("kN", 1e3)];
-const TORQUE: &[(&str, f64)] = &[
-    ("N.m", 1.0),
-    ("Nm", 1.0),
-    ("N.mm", 1e-3),
-    ("mN.m", 1e-3),
-    ("N.cm", 1e-2),
-];
-const LENGTH: &[(&str, f64)] = &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2)];
-const SPEED: &[(&str, f64)] = &[
-    ("rad/s", 1.0),
-    ("rpm", std::f64::consts::TAU / 60.0),
-    ("1/min", std::f64::consts::TAU / 60.0),
-    ("1/s", std::f64::consts::TAU),
-];
+/// The files of a recording, read.
+pub struct Recorded<'a> {
+    settings: &'a Settings,
+    tables: Vec<(RecordedTable, TimeColumn)>,
+    /// The time stamp at time 0.
+    zero: Option<Stamp>,
+}
 
-/// The factor from a unit to SI.
-fn scale(unit: &str, known: &[(&str, f64)]) -> Result<f64, String> {
-    let entry = known.iter().find(|(name, _)| *name == unit);
-    entry.map(|(_, factor)| *factor).ok_or_else(|| {
-        let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-        format!("unit `{unit}` does not fit; use {}", names.join(", "))
+impl Recorded<'_> {
+    /// What was left out of each file, for the reader.
+    pub fn notes(&self) -> Vec<String> {
+        let note = |(table, _): &(RecordedTable, TimeColumn)| {
+            let (line, count) = table.others?;
+            let name = table
+                .path()
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy();
+            Some(format!(
+                "{name}: line {line} and {} others hold no number and were left out",
+                count - 1
+            ))
+        };
+        self.tables.iter().filter_map(note).collect()
+    }
+
+    /// The name of the column of a file's times.
+    fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> &'b str {
+        let (table, time) = &self.tables[file];
+        let own = signal.and_then(|signal| signal.time.as_deref());
+        own.or(time.column.as_deref())
+            .unwrap_or_else(|| table.first())
+    }
+
+    /// The first time stamp of a file that has some.
+    fn first_stamp(&self, file: usize) -> Result<Option<Stamp>, FileError> {
+        match self.tables[file].1.rate {
+            Some(_) => Ok(None),
+            None => Ok(self.tables[file].0.times(self.time_name(file, None))?.0),
+        }
+    }
+
+    /// The times of a file's rows, s.
+    fn times(&self, file: usize, signal: &Signal) -> Result<Vec<f64>, FileError> {
+        let ((table, time), settings) = (&self.tables[file], self.settings);
+        if let Some(rate) = &time.rate {
+            let rate = settings.si("time: rate", rate, "Hz")?;
+            let start = self.offset(time)?;
+            return Ok((0..table.rows)
+                .map(|row| start + row as f64 / rate)
+                .collect());
+        }
+        let name = self.time_name(file, Some(signal));
+        let (first, values) = table.times(name)?;
+        let from_zero = |stamp: Stamp| {
+            let zero = self.zero.unwrap_or(stamp);
+            let wrong = || {
+                settings.wrong("some time stamps have a zone, some a date alone, some neither; make them alike")
+            };
+            let between = (stamp.nanoseconds - zero.nanoseconds) as f64 * 1e-9;
+            (zero.clock == stamp.clock)
+                .then_some(between)
+                .ok_or_else(wrong)
+        };
+        if let Some(first) = first {
+            let start = from_zero(first)? + self.offset(time)?;
+            return Ok(values.iter().map(|time| start + time).collect());
+        }
+        let unit = match (&time.unit, &table.column(name)?.unit) {
+            (None, None) => "s".to_owned(),
+            (unit, _) => table.unit(name, unit.as_deref())?,
+        };
+        let way =
+            conversion(&unit, "s").map_err(|message| settings.wrong(format!("time: {message}")))?;
+        let start = self.offset(time)?;
+        Ok(values.iter().map(|time| start + way.value(*time)).collect())
+    }
+
+    /// When a file's clock starts, s.
+    fn offset(&self, time: &TimeColumn) -> Result<f64, FileError> {
+        let Some(text) = &time.offset else {
+            return Ok(0.0);
+        };
+        if let (Some(zero), Some(stamp)) = (self.zero, stamp(text, time.format.as_deref()))
+            && zero.clock == stamp.clock
+        {
+            return Ok((stamp.nanoseconds - zero.nanoseconds) as f64 * 1e-9);
+        }
+        let quantity: Quantity = text.parse().map_err(|message| {
+            self.settings.wrong(format!(
+                "time: offset: {message}, and no time stamp like those of another file"
+            ))
+        })?;
+        self.settings.si("time: offset", &quantity, "s")
+    }
+
+    /// A channel in its own unit, or in `si`.
+    fn channel(
+        &self,
+        key: &str,
+        signal: &Signal,
+        name: &str,
+        si: Option<&str>,
+    ) -> Result<Channel, FileError> {
+        let settings = self.settings;
+        let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
+        let column = settings.needed(signal.column.as_ref(), key, "column")?;
+        let file = self.file_of(key, signal, column)?;
+        let table = &self.tables[file].0;
+        let unit = table.unit(
+            column,
+            signal.unit.as_deref().filter(|_| signal.scale.is_none()),
+        );
+        // Of volts the settings say what they mean.
+        let unit = match (&signal.scale, &signal.unit) {
+            (Some(_), Some(unit)) => known::usual(unit).unwrap_or(unit).to_owned(),
+            _ => unit?,
+        };
+        let way = match si {
+            Some(si) => conversion(&unit, si).map_err(wrong)?,
+            None => Conversion::IDENTITY,
+        };
+        let scaled = Conversion {
+            factor: signal.scale.unwrap_or(1.0),
+            offset: signal.offset.unwrap_or(0.0),
+        };
+        let to_unit = scaled.then(way);
+        let recorded = table.column(column)?;
+        let times = self.times(file, signal)?;
+        let pairs = times.iter().zip(&recorded.values);
+        let known = pairs.filter(|(time, value)| time.is_finite() && value.is_finite());
+        let (time, values): (Vec<f64>, Vec<f64>) = known
+            .map(|(time, value)| (*time, to_unit.value(*value)))
+            .unzip();
+        let timeless = table.rows - values.len() - recorded.empty - recorded.unreadable;
+        let zero = Quantity::from(0.0);
+        let accuracy = accuracy(signal.accuracy.as_ref().unwrap_or(&zero), &unit, way.factor)
+            .map_err(wrong)?;
+        let time_column = (file, self.time_name(file, Some(signal)));
+        Ok(Channel {
+            name: signal.name.clone().unwrap_or_else(|| name.to_owned()),
+            variable: signal.variable.clone().unwrap_or_default(),
+            unit: si.map_or(unit, str::to_owned),
+            clock: self.clock(time_column),
+            lost: vec![
+                (recorded.empty, "empty"),
+                (recorded.unreadable, "no number"),
+                (timeless, "without a time"),
+            ],
+            time,
+            values,
+            accuracy,
+            group: signal.group.clone(),
+        })
+    }
+
+    /// The number of a column of times.
+    fn clock(&self, (file, name): (usize, &str)) -> usize {
+        let before = self.tables[..file]
+            .iter()
+            .map(|(table, _)| table.width())
+            .sum::<usize>();
+        before + self.tables[file].0.place(name)
+    }
+
+    /// The file that has a signal's column.
+    fn file_of(&self, key: &str, signal: &Signal, column: &str) -> Result<usize, FileError> {
+        let settings = self.settings;
+        if let Some(file) = signal.file {
+            let place = file
+                .checked_sub(1)
+                .filter(|place| *place < self.tables.len());
+            return place.ok_or_else(|| {
+                settings.wrong(format!(
+                    "{key}: there is no file {file}; {} were given",
+                    self.tables.len()
+                ))
+            });
+        }
+        let have = |file: &usize| self.tables[*file].0.get(column).is_some();
+        let having: Vec<usize> = (0..self.tables.len()).filter(have).collect();
+        match having.as_slice() {
+            [file] => Ok(*file),
+            [] => self.tables[0].0.column(column).map(|_| 0),
+            _ => Err(settings.wrong(format!(
+                "{key}: several files have a column `{column}`; add `file`, which counts from 1"
+            ))),
+        }
+    }
+
+    /// The signals that drive the model in a case: the speed, where its variable is named, and the further inputs.
+    ///
+    /// # Errors
+    /// When there are none, or a column or a unit does not fit.
+    pub fn drives(&self) -> Result<Vec<Drive>, FileError> {
+        let settings = self.settings;
+        let speed = settings
+            .speed
+            .iter()
+            .filter_map(|speed| Some(("speed", speed.variable.clone()?, speed)));
+        let inputs = settings
+            .inputs
+            .iter()
+            .map(|(variable, input)| ("inputs", variable.clone(), input));
+        let mut drives = Vec::new();
+        for (key, variable, input) in speed.chain(inputs) {
+            let key = format!("{key}: {variable}");
+            let (unit, values) = match (input.value, &input.column) {
+                (Some(value), None) => (
+                    input.unit.clone().unwrap_or_default(),
+                    Driven::Constant(value),
+                ),
+                _ => {
+                    let channel = self.channel(&key, input, &variable, None)?;
+                    (channel.unit.clone(), Driven::Recorded(channel))
+                }
+            };
+            let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
+            let limit = |quantity: Option<&Quantity>| match (&values, quantity) {
+                (Driven::Recorded(_), Some(stated)) => of_zero(stated, &unit).map_err(wrong),
+                _ => Ok(None),
+            };
+            drives.push(Drive {
+                accuracy: limit(input.accuracy.as_ref())?,
+                tolerance: limit(input.tolerance.as_ref())?,
+                variable,
+                unit: unit.clone(),
+                values: values.clone(),
+            });
+        }
+        Ok(drives)
+    }
+
+    /// The recording's signals; load, torque and speed in SI units.
+    ///
+    /// # Errors
+    /// When something is missing, or a column or a unit does not fit.
+    pub fn recording(&self) -> Result<RigRecording, FileError> {
+        let settings = self.settings;
+        let mut others = Vec::new();
+        for (name, signal) in &settings.signals {
+            let key = format!("signals.{name}");
+            settings.needed(signal.variable.as_ref(), &key, "variable")?;
+            settings.needed(signal.accuracy.as_ref(), &key, "accuracy")?;
+            others.push(self.channel(&key, signal, name, None)?);
+        }
+        let bearing = match (&settings.load, &settings.torque) {
+            (None, None) => None,
+            (Some(load), Some(torque)) => Some(self.bearing(load, torque)?),
+            _ => {
+                return Err(settings
+                    .wrong("load and torque go together; a single one is one of the `signals`"));
+            }
+        };
+        if bearing.is_none() && others.is_empty() {
+            return Err(settings.wrong("no signal is named; add signals.NAME = { column = ..., variable = ..., accuracy = ... }"));
+        }
+        Ok(RigRecording {
+            bearing,
+            others,
+            window: settings.window,
+            confidence: settings.confidence.unwrap_or(0.99),
+        })
+    }
+
+    fn bearing(&self, load: &Signal, torque: &Signal) -> Result<Bearing, FileError> {
+        let settings = self.settings;
+        let speed = settings.needed(settings.speed.as_ref(), "load and torque", "speed")?;
+        for (key, signal) in [("load", load), ("torque", torque)] {
+            settings.needed(signal.variable.as_ref(), key, "variable")?;
+        }
+        for (key, signal) in [("load", load), ("torque", torque), ("speed", speed)] {
+            settings.needed(signal.accuracy.as_ref(), key, "accuracy")?;
+        }
+        let load = self.channel("load", load, "F_N", Some("N"))?;
+        let speed = match (&speed.column, speed.value) {
+            (Some(_), None) => self.channel("speed", speed, "speed", Some("rad/s"))?,
+            (None, Some(value)) => {
+                let unit = settings.needed(speed.unit.as_ref(), "speed", "unit")?;
+                let wrong = |message| settings.wrong(format!("speed: {message}"));
+                let way = conversion(unit, "rad/s").map_err(wrong)?;
+                let limit = settings.needed(speed.accuracy.as_ref(), "speed", "accuracy")?;
+                Channel {
+                    name: "speed".to_owned(),
+                    variable: speed.variable.clone().unwrap_or_default(),
+                    unit: "rad/s".to_owned(),
+                    values: vec![way.value(value); load.time.len()],
+                    accuracy: accuracy(limit, unit, way.factor).map_err(wrong)?,
+                    group: None,
+                    lost: Vec::new(),
+                    ..load.clone()
+                }
+            }
+            _ => return Err(settings.wrong("speed: it needs either a column or a value")),
+        };
+        let power = settings.power.as_ref().map(|power| Derived {
+            name: power.name.clone().unwrap_or_else(|| "P_fr".to_owned()),
+            variable: power.variable.clone(),
+            group: power.group.clone(),
+        });
+        let diameter =
+            settings.needed(settings.diameter.as_ref(), "load and torque", "diameter")?;
+        Ok(Bearing {
+            torque: self.channel("torque", torque, "M", Some("N.m"))?,
+            load,
+            speed,
+            power,
+            diameter: settings.si("diameter", diameter, "m")?,
+            smoothing: settings.smoothing,
+            longest_delay: match &settings.longest_delay {
+                Some(delay) => settings.si("longest-delay", delay, "s")?,
+                None => 0.05,
+            },
+        })
+    }
+}
+
+/// The way from one unit to another one.
+fn conversion(unit: &str, to: &str) -> Result<Conversion, String> {
+    known::between(unit, to).ok_or_else(|| {
+        format!(
+            "unit `{unit}` does not fit; use {}",
+            known::alike(to).join(", ")
+        )
     })
 }
 
@@ -369,8 +586,11 @@ fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, St
         Some("%") => Ok(Accuracy::Relative(quantity.number / 100.0)),
         None => Ok(Accuracy::Absolute(quantity.number * factor)),
         Some(given) if given == unit => Ok(Accuracy::Absolute(quantity.number * factor)),
-        Some(given) => Err(format!(
-            "the accuracy `{quantity}` must be in {unit} or %, not in {given}"
-        )),
+        Some(given) => {
+            let way = known::between(given, unit).ok_or_else(|| {
+                format!("the accuracy `{quantity}` must be in {unit} or %, not in {given}")
+            })?;
+            Ok(Accuracy::Absolute(way.difference(quantity.number) * factor))
+        }
     }
 }

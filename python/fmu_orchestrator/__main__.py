@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 
+from . import _convert
 from ._errors import OrchestratorError
 from ._files import program, study_path
 
@@ -21,8 +22,10 @@ def arguments(given: list[str]) -> list[str]:
 
 
 def main() -> int:
-    """Becomes the program."""
+    """Becomes the program; ``convert`` is the package's own."""
     try:
+        if sys.argv[1:2] == ["convert"]:
+            return _convert.main(sys.argv[2:])
         command = [str(program()), *arguments(sys.argv[1:])]
     except OrchestratorError as error:
         print(f"error: {error}", file=sys.stderr)

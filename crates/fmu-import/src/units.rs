@@ -3,6 +3,8 @@
 //! FMI 2.0 defines a unit by its SI base exponents with `base = factor * value + offset`, and a
 //! display unit of it by `display = factor * value + offset` (FMI 2.0.4, section 2.2.2).
 
+pub mod known;
+
 use indexmap::IndexMap;
 use serde::Serialize;
 use thiserror::Error;
@@ -110,12 +112,15 @@ impl Units {
     /// How values in `from` become values in `to`; `None` is a value without a unit.
     ///
     /// # Errors
-    /// When the FMU's definitions know no way from one to the other.
+    /// When neither the FMU's definitions nor [`known`] names know a way from one to the other.
     pub fn conversion(&self, from: &str, to: Option<&str>) -> Result<Conversion, UnitError> {
         let from = plain(from);
         let ways = self.ways(to);
         if let Some((_, way)) = ways.iter().find(|(name, _)| plain(name) == from) {
             return Ok(*way);
+        }
+        if let Some(way) = to.and_then(|to| known::between(&from, to)) {
+            return Ok(way);
         }
         Err(UnitError {
             from,
@@ -174,7 +179,7 @@ fn plain(name: &str) -> String {
     name.trim()
         .replace('°', "deg")
         .replace(['µ', 'μ'], "u")
-        .replace('·', ".")
+        .replace(['·', '⋅'], ".")
         .replace('²', "2")
         .replace('³', "3")
 }

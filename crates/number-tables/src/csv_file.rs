@@ -24,9 +24,37 @@ const MOST_ROW_BYTES: u64 = MOST_ROW << 20;
 pub struct CsvFile {
     path: PathBuf,
     reader: csv::Reader<Take<File>>,
+    decimals: Decimals,
+}
+
+/// The numbers of a file.
+#[derive(Debug)]
+pub(crate) struct Decimals {
     separator: u8,
     /// Whether a cell had a decimal comma, and whether one had points as between thousands.
     seen: Cell<[bool; 2]>,
+}
+
+impl Decimals {
+    /// Those of a file with this separator between cells.
+    pub fn new(separator: u8) -> Self {
+        Self {
+            separator,
+            seen: Cell::default(),
+        }
+    }
+
+    /// The number in a cell. Beside decimal commas `1.000` may be a thousand, and is none.
+    pub fn number(&self, cell: &str) -> Option<f64> {
+        let number = number(self.separator, cell)?;
+        let [comma, thousands] = self.seen.get();
+        let seen = [
+            comma || cell.contains(','),
+            thousands || has_thousands(cell),
+        ];
+        self.seen.set(seen);
+        (seen != [true, true]).then_some(number)
+    }
 }
 
 impl CsvFile {
@@ -54,8 +82,7 @@ impl CsvFile {
         Ok(Self {
             path: path.to_owned(),
             reader: builder.delimiter(separator).from_reader(file),
-            separator,
-            seen: Cell::default(),
+            decimals: Decimals::new(separator),
         })
     }
 
@@ -99,14 +126,7 @@ impl CsvFile {
 
     /// The number in a cell of this file. Beside decimal commas `1.000` may be a thousand, and is none.
     pub fn number(&self, cell: &str) -> Option<f64> {
-        let number = number(self.separator, cell)?;
-        let [comma, thousands] = self.seen.get();
-        let seen = [
-            comma || cell.contains(','),
-            thousands || has_thousands(cell),
-        ];
-        self.seen.set(seen);
-        (seen != [true, true]).then_some(number)
+        self.decimals.number(cell)
     }
 }
 
@@ -189,7 +209,7 @@ fn has_thousands(cell: &str) -> bool {
     is_first && parts.peek().is_some() && parts.all(is_group)
 }
 
-fn number(separator: u8, cell: &str) -> Option<f64> {
+pub(crate) fn number(separator: u8, cell: &str) -> Option<f64> {
     let point = || {
         let decimal_comma = separator != b',' && cell.matches(',').count() == 1;
         (decimal_comma && !cell.contains('.')).then(|| cell.replace(',', "."))

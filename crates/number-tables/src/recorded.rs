@@ -1,131 +1,286 @@
-//! A recording as a table: its columns, the units in a row below the header, and times as numbers or time stamps.
+//! A recording as a table: whatever a logger writes as text, or Parquet. Columns with units, and times as numbers or time stamps.
 
+mod layout;
+mod stamp;
+
+use std::borrow::Cow;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use crate::csv_file::Decimals;
 use crate::files::FileError;
-use crate::formats::open;
-use crate::rows::How;
-use chrono::{DateTime, NaiveDateTime};
+use crate::parquet;
+use crate::rows::{How, Rows};
+use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
+use layout::{Found, unit};
+pub use stamp::{Clock, Stamp, stamp};
+
+/// What is known of a recording before it is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// What stands between cells: `,` `;` `|` `tab` or `space`.
+    pub delimiter: Option<String>,
+    /// The line of the names, from 1.
+    pub header: Option<usize>,
+    /// The form of time stamps in the letters of strftime.
+    pub format: Option<String>,
+}
 
 /// A recording's columns by name.
 #[derive(Debug)]
 pub struct RecordedTable {
     path: PathBuf,
     columns: Vec<Column>,
+    /// How many rows there are.
+    pub rows: usize,
+    /// The first line behind the first row that holds no number, and how many such lines there are.
+    pub others: Option<(u64, usize)>,
 }
 
 /// A column.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Column {
     name: String,
-    /// The unit in the row below the header.
+    /// The unit in the row below the header or in the name.
     pub unit: Option<String>,
-    /// The numbers; of a column of time stamps the seconds since the first one.
+    /// The numbers, not a number where there is none; of a column of time stamps the seconds since the first one.
     pub values: Vec<f64>,
-    /// Whether they were time stamps.
-    pub stamps: bool,
+    /// The first one of time stamps.
+    pub first: Option<Stamp>,
+    /// How many cells are empty.
+    pub empty: usize,
+    /// How many cells hold something that is no number.
+    pub unreadable: usize,
+    /// The first of these.
+    pub trouble: Option<String>,
 }
 
-/// A time stamp.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Stamp {
-    nanoseconds: i64,
-    has_zone: bool,
-}
-
-/// A time stamp after ISO 8601, with or without a zone and parts of a second.
-fn stamp(cell: &str) -> Option<Stamp> {
-    let iso = cell.replacen(' ', "T", 1).replace(',', ".");
-    let zoned = ["%Y-%m-%dT%H:%M:%S%.f%#z", "%Y%m%dT%H%M%S%.f%#z"];
-    let plain = ["%Y-%m-%dT%H:%M:%S%.f", "%Y%m%dT%H%M%S%.f"];
-    let utc = iso
-        .strip_suffix(['Z', 'z'])
-        .map(|iso| format!("{iso}+00:00"));
-    let with_zone = utc.as_ref().unwrap_or(&iso);
-    let zoned = zoned
-        .iter()
-        .find_map(|form| DateTime::parse_from_str(with_zone, form).ok());
-    let plain = || {
-        plain
+/// A name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)`, `n in rpm`, `n / rpm`.
+fn name_and_unit(name: &str) -> (&str, Option<String>) {
+    let enclosed = |from: char, to: char| {
+        name.strip_suffix(to)
+            .and_then(|name| name.rsplit_once(from))
+    };
+    let known = |pair: &(&str, &str)| known::usual(&unit(pair.1)).is_some();
+    let parts = enclosed('[', ']').or_else(|| {
+        let words = [" in ", " / "]
             .iter()
-            .find_map(|form| NaiveDateTime::parse_from_str(&iso, form).ok())
-    };
-    let nanoseconds = match &zoned {
-        Some(time) => time.timestamp_nanos_opt(),
-        None => plain()?.and_utc().timestamp_nanos_opt(),
-    };
-    Some(Stamp {
-        nanoseconds: nanoseconds?,
-        has_zone: zoned.is_some(),
-    })
+            .filter_map(|word| name.rsplit_once(word));
+        enclosed('(', ')').into_iter().chain(words).find(known)
+    });
+    match parts {
+        Some((bare, inner)) if !bare.trim().is_empty() => (bare.trim(), Some(unit(inner))),
+        _ => (name, None),
+    }
 }
 
-/// A unit without brackets around it, by its usual letters.
-fn unit(cell: &str) -> String {
-    let bare = cell.trim_matches(|c: char| "[]()".contains(c) || c.is_whitespace());
-    bare.replace('°', "deg").replace(['·', '*'], ".")
+/// Whether two names of units mean the same; an unknown one may mean anything.
+fn may_agree(one: &str, other: &str) -> bool {
+    let usual = [one, other].map(known::usual);
+    matches!(usual, [None, _] | [_, None]) || usual[0] == usual[1]
+}
+
+/// The rows of a text.
+struct TextRows {
+    path: PathBuf,
+    names: Vec<String>,
+    reader: csv::Reader<Cursor<Vec<u8>>>,
+    record: csv::StringRecord,
+    decimals: Decimals,
+    /// Lines above the first row.
+    above: u64,
+}
+
+impl TextRows {
+    fn new(path: &Path, text: &str, found: &Found) -> Self {
+        let above: usize = text
+            .split_inclusive('\n')
+            .take(found.first)
+            .map(str::len)
+            .sum();
+        let (mut separator, mut rest) = (found.separator, Cow::Borrowed(&text[above..]));
+        if separator == b' ' {
+            let lines = rest
+                .lines()
+                .map(|line| line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n");
+            (separator, rest) = (b'\t', Cow::Owned(lines.collect()));
+        }
+        let mut builder = csv::ReaderBuilder::new();
+        builder
+            .trim(csv::Trim::All)
+            .has_headers(false)
+            .flexible(true)
+            .comment(Some(b'#'));
+        Self {
+            path: path.to_owned(),
+            names: found.names.clone(),
+            reader: builder
+                .delimiter(separator)
+                .from_reader(Cursor::new(rest.into_owned().into_bytes())),
+            record: csv::StringRecord::new(),
+            decimals: Decimals::new(separator),
+            above: found.first as u64,
+        }
+    }
+}
+
+impl Rows for TextRows {
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn advance(&mut self) -> Result<bool, FileError> {
+        let more = self.reader.read_record(&mut self.record);
+        let more = more.map_err(|error| FileError::new(&self.path, error.to_string()))?;
+        let more_cells = self
+            .record
+            .iter()
+            .skip(self.names.len())
+            .any(|cell| !cell.is_empty());
+        if more && more_cells {
+            let (line, len, expected) = (self.line(), self.record.len(), self.names.len());
+            let message = format!(
+                "line {line} has {len} cells instead of {expected} as the first line; a decimal comma needs semicolons between cells"
+            );
+            return Err(FileError::new(&self.path, message));
+        }
+        Ok(more)
+    }
+
+    fn number(&self, place: usize) -> Option<f64> {
+        self.decimals.number(&self.text(place))
+    }
+
+    fn whole(&self, place: usize) -> Option<u64> {
+        self.text(place).parse().ok()
+    }
+
+    fn text(&self, place: usize) -> Cow<'_, str> {
+        Cow::Borrowed(self.record.get(place).unwrap_or(""))
+    }
+
+    fn line(&self) -> u64 {
+        self.above + self.record.position().map_or(0, csv::Position::line)
+    }
 }
 
 impl RecordedTable {
-    /// Reads a recording; `time` is the column that may hold time stamps.
+    /// Reads a recording.
     ///
     /// # Errors
-    /// When it cannot be read, and with the line of a time that is none.
-    pub fn read(path: &Path, time: &str) -> Result<Self, FileError> {
-        let mut rows = open(path, How::default())?;
-        let column = |name: &String| Column {
-            name: name.trim_start_matches('\u{feff}').to_owned(),
-            unit: None,
-            values: Vec::new(),
-            stamps: false,
+    /// When it cannot be read, or holds no rows of numbers, with a remedy.
+    pub fn read(path: &Path, layout: &Layout) -> Result<Self, FileError> {
+        if path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"))
+        {
+            let rows = parquet::rows(path, How::default());
+            // What this build cannot decompress, the Python package can.
+            return rows
+                .and_then(|rows| Self::fill(path, rows, Vec::new(), layout))
+                .or_else(|error| layout::text(path).map_or_else(Err, |_| Err(error)));
+        }
+        let text = layout::text(path)?;
+        let text = match text.contains('\n') {
+            true => text,
+            false => text.replace('\r', "\n"),
         };
-        let mut columns: Vec<Column> = rows.names().iter().map(column).collect();
-        let mut first: Option<Stamp> = None;
-        let mut is_first = true;
+        let found = layout::find(path, &text, layout)?;
+        let rows = TextRows::new(path, &text, &found);
+        drop(text);
+        Self::fill(path, Box::new(rows), found.units, layout)
+    }
+
+    fn fill(
+        path: &Path,
+        mut rows: Box<dyn Rows>,
+        mut units: Vec<Option<String>>,
+        layout: &Layout,
+    ) -> Result<Self, FileError> {
+        units.resize(rows.names().len(), None);
+        let column = |(name, unit): (&String, Option<String>)| Column {
+            name: name.clone(),
+            unit: unit.or_else(|| name_and_unit(name).1),
+            ..Column::default()
+        };
+        let mut table = Self {
+            path: path.to_owned(),
+            columns: rows.names().iter().zip(units).map(column).collect(),
+            rows: 0,
+            others: None,
+        };
+        let form = layout.format.as_deref();
         while rows.advance()? {
-            let texts = || (0..columns.len()).map(|k| rows.text(k));
-            let no_value = |k| rows.number(k).is_none() && stamp(&rows.text(k)).is_none();
-            if std::mem::take(&mut is_first)
-                && (0..columns.len()).all(no_value)
-                && texts().any(|cell| !cell.is_empty())
-            {
-                for (k, column) in columns.iter_mut().enumerate() {
-                    column.unit = Some(unit(&rows.text(k))).filter(|unit| !unit.is_empty());
-                }
+            let has_value = |k| rows.number(k).is_some() || stamp(&rows.text(k), form).is_some();
+            if !(0..table.columns.len()).any(has_value) {
+                let (_, count) = table.others.get_or_insert((rows.line(), 0));
+                *count += 1;
                 continue;
             }
-            for (k, column) in columns.iter_mut().enumerate() {
-                let cell = rows.text(k);
-                let mut value = rows.number(k);
-                if value.is_none() && column.name == time && !cell.is_empty() {
-                    let line = rows.line();
-                    value = Some(seconds(&cell, &mut first).map_err(|message| {
-                        let name = &column.name;
-                        FileError::new(path, format!("line {line}, column `{name}`: {message}"))
-                    })?);
-                    column.stamps = true;
-                }
-                // An empty or unreadable cell is a sample that is missing.
-                column.values.push(value.unwrap_or(f64::NAN));
+            table.rows += 1;
+            for (k, column) in table.columns.iter_mut().enumerate() {
+                column.push(&rows.text(k), rows.number(k), form, rows.line());
             }
         }
-        Ok(Self {
-            path: path.to_owned(),
-            columns,
+        match table.rows {
+            0 => Err(FileError::new(path, "no rows of numbers")),
+            _ => Ok(table),
+        }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The name of the first column that may be one of times.
+    pub fn first(&self) -> &str {
+        let mut columns = self.columns.iter();
+        let sound = columns.find(|column| column.unreadable == 0 && column.empty < self.rows);
+        sound
+            .or(self.columns.first())
+            .map_or("", |column| &column.name)
+    }
+
+    /// How many columns there are.
+    pub fn width(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// The place of a column, 0 where there is none.
+    pub fn place(&self, name: &str) -> usize {
+        let is_it = |column: &Column| {
+            self.get(name)
+                .is_some_and(|known| std::ptr::eq(known, column))
+        };
+        self.columns.iter().position(is_it).unwrap_or(0)
+    }
+
+    /// A column by its name, with or without the unit in it; none where there is none.
+    pub fn get(&self, name: &str) -> Option<&Column> {
+        let exact = self.columns.iter().find(|column| column.name == name);
+        exact.or_else(|| {
+            self.columns
+                .iter()
+                .find(|column| name_and_unit(&column.name).0 == name)
         })
     }
 
-    /// A column by its name.
+    /// A column by its name, with or without the unit in it.
     ///
     /// # Errors
     /// When there is none.
     pub fn column(&self, name: &str) -> Result<&Column, FileError> {
-        let column = self.columns.iter().find(|column| column.name == name);
-        column.ok_or_else(|| {
+        self.get(name).ok_or_else(|| {
             let names = self.columns.iter().map(|column| column.name.as_str());
-            let suggestion = did_you_mean(nearest(name, names));
-            self.wrong(format!("there is no column `{name}`{suggestion}"))
+            let suggestion = did_you_mean(nearest(name, names.clone()));
+            const MANY: usize = 20;
+            let known: Vec<&str> = names.take(MANY).collect();
+            self.wrong(format!(
+                "there is no column `{name}`{suggestion}; it has {}",
+                known.join(", ")
+            ))
         })
     }
 
@@ -133,118 +288,157 @@ impl RecordedTable {
         FileError::new(&self.path, message)
     }
 
-    /// The unit of a column: that of the settings, which the row of units must not contradict, or that row's.
+    /// The unit of a column: that of the settings, which the recording must not contradict, or the recording's; by its usual
+    /// name.
     ///
     /// # Errors
     /// When the two contradict each other, and when there is none.
     pub fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, FileError> {
         let known = self.column(name)?.unit.as_deref();
         match (wanted, known) {
-            (Some(wanted), Some(known)) if unit(wanted).replace('.', "") != known.replace('.', "") => {
-                Err(self.wrong(format!(
-                    "line 2: column `{name}` is in `{known}`, and the settings say `{wanted}`; correct one of them"
-                )))
+            (Some(wanted), Some(known)) if !may_agree(wanted, known) => Err(self.wrong(format!(
+                "column `{name}` is in `{known}`, and the settings say `{wanted}`; correct one of them"
+            ))),
+            (Some(unit), _) | (None, Some(unit)) => {
+                let usual = known::usual(unit).unwrap_or(unit);
+                Ok(usual.to_owned())
             }
-            (Some(unit), _) | (None, Some(unit)) => Ok(unit.to_owned()),
             (None, None) => Err(self.wrong(format!(
                 "column `{name}` has no unit; add `unit` to it in the settings or a row of units below the header"
             ))),
         }
     }
+
+    /// The times in a column: what a time stamp counts from, and the rows' numbers as they are written or the seconds since
+    /// that stamp.
+    ///
+    /// # Errors
+    /// With the line of a cell that is no time.
+    pub fn times(&self, name: &str) -> Result<(Option<Stamp>, &[f64]), FileError> {
+        let column = self.column(name)?;
+        match &column.trouble {
+            Some(trouble) => Err(self.wrong(format!(
+                "{trouble} of column `{name}` is neither a number nor a time such as 2026-11-22T13:15:07.250; correct the \
+                 cell, or say `format` in the settings' time"
+            ))),
+            None => Ok((column.first, &column.values)),
+        }
+    }
 }
 
-/// Seconds since the first time stamp of a column.
-fn seconds(cell: &str, first: &mut Option<Stamp>) -> Result<f64, String> {
-    let stamp = stamp(cell).ok_or_else(|| {
-        format!("`{cell}` is neither a number nor a time such as 2026-11-22T13:15:07.250+01:00; correct the cell")
-    })?;
-    let first = first.get_or_insert(stamp);
-    if first.has_zone != stamp.has_zone {
-        return Err(format!(
-            "some times have a zone and others, as `{cell}`, have none; write it to all or to none"
-        ));
+impl Column {
+    fn push(&mut self, cell: &str, number: Option<f64>, form: Option<&str>, line: u64) {
+        let has_stamps = self.first.is_some();
+        let mut of_stamp = || {
+            let stamp = stamp(cell, form)?;
+            let first = *self.first.get_or_insert(stamp);
+            // The difference is exact; a recording is shorter than the 104 days up to which nanoseconds are.
+            let seconds = (stamp.nanoseconds - first.nanoseconds) as f64 * 1e-9;
+            let last = self.values.iter().rev().find(|value| value.is_finite());
+            // A time of day begins anew at midnight.
+            let days = match (stamp.clock, last) {
+                (Clock::Day, Some(last)) => ((last - seconds) / 86_400.0).round().max(0.0),
+                _ => 0.0,
+            };
+            (first.clock == stamp.clock).then_some(seconds + 86_400.0 * days)
+        };
+        let value = match (number, has_stamps || form.is_some()) {
+            (Some(number), false) => Some(number),
+            _ if cell.is_empty() => None,
+            // A column of numbers has no stamps.
+            (None, false) if self.values.iter().any(|value| value.is_finite()) => None,
+            _ => of_stamp(),
+        };
+        let value = value.filter(|value| value.is_finite());
+        if value.is_none() {
+            // Loggers write signs such as `-` where nothing was measured.
+            match cell.chars().any(|c| c.is_alphanumeric() || c == '∞')
+                && !cell.eq_ignore_ascii_case("nan")
+            {
+                true => {
+                    self.unreadable += 1;
+                    self.trouble
+                        .get_or_insert_with(|| format!("line {line}: `{cell}`"));
+                }
+                false => self.empty += 1,
+            }
+        }
+        self.values.push(value.unwrap_or(f64::NAN));
     }
-    // The difference is exact; a recording is shorter than the 104 days up to which nanoseconds are.
-    Ok((stamp.nanoseconds - first.nanoseconds) as f64 * 1e-9)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn time_stamps_are_understood() {
-        let at = |cell: &str| stamp(cell).unwrap_or_else(|| panic!("{cell}"));
-        let noon = at("2026-11-22T12:00:00Z");
-        assert!(noon.has_zone);
-        for same in [
-            "2026-11-22T13:00:00+01:00",
-            "2026-11-22 07:30:00-0430",
-            "2026-11-22T13:00:00.000+01",
-            "20261122T120000Z",
-        ] {
-            assert_eq!(at(same), noon, "{same}");
-        }
-        let later = at("2026-11-22T12:00:00,250000001Z");
-        assert_eq!(later.nanoseconds - noon.nanoseconds, 250_000_001);
-        assert!(!at("2026-11-22T12:00:00.25").has_zone);
-        for none in [
-            "",
-            "12:00:00",
-            "2026-11-22",
-            "2026-13-01T00:00:00Z",
-            "s",
-            "1.5",
-        ] {
-            assert_eq!(stamp(none), None, "{none}");
-        }
-    }
-
-    fn table(text: &str) -> (tempfile::TempDir, Result<RecordedTable, FileError>) {
+    fn table(text: &str) -> Result<RecordedTable, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.csv");
         std::fs::write(&path, text).unwrap();
-        let table = RecordedTable::read(&path, "t");
-        (folder, table)
+        RecordedTable::read(&path, &Layout::default())
     }
 
     #[test]
     fn units_and_time_stamps_of_a_table() {
         let text = "t;F;M\n[s];[kN];(Nm)\n2026-11-22T12:00:59,5Z;0,75;0,4\n2026-11-22T13:01:00.502+01:00;0,8;\n";
-        let table = table(text).1.unwrap();
-        let time = table.column("t").unwrap();
-        assert!(time.stamps);
-        assert_eq!(time.values.len(), 2);
-        assert!(time.values[0] == 0.0 && (time.values[1] - 1.002).abs() < 1e-12);
+        let table = table(text).unwrap();
+        let (first, times) = table.times("t").unwrap();
+        assert_eq!(first.unwrap().clock, Clock::Zone);
+        assert_eq!(times.len(), 2);
+        assert!(times[0] == 0.0 && (times[1] - 1.002).abs() < 1e-12);
         assert_eq!(table.column("F").unwrap().values, [0.75, 0.8]);
-        assert!(table.column("M").unwrap().values[1].is_nan());
+        let torque = table.column("M").unwrap();
+        assert!(torque.values[1].is_nan());
+        assert_eq!((torque.empty, torque.unreadable), (1, 0));
         assert_eq!(table.unit("F", None).unwrap(), "kN");
         assert_eq!(table.unit("M", Some("N.m")).unwrap(), "N.m");
         let error = table.unit("F", Some("N")).unwrap_err().to_string();
+        assert!(error.contains("m.csv: column `F` is in `kN`"), "{error}");
+    }
+
+    #[test]
+    fn units_stand_in_names() {
+        let table = table("t [ms],n in rpm,p (bar),T / °C,side (left)\n0,1,2,3,4\n1,1,2,3,OVR\nend of record,,,,\n").unwrap();
+        for (name, unit) in [("t", "ms"), ("n", "rpm"), ("p", "bar"), ("T", "degC")] {
+            assert_eq!(table.unit(name, None).unwrap(), unit);
+        }
+        assert_eq!(table.unit("side (left)", Some("mm")).unwrap(), "mm");
+        let side = table.column("side (left)").unwrap();
+        assert_eq!(
+            (side.unreadable, side.trouble.as_deref()),
+            (1, Some("line 3: `OVR`"))
+        );
+        assert_eq!((table.rows, table.others), (2, Some((4, 1))));
+        let error = table.column("P").unwrap_err().to_string();
         assert!(
-            error.contains("m.csv: line 2: column `F` is in `kN`"),
+            error.contains("did you mean") && error.contains("it has t [ms], n in rpm"),
             "{error}"
         );
     }
 
     #[test]
     fn a_table_without_units_and_times_that_are_none() {
-        let plain = table("t,F\n0,1\n1,2\n").1.unwrap();
+        let plain = table("t,F\n0,1\n1,2\n").unwrap();
         assert_eq!(plain.column("t").unwrap().values, [0.0, 1.0]);
         let error = plain.unit("F", None).unwrap_err().to_string();
         assert!(error.contains("`F` has no unit; add `unit`"), "{error}");
         for (text, expected) in [
             (
                 "t,F\n0,1\nsoon,2\n",
-                "line 3, column `t`: `soon` is neither",
+                "line 3: `soon` of column `t` is neither",
             ),
             (
                 "t,F\n2026-11-22T12:00:00Z,1\n2026-11-22T12:00:01,2\n",
-                "line 3, column `t`: some times have a zone",
+                "line 3: `2026-11-22T12:00:01` of",
             ),
         ] {
-            let error = table(text).1.err().unwrap().to_string();
+            let error = table(text).unwrap().times("t").unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
         }
+        // Midnight.
+        let night = table("t;F\n23:59:59,5;1\n00:00:00,5;2\n").unwrap();
+        assert_eq!(night.times("t").unwrap().1, [0.0, 1.0]);
+        let error = table("t,F\n0,1,5\n").unwrap_err().to_string();
+        assert!(error.contains("semicolons"), "{error}");
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rig_signals::signal::SignalError;
 use rig_signals::smooth::Smoothing;
-use rig_signals::{Accuracy, Channel, RigRecording, criteria, synchronise};
+use rig_signals::{Accuracy, Bearing, Channel, RigRecording, criteria, synchronise};
 
 const TURN: f64 = 0.2;
 const LATE: f64 = 0.016;
@@ -14,7 +14,10 @@ fn channel(name: &str, unit: &str, accuracy: Accuracy, values: Vec<f64>) -> Chan
         name: name.into(),
         variable: format!("sensor.{name}"),
         unit: unit.into(),
+        time: (0..values.len()).map(|k| k as f64 * 2e-3).collect(),
         values,
+        clock: 0,
+        lost: Vec::new(),
         accuracy,
         group: None,
     }
@@ -29,7 +32,7 @@ fn main() -> Result<(), SignalError> {
         let row = |(k, &t): (usize, &f64)| value(t) + scatter * noise(k);
         time.iter().enumerate().map(row).collect()
     };
-    let recording = RigRecording {
+    let bearing = Bearing {
         load: channel(
             "loadForce",
             "N",
@@ -49,13 +52,15 @@ fn main() -> Result<(), SignalError> {
             rows(&|_| TAU / TURN, 0.0),
         ),
         power: None,
-        others: Vec::new(),
         diameter: 0.025,
-        window: None,
         smoothing: Smoothing::None,
         longest_delay: 0.05,
+    };
+    let recording = RigRecording {
+        bearing: Some(bearing),
+        others: Vec::new(),
+        window: None,
         confidence: 0.99,
-        time: time.clone(),
     };
     let answer = synchronise(&recording)?;
     println!("{}", criteria::to_toml(&answer, true));

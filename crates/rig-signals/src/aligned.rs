@@ -2,7 +2,7 @@
 
 use super::delay::Delay;
 use super::holes::Holes;
-use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
+use super::recording::{Accuracy, Bearing, Channel, DerivedCriterion, RigRecording, Synchronised};
 use super::signal::{Even, SignalError, Spline};
 use super::spectrum::Noise;
 use super::stationarity::{self, block_means, uncertainty_of_mean};
@@ -12,157 +12,61 @@ use sampling::statistics::moments::{mean, variance};
 /// The aligned signals over their common time.
 pub(crate) struct Aligned<'a> {
     recording: &'a RigRecording,
+    bearing: &'a Bearing,
     /// What is known so far.
     result: Synchronised,
     /// Times without samples of the load, and of the torque as recorded.
     holes: [Holes; 2],
     step: f64,
-    /// The time at which the common part of load and torque begins before the shift, s.
-    first: f64,
     speed: Vec<f64>,
-    /// Samples in a whole number of turns, about a thirtieth of the record.
-    block: usize,
-    /// Samples in one turn.
-    turn: usize,
+    grid: Grid,
 }
 
-impl<'a> Aligned<'a> {
-    pub(crate) fn new(
-        recording: &'a RigRecording,
-        (load_raw, torque_raw): (Even, Even),
-        load: &Even,
-        late: &Spline,
-        speed: Even,
-        (delay, holes): (Delay, [Holes; 2]),
-    ) -> Self {
-        let (start, end) = late.span();
-        let shift = delay.shift();
-        let times: Vec<f64> = load.times();
-        let is_common = |&k: &usize| (start..=end).contains(&(times[k] + shift));
-        let kept: Vec<usize> = (0..times.len()).filter(is_common).collect();
-        let time: Vec<f64> = kept.iter().map(|&k| times[k]).collect();
-        let at_these = |signal: &Even| -> Vec<f64> {
-            let last = signal.values.len() - 1;
-            kept.iter().map(|&k| signal.values[k.min(last)]).collect()
-        };
-        let n = time.len();
-        let turn = recording.turn().map(|turn| (turn / load.step).round());
+/// Turns and blocks of a signal at even times.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grid {
+    /// The first sample's time and the time between samples, s.
+    pub time: [f64; 2],
+    /// Samples in one turn.
+    turn: usize,
+    /// Samples in a whole number of turns, about a thirtieth of the record.
+    block: usize,
+    /// Confidence of the tests of stationarity.
+    confidence: f64,
+}
+
+impl Grid {
+    /// That of so many samples.
+    pub fn new(recording: &RigRecording, time: [f64; 2], samples: usize) -> Self {
+        let turn = recording.turn().map(|turn| (turn / time[1]).round());
         // Without a turning shaft any block is as good as another.
-        let turn = turn.filter(|turn| (1.0..n as f64 / 8.0).contains(turn));
+        let turn = turn.filter(|turn| (1.0..samples as f64 / 8.0).contains(turn));
         let turn = turn.map_or(1, |turn| turn as usize);
-        let block = (n / 30 / turn).max(1) * turn;
         Self {
-            recording,
-            holes,
-            step: load.step,
-            first: load.start,
-            speed: at_these(&speed),
-            block,
+            time,
             turn,
-            result: Synchronised {
-                block: block as f64 * load.step,
-                load_raw: at_these(&load_raw),
-                torque_raw: at_these(&torque_raw),
-                load: at_these(load),
-                torque_before: time.iter().map(|t| late.at(*t)).collect(),
-                torque: time.iter().map(|t| late.at(t + shift)).collect(),
-                time,
-                delay,
-                ..Synchronised::default()
-            },
+            block: (samples / 30 / turn).max(1) * turn,
+            confidence: recording.confidence,
         }
     }
 
-    pub(crate) fn finish(
-        self,
-        [load_noise, torque_noise]: [Option<Noise>; 2],
-        even: impl Fn(&Channel) -> Result<(Vec<f64>, Holes, Option<Noise>), SignalError>,
-    ) -> Result<Synchronised, SignalError> {
-        let (recording, known) = (self.recording, &self.result);
-        let half = recording.diameter / 2.0;
-        let friction = |torque: &[f64]| -> Vec<f64> {
-            let pairs = torque.iter().zip(&known.load);
-            pairs.map(|(m, f)| m / (f * half)).collect()
-        };
-        let pairs = known.torque.iter().zip(&self.speed);
-        let power: Vec<f64> = pairs.map(|(m, w)| m * w).collect();
-        let relative = |channel: &Channel, values: &[f64]| match mean(values) {
-            0.0 => 0.0,
-            centre => channel.accuracy.standard(centre) / centre.abs(),
-        };
-        let of_load = relative(&recording.load, &known.load);
-        let of_torque = relative(&recording.torque, &known.torque);
-        let of_speed = relative(&recording.speed, &self.speed);
-        let [load_holes, torque_holes] = &self.holes;
-        let (start, shift) = (known.time[0], known.delay.shift());
-        let turn_name = if self.turn > 1 { "turn" } else { "sample" };
-        let mut lost = Vec::new();
-        let mut of_channel =
-            |channel: &Channel, values: &[f64], holes: &Holes, start: f64, noise| {
-                let turns = holes.whole_turns(values, self.turn, [start, self.step]);
-                lost.extend(turns.concern(&channel.name, turn_name));
-                let sensor = |value| channel.accuracy.standard(value);
-                let mean = self.mean(channel, &turns.values, sensor);
-                DerivedCriterion { noise, ..mean }
-            };
-        let mut findings = vec![
-            of_channel(&recording.load, &known.load, load_holes, start, load_noise),
-            of_channel(
-                &recording.torque,
-                &known.torque,
-                torque_holes,
-                start + shift,
-                torque_noise,
-            ),
-        ];
-        // What follows from both lacks what either one lacks.
-        let both = load_holes.and(torque_holes, shift);
-        let of_both = |values: &[f64]| {
-            both.whole_turns(values, self.turn, [start, self.step])
-                .values
-        };
-        if let Some(derived) = &recording.power {
-            let channel = Channel {
-                name: derived.name.clone(),
-                variable: derived.variable.clone(),
-                unit: "W".into(),
-                group: derived.group.clone(),
-                ..recording.torque.clone()
-            };
-            let product = |v| of_product(v, &[of_torque, of_speed]);
-            findings.push(DerivedCriterion {
-                from: Some([
-                    recording.torque.name.clone(),
-                    recording.speed.variable.clone(),
-                ]),
-                ..self.mean(&channel, &of_both(&power), product)
-            });
-        }
-        for channel in &recording.others {
-            let (values, holes, noise) = even(channel)?;
-            findings.push(of_channel(channel, &values, &holes, self.first, noise));
-        }
-        findings.push(self.amplitude(&recording.load, &known.load));
-        findings.push(self.amplitude(&recording.torque, &known.torque));
-        let [friction_before, friction] =
-            [&known.torque_before, &known.torque].map(|m| friction(m));
-        let mean_friction = self.mean(&recording.torque, &of_both(&friction), |v| {
-            of_product(v, &[of_load, of_torque])
+    /// The mean of a channel's whole turns, and the concern about the others.
+    pub fn mean_of(
+        &self,
+        channel: &Channel,
+        values: &[f64],
+        holes: &Holes,
+        noise: Option<Noise>,
+    ) -> (DerivedCriterion, Option<String>) {
+        let turns = holes.whole_turns(values, self.turn, self.time);
+        let name = if self.turn > 1 { "turn" } else { "sample" };
+        let mean = self.mean(channel, &turns.values, |value| {
+            channel.accuracy.standard(value)
         });
-        let scatter = [&friction_before, &friction]
-            .map(|values| variance(values, 0).sqrt() / mean(values).abs());
-        let mut warnings = self.warnings(&findings, scatter);
-        warnings.extend(lost);
-        Ok(Synchronised {
-            friction_before,
-            friction,
-            friction_scatter: scatter,
-            power,
-            mean_friction: mean_friction.measured,
-            findings,
-            warnings,
-            ..self.result
-        })
+        (
+            DerivedCriterion { noise, ..mean },
+            turns.concern(&channel.name, name),
+        )
     }
 
     /// The mean of a signal's whole turns.
@@ -187,15 +91,138 @@ impl<'a> Aligned<'a> {
             },
             noise: None,
             from: None,
-            stationarity: stationarity::test(&blocks, self.recording.confidence),
+            stationarity: stationarity::test(&blocks, self.confidence),
             blocks,
+            block: [self.time[0], self.block as f64 * self.time[1]],
         }
+    }
+}
+
+impl<'a> Aligned<'a> {
+    pub(crate) fn new(
+        (recording, bearing): (&'a RigRecording, &'a Bearing),
+        (load_raw, torque_raw): (Even, Even),
+        load: &Even,
+        late: &Spline,
+        speed: Even,
+        (delay, holes): (Delay, [Holes; 2]),
+    ) -> Self {
+        let (start, end) = late.span();
+        let shift = delay.shift();
+        let times: Vec<f64> = load.times();
+        let is_common = |&k: &usize| (start..=end).contains(&(times[k] + shift));
+        let kept: Vec<usize> = (0..times.len()).filter(is_common).collect();
+        let time: Vec<f64> = kept.iter().map(|&k| times[k]).collect();
+        let at_these = |signal: &Even| -> Vec<f64> {
+            let last = signal.values.len() - 1;
+            kept.iter().map(|&k| signal.values[k.min(last)]).collect()
+        };
+        let start = time.first().copied().unwrap_or(load.start);
+        Self {
+            recording,
+            bearing,
+            grid: Grid::new(recording, [start, load.step], time.len()),
+            holes,
+            step: load.step,
+            speed: at_these(&speed),
+            result: Synchronised {
+                load_raw: at_these(&load_raw),
+                torque_raw: at_these(&torque_raw),
+                load: at_these(load),
+                torque_before: time.iter().map(|t| late.at(*t)).collect(),
+                torque: time.iter().map(|t| late.at(t + shift)).collect(),
+                time,
+                delay,
+                ..Synchronised::default()
+            },
+        }
+    }
+
+    pub(crate) fn finish(
+        self,
+        [load_noise, torque_noise]: [Option<Noise>; 2],
+        other: impl Fn(&Channel) -> Result<(DerivedCriterion, Option<String>), SignalError>,
+    ) -> Result<Synchronised, SignalError> {
+        let (bearing, known) = (self.bearing, &self.result);
+        let half = bearing.diameter / 2.0;
+        let friction = |torque: &[f64]| -> Vec<f64> {
+            let pairs = torque.iter().zip(&known.load);
+            pairs.map(|(m, f)| m / (f * half)).collect()
+        };
+        let pairs = known.torque.iter().zip(&self.speed);
+        let power: Vec<f64> = pairs.map(|(m, w)| m * w).collect();
+        let relative = |channel: &Channel, values: &[f64]| match mean(values) {
+            0.0 => 0.0,
+            centre => channel.accuracy.standard(centre) / centre.abs(),
+        };
+        let of_load = relative(&bearing.load, &known.load);
+        let of_torque = relative(&bearing.torque, &known.torque);
+        let of_speed = relative(&bearing.speed, &self.speed);
+        let [load_holes, torque_holes] = &self.holes;
+        let (start, shift) = (known.time[0], known.delay.shift());
+        let late = Grid {
+            time: [start + shift, self.step],
+            ..self.grid
+        };
+        let (mean_load, no_load) =
+            self.grid
+                .mean_of(&bearing.load, &known.load, load_holes, load_noise);
+        let (mean_torque, no_torque) =
+            late.mean_of(&bearing.torque, &known.torque, torque_holes, torque_noise);
+        let mut lost: Vec<String> = no_load.into_iter().chain(no_torque).collect();
+        let mut findings = vec![mean_load, mean_torque];
+        // What follows from both lacks what either one lacks.
+        let both = load_holes.and(torque_holes, shift);
+        let of_both = |values: &[f64]| {
+            both.whole_turns(values, self.grid.turn, [start, self.step])
+                .values
+        };
+        if let Some(derived) = &bearing.power {
+            let channel = Channel {
+                name: derived.name.clone(),
+                variable: derived.variable.clone(),
+                unit: "W".into(),
+                group: derived.group.clone(),
+                ..bearing.torque.clone()
+            };
+            let product = |v| of_product(v, &[of_torque, of_speed]);
+            findings.push(DerivedCriterion {
+                from: Some([bearing.torque.name.clone(), bearing.speed.variable.clone()]),
+                ..self.grid.mean(&channel, &of_both(&power), product)
+            });
+        }
+        for channel in &self.recording.others {
+            let (finding, concern) = other(channel)?;
+            findings.push(finding);
+            lost.extend(concern);
+        }
+        findings.push(self.amplitude(&bearing.load, &known.load));
+        findings.push(self.amplitude(&bearing.torque, &known.torque));
+        let [friction_before, friction] =
+            [&known.torque_before, &known.torque].map(|m| friction(m));
+        let mean_friction = self.grid.mean(&bearing.torque, &of_both(&friction), |v| {
+            of_product(v, &[of_load, of_torque])
+        });
+        let scatter = [&friction_before, &friction]
+            .map(|values| variance(values, 0).sqrt() / mean(values).abs());
+        let mut warnings = self.warnings(&findings, scatter);
+        warnings.extend(lost);
+        Ok(Synchronised {
+            friction_before,
+            friction,
+            friction_scatter: scatter,
+            power,
+            mean_friction: mean_friction.measured,
+            findings,
+            warnings,
+            ..self.result
+        })
     }
 
     /// Half the distance between least and greatest value of a turn, over all turns.
     fn amplitude(&self, channel: &Channel, values: &[f64]) -> DerivedCriterion {
-        let span = if self.turn > 1 {
-            self.turn
+        let span = if self.grid.turn > 1 {
+            self.grid.turn
         } else {
             values.len()
         };
@@ -225,6 +252,7 @@ impl<'a> Aligned<'a> {
             noise: None,
             from: None,
             blocks: vec![],
+            block: [0.0; 2],
             stationarity: None,
         }
     }
@@ -245,27 +273,30 @@ impl<'a> Aligned<'a> {
         } else if after > 0.9 * before {
             warnings.push("the shift hardly reduces the variance of the friction coefficient: the record tells little about the delay".into());
         }
-        for finding in findings.iter().filter(|f| f.statistic == "mean") {
-            match &finding.stationarity {
-                None => warnings.push(format!(
-                    "{}: the window is too short to test whether it is steady",
-                    finding.name
-                )),
-                Some(s) if s.trend => warnings.push(format!(
-                    "{} is drifting: {:.3} {} over the window of {:.1} s (chance {:.1e})",
-                    finding.name,
-                    s.change.value,
-                    finding.unit,
-                    self.step * self.result.time.len() as f64,
-                    s.trend_chance
-                )),
-                Some(s) if s.drift => warnings.push(format!(
-                    "{} wanders over the window (chance {:.1e})",
-                    finding.name, s.wander_chance
-                )),
-                Some(_) => {}
-            }
-        }
+        warnings.extend(findings.iter().filter_map(unsteady));
         warnings
     }
+}
+
+/// The concern about a mean of what is not steady.
+pub(crate) fn unsteady(finding: &DerivedCriterion) -> Option<String> {
+    if finding.statistic != "mean" {
+        return None;
+    }
+    let name = &finding.name;
+    Some(match &finding.stationarity {
+        None => format!("{name}: the window is too short to test whether it is steady"),
+        Some(s) if s.trend => format!(
+            "{name} is drifting: {:.3} {} over the window of {:.1} s (chance {:.1e})",
+            s.change.value,
+            finding.unit,
+            finding.block[1] * finding.blocks.len() as f64,
+            s.trend_chance
+        ),
+        Some(s) if s.drift => format!(
+            "{name} wanders over the window (chance {:.1e})",
+            s.wander_chance
+        ),
+        Some(_) => return None,
+    })
 }

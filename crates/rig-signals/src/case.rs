@@ -1,8 +1,10 @@
 //! A case of a study from a recording: what drove the rig as inputs, what was measured as curves with their uncertainty.
 
+use super::clean::clean;
 use super::delay::Delay;
-use super::recording::{Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
+use super::recording::{Account, Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
 use super::spectrum::Noise;
+use super::thin::{Polyline, polyline};
 use super::uncertainty::from_bound;
 
 /// Settings by which a recording becomes a case.
@@ -12,10 +14,8 @@ pub struct Frame<'a> {
     pub name: &'a str,
     /// Whether it is judged and never fitted.
     pub held_out: bool,
-    /// The file with the curves, as the study names it.
-    pub file: &'a str,
-    /// The signals that drove the rig.
-    pub drives: &'a [Drive],
+    /// The folder of the tables, as the study names it.
+    pub folder: &'a str,
     /// How far the model may be off, by criteria's names, as the settings say it.
     pub tolerances: &'a [(String, String)],
     /// By how much the torque lags behind the load in the rig itself, and so in the model, s.
@@ -31,6 +31,8 @@ pub struct Drive {
     pub unit: String,
     /// How far all its values together may be off: the limit of the sensor's error, in its unit.
     pub accuracy: Option<f64>,
+    /// How far the input may be from the recorded one beside its noise, in its unit.
+    pub tolerance: Option<f64>,
     /// Its values.
     pub values: Driven,
 }
@@ -40,8 +42,8 @@ pub struct Drive {
 pub enum Driven {
     /// One for the whole run.
     Constant(f64),
-    /// One for each row of the recording.
-    Recorded(Vec<f64>),
+    /// As recorded.
+    Recorded(Channel),
 }
 
 /// The expanded uncertainty (k = 2) that follows from a limit of error.
@@ -49,117 +51,249 @@ fn expanded(bound: f64) -> f64 {
     2.0 * from_bound(bound)
 }
 
-/// A measured curve.
+/// A measured curve: its samples without spikes and clipped ones.
 struct Measured<'a> {
     channel: &'a Channel,
+    time: Vec<f64>,
     values: Vec<f64>,
+    spikes: usize,
+    clipped: usize,
     /// By how much it is late.
     delay: Option<&'a Delay>,
+    /// The number of its table.
+    table: usize,
 }
 
-/// The rows of a recording in which all that the case needs was measured, without spikes.
+/// An input as it is written.
+struct Input<'a> {
+    channel: &'a Channel,
+    drive: &'a Drive,
+    line: Polyline,
+}
+
+/// Rows with a sample of each of some curves.
+struct Rows {
+    clock: usize,
+    time: Vec<f64>,
+}
+
+/// What a recording gives for a case of a study.
 pub struct Case<'a> {
     recording: &'a RigRecording,
     result: &'a Synchronised,
-    /// The numbers of these rows.
-    rows: Vec<usize>,
+    drives: &'a [Drive],
+    tables: Vec<Rows>,
     curves: Vec<Measured<'a>>,
+    inputs: Vec<Input<'a>>,
     /// The first time of the recording.
     begin: f64,
 }
 
+/// The times that are in both of two growing lists.
+fn common(one: &[f64], other: &[f64]) -> Vec<f64> {
+    let is_there = |time: &&f64| {
+        other
+            .binary_search_by(|known| known.total_cmp(time))
+            .is_ok()
+    };
+    one.iter().filter(is_there).copied().collect()
+}
+
+/// The value of a polyline at a time; its ends are held.
+fn at(line: &Polyline, time: f64) -> f64 {
+    let next = line.time.partition_point(|known| *known < time);
+    match (next.checked_sub(1), line.values.get(next)) {
+        (Some(last), Some(value)) => {
+            let [from, to] = [line.time[last], line.time[next]];
+            let part = (time - from) / (to - from);
+            line.values[last] + part * (value - line.values[last])
+        }
+        (None, Some(value)) => *value,
+        (last, None) => line.values[last.unwrap_or(0)],
+    }
+}
+
 impl<'a> Case<'a> {
     /// The case of a synchronised recording.
-    pub fn new(recording: &'a RigRecording, result: &'a Synchronised, drives: &[Drive]) -> Self {
-        let curve = |channel: &'a Channel, delay| {
-            let cleaned = super::clean::clean(&channel.values);
-            let samples = cleaned.values.into_iter().zip(cleaned.clipped);
+    pub fn new(recording: &'a RigRecording, result: &'a Synchronised, drives: &'a [Drive]) -> Self {
+        /// Curves share a table where that costs no more of their rows.
+        const SHARED: f64 = 0.9;
+        let torque = recording.bearing.as_ref().map(|bearing| &bearing.torque);
+        let mut tables: Vec<Rows> = Vec::new();
+        let mut curves = Vec::new();
+        for channel in recording.signals() {
+            let cleaned = clean(&channel.values);
+            let samples = channel
+                .time
+                .iter()
+                .zip(cleaned.values.iter().zip(&cleaned.clipped));
             // Of a sample at the end of the sensor's range nobody knows the true value.
-            let value = |(value, clipped)| if clipped { f64::NAN } else { value };
-            Measured {
-                channel,
-                values: samples.map(value).collect(),
-                delay,
-            }
-        };
-        let mut curves = vec![
-            curve(&recording.load, None),
-            curve(&recording.torque, Some(&result.delay)),
-        ];
-        curves.extend(recording.others.iter().map(|other| curve(other, None)));
-        let is_whole = |&row: &usize| {
-            let driven = drives.iter().all(|drive| match &drive.values {
-                Driven::Constant(_) => true,
-                Driven::Recorded(values) => values[row].is_finite(),
+            let good = samples.filter(|(_, (value, clipped))| value.is_finite() && !**clipped);
+            let (time, values): (Vec<f64>, Vec<f64>) =
+                good.map(|(time, (value, _))| (*time, *value)).unzip();
+            let shared = tables.iter().position(|table| {
+                let both = common(&table.time, &time).len() as f64;
+                table.clock == channel.clock
+                    && both >= SHARED * table.time.len().max(time.len()) as f64
             });
-            let measured = curves.iter().all(|curve| curve.values[row].is_finite());
-            driven && measured && recording.time[row].is_finite()
-        };
-        let times = recording.time.iter().copied();
+            match shared {
+                Some(place) => tables[place].time = common(&tables[place].time, &time),
+                None => tables.push(Rows {
+                    clock: channel.clock,
+                    time: time.clone(),
+                }),
+            }
+            curves.push(Measured {
+                channel,
+                spikes: cleaned.spikes,
+                clipped: cleaned.clipped_count(),
+                time,
+                values,
+                delay: torque
+                    .filter(|torque| std::ptr::eq(*torque, channel))
+                    .map(|_| &result.delay),
+                table: shared.unwrap_or(tables.len() - 1),
+            });
+        }
+        let recorded = drives.iter().filter_map(|drive| match &drive.values {
+            Driven::Constant(_) => None,
+            Driven::Recorded(channel) => Some(Input {
+                channel,
+                drive,
+                line: polyline(&channel.time, &channel.values, drive.tolerance),
+            }),
+        });
+        let inputs: Vec<Input<'a>> = recorded.collect();
+        let firsts = curves.iter().map(|curve| curve.channel);
+        let firsts = firsts.chain(inputs.iter().map(|input| input.channel));
+        let firsts = firsts.filter_map(|channel| channel.time.first().copied());
         Self {
-            // Those before the window, too: what drove the rig then has brought it to where the window begins.
-            rows: (0..recording.time.len()).filter(is_whole).collect(),
-            begin: times.fold(f64::INFINITY, f64::min),
+            begin: firsts.fold(f64::INFINITY, f64::min),
             recording,
             result,
+            drives,
+            tables,
             curves,
+            inputs,
         }
     }
 
-    /// Times in the case: they count from the first row of the recording.
-    fn time(&self, row: usize) -> f64 {
-        self.recording.time[row] - self.begin
+    /// The first and the last time of a table; times count from the first row of the recording.
+    fn span(&self, table: usize) -> [f64; 2] {
+        let time = &self.tables[table].time;
+        [time.first(), time.last()].map(|end| end.map_or(0.0, |time| time - self.begin))
     }
 
-    /// The first and the last time.
-    fn span(&self) -> [f64; 2] {
-        let end = |row: Option<&usize>| row.map_or(0.0, |&row| self.time(row));
-        [end(self.rows.first()), end(self.rows.last())]
+    /// When the inputs end, where there are recorded ones.
+    fn inputs_end(&self) -> f64 {
+        let ends = self
+            .inputs
+            .iter()
+            .filter_map(|input| input.line.time.last());
+        ends.fold(f64::INFINITY, |end, time| end.min(time - self.begin))
     }
 
-    /// The curves and the recorded inputs as csv.
-    pub fn table(&self, drives: &[Drive]) -> String {
-        let recorded = drives.iter().filter_map(|drive| match &drive.values {
-            Driven::Recorded(values) => Some((drive.variable.as_str(), values)),
-            Driven::Constant(_) => None,
-        });
-        let curves = self.curves.iter();
-        let curves = curves.map(|curve| (curve.channel.name.as_str(), &curve.values));
-        let columns: Vec<(&str, &Vec<f64>)> = recorded.chain(curves).collect();
-        let names: Vec<String> = columns.iter().map(|(name, _)| cell(name)).collect();
-        let line = |&row: &usize| {
-            let cells = columns.iter();
-            let cells = cells.map(|(_, values)| format!(",{:.8e}", values[row]));
-            format!("{:.9}{}\n", self.time(row), cells.collect::<String>())
+    /// The name of a table's file.
+    fn file(table: usize) -> String {
+        match table {
+            0 => "case.csv".to_owned(),
+            _ => format!("case-{}.csv", table + 1),
+        }
+    }
+
+    /// The files of the case with their texts: curves whose rows belong together in one each, and the inputs.
+    pub fn tables(&self) -> Vec<(String, String)> {
+        let line = |time: f64, cells: &mut dyn Iterator<Item = f64>| {
+            let cells: String = cells.map(|value| format!(",{value:.8e}")).collect();
+            format!("{:.9}{cells}\n", time - self.begin)
         };
-        let lines: String = self.rows.iter().map(line).collect();
-        format!("time,{}\n{lines}", names.join(","))
+        let head = |names: Vec<String>| format!("time,{}\n", names.join(","));
+        let mut files = Vec::new();
+        for (place, table) in self.tables.iter().enumerate() {
+            let curves: Vec<_> = self
+                .curves
+                .iter()
+                .filter(|curve| curve.table == place)
+                .collect();
+            let mut text = head(
+                curves
+                    .iter()
+                    .map(|curve| cell(&curve.channel.name))
+                    .collect(),
+            );
+            for time in &table.time {
+                let value = |curve: &&Measured<'_>| {
+                    let known = curve.time.binary_search_by(|known| known.total_cmp(time));
+                    curve.values[known.expect("a row of a table is in each of its curves")]
+                };
+                text += &line(*time, &mut curves.iter().map(value));
+            }
+            files.push((Self::file(place), text));
+        }
+        let mut times: Vec<f64> = self
+            .inputs
+            .iter()
+            .flat_map(|input| input.line.time.clone())
+            .collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        if !times.is_empty() {
+            let mut text = head(
+                self.inputs
+                    .iter()
+                    .map(|input| cell(&input.drive.variable))
+                    .collect(),
+            );
+            text.extend(times.iter().map(|&time| {
+                line(
+                    time,
+                    &mut self.inputs.iter().map(|input| at(&input.line, time)),
+                )
+            }));
+            files.push((INPUTS.to_owned(), text));
+        }
+        files
+    }
+
+    /// What became of the rows of each curve.
+    pub fn accounts(&self) -> Vec<Account> {
+        let account = |curve: &Measured<'_>| {
+            let beside = curve.time.len() - self.tables[curve.table].time.len();
+            curve.channel.account(&[
+                (curve.spikes, "spikes"),
+                (curve.clipped, "clipped"),
+                (beside, "in rows where another signal has none"),
+            ])
+        };
+        self.curves.iter().map(account).collect()
     }
 
     /// The case as TOML. The tolerances are the user's to add, where the settings have none: no recording knows how far the
     /// model may be off.
     pub fn to_toml(&self, frame: &Frame<'_>) -> String {
-        let [first, last] = self.span();
-        let left = self.recording.time.len() - self.rows.len();
-        let mut out = format!(
-            "# {} rows from {first:.6} s to {last:.6} s; times count from the first row of the recording.\n",
-            self.rows.len()
+        let mut out = String::from("# Times count from the first row of the recording.\n");
+        for (curve, account) in self.curves.iter().zip(self.accounts()) {
+            let file = Self::file(curve.table);
+            out += &format!("# {file}, {account}.\n");
+        }
+        out.extend(self.inputs.iter().map(Input::comment));
+        out.extend(
+            self.result
+                .warnings
+                .iter()
+                .map(|warning| format!("# Note: {warning}.\n")),
         );
-        if left > 0 {
-            out += &format!(
-                "# {left} rows with a missing sample, a spike or a clipped sample were left out.\n"
-            );
-        }
-        for warning in &self.result.warnings {
-            out += &format!("# Note: {warning}.\n");
-        }
         let late = self.curves.iter().map(|curve| self.late(curve, frame));
         let early = late.map(|late| -late).fold(0.0, f64::max);
-        // The model runs from the first row, whole or not, and on until the last curve that is ahead of it.
-        let ends = match first > 0.0 || early > 0.0 {
-            true => ", extrapolate = \"hold\"",
-            false => "",
-        };
+        let last = (0..self.tables.len())
+            .map(|table| self.span(table)[1])
+            .fold(0.0, f64::max);
+        let end = self.inputs_end();
+        if end < last {
+            out += &format!(
+                "# Note: an input ends at {end:.6} s, so what was measured later is not judged.\n"
+            );
+        }
         out += &format!(
             "[[cases]]\nname = {}\n{}simulation = {{ stop = {} }}\n",
             quoted(frame.name),
@@ -168,9 +302,9 @@ impl<'a> Case<'a> {
             } else {
                 ""
             },
-            up(last + early)
+            up(last.min(end) + early)
         );
-        for drive in frame.drives {
+        for drive in self.drives {
             let (name, unit) = (quoted(&drive.variable), quoted(&drive.unit));
             out += &match &drive.values {
                 Driven::Constant(value) => {
@@ -183,9 +317,19 @@ impl<'a> Case<'a> {
                         let expanded = format!("{:.4e} {}", expanded(bound), drive.unit);
                         format!(", uncertainty = {}", quoted(&expanded))
                     });
+                    let first = self
+                        .inputs
+                        .iter()
+                        .filter_map(|input| input.line.time.first());
+                    let first = first.fold(f64::INFINITY, |first, time| first.min(*time));
+                    // The model runs from the first row, whole or not, and on until the last curve that is ahead of it.
+                    let ends = match first > self.begin || early > 0.0 {
+                        true => ", extrapolate = \"hold\"",
+                        false => "",
+                    };
                     format!(
                         "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{stated}{ends} }}\n",
-                        quoted(frame.file)
+                        quoted(&format!("{}/{INPUTS}", frame.folder))
                     )
                 }
             };
@@ -211,7 +355,11 @@ impl<'a> Case<'a> {
         let Some(delay) = curve.delay.filter(|delay| delay.delay.is_some()) else {
             return 0.0;
         };
-        let longest = self.recording.longest_delay;
+        let longest = self
+            .recording
+            .bearing
+            .as_ref()
+            .map_or(0.0, |bearing| bearing.longest_delay);
         let reach = delay.uncertainty();
         let reach = reach.map_or(longest, |one| (DEVIATIONS * one).min(longest));
         // As it is written.
@@ -277,8 +425,9 @@ impl<'a> Case<'a> {
                 }
             )
         });
-        let [first, last] = self.span();
+        let [first, last] = self.span(curve.table);
         let [from, to] = self.recording.window();
+        let to = to.min(self.inputs_end() + self.begin);
         let from = (from - self.begin).max(first + (late + reach).max(0.0));
         let to = (to - self.begin).min(last + (late - reach).min(0.0));
         let window = match from > first || to < last {
@@ -300,7 +449,26 @@ impl<'a> Case<'a> {
              reference = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{uncertainty} }}\n\
              metric = \"rmse\"\n{delay}{window}{tolerance}\nunit = {unit}\n{group}",
             quoted(&channel.variable),
-            quoted(frame.file)
+            quoted(&format!("{}/{}", frame.folder, Self::file(curve.table)))
+        )
+    }
+}
+
+/// The file of the inputs.
+const INPUTS: &str = "case-inputs.csv";
+
+impl Input<'_> {
+    /// A comment that says how it was thinned.
+    fn comment(&self) -> String {
+        let (account, line, unit) = (self.channel.account(&[]), &self.line, &self.drive.unit);
+        let noise = line.noise.map_or_else(String::new, |noise| {
+            format!(" (noise of a row {noise:.2e})")
+        });
+        format!(
+            "# {INPUTS}, {account} for a line with {} corners; it leaves out {:.2e} {unit} rms{noise}, tolerance {:.2e}.\n",
+            line.time.len(),
+            line.left,
+            line.tolerance
         )
     }
 }

@@ -113,7 +113,8 @@ fn clipping_level<'a>(ordered: impl ExactSizeIterator<Item = &'a f64>) -> Option
     let [first, second] = counts[..] else {
         return None;
     };
-    let many = first >= LEAST.max(all / 1000) && first > TIMES * second;
+    // What rests is at zero.
+    let many = levels[0] != 0.0 && first >= LEAST.max(all / 1000) && first > TIMES * second;
     many.then(|| levels[0])
 }
 

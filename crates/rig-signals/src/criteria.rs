@@ -5,23 +5,24 @@ use super::recording::{DerivedCriterion, Synchronised};
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
 /// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
 pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
-    let shift = match result.delay.words() {
-        Some(delay) => format!("torque shifted by {delay}"),
-        None => "torque not shifted".to_owned(),
+    let mut out = match result.friction.is_empty() {
+        true => "# From measured signals.\n".to_owned(),
+        false => friction(result),
     };
-    let [before, after] = result.friction_scatter.map(|part| 100.0 * part);
-    let friction = result.mean_friction;
-    let [value, uncertainty] =
-        [friction.value, friction.expanded()].map(|number| rounded(number, friction.expanded()));
-    let mut out = format!(
-        "# From measured signals: {shift}, which leaves {after:.2} % scatter of\n\
-         # the friction coefficient (before: {before:.2} %). Friction coefficient {value} +- {uncertainty} (k = 2).\n\
-         # Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
-         # values.\n"
+    out += "# Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
+            # values.\n";
+    out.extend(
+        result
+            .warnings
+            .iter()
+            .map(|warning| format!("# Note: {warning}.\n")),
     );
-    for warning in &result.warnings {
-        out += &format!("# Note: {warning}.\n");
-    }
+    out.extend(
+        result
+            .accounts
+            .iter()
+            .map(|account| format!("# {account}.\n")),
+    );
     let findings = result.findings.iter();
     let wanted = findings
         .clone()
@@ -30,6 +31,22 @@ pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
     let products = findings.filter(|finding| derived(finding, result).is_none());
     out.extend(products.filter_map(|finding| shared(finding, result)));
     out
+}
+
+/// What the shift of the torque leaves of the scatter of the friction coefficient.
+fn friction(result: &Synchronised) -> String {
+    let shift = match result.delay.words() {
+        Some(delay) => format!("torque shifted by {delay}"),
+        None => "torque not shifted".to_owned(),
+    };
+    let [before, after] = result.friction_scatter.map(|part| 100.0 * part);
+    let friction = result.mean_friction;
+    let [value, uncertainty] =
+        [friction.value, friction.expanded()].map(|number| rounded(number, friction.expanded()));
+    format!(
+        "# From measured signals: {shift}, which leaves {after:.2} % scatter of\n\
+         # the friction coefficient (before: {before:.2} %). Friction coefficient {value} +- {uncertainty} (k = 2).\n"
+    )
 }
 
 /// The correlation of the errors of a product with the speed, and of what it follows from.
@@ -83,11 +100,22 @@ fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
     let group = finding.group.as_ref();
     let group = group.map_or_else(String::new, |group| format!("group = \"{group}\"\n"));
     format!(
-        "\n[criteria.{name}]\n# standard uncertainties: scatter {:.2e}, sensor {:.2e} {unit}\n{steady}\
+        "\n[criteria.{}]\n# standard uncertainties: scatter {:.2e}, sensor {:.2e} {unit}\n{steady}\
          variable = \"{variable}\"\nstatistic = \"{statistic}\"\nnominal = {value}\n# tolerance = \n\
          {uncertainty}unit = \"{unit}\"\n{group}",
-        m.scatter, m.sensor
+        key(name),
+        m.scatter,
+        m.sensor
     )
+}
+
+/// A name as a key of TOML.
+fn key(name: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    match !name.is_empty() && name.chars().all(is_bare) {
+        true => name.to_owned(),
+        false => toml::Value::String(name.to_owned()).to_string(),
+    }
 }
 
 /// A value to two digits of its uncertainty, as a TOML float.

@@ -14,13 +14,16 @@ pub mod signal;
 pub mod smooth;
 mod spectrum;
 pub mod stationarity;
+pub mod thin;
 pub mod uncertainty;
 
-use aligned::Aligned;
+use aligned::{Aligned, Grid, unsteady};
 use clean::{Cleaned, clean};
 use delay::Pair;
 use holes::Holes;
-pub use recording::{Accuracy, Channel, Derived, DerivedCriterion, RigRecording, Synchronised};
+pub use recording::{
+    Account, Accuracy, Bearing, Channel, Derived, DerivedCriterion, RigRecording, Synchronised,
+};
 use signal::{Even, SignalError, Spline};
 use spectrum::Comb;
 pub use spectrum::Noise;
@@ -28,27 +31,94 @@ pub use spectrum::Noise;
 /// A gap in the record may be this many times as long as a step.
 const LONGEST_GAP: f64 = 10.0;
 
+/// The same of a signal that nothing is correlated with: what lies in its gaps does not count.
+const LONGEST_OF_OTHERS: f64 = 100.0;
+
 /// Aligns a recording and derives the criteria.
+///
+/// # Errors
+/// When a setting or a signal does not suit.
 pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError> {
     check(recording)?;
-    let [from, to] = recording.window();
-    let kept: Vec<usize> = (0..recording.time.len())
-        .filter(|&k| recording.time[k] >= from && recording.time[k] <= to)
-        .collect();
-    let kept = |values: &[f64]| kept.iter().map(|&k| values[k]).collect::<Vec<_>>();
-    let time = kept(&recording.time);
-    let cleaned = |channel: &Channel| clean(&kept(&channel.values));
-    let spline = |name: &str, values: &[f64]| Spline::new(name, &time, values, LONGEST_GAP);
-    let [clean_load, clean_torque] = [&recording.load, &recording.torque].map(cleaned);
-    let load = spline(&recording.load.name, &clean_load.values)?;
-    let torque = spline(&recording.torque.name, &clean_torque.values)?;
-    let speed = spline(&recording.speed.name, &kept(&recording.speed.values))?;
+    let mut result = match &recording.bearing {
+        Some(bearing) => aligned(recording, bearing)?,
+        None => {
+            let others = recording
+                .others
+                .iter()
+                .map(|channel| other(recording, channel, None));
+            let (findings, concerns): (Vec<_>, Vec<_>) =
+                others.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+            let mut warnings: Vec<String> = findings.iter().filter_map(unsteady).collect();
+            warnings.extend(concerns.into_iter().flatten());
+            Synchronised {
+                findings,
+                warnings,
+                ..Synchronised::default()
+            }
+        }
+    };
+    for channel in recording.signals() {
+        let (time, values) = channel.within(recording.window());
+        let cleaned = clean(&values);
+        result.warnings.extend(concerns(channel, &cleaned));
+        let outside = channel.time.len() - time.len();
+        let lost = [
+            (cleaned.spikes, "spikes"),
+            (outside, "outside of the window"),
+        ];
+        result.accounts.push(channel.account(&lost));
+    }
+    Ok(result)
+}
+
+/// The criterion on a signal that nothing else is needed for, at its own rate.
+fn other(
+    recording: &RigRecording,
+    channel: &Channel,
+    comb: Option<(&Comb, &Even)>,
+) -> Result<(DerivedCriterion, Option<String>), SignalError> {
+    let (time, values) = channel.within(recording.window());
+    let cleaned = clean(&values);
+    let spline = Spline::new(&channel.name, &time, &cleaned.values, LONGEST_OF_OTHERS)?;
+    let ((start, end), step) = (spline.span(), spline.step());
+    let even = Even::from_spline(&spline, start, end, step);
+    let samples = even.values.len();
+    let comb = comb
+        .filter(|(_, load)| load.values.len() == samples && (load.step / step - 1.0).abs() < 1e-3);
+    let noise = match comb {
+        Some((comb, _)) => comb.noise(&even, None),
+        None => Noise::by_rows(&cleaned.values),
+    };
+    let grid = Grid::new(recording, [start, step], samples);
+    Ok(grid.mean_of(channel, &even.values, &Holes::of(&time, &cleaned), noise))
+}
+
+/// Load and torque, aligned, and all criteria.
+fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, SignalError> {
+    let cleaned = |channel: &Channel| {
+        let (time, values) = channel.within(recording.window());
+        (time, clean(&values))
+    };
+    let spline =
+        |name: &str, time: &[f64], values: &[f64]| Spline::new(name, time, values, LONGEST_GAP);
+    let [(load_time, clean_load), (torque_time, clean_torque)] =
+        [&bearing.load, &bearing.torque].map(cleaned);
+    let load = spline(&bearing.load.name, &load_time, &clean_load.values)?;
+    let torque = spline(&bearing.torque.name, &torque_time, &clean_torque.values)?;
+    let (speed_time, speed) = bearing.speed.within(recording.window());
+    let speed = spline(&bearing.speed.name, &speed_time, &speed)?;
     let start = load.span().0.max(torque.span().0);
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
+    if end - start < 8.0 * step {
+        let message =
+            "load and torque have no time in common: correct the `offset` of a file's time";
+        return Err(SignalError::Setting(message.into()));
+    }
     let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
     let smooth = |raw: &Even| {
-        let values = recording.smoothing.apply(&raw.values, step)?;
+        let values = bearing.smoothing.apply(&raw.values, step)?;
         Ok::<_, SignalError>(Even { values, ..*raw })
     };
     let raw = (even(&load), even(&torque));
@@ -61,34 +131,35 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     let pair = Pair {
         load: &load,
         torque: &torque,
-        load_good: &good(&clean_load, &time, &load),
-        torque_good: &good(&clean_torque, &time, &load),
+        load_good: &good(&clean_load, &load_time, &load),
+        torque_good: &good(&clean_torque, &torque_time, &load),
     };
     let turn = recording.turn().filter(|turn| *turn < (end - start) / 20.0);
-    let delay = delay::find(pair, recording.longest_delay, turn)?;
-    let name = &recording.torque.name;
+    let delay = delay::find(pair, bearing.longest_delay, turn)?;
+    let name = &bearing.torque.name;
     let late = Spline::new(name, &torque.times(), &torque.values, LONGEST_GAP)?;
-    let mut notes = concerns(&recording.load, &clean_load);
-    notes.extend(concerns(&recording.torque, &clean_torque));
-    for channel in &recording.others {
-        notes.extend(concerns(channel, &cleaned(channel)));
-    }
-    let holes = [&clean_load, &clean_torque].map(|signal| Holes::of(&time, signal));
+    let holes = [
+        Holes::of(&load_time, &clean_load),
+        Holes::of(&torque_time, &clean_torque),
+    ];
     let comb = Comb::new(&raw.0, recording.turn(), recording.speed_spread());
     // Load at random is in both channels and no noise; a disturbance is in both, too, and one.
     let shift = delay.shift();
     let shared = delay.disturbance.is_none();
     let [of_load, of_torque] = [(&raw.0, &raw.1, shift), (&raw.1, &raw.0, -shift)]
         .map(|(signal, other, late)| comb.noise(signal, shared.then_some((other, late))));
-    let aligned = Aligned::new(recording, raw, &load, &late, even(&speed), (delay, holes));
-    let mut result = aligned.finish([of_load, of_torque], |c| {
-        let signal = cleaned(c);
-        let values = even(&spline(&c.name, &signal.values)?);
-        let noise = comb.noise(&values, None);
-        Ok((values.values, Holes::of(&time, &signal), noise))
-    })?;
-    result.warnings.extend(notes);
-    Ok(result)
+    let grid = raw.0.clone();
+    let aligned = Aligned::new(
+        (recording, bearing),
+        raw,
+        &load,
+        &late,
+        even(&speed),
+        (delay, holes),
+    );
+    aligned.finish([of_load, of_torque], |channel| {
+        other(recording, channel, Some((&comb, &grid)))
+    })
 }
 
 /// Which samples of an even signal lie next to none that is clipped.
@@ -124,11 +195,14 @@ fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
 
 fn check(recording: &RigRecording) -> Result<(), SignalError> {
     let wrong = |text: String| Err(SignalError::Setting(text));
-    let (rows, confidence) = (recording.time.len(), recording.confidence);
-    for (name, value, unit) in [
-        ("bearing's diameter", recording.diameter, "m"),
-        ("longest delay", recording.longest_delay, "s"),
-    ] {
+    let confidence = recording.confidence;
+    let lengths = recording.bearing.iter().flat_map(|bearing| {
+        [
+            ("bearing's diameter", bearing.diameter, "m"),
+            ("longest delay", bearing.longest_delay, "s"),
+        ]
+    });
+    for (name, value, unit) in lengths {
         if !(value.is_finite() && value > 0.0) {
             return wrong(format!("the {name} must be positive, not {value} {unit}"));
         }
@@ -138,15 +212,25 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
             "the confidence must lie between 0.5 and 1, not at {confidence}"
         ));
     }
-    let channels = [&recording.load, &recording.torque, &recording.speed];
-    let mut channels = channels.into_iter().chain(&recording.others);
-    match channels.find(|channel| channel.values.len() != rows) {
-        Some(Channel { name, values, .. }) => wrong(format!(
-            "signal '{name}' has {} rows, the time has {rows}",
-            values.len()
-        )),
-        None => Ok(()),
+    for Channel {
+        name, time, values, ..
+    } in recording.signals()
+    {
+        if time.len() != values.len() {
+            return wrong(format!(
+                "signal '{name}' has {} rows, its time has {}",
+                values.len(),
+                time.len()
+            ));
+        }
+        if let Some(pair) = time.windows(2).find(|pair| pair[1] <= pair[0]) {
+            return Err(SignalError::Unsorted {
+                name: name.clone(),
+                time: pair[1],
+            });
+        }
     }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -35,12 +35,67 @@ pub struct Channel {
     pub variable: String,
     /// The unit of the values.
     pub unit: String,
+    /// Times of the samples, s.
+    pub time: Vec<f64>,
     /// The samples, as recorded.
     pub values: Vec<f64>,
+    /// What gives the times: channels of one clock may share rows.
+    pub clock: usize,
+    /// How many rows of the recording gave no sample, and why.
+    pub lost: Vec<(usize, &'static str)>,
     /// The sensor's accuracy.
     pub accuracy: Accuracy,
     /// The group of criteria that it is counted with.
     pub group: Option<String>,
+}
+
+impl Channel {
+    /// The samples at times within a window.
+    pub(crate) fn within(&self, [from, to]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
+        let pairs = self.time.iter().zip(&self.values);
+        pairs
+            .filter(|(time, _)| (from..=to).contains(*time))
+            .unzip()
+    }
+
+    /// What became of its rows: those that were lost for these reasons, too, are not used.
+    pub(crate) fn account(&self, reasons: &[(usize, &'static str)]) -> Account {
+        let lost = self
+            .lost
+            .iter()
+            .chain(reasons)
+            .filter(|(count, _)| *count > 0);
+        let lost: Vec<_> = lost.copied().collect();
+        let rows = self.values.len() + self.lost.iter().map(|(count, _)| count).sum::<usize>();
+        Account {
+            name: self.name.clone(),
+            rows,
+            used: rows - lost.iter().map(|(count, _)| count).sum::<usize>(),
+            lost,
+        }
+    }
+}
+
+/// What became of the rows of a channel: those that are used and those that are not are all of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Account {
+    /// The channel.
+    pub name: String,
+    /// The rows of its file.
+    pub rows: usize,
+    /// Those that count.
+    pub used: usize,
+    /// How many do not, and why.
+    pub lost: Vec<(usize, &'static str)>,
+}
+
+impl std::fmt::Display for Account {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {} rows, {} used", self.name, self.rows, self.used)?;
+        self.lost
+            .iter()
+            .try_for_each(|(count, why)| write!(f, ", {count} {why}"))
+    }
 }
 
 /// A criterion for a quantity that follows from several signals.
@@ -54,11 +109,9 @@ pub struct Derived {
     pub group: Option<String>,
 }
 
-/// A recording and what to do with it.
+/// Load and torque of a bearing, of which the torque is late.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RigRecording {
-    /// Times of the samples, s.
-    pub time: Vec<f64>,
+pub struct Bearing {
     /// The load on the bearing, N.
     pub load: Channel,
     /// The friction torque, N.m.
@@ -67,16 +120,23 @@ pub struct RigRecording {
     pub speed: Channel,
     /// The friction power, torque times speed, where that becomes a criterion.
     pub power: Option<Derived>,
-    /// Further signals of which the mean becomes a criterion, such as temperatures.
-    pub others: Vec<Channel>,
     /// Diameter of the bearing, m.
     pub diameter: f64,
-    /// The part of the record to use, s.
-    pub window: Option<[f64; 2]>,
     /// Smoothing of load and torque.
     pub smoothing: Smoothing,
     /// The longest delay to look for, s.
     pub longest_delay: f64,
+}
+
+/// A recording and what to do with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigRecording {
+    /// Load and torque, where it has them.
+    pub bearing: Option<Bearing>,
+    /// Further signals of which the mean becomes a criterion, such as temperatures.
+    pub others: Vec<Channel>,
+    /// The part of the record to use, s.
+    pub window: Option<[f64; 2]>,
     /// Confidence of the tests of stationarity, such as 0.99.
     pub confidence: f64,
 }
@@ -93,8 +153,20 @@ impl RigRecording {
         turn.is_finite().then_some(turn)
     }
 
+    /// All that was measured: load and torque first.
+    pub fn signals(&self) -> impl Iterator<Item = &Channel> {
+        let pair = self
+            .bearing
+            .iter()
+            .flat_map(|bearing| [&bearing.load, &bearing.torque]);
+        pair.chain(&self.others)
+    }
+
     fn speeds(&self) -> Vec<f64> {
-        let speed = self.speed.values.iter().copied();
+        let speed = self
+            .bearing
+            .iter()
+            .flat_map(|bearing| bearing.speed.values.iter().copied());
         speed.filter(|v| v.is_finite()).collect()
     }
 
@@ -130,6 +202,8 @@ pub struct DerivedCriterion {
     pub from: Option<[String; 2]>,
     /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
     pub blocks: Vec<f64>,
+    /// The first block's begin and the duration of each, s.
+    pub block: [f64; 2],
     /// The tests of the block means; `None` where the window is too short for them.
     pub stationarity: Option<Stationarity>,
 }
@@ -159,12 +233,12 @@ pub struct Synchronised {
     pub friction: Vec<f64>,
     /// The friction power, W.
     pub power: Vec<f64>,
-    /// The duration of a block of the tests of stationarity, s.
-    pub block: f64,
     /// The friction coefficient as a measured quantity.
     pub mean_friction: MeasuredValue,
     /// The criteria: means first, then amplitudes.
     pub findings: Vec<DerivedCriterion>,
     /// Caveats for the reader.
     pub warnings: Vec<String>,
+    /// What became of the rows of each channel.
+    pub accounts: Vec<Account>,
 }

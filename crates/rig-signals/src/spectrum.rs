@@ -4,6 +4,7 @@
 //! between the lines, and what both channels have in common there is the load at random, mains hum, or one channel that
 //! leaks into the other.
 
+use super::scatter::{freedom, scatter};
 use super::signal::Even;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
@@ -48,6 +49,27 @@ pub struct Noise {
 }
 
 impl Noise {
+    /// The noise by the differences of neighbouring rows, for a signal of which no lines are known.
+    pub(crate) fn by_rows(values: &[f64]) -> Option<Self> {
+        let values: Vec<f64> = values
+            .iter()
+            .copied()
+            .filter(|value| value.is_finite())
+            .collect();
+        // What is left of digits is no noise.
+        let digits = 1e-9
+            * values
+                .iter()
+                .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let row = scatter(&values).filter(|row| *row > digits)?;
+        Some(Self {
+            row,
+            equivalent: row,
+            freedom: freedom(values.len())?,
+            ..Self::default()
+        })
+    }
+
     /// Whether neighbouring rows share their noise: of a white one chance says so once in about 50 channels.
     pub fn is_shared(&self) -> bool {
         self.equivalent.powi(2) > (1.0 + 2.5 * self.of_ratio) * self.row.powi(2)

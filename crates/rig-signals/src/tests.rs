@@ -15,10 +15,17 @@ fn channel(
         name: name.into(),
         variable: variable.into(),
         unit: unit.into(),
+        time: (0..values.len()).map(|k| k as f64 * 1e-3).collect(),
         values,
+        clock: 0,
+        lost: Vec::new(),
         accuracy,
         group: None,
     }
+}
+
+fn bearing(recording: &mut RigRecording) -> &mut Bearing {
+    recording.bearing.as_mut().unwrap()
 }
 
 /// 30 s at 300 rpm with the torque 16 ms late and a friction coefficient of 0.0472; `creep` K of
@@ -38,31 +45,39 @@ fn recording(creep: f64) -> RigRecording {
         .map(|t| 48.0 + creep * (t / 30.0 - 0.5) + 0.1 * noise())
         .collect();
     RigRecording {
-        load: channel(
-            "F_N",
-            "sensor.loadForce",
-            "N",
-            Accuracy::Relative(0.01),
-            load,
-        ),
-        torque: channel(
-            "M",
-            "sensor.frictionTorque",
-            "N.m",
-            Accuracy::Relative(0.02),
-            torque,
-        ),
-        speed: channel(
-            "speed",
-            "drive.speed",
-            "rad/s",
-            Accuracy::Relative(0.005),
-            vec![TAU * 5.0; 30_000],
-        ),
-        power: Some(Derived {
-            name: "P_fr".to_owned(),
-            variable: "sensor.frictionPower".to_owned(),
-            group: None,
+        bearing: Some(Bearing {
+            load: channel(
+                "F_N",
+                "sensor.loadForce",
+                "N",
+                Accuracy::Relative(0.01),
+                load,
+            ),
+            torque: channel(
+                "M",
+                "sensor.frictionTorque",
+                "N.m",
+                Accuracy::Relative(0.02),
+                torque,
+            ),
+            speed: channel(
+                "speed",
+                "drive.speed",
+                "rad/s",
+                Accuracy::Relative(0.005),
+                vec![TAU * 5.0; 30_000],
+            ),
+            power: Some(Derived {
+                name: "P_fr".to_owned(),
+                variable: "sensor.frictionPower".to_owned(),
+                group: None,
+            }),
+            diameter: 0.025,
+            smoothing: Smoothing::Butterworth {
+                cutoff: 60.0,
+                order: 4,
+            },
+            longest_delay: 0.05,
         }),
         others: vec![channel(
             "T_oil",
@@ -71,15 +86,8 @@ fn recording(creep: f64) -> RigRecording {
             Accuracy::Absolute(0.5),
             oil,
         )],
-        diameter: 0.025,
         window: None,
-        smoothing: Smoothing::Butterworth {
-            cutoff: 60.0,
-            order: 4,
-        },
-        longest_delay: 0.05,
         confidence: 0.99,
-        time,
     }
 }
 
@@ -122,7 +130,7 @@ fn the_window_is_used_and_wrong_settings_are_named() {
     r.window = Some([5.0, 20.0]);
     let s = synchronise(&r).unwrap();
     assert!(s.time[0] >= 5.0 && *s.time.last().unwrap() <= 20.0);
-    r.diameter = -0.025;
+    bearing(&mut r).diameter = -0.025;
     assert!(
         synchronise(&r)
             .unwrap_err()
@@ -130,12 +138,12 @@ fn the_window_is_used_and_wrong_settings_are_named() {
             .contains("diameter")
     );
     let mut r = recording(0.0);
-    r.torque.values.pop();
+    bearing(&mut r).torque.values.pop();
     assert!(
         synchronise(&r)
             .unwrap_err()
             .to_string()
-            .contains("'M' has 29999 rows")
+            .contains("'M' has 29999 rows, its time has 30000")
     );
 }
 
@@ -158,7 +166,7 @@ fn the_text_is_a_table_of_criteria() {
     assert!(text.contains("torque shifted by 1"), "{text}");
     // The error of a product with a speed that is known better is the torque's, and no second measurement.
     let mut precise = recording(0.0);
-    precise.speed.accuracy = Accuracy::Relative(0.001);
+    bearing(&mut precise).speed.accuracy = Accuracy::Relative(0.001);
     let text = criteria::to_toml(&synchronise(&precise).unwrap(), false);
     assert!(!text.contains("uncertainty-correlations"), "{text}");
     let power = text.split("[criteria.P_fr]").nth(1).unwrap();
@@ -176,9 +184,10 @@ fn spikes_and_clipping_are_said_and_do_not_move_the_delay() {
     let mut r = recording(0.0);
     let mut random = StdRng::seed_from_u64(5);
     for k in 0..30_000 {
-        r.load.values[k] = r.load.values[k].min(1050.0);
+        let b = bearing(&mut r);
+        b.load.values[k] = b.load.values[k].min(1050.0);
         if random.random::<f64>() < 0.005 {
-            r.torque.values[k] += 4.0;
+            b.torque.values[k] += 4.0;
         }
     }
     let s = synchronise(&r).unwrap();
@@ -198,7 +207,7 @@ fn spikes_and_clipping_are_said_and_do_not_move_the_delay() {
 fn turns_with_a_gap_do_not_count_in_the_mean() {
     let mut r = recording(0.0);
     for k in (0..30_000).step_by(2000) {
-        r.load.values[k + 46..k + 55].fill(f64::NAN);
+        bearing(&mut r).load.values[k + 46..k + 55].fill(f64::NAN);
         // The oil is told to be hot where the samples are missing: a curve through its gap would be, too.
         // (The spike is cut out, which makes the gap longer.)
         r.others[0].values[k + 45] = 48.6;
@@ -224,7 +233,7 @@ fn turns_with_a_gap_do_not_count_in_the_mean() {
 fn signals_that_are_not_related_are_not_shifted() {
     let mut r = recording(0.0);
     let mut random = StdRng::seed_from_u64(6);
-    let noise = r.torque.values.iter_mut();
+    let noise = bearing(&mut r).torque.values.iter_mut();
     noise.for_each(|m| *m = 0.44 + 0.02 * random.sample::<f64, _>(StandardNormal));
     let s = synchronise(&r).unwrap();
     assert_eq!(s.delay.delay, None);
@@ -253,25 +262,29 @@ fn the_noise_of_a_row_is_what_was_put_in() {
                 }
             };
             let (mut of_load, mut of_torque) = (noise(4.0), noise(0.004));
-            r.time = (0..600).map(|k| f64::from(k) * 0.01).collect();
-            r.speed.values.truncate(600);
+            let time: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.01).collect();
+            r.others[0].time.clone_from(&time);
+            let b = bearing(&mut r);
+            b.speed.values.truncate(600);
+            for channel in [&mut b.load, &mut b.torque, &mut b.speed] {
+                channel.time.clone_from(&time);
+            }
             // The shaft slows down by 1 %.
             let at = |t: f64| 750.0 * (1.0 + 0.5 * (TAU * 5.0 * t * (1.0 - t / 1200.0)).sin());
-            let signal =
-                |of: &dyn Fn(f64) -> f64| r.time.iter().map(|t| of(*t)).collect::<Vec<_>>();
+            let signal = |of: &dyn Fn(f64) -> f64| time.iter().map(|t| of(*t)).collect::<Vec<_>>();
             let (load, torque) = (signal(&at), signal(&|t| 0.00059 * at(t - 0.017)));
-            r.load.values = load.iter().map(|f| f + of_load(next())).collect();
-            r.torque.values = torque.iter().map(|m| m + of_torque(next())).collect();
-            r.others[0].values = (0..600)
-                .map(|k| 48.0 + 1e-3 * f64::from(k) + 0.05 * next())
-                .collect();
-            r.load.values[250] = f64::NAN;
-            r.torque.values[401] = f64::NAN;
-            r.others[0].values[120] = f64::NAN;
-            r.smoothing = Smoothing::Butterworth {
+            b.load.values = load.iter().map(|f| f + of_load(next())).collect();
+            b.torque.values = torque.iter().map(|m| m + of_torque(next())).collect();
+            b.load.values[250] = f64::NAN;
+            b.torque.values[401] = f64::NAN;
+            b.smoothing = Smoothing::Butterworth {
                 cutoff: 30.0,
                 order: 4,
             };
+            r.others[0].values = (0..600)
+                .map(|k| 48.0 + 1e-3 * f64::from(k) + 0.05 * next())
+                .collect();
+            r.others[0].values[120] = f64::NAN;
             let s = synchronise(&r).unwrap();
             let of = |name: &str| {
                 s.findings
@@ -326,6 +339,84 @@ fn the_noise_of_a_row_is_what_was_put_in() {
         assert!(
             ratios.iter().all(|ratio| (0.4..1.8).contains(ratio)),
             "{memory}: {ratios:?}"
+        );
+    }
+}
+
+/// Twenty combinations of rates and gaps, of signals without load and torque: what goes in is used or told, in criteria and
+/// case, and the slow channels' means are right.
+#[test]
+fn every_row_is_used_or_told() {
+    let mut random = StdRng::seed_from_u64(9);
+    for combination in 0..20_usize {
+        let rates = [1000.0, [10.0, 100.0, 7.3, 1000.0, 1.0][combination % 5]];
+        let gap = [0, 1, 50, 3][combination / 5];
+        let mut signal = |name: &str, rate: f64, clock: usize, start: f64| {
+            let count = (20.0 * rate) as usize;
+            let time: Vec<f64> = (0..count).map(|k| start + k as f64 / rate).collect();
+            let value =
+                |time: &f64| 80.0 + time.sin() + 0.01 * random.sample::<f64, _>(StandardNormal);
+            let mut values: Vec<f64> = time.iter().map(value).collect();
+            values[count / 2] += 50.0;
+            let gone = count / 4..(count / 4 + gap).min(count / 3);
+            let kept: Vec<usize> = (0..count).filter(|k| !gone.contains(k)).collect();
+            let mut channel = channel(name, name, "degC", Accuracy::Absolute(0.1), values);
+            channel.values = kept.iter().map(|&k| channel.values[k]).collect();
+            channel.time = kept.iter().map(|&k| time[k]).collect();
+            channel.lost = vec![(count - kept.len(), "empty")];
+            channel.clock = clock;
+            (channel, count)
+        };
+        let (fast, slow) = (
+            signal("fast", rates[0], 0, 0.0),
+            signal("slow", rates[1], combination % 2, 0.5),
+        );
+        let (drive, _) = signal("n", 1000.0, 0, 0.0);
+        let counts = [fast.1, slow.1];
+        let recording = RigRecording {
+            bearing: None,
+            others: vec![fast.0, slow.0],
+            window: (combination % 3 == 0).then_some([2.0, 18.0]),
+            confidence: 0.99,
+        };
+        let result = synchronise(&recording).unwrap();
+        let drives = [case::Drive {
+            variable: "drive".into(),
+            unit: "degC".into(),
+            accuracy: None,
+            tolerance: None,
+            values: case::Driven::Recorded(drive),
+        }];
+        let case = case::Case::new(&recording, &result, &drives);
+        let files = case.tables();
+        for (accounts, of_case) in [(&result.accounts, false), (&case.accounts(), true)] {
+            for (account, count) in accounts.iter().zip(counts) {
+                let told: usize = account.lost.iter().map(|(count, _)| count).sum();
+                assert_eq!(
+                    (account.rows, account.used + told),
+                    (count, count),
+                    "{combination} {account}"
+                );
+                if of_case {
+                    let is_its = |(_, text): &&(String, String)| {
+                        text.lines().next().unwrap().contains(&account.name)
+                    };
+                    let rows = files.iter().find(is_its).unwrap().1.lines().count() - 1;
+                    assert_eq!(rows, account.used, "{combination} {account}");
+                    // A spike and the gap, and what lies beside them, and no more.
+                    assert!(told <= 2 * (gap + 3), "{combination} {account}");
+                }
+            }
+        }
+        for finding in &result.findings {
+            assert!(
+                (finding.measured.value - 80.0).abs() < 0.15,
+                "{combination} {finding:?}"
+            );
+        }
+        assert!(
+            files.last().unwrap().1.lines().count() < 600,
+            "{combination}"
         );
     }
 }

@@ -115,10 +115,10 @@ pub struct Simulate {
     --output results/measured"
 )]
 pub struct Synchronise {
-    /// The recording: a table with a column for each signal
-    #[arg(value_name = "MEASURED.csv")]
-    pub measured: PathBuf,
-    /// TOML file with the columns' names, units, accuracies and smoothing
+    /// The recording: tables with a column for each signal, one or more files
+    #[arg(value_name = "MEASURED.csv", required = true)]
+    pub measured: Vec<PathBuf>,
+    /// TOML file with the columns' names, units and accuracies
     #[arg(long, value_name = "SETTINGS.toml")]
     pub settings: PathBuf,
     /// Also make criteria for the amplitudes of load and torque

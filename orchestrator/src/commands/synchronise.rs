@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use super::output;
 use crate::cli;
 use crate::error::Error;
-use crate::recording::Settings;
+use crate::recording::{Recorded, Settings};
 use crate::report::recording;
 use number_tables::files::FileError;
 use point_journal::files::{make_folder, write_text};
@@ -15,24 +15,37 @@ use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
 const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
     # in the settings, power = { variable = \"...\" }.\n";
 
+/// Where nothing drives the model.
+const NO_DRIVE: &str = "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
+                        \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }";
+
 pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     let settings = Settings::read(&options.settings)?;
-    let recorded = settings.recording(&options.measured)?;
-    let result = synchronise(&recorded)
-        .map_err(|error| FileError::new(&options.measured, error.to_string()))?;
+    let files = settings.files(&options.measured)?;
+    let recorded = files.recording()?;
+    let first = &options.measured[0];
+    let mut result =
+        synchronise(&recorded).map_err(|error| FileError::new(first, error.to_string()))?;
+    result.warnings.extend(files.notes());
     let folder = &options.output;
     make_folder(folder)?;
     let mut text = criteria::to_toml(&result, options.amplitudes);
-    if recorded.power.is_none() {
+    if recorded
+        .bearing
+        .as_ref()
+        .is_some_and(|bearing| bearing.power.is_none())
+    {
         text += NO_POWER;
     }
     write_text(&folder.join("criteria.toml"), &text)?;
-    write_text(&folder.join("synchronised.csv"), table(&result))?;
-    let title = options.measured.file_name().unwrap_or_default();
+    if recorded.bearing.is_some() {
+        write_text(&folder.join("synchronised.csv"), table(&result))?;
+    }
+    let title = first.file_name().unwrap_or_default();
     let title = title.to_string_lossy();
     recording::write(&recorded, &result, &title, options.amplitudes, folder)?;
     if let Some(name) = &options.case {
-        text = case(name, options, &settings, &recorded, &result)?;
+        text = case(name, options, (&settings, &files), &recorded, &result)?;
     }
     output::print(&format!("{text}\nresults in {}\n", folder.display()));
     Ok(ExitCode::SUCCESS)
@@ -42,24 +55,27 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
 fn case(
     name: &str,
     options: &cli::Synchronise,
-    settings: &Settings,
+    (settings, files): (&Settings, &Recorded<'_>),
     recorded: &RigRecording,
     result: &Synchronised,
 ) -> Result<String, Error> {
-    let (folder, drives) = (&options.output, settings.drives(&options.measured)?);
+    let (folder, drives) = (&options.output, files.drives()?);
     settings.check_case(name)?;
+    if drives.is_empty() && recorded.bearing.is_some() {
+        return Err(FileError::new(&options.settings, NO_DRIVE).into());
+    }
     let case = Case::new(recorded, result, &drives);
-    let table = folder.join("case.csv");
     let frame = Frame {
         name,
         held_out: options.held_out,
-        file: &table.to_string_lossy().replace('\\', "/"),
-        drives: &drives,
+        folder: &folder.to_string_lossy().replace('\\', "/"),
         tolerances: &settings.tolerances(),
         lag: settings.lag()?,
     };
     let text = case.to_toml(&frame);
-    write_text(&table, case.table(&drives))?;
+    for (file, table) in case.tables() {
+        write_text(&folder.join(file), table)?;
+    }
     write_text(&folder.join("case.toml"), &text)?;
     Ok(text)
 }

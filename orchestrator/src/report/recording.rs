@@ -9,7 +9,7 @@ use result_document::Figure;
 use result_document::bins::axis_range;
 use result_document::format::number;
 use result_document::svg::{Frame, area, envelope, path};
-use rig_signals::{DerivedCriterion, RigRecording, Synchronised, criteria};
+use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
 use std::path::{Path, PathBuf};
 
@@ -42,8 +42,11 @@ pub fn write(
     let [start, end] =
         [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
-    let steady: Vec<Figure> = steady.filter_map(|f| wander(f, result)).collect();
-    let figures = figures(result);
+    let steady: Vec<Figure> = steady.filter_map(wander).collect();
+    let figures = match &recording.bearing {
+        Some(_) => figures(result),
+        None => recording.others.iter().filter_map(recorded).collect(),
+    };
     let plots = folder.join("plots");
     std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
     for figure in figures.iter().chain(&steady) {
@@ -52,8 +55,21 @@ pub fn write(
     }
     let interval = delay.delay.filter(|_| delay.disturbance.is_none());
     let friction = &result.mean_friction;
-    let diameter = number(1e3 * recording.diameter, 6);
-    let longest = milliseconds(recording.longest_delay);
+    let bearing = recording.bearing.as_ref();
+    let rows_in: usize = result.accounts.iter().map(|account| account.rows).sum();
+    let mut facts = vec![
+        (
+            "Program",
+            concat!("orchestrator ", env!("CARGO_PKG_VERSION")).to_owned(),
+        ),
+        ("Samples", rows_in.to_string()),
+    ];
+    if let Some(bearing) = bearing {
+        let [diameter, longest] =
+            [bearing.diameter, bearing.longest_delay].map(|v| number(1e3 * v, 6));
+        facts.push(("Bearing diameter", format!("{diameter} mm")));
+        facts.push(("Longest delay looked for", format!("{longest} ms")));
+    }
     let page = context! {
         title,
         style => [
@@ -65,22 +81,17 @@ pub fn write(
         before => per_cent(result.friction_scatter[0]),
         after => per_cent(result.friction_scatter[1]),
         friction => vec![number(friction.value, 4), number(friction.expanded(), 2)],
-        smoothing => recording.smoothing.to_string(),
+        bearing => bearing.is_some(),
+        smoothing => bearing.map(|bearing| bearing.smoothing.to_string()),
         window => format!("{start} … {end} s"),
         blocks => delay.blocks,
         warnings => Serde(&result.warnings),
         figures => Serde(&figures),
         rows,
-        block => number(result.block, 3),
         confidence => number(100.0 * recording.confidence, 4),
         steady => Serde(&steady),
         criteria => criteria::to_toml(result, amplitudes),
-        facts => Serde([
-            ("Program", concat!("orchestrator ", env!("CARGO_PKG_VERSION")).to_owned()),
-            ("Samples", recording.time.len().to_string()),
-            ("Bearing diameter", format!("{diameter} mm")),
-            ("Longest delay looked for", format!("{longest} ms")),
-        ]),
+        facts => Serde(facts),
     };
     let template = include_str!("assets/recording.html");
     let html = Environment::new().render_named_str("recording.html", template, page)?;
@@ -117,6 +128,20 @@ fn row(finding: &DerivedCriterion) -> Value {
         steady,
         alarm,
     }
+}
+
+/// A signal as it was recorded.
+fn recorded(channel: &Channel) -> Option<Figure> {
+    let trace = Trace {
+        class: "line",
+        time: &channel.time,
+        values: &channel.values,
+    };
+    let name = format!("{}: as recorded", channel.name);
+    let svg = plot(&name, "time (s)", &channel.unit, &[trace], |_| {
+        String::new()
+    })?;
+    Some(figure(&name, &format!("signal-{}", channel.name), svg))
 }
 
 /// Signals before and after (the paper's Fig. 5), and how the delay was found.
@@ -208,9 +233,9 @@ fn search(result: &Synchronised) -> Option<Figure> {
 }
 
 /// The means of blocks with the straight line through them.
-fn wander(finding: &DerivedCriterion, result: &Synchronised) -> Option<Figure> {
-    let start = result.time.first().copied()?;
-    let middle = |k: usize| start + (k as f64 + 0.5) * result.block;
+fn wander(finding: &DerivedCriterion) -> Option<Figure> {
+    let [start, block] = finding.block;
+    let middle = |k: usize| start + (k as f64 + 0.5) * block;
     let time: Vec<f64> = (0..finding.blocks.len()).map(middle).collect();
     let trace = Trace {
         class: "blocks",
@@ -227,14 +252,25 @@ fn wander(finding: &DerivedCriterion, result: &Synchronised) -> Option<Figure> {
         let line = format_args!("M{:.1},{from:.1}L{:.1},{to:.1}", ends[0], ends[1]);
         path("limit", line)
     };
-    let name = format!("{}: means of blocks and their trend", finding.name);
+    let name = format!(
+        "{}: means of blocks of {} s and their trend",
+        finding.name,
+        number(block, 3)
+    );
     let svg = plot(&name, "time (s)", &finding.unit, &[trace], line)?;
     Some(figure(&name, &format!("blocks-{}", finding.name), svg))
 }
 
 fn figure(caption: &str, file: &str, svg: String) -> Figure {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || c == '_' {
+            c
+        } else {
+            '-'
+        }
+    };
     Figure {
-        file: file.to_owned(),
+        file: file.chars().map(plain).collect(),
         caption: caption.to_owned(),
         svg,
         ..Figure::default()

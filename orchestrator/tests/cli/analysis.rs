@@ -483,7 +483,8 @@ fn synchronise_writes_a_case() {
     );
     assert!(torque["window"]["from"].as_float().unwrap() >= 0.0103);
     assert!(
-        text.contains("2 rows with a missing sample, a spike"),
+        text.contains("# case.csv, F_N: 12001 rows, 11999 used, 1 empty, 1 spikes.")
+            && text.contains("# case.csv, M: 12001 rows, 11999 used, 2 in rows where"),
         "{text}"
     );
     let table = bench.read("m/case.csv");
@@ -559,7 +560,138 @@ fn a_recording_as_loggers_write_it() {
     bench.write("settings.toml", &SETTINGS.replace("\"kN\"", "\"N\""));
     bench
         .run(&run)
-        .is_mistake(&["measured.csv: line 2", "`F` is in `kN`", "say `N`"]);
+        .is_mistake(&["measured.csv: column `F` is in `kN`", "say `N`"]);
+}
+
+/// Any signals, from two loggers that share nothing: a preamble in Windows' letters, decimal commas, time stamps, volts,
+/// units in names. The case runs as it is written.
+#[test]
+fn two_files_of_any_signals_become_a_case_that_runs() {
+    let bench = Bench::new();
+    let mut fast = String::from("t [ms],u [-],U_y (V)\n");
+    for k in 0..2000_u32 {
+        let (t, noise) = (
+            f64::from(k) * 1e-3,
+            f64::from(k * 7919 % 1000) / 500.0 - 1.0,
+        );
+        fast += &format!("{k},{},{}\n", 1.0 + 0.01 * noise, 2.0 * (1.0 - (-t).exp()));
+    }
+    fast += "end of record,,\n";
+    bench.write("fast.csv", &fast);
+    let mut slow = "Pr\u{fc}fer;Meier\nKanal;7\n\nZeit;T\n;\u{b0}C\n".to_owned();
+    for k in 0..20_u32 {
+        let (second, part) = (7 + k / 10, k % 10);
+        slow += &format!(
+            "22.11.2026 13:15:{second:02},{part};{}\n",
+            format!("{:.3}", 20.0 + 0.01 * f64::from(k)).replace('.', ",")
+        );
+    }
+    let latin: Vec<u8> = slow
+        .chars()
+        .map(|c| u8::try_from(u32::from(c)).unwrap())
+        .collect();
+    std::fs::write(bench.path("slow.txt"), latin).unwrap();
+    let settings = r#"
+[[files]]
+time = { column = "t", offset = "22.11.2026 13:15:07" }
+[[files]]
+time = { column = "Zeit" }
+[signals]
+Y = { column = "U_y", scale = 0.5, unit = "1", variable = "lag.y", accuracy = 0.01, tolerance = 0.1 }
+T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", tolerance = "900 degC" }
+[inputs]
+"drive.u" = { column = "u", accuracy = 0.01 }
+"#;
+    bench.write("settings.toml", settings);
+    let run = [
+        "synchronise",
+        "fast.csv",
+        "slow.txt",
+        "--settings",
+        "settings.toml",
+        "--case",
+        "idle",
+        "--output",
+        "m",
+    ];
+    let said = bench.run(&run);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for line in [
+        "# case.csv, Y: 2000 rows, 2000 used.",
+        "# case-2.csv, T: 20 rows, 20 used.",
+        "fast.csv: line 2002 and 0 others hold no number",
+        "for a line with 2 corners",
+    ] {
+        assert!(said.out.contains(line), "{line}: {}", said.out);
+    }
+    let criteria: toml::Table = bench.read("m/criteria.toml").parse().unwrap();
+    let oil = criteria["criteria"]["T"]["nominal"].as_float().unwrap();
+    assert!((oil - 20.095).abs() < 0.01, "{oil}");
+    let page = bench.read("m/report.html");
+    assert!(
+        page.contains("Y: as recorded") && !page.contains("friction"),
+        "no bearing"
+    );
+    let head = "fmu = \"lag.fmu\"\n[design]\npoints = 20\n[parameters.\"lag.rate\"]\ndistribution = \"uniform\"\nmin = 0.8\n\
+                max = 1.4\n[simulation]\nstep = 0.05\n";
+    bench.write(
+        "study.toml",
+        &(head.to_owned() + &bench.read("m/case.toml")),
+    );
+    let verified = bench.run(&["verify", "study.toml", "--output", "out"]);
+    assert!(
+        verified.code < 2,
+        "{} {}",
+        verified.err,
+        bench.read("m/case.toml")
+    );
+
+    let say = |from: &str, to: &str| {
+        assert!(settings.contains(from), "{from}");
+        bench.write("settings.toml", &settings.replace(from, to));
+        bench.run(&run)
+    };
+    say("offset = \"22.11.2026 13:15:07\"", "offset = \"soon\"").is_mistake(&[
+        "settings.toml",
+        "offset",
+        "`soon`",
+    ]);
+    say("column = \"U_y\"", "column = \"U_z\"").is_mistake(&[
+        "fast.csv",
+        "no column `U_z`",
+        "did you mean",
+    ]);
+    say("variable = \"lag.y\",", "").is_mistake(&[
+        "settings.toml",
+        "signals.Y",
+        "`variable` is missing",
+    ]);
+    say("[[files]]", "[[files]]\n[[files]]").is_mistake(&["settings.toml", "files: 4", "2 given"]);
+    say(
+        "time = { column = \"Zeit\" }",
+        "header = 9\ntime = { column = \"Zeit\" }",
+    )
+    .is_mistake(&["slow.txt", "line 9"]);
+    bench.write("settings.toml", settings);
+    std::fs::write(bench.path("x.mf4"), b"MDF     4.10").unwrap();
+    bench
+        .run(&["synchronise", "x.mf4", "--settings", "settings.toml"])
+        .is_mistake(&["settings.toml", "files: 2"]);
+    bench.write(
+        "settings.toml",
+        settings
+            .split("[signals]")
+            .last()
+            .map(|rest| format!("[signals]{rest}"))
+            .unwrap()
+            .as_str(),
+    );
+    bench
+        .run(&["synchronise", "x.mf4", "--settings", "settings.toml"])
+        .is_mistake(&[
+            "x.mf4: no text, but mf4",
+            "python -m fmu_orchestrator convert x.mf4",
+        ]);
 }
 
 #[test]

@@ -1,0 +1,56 @@
+"""Recordings in formats of their own become csv files; a library that is missing is named with what installs it."""
+
+import csv
+import sys
+
+import numpy as np
+import pytest
+from test_acceptance import ROOT
+
+sys.path.insert(0, str(ROOT / "python"))
+from fmu_orchestrator import OrchestratorError
+from fmu_orchestrator._convert import EXTRAS, Contents, _by_length, convert
+
+
+def rows(path):
+    with path.open(newline="") as file:
+        return list(csv.reader(file))
+
+
+def test_matlab_structures_and_picoscope(tmp_path):
+    io = pytest.importorskip("scipy.io")
+    run = {"t": np.arange(5.0), "p": np.array([1.0, np.nan, 3, 4, 5]), "slow": {"T": np.array([80.0, 81])}, "who": "Meier"}
+    io.savemat(tmp_path / "run.mat", {"run": run})
+    fast, slow = convert(tmp_path / "run.mat", tmp_path / "out")
+    assert rows(fast)[:3] == [["run/t", "run/p"], ["0.0", "1.0"], ["1.0", ""]]
+    assert rows(slow) == [["run/slow/T"], ["80.0"], ["81.0"]]
+    io.savemat(tmp_path / "pico.mat", {"Tstart": -0.5, "Tinterval": 0.25, "A": np.array([1.0, 2, 3]), "Length": 3})
+    [scope] = convert(tmp_path / "pico.mat")
+    assert rows(scope) == [["time", "A"], ["s", "-"], ["-0.5", "1.0"], ["-0.25", "2.0"], ["0.0", "3.0"]]
+
+
+def test_series_of_one_length_belong_together():
+    table = np.arange(12.0).reshape(6, 2)
+    items = [("a", "bar", np.arange(6.0)), ("b/x", "", np.arange(6.0)), ("b/y", "", table), ("c", "", np.array(["x", "y"]))]
+    contents = _by_length(items, Contents())
+    assert [[channel[0] for channel in group.channels] for group in contents.groups] == [["a"], ["b/x", "b/y/1", "b/y/2"]]
+    assert contents.left_out == ["c"]
+
+
+@pytest.mark.parametrize(("ending", "library"), [("mf4", "asammdf"), ("tdms", "nptdms"), ("h5", "h5py"), ("xlsx", "openpyxl")])
+def test_a_missing_library_is_named(tmp_path, monkeypatch, ending, library):
+    path = tmp_path / f"x.{ending}"
+    path.write_bytes(b"something")
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(OrchestratorError, match=rf'x.{ending}: {library} is missing; pip install "fmu-orchestrator\[{EXTRAS[library]}\]"'):
+        convert(path)
+
+
+def test_what_cannot_be_read_is_one_line(tmp_path):
+    pytest.importorskip("scipy.io")
+    (tmp_path / "x.mat").write_bytes(b"MATLAB 5.0 MAT-file" + bytes(200))
+    (tmp_path / "x.wav").write_bytes(b"RIFF")
+    for name, remedy in [("x.mat", "export it as csv"), ("x.wav", "`.wav` is none of"), ("y.mat", "no such file")]:
+        with pytest.raises(OrchestratorError, match=remedy) as error:
+            convert(tmp_path / name)
+        assert len(str(error.value).splitlines()) == 1
