@@ -1,7 +1,9 @@
 """From the recordings of a simulated rig to a study: the commands of docs/recordings.md on examples/recording."""
 
 import json
+import math
 import os
+import random
 import shutil
 import subprocess
 import sys
@@ -62,3 +64,35 @@ def test_recordings_become_a_study(fmu, tmp_path):
     assert 0 < summary["risk"]["conformance_probability"] < 1
     page = (tmp_path / "space" / "report.html").read_text()
     assert "verified points" in page and 'class="verified"' in page
+
+
+def test_the_engine_of_the_documents(tmp_path):
+    """The settings of docs/recordings.md, on a noisy speed at 1 kHz and a logger of temperatures with a clock of its own."""
+    noise = random.Random(1)
+    settings = (ROOT / "docs" / "recordings.md").read_text().split("```toml\n")[1].split("```")[0]
+    (tmp_path / "engine.toml").write_text(settings)
+    rows = ["t [ms],n [1/min],U_p [V]"]
+    for k in range(60_000):
+        # The speed steps up by 50 rpm within a second.
+        speed = 3000 + min(max(k / 1000 - 30, 0), 1) * 50 + noise.gauss(0, 5)
+        rows.append(f"{k},{speed:.2f},{2 + 0.1 * math.sin(k / 1000) + noise.gauss(0, 0.01):.4f}")
+    (tmp_path / "fast.csv").write_text("\n".join(rows) + "\n")
+    rows = ["Prüfstand 7", "Bediener;Meier", "", "Zeit;T_oel;T_wasser", "s;°C;°C"]
+    rows += [f"{k};{80 + noise.gauss(0, 0.2):.2f};OVR".replace(".", ",") for k in range(60)]
+    (tmp_path / "slow.txt").write_text("\n".join(rows) + "\n", encoding="cp1252")
+    command = [PROGRAM, "synchronise", "fast.csv", "slow.txt", "--settings", "engine.toml", "--case", "idle", "--output", "out"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    case = tomllib.loads((tmp_path / "out" / "case.toml").read_text())["cases"][0]
+    assert case["criteria"]["p_oil"]["reference"]["file"] == "out/case.csv"
+    assert case["criteria"]["T_oil"]["reference"]["file"] == "out/case-2.csv"
+    assert case["criteria"]["T_oil"]["window"] == {"from": 2.0, "to": 59.8}
+    speed = case["inputs"]["engine.speed"]
+    assert speed["unit"] == "rpm"
+    corners = [[float(cell) for cell in row.split(",")] for row in (tmp_path / speed["file"]).read_text().splitlines()[1:]]
+    assert 4 <= len(corners) < 100
+    # The angle within the run, in turns: the noise adds up to 5 rpm / 60 times the root of 60,000 ms / 1000, and that four times.
+    pairs = zip(corners, corners[1:])
+    turns = sum((after[0] - before[0]) * (after[1] + before[1]) / 120 for before, after in pairs)
+    assert abs(turns - (59.999 * 3000 + 50 * (0.5 + 28.999)) / 60) < 4 * 5 / 60 * math.sqrt(60_000) / 1000
+    criteria = tomllib.loads((tmp_path / "out" / "criteria.toml").read_text())["criteria"]
+    assert abs(criteria["p_oil"]["nominal"] - 3.2) < 0.02 and abs(criteria["T_oil"]["nominal"] - 80) < 0.1

@@ -133,16 +133,21 @@ impl Rows for TextRows {
     fn advance(&mut self) -> Result<bool, FileError> {
         let more = self.reader.read_record(&mut self.record);
         let more = more.map_err(|error| FileError::new(&self.path, error.to_string()))?;
+        if more && self.record.iter().any(|cell| cell.contains('\n')) {
+            let message = format!(
+                "line {}: a quote without an end; close or remove it",
+                self.line()
+            );
+            return Err(FileError::new(&self.path, message));
+        }
         let more_cells = self
             .record
             .iter()
             .skip(self.names.len())
             .any(|cell| !cell.is_empty());
         if more && more_cells {
-            let (line, len, expected) = (self.line(), self.record.len(), self.names.len());
-            let message = format!(
-                "line {line} has {len} cells instead of {expected} as the first line; a decimal comma needs semicolons between cells"
-            );
+            let unequal = layout::unequal(self.record.len(), self.names.len());
+            let message = format!("line {} {unequal}", self.line());
             return Err(FileError::new(&self.path, message));
         }
         Ok(more)
@@ -274,7 +279,8 @@ impl RecordedTable {
     pub fn column(&self, name: &str) -> Result<&Column, FileError> {
         self.get(name).ok_or_else(|| {
             let names = self.columns.iter().map(|column| column.name.as_str());
-            let suggestion = did_you_mean(nearest(name, names.clone()));
+            let bare = names.clone().map(|name| name_and_unit(name).0);
+            let suggestion = did_you_mean(nearest(name, bare));
             const MANY: usize = 20;
             let known: Vec<&str> = names.take(MANY).collect();
             self.wrong(format!(
@@ -409,7 +415,7 @@ mod tests {
             (1, Some("line 3: `OVR`"))
         );
         assert_eq!((table.rows, table.others), (2, Some((4, 1))));
-        let error = table.column("P").unwrap_err().to_string();
+        let error = table.column("sid (left)").unwrap_err().to_string();
         assert!(
             error.contains("did you mean") && error.contains("it has t [ms], n in rpm"),
             "{error}"

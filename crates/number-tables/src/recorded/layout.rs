@@ -131,13 +131,19 @@ pub(super) fn cells(line: &str, separator: u8) -> Vec<String> {
     }
 }
 
+/// How many cells a row has up to the last one that is not empty.
+fn filled(cells: &[String]) -> usize {
+    let last = cells.iter().rposition(|cell| !cell.is_empty());
+    last.map_or(0, |last| last + 1)
+}
+
 /// How many cells a row of numbers has; `None` of any other line. With `texts`, some cells may be words.
 fn numbers(cells: &[String], separator: u8, form: Option<&str>, texts: bool) -> Option<usize> {
     let is_value = |cell: &String| number(separator, cell).is_some() || stamp(cell, form).is_some();
     let missing = |cell: &String| cell.is_empty() || !cell.contains(|c: char| c.is_alphanumeric());
     let some = cells.iter().any(is_value);
     let all = texts || cells.iter().all(|cell| is_value(cell) || missing(cell));
-    (some && all).then_some(cells.len())
+    (some && all).then(|| filled(cells))
 }
 
 /// The longest run of rows of numbers: its first line, its length, its most cells.
@@ -190,6 +196,13 @@ fn is_unit(cell: &str) -> bool {
     enclosed || known::usual(&unit(cell)).is_some()
 }
 
+/// Why a row has more cells than there are names.
+pub(super) fn unequal(cells: usize, names: usize) -> String {
+    format!(
+        "has {cells} cells instead of {names} as the names; a decimal comma needs semicolons between cells"
+    )
+}
+
 /// Looks for the numbers in a text, and for the names above them.
 pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, FileError> {
     let lines: Vec<&str> = text.lines().take(SAMPLE).collect();
@@ -214,14 +227,13 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
         return Err(FileError::new(path, message));
     };
     // Rows with a remark in them belong to the numbers, too.
+    let width = cells(lines[first], separator).len();
     let is_row = |line: &usize| {
         let row = cells(lines[*line], separator);
         let known = row.iter().filter(|cell| !cell.is_empty()).count();
-        let values = row
-            .iter()
-            .filter(|cell| number(separator, cell).is_some())
-            .count();
-        row.len() == columns && values > 1 && 2 * values >= known
+        let is_number = |cell: &&String| number(separator, cell).is_some();
+        let values = row.iter().filter(is_number).count();
+        row.len() == width && values > 1 && 2 * values >= known
     };
     let least = layout.header.unwrap_or(0);
     let first = (least..first)
@@ -242,8 +254,16 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
             );
             return Err(FileError::new(path, message));
         }
-        None => above(first, &lines, named),
+        None => above(first, &lines, separator, named),
     };
+    if names.is_none() && separator == b',' && first > 0 {
+        // `0,1,5` below `t,F` are two numbers with decimal commas.
+        let above = filled(&cells(lines[first - 1], separator));
+        if above > 1 {
+            let message = format!("line {} {}", first + 1, unequal(columns, above));
+            return Err(FileError::new(path, message));
+        }
+    }
     let mut names = names.unwrap_or_default();
     names.extend((names.len()..columns).map(|k| (k + 1).to_string()));
     let unit_at = |k: usize| {
@@ -265,6 +285,7 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
 fn above(
     first: usize,
     lines: &[&str],
+    separator: u8,
     named: impl Fn(usize) -> Option<Vec<String>>,
 ) -> (Option<Vec<String>>, Option<Vec<String>>) {
     let blank = |line: &&usize| lines[**line].trim().is_empty();
@@ -278,9 +299,11 @@ fn above(
         let said: Vec<&String> = row.iter().filter(|cell| !cell.is_empty()).collect();
         !said.is_empty() && 2 * said.iter().filter(|cell| is_unit(cell)).count() >= said.len()
     };
-    let place = (0..block.len().saturating_sub(1)).find(|&k| are_units(&block[k]));
-    // Two lines at the top are names and units, known or not.
-    let place = place.or((block.len() == 2 && gap + 2 == places.len()).then_some(0));
+    // Between the units and the numbers stands at most one row of remarks.
+    let place = (0..block.len().saturating_sub(1).min(2)).find(|&k| are_units(&block[k]));
+    // Two lines at the top are names and units, known or not; words of a title are none.
+    let place =
+        place.or((separator != b' ' && block.len() == 2 && gap + 2 == places.len()).then_some(0));
     match place {
         Some(k) => (block.get(k + 1).cloned(), block.get(k).cloned()),
         None => (block.first().cloned(), None),
@@ -290,14 +313,7 @@ fn above(
 /// The cells of a line above the numbers, where it has one for each column.
 fn head(line: &str, separator: u8, columns: usize) -> Option<Vec<String>> {
     let line = line.trim_start_matches(['#', '%', '!']);
-    let fits = |row: &Vec<String>| {
-        let last = row
-            .iter()
-            .rposition(|cell| !cell.is_empty())
-            .map_or(0, |last| last + 1);
-        let near = last == columns + 1 || (columns > 2 && last + 1 == columns);
-        last > 0 && (row.len() == columns || last == columns || near)
-    };
+    let fits = |row: &Vec<String>| filled(row) >= columns;
     let joined = || {
         let mut row: Vec<String> = Vec::new();
         for cell in line.split_whitespace() {
@@ -308,11 +324,16 @@ fn head(line: &str, separator: u8, columns: usize) -> Option<Vec<String>> {
         }
         row
     };
-    let usual = [cells(line, separator)].into_iter();
+    let usual = match separator {
+        // A unit belongs to the name before it.
+        b' ' => joined(),
+        _ => cells(line, separator),
+    };
     let others = SEPARATORS.iter().map(|&other| cells(line, other));
-    let mut rows = usual.chain(others).chain([joined()]);
+    let mut rows = [usual].into_iter().chain(others);
     let row = rows.find(fits)?;
-    let row = row.into_iter().take(columns.max(1));
+    let filled = filled(&row);
+    let row = row.into_iter().take(filled);
     Some(
         row.map(|name| crate::csv_file::text(&name).into_owned())
             .collect(),
@@ -408,8 +429,8 @@ mod tests {
             (
                 "t,F,t,F,\n0,1,0,2,\n1,1,1,2,\n",
                 ',',
-                "t|F|t (2)|F (2)|",
-                "||||",
+                "t|F|t (2)|F (2)",
+                "|||",
                 1,
             ),
             (
