@@ -117,7 +117,7 @@ impl<'a> Case<'a> {
     /// The case of a synchronised recording.
     pub fn new(recording: &'a RigRecording, result: &'a Synchronised, drives: &'a [Drive]) -> Self {
         /// Curves share a table where that costs no more of their rows.
-        const SHARED: f64 = 0.9;
+        const SHARED: f64 = 0.99;
         let torque = recording.bearing.as_ref().map(|bearing| &bearing.torque);
         let mut tables: Vec<Rows> = Vec::new();
         let mut curves = Vec::new();

@@ -84,14 +84,14 @@ fn fit(time: &[f64], values: &[f64], knots: &[usize]) -> Vec<f64> {
         let ends = [pair[0], pair[1]];
         // The last sample of a piece is the first one of the next.
         let end = ends[1] + usize::from(piece + 2 == count);
-        for k in ends[0]..end {
+        for (k, value) in values.iter().enumerate().take(end).skip(ends[0]) {
             let b = part(time, ends, k);
             let a = 1.0 - b;
             diagonal[piece] += a * a;
             diagonal[piece + 1] += b * b;
             beside[piece] += a * b;
-            right[piece] += a * values[k];
-            right[piece + 1] += b * values[k];
+            right[piece] += a * value;
+            right[piece + 1] += b * value;
         }
     }
     if count < 2 {
@@ -160,24 +160,12 @@ mod tests {
 
     #[test]
     fn noise_is_left_out_and_the_signal_stays() {
-        for (name, signal, noise, most, drift) in [
-            (
-                "line",
-                (|t| 300.0 - 0.5 * t) as fn(f64) -> f64,
-                2.0,
-                8,
-                0.15,
-            ),
-            ("exact line", |t| 300.0 - 0.5 * t, 0.0, 2, 1e-9),
-            ("constant", |_| 300.0, 0.0, 2, 1e-9),
-            (
-                "step",
-                |t| if t < 2.3 { 300.0 } else { 450.0 },
-                2.0,
-                40,
-                0.15,
-            ),
-            ("slow wave", |t| 300.0 + 20.0 * t.sin(), 2.0, 60, 0.15),
+        for (name, signal, noise, most) in [
+            ("line", (|t| 300.0 - 0.5 * t) as fn(f64) -> f64, 2.0, 4),
+            ("exact line", |t| 300.0 - 0.5 * t, 0.0, 2),
+            ("constant", |_| 300.0, 0.0, 2),
+            ("step", |t| if t < 2.3 { 300.0 } else { 450.0 }, 2.0, 80),
+            ("slow wave", |t| 300.0 + 20.0 * t.sin(), 2.0, 30),
         ] {
             let (line, sum) = thinned(signal, noise);
             assert!(
@@ -189,6 +177,8 @@ mod tests {
                 line.left <= 1.03 * noise + line.tolerance.min(0.1),
                 "{name}: {line:?}"
             );
+            // Three deviations of what the noise itself adds up to.
+            let drift = 3.0 * noise * 6000_f64.sqrt() / RATE + 1e-9;
             assert!(sum < drift, "{name}: the integral differs by {sum}");
         }
         // What is far above the noise is no noise, however quick.

@@ -231,8 +231,10 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
     let is_row = |line: &usize| {
         let row = cells(lines[*line], separator);
         let known = row.iter().filter(|cell| !cell.is_empty()).count();
-        let is_number = |cell: &&String| number(separator, cell).is_some();
-        let values = row.iter().filter(is_number).count();
+        let is_value = |cell: &&String| {
+            number(separator, cell).is_some() || stamp(cell, layout.format.as_deref()).is_some()
+        };
+        let values = row.iter().filter(is_value).count();
         row.len() == width && values > 1 && 2 * values >= known
     };
     let least = layout.header.unwrap_or(0);
@@ -331,13 +333,9 @@ fn head(line: &str, separator: u8, columns: usize) -> Option<Vec<String>> {
     };
     let others = SEPARATORS.iter().map(|&other| cells(line, other));
     let mut rows = [usual].into_iter().chain(others);
-    let row = rows.find(fits)?;
-    let filled = filled(&row);
-    let row = row.into_iter().take(filled);
-    Some(
-        row.map(|name| crate::csv_file::text(&name).into_owned())
-            .collect(),
-    )
+    let row = rows.find(fits)?.into_iter();
+    let row = row.map(|name| crate::csv_file::text(&name).into_owned());
+    Some(row.collect())
 }
 
 /// Names that come again get a number.
@@ -429,8 +427,8 @@ mod tests {
             (
                 "t,F,t,F,\n0,1,0,2,\n1,1,1,2,\n",
                 ',',
-                "t|F|t (2)|F (2)",
-                "|||",
+                "t|F|t (2)|F (2)|5",
+                "||||",
                 1,
             ),
             (
