@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::methods::Method;
 pub use fmu::{Check, Format, Init, Inspect, Simulate, Synchronise};
-pub use study::{Compare, Gate, Judge, Merge, Replay, Report, Verify};
+pub use study::{Compare, Gate, Judge, Merge, Pack, Replay, Report, Verify};
 
 /// Verifies FMUs of FMI 2.0 and 3.0 against measurements under uncertainty.
 #[derive(Debug, Parser)]
@@ -97,7 +97,9 @@ pub enum Command {
     /// Simulates an FMU once and writes csv: the time, then the outputs
     Simulate(Simulate),
     /// Simulates a study's points and judges them against the measurement
-    Verify(Verify),
+    Verify(Box<Verify>),
+    /// Puts a study with its results into a copy of its FMU, which `verify` runs there
+    Pack(Pack),
     /// Applies a study's criteria to outputs in a table, without an FMU
     Judge(Judge),
     /// Runs one point of a study again, with its trajectory

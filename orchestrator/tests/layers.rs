@@ -23,7 +23,7 @@ const FLOORS: [&[&str]; 16] = [
     &["options"],
     &["methods"],
     &["report"],
-    &["compare"],
+    &["compare", "packed"],
     &["reruns"],
     &["cli"],
     &["commands"],

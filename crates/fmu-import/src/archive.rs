@@ -3,6 +3,7 @@
 //! Nothing in an archive is trusted: no entry leaves the target folder, links are refused, and
 //! the number of entries and the unpacked size are limited.
 
+mod repack;
 mod unpack;
 
 use std::borrow::Cow;
@@ -66,6 +67,9 @@ pub enum ArchiveError {
     /// It is neither a file nor a folder.
     #[error("{0} is a device or a pipe, which may have no end; give a file")]
     NoFile(PathBuf),
+    /// It is a folder, and a file is needed.
+    #[error("{0} is a folder; give the FMU as a file")]
+    Folder(PathBuf),
     /// There is no model description.
     #[error("not an FMU: it holds no modelDescription.xml")]
     NoDescription,
@@ -110,7 +114,7 @@ impl ArchiveError {
     pub fn is_a_fault(&self) -> bool {
         !matches!(
             self,
-            Self::Missing | Self::Io(_) | Self::NotZip | Self::NoFile(_)
+            Self::Missing | Self::Io(_) | Self::NotZip | Self::NoFile(_) | Self::Folder(_)
         )
     }
 

@@ -1,6 +1,6 @@
 //! An FMU at rest: its description, and its files.
 
-use std::io::{self, Read};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -126,6 +126,21 @@ impl Package {
     pub fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, FmuError> {
         let bytes = self.archive.bytes_of(entry);
         bytes.map_err(|fault| self.unusable(fault))
+    }
+
+    /// Writes a copy of the FMU with these files, and without those that `leave_out` names. Whatever else was there stays as it
+    /// is, byte for byte.
+    ///
+    /// # Errors
+    /// When the FMU is a folder or has two files of one name, and when the system says no.
+    pub fn copy_with(
+        &mut self,
+        into: impl Write + Seek,
+        leave_out: impl Fn(&str) -> bool,
+        files: &[(String, Vec<u8>)],
+    ) -> Result<(), FmuError> {
+        let copied = self.archive.copy_with(into, leave_out, files);
+        copied.map_err(|fault| self.unusable(fault))
     }
 
     /// Hands the document of `modelDescription.xml` to `read`.

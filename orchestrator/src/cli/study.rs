@@ -69,6 +69,9 @@ pub struct Verify {
     /// Run at most so many points once more, with finer steps and to a later end, to see whether their values rest
     #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
     pub extra_runs: usize,
+    /// Of an FMU in place of a study: the study that it carries [default: the one packed last]
+    #[arg(long = "study", id = "carried", value_name = "NAME")]
+    pub carried: Option<String>,
     /// For a build server
     #[command(flatten)]
     pub gate: Gate,
@@ -88,6 +91,26 @@ impl Verify {
 
 fn extra_runs() -> impl TypedValueParser<Value = usize> {
     RangedU64ValueParser::<usize>::new().range(0..=MOST_EXTRA_RUNS as u64)
+}
+
+/// Options of `pack`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "`orchestrator verify MODEL.fmu` runs the study that the FMU carries, on any machine, and compares with its \
+    result: exit code 1 where that is not met.\n\nExample: orchestrator pack studies/rig.toml --output Stand.fmu"
+)]
+pub struct Pack {
+    /// The study
+    pub study: PathBuf,
+    /// The copy of the FMU
+    #[arg(long, value_name = "MODEL.fmu")]
+    pub output: PathBuf,
+    /// The folder with the study's results [default: `verify --validation` runs it]
+    #[arg(long, value_name = "DIR")]
+    pub from: Option<PathBuf>,
+    /// The FMU, instead of the study's, such as one that carries another study already
+    #[arg(long, value_name = "FMU")]
+    pub fmu: Option<PathBuf>,
 }
 
 /// Options of `replay`.

@@ -46,7 +46,7 @@ pub(super) fn name(summary: &Summary) -> String {
 
 /// The verdict, each criterion, each case, and each warning as a test. A criterion that no point meets, or fewer than the
 /// required share, fails: with it the model cannot be verified.
-fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
+pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
     let study = name(summary);
     let conclusion = summary.conclusion.as_ref();
     let whole = conclusion.map_or_else(

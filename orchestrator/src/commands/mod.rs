@@ -13,6 +13,7 @@ mod isolated;
 mod judge;
 mod manual;
 mod merge;
+mod pack;
 mod replay;
 mod report;
 mod simulate;
@@ -64,8 +65,10 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => match options.rare {
             Some(event) => deliver(proven(options.rare(event), rare::run, |o| &mut o.work)?),
+            None if pack::is_fmu(&options.work.study) => pack::run_carried(*options),
             None => verify::run(&options),
         },
+        Command::Pack(options) => pack::run(&options),
         Command::Judge(options) => judge::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Merge(options) => merge::run(&options),

@@ -585,6 +585,25 @@ impl Study {
     /// hexadecimal digits.
     pub fn digest(&self) -> String {
         let mut bytes = self.text.clone().into_bytes();
+        for file in self.named() {
+            // An unreadable file is reported where it is used.
+            let hash = files::open(&self.path_of(file)).and_then(sha256);
+            bytes.extend(hash.unwrap_or_else(|_| Sha256::digest([]).into()));
+        }
+        digest(&bytes)
+    }
+
+    /// All files that the study names, but the FMU.
+    pub fn files(&self) -> Vec<&Path> {
+        let identify = self.identify.as_ref();
+        let cases = identify.and_then(|identify| identify.cases.as_ref());
+        self.named()
+            .chain(cases.map(|file| file.as_ref().as_path()))
+            .collect()
+    }
+
+    /// The files that a verdict depends on.
+    fn named(&self) -> impl Iterator<Item = &Path> {
         let of_cases = self.cases.iter().flat_map(|case| case.inputs.values());
         let inputs = self.inputs.values().chain(of_cases);
         let inputs = inputs.map(|input| &input.file);
@@ -593,12 +612,8 @@ impl Study {
         let samples = self.parameters.values();
         let samples = samples.filter_map(|parameter| parameter.file.as_ref());
         let named = inputs.chain(curves).chain(samples);
-        for file in named.chain(&self.fixed_from) {
-            // An unreadable file is reported where it is used.
-            let hash = files::open(&self.path_of(file.as_ref())).and_then(sha256);
-            bytes.extend(hash.unwrap_or_else(|_| Sha256::digest([]).into()));
-        }
-        digest(&bytes)
+        let named = named.chain(&self.fixed_from);
+        named.map(|file| file.as_ref().as_path())
     }
 
     /// The study's text.

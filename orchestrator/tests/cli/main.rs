@@ -23,6 +23,7 @@ mod isolation;
 mod mistakes;
 mod mutations;
 mod optima;
+mod packed;
 mod rare;
 mod regions;
 mod reuse;

@@ -1,0 +1,154 @@
+//! `pack`, and `verify` of what it has packed.
+
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use super::{gate, output, verify};
+use crate::cli::{Cli, Command, Pack, Verify};
+use crate::compare::{compare, write};
+use crate::error::Error;
+use crate::junit;
+use crate::options::folder_of;
+use crate::packed::{changed, choose, digests, pack, unpack};
+use crate::results::table;
+use crate::study::Study;
+use fmu_import::Package;
+
+/// Where the carried study lies beside the new results.
+const CARRIED: &str = "carried";
+
+/// `pack`: puts a study with its results into a copy of its FMU.
+pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
+    let study = Study::read(&options.study)?;
+    let results = match &options.from {
+        Some(folder) => folder.clone(),
+        None => {
+            let folder = folder_of(&options.study);
+            verify::run(&verification(options, &folder))?;
+            folder
+        }
+    };
+    let summary = table::summary(&results)?;
+    let mut package = study.open_fmu(options.fmu.as_deref())?;
+    let fits = |digest: Option<&String>, wanted: &str, what: &str| match digest.map(String::as_str)
+        == Some(wanted)
+    {
+        true => Ok(()),
+        false => Err(Error::Refused(format!(
+            "{} holds results of another {what}; verify {} again, or leave out --from",
+            results.display(),
+            options.study.display()
+        ))),
+    };
+    let from = &summary.provenance;
+    fits(
+        Some(&from.study_sha256),
+        &study.digest(),
+        "study, or of its earlier text",
+    )?;
+    // Another FMU may be the same model that carries a study already.
+    let mut own = study.open_fmu(None)?;
+    let same = digests(&mut own)? == digests(&mut package)?;
+    let verified = if same { &own } else { &package };
+    if from.fmu_sha256.as_deref() != Some(&package.digest()?) {
+        fits(from.fmu_sha256.as_ref(), &verified.digest()?, "FMU")?;
+    }
+    let name = pack(&mut package, &study, &results, &summary, &options.output)?;
+    output::print(&format!(
+        "{} carries the study {name}: orchestrator verify {} runs it and compares\n",
+        options.output.display(),
+        options.output.display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The options of the study's own run.
+fn verification(options: &Pack, folder: &Path) -> Verify {
+    let mut line = vec![
+        "orchestrator".into(),
+        "verify".into(),
+        options.study.clone(),
+        "--validation".into(),
+    ];
+    line.extend(["--output".into(), folder.to_owned()]);
+    if let Some(fmu) = &options.fmu {
+        line.extend(["--fmu".into(), fmu.clone()]);
+    }
+    match Cli::try_parse_from(line.iter().map(|part| part.as_os_str())).map(|cli| cli.command) {
+        Ok(Command::Verify(options)) => *options,
+        _ => unreachable!("these are options of `verify`"),
+    }
+}
+
+/// Whether a file is an FMU rather than a study: an archive.
+pub(super) fn is_fmu(path: &Path) -> bool {
+    let is_named = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
+    is_named && !fs::metadata(path).is_ok_and(|entry| entry.is_dir())
+}
+
+/// `verify MODEL.fmu`: runs the study that the FMU carries, and compares with the result that it carries.
+pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
+    let fmu = options.work.study.clone();
+    let mut package = Package::open(&fmu)?;
+    let (carried, others) = choose(&mut package, options.carried.as_deref())?;
+    let name = &carried.name;
+    let usual = || folder_of(Path::new(name));
+    let folder = options.work.output.clone().unwrap_or_else(usual);
+    let place = folder.join(CARRIED);
+    unpack(&mut package, name, &place)?;
+    let mut tested = match &options.work.means.fmu {
+        Some(other) => Package::open(other)?,
+        None => package,
+    };
+    let changed = changed(&carried.ties.files, &digests(&mut tested)?);
+    let ties = carried.ties;
+    options.work.study = place.join(&ties.study);
+    options.work.output = Some(folder.clone());
+    options.work.means.fmu.get_or_insert(fmu);
+    if options.points_from.is_none() {
+        options.points = options.points.or(ties.points);
+        options.seed = options.seed.or(ties.seed);
+        options.points_from = ties.points_from.map(|table| place.join(table));
+    }
+    options.validation |= ties.validation;
+    let file = options.gate.junit.take();
+    let code = verify::run(&options)?;
+    if options.dry_run || options.work.parts.shard()?.is_some() {
+        return Ok(code);
+    }
+    let comparison = compare(&place.join("results"), &folder)?;
+    write(&comparison, &folder)?;
+    let mut text = format!(
+        "\nThe study {name}, which the FMU carries, against its result: {}\n",
+        comparison.headline()
+    );
+    for what in &changed {
+        text += &format!("warning: not the FMU that was verified: {what}\n");
+    }
+    if !others.is_empty() {
+        text += &format!(
+            "It also carries {}: --study NAME runs another one.\n",
+            others.join(", ")
+        );
+    }
+    output::print(&(text + &comparison.document().as_text()));
+    if let Some(file) = file {
+        let summary = table::summary(&folder)?;
+        let tests = [
+            gate::tests(&summary, options.gate.strict),
+            comparison.tests(true),
+        ]
+        .concat();
+        let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
+        junit::write(&file, &gate::name(&summary), &tests, seconds)?;
+    }
+    Ok(match comparison.same && comparison.warnings.is_empty() {
+        true => code,
+        false => ExitCode::FAILURE,
+    })
+}

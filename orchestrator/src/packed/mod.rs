@@ -1,0 +1,464 @@
+//! Studies that an FMU carries, with their results: files after the layered standard FMI-LS-REF, tied to the FMU by digests.
+
+mod manifest;
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::results::Summary;
+use crate::session::Request;
+use crate::study::Study;
+use fmu_import::{Package, digest, percent_encoded};
+use manifest::Related;
+use point_journal::files::{draft, keep, make_folder, write_text};
+
+/// The folder of the related files in an FMU.
+const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref/";
+/// The manifest of the related files.
+const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
+/// The file that ties a study to the FMU.
+const TIES: &str = "ties.json";
+/// The results of a study that travel with it: what they are, their type, and their role.
+const RESULTS: [(&str, &str, &str, &str); 8] = [
+    ("points.csv", "result", "text/csv", "the points"),
+    (
+        "summary.json",
+        "result",
+        "application/json",
+        "the verdict, with all that it rests on",
+    ),
+    (
+        "best.ssv",
+        "parameter",
+        "application/x-ssp-parameter-set",
+        "the parameters nearest to the measurement",
+    ),
+    (
+        "best-point.csv",
+        "result",
+        "text/csv",
+        "the trajectory with these parameters",
+    ),
+    (
+        "best.srmd",
+        "meta-data",
+        "application/x-srmd-meta-data",
+        "where these parameters come from",
+    ),
+    (
+        "verdict.srmd",
+        "meta-data",
+        "application/x-srmd-meta-data",
+        "where the verdict comes from",
+    ),
+    (
+        "verdict.stmd",
+        "meta-data",
+        "application/x-stmd-meta-data",
+        "the whole task",
+    ),
+    ("report.html", "report", "text/html", "the page"),
+];
+
+/// How a study was run, and which files of the FMU it was run with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ties {
+    /// The study, below its folder in the FMU.
+    pub study: String,
+    /// How many points; none where the study or its table says it.
+    pub points: Option<u64>,
+    /// The design's seed, where it is another one than the study's.
+    pub seed: Option<u64>,
+    /// The table of points, where there is one.
+    pub points_from: Option<String>,
+    /// Whether the numerical uncertainty is stated.
+    pub validation: bool,
+    /// The SHA-256 digests of the files that a simulation depends on.
+    pub files: IndexMap<String, String>,
+}
+
+/// A study that an FMU carries.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carried {
+    /// Its name.
+    pub name: String,
+    /// How it was run.
+    pub ties: Ties,
+}
+
+/// The digests of the files that a simulation depends on: description, binaries, resources.
+///
+/// # Errors
+/// When one of them cannot be read.
+pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>, Error> {
+    let matters = |entry: &String| {
+        let within = ["binaries/", "resources/"]
+            .iter()
+            .any(|folder| entry.starts_with(folder));
+        !entry.ends_with('/') && (within || entry == "modelDescription.xml")
+    };
+    let mut entries: Vec<String> = package.entries().into_iter().filter(matters).collect();
+    entries.sort_unstable();
+    let digest = |entry: String| {
+        let bytes = package.bytes_of(&entry)?;
+        Ok((entry, digest(&bytes)))
+    };
+    entries.into_iter().map(digest).collect()
+}
+
+/// What became of the files that a study was run with, in words.
+pub fn changed(then: &IndexMap<String, String>, now: &IndexMap<String, String>) -> Vec<String> {
+    let gone = then
+        .iter()
+        .filter_map(|(file, digest)| match now.get(file) {
+            None => Some(format!("{file} is gone")),
+            Some(now) if now != digest => Some(format!("{file} is another one")),
+            Some(_) => None,
+        });
+    let new = now.keys().filter(|file| !then.contains_key(*file));
+    gone.chain(new.map(|file| format!("{file} is new")))
+        .collect()
+}
+
+/// The studies that an FMU carries, in the order in which they were packed.
+///
+/// # Errors
+/// When what ties one of them to the FMU is damaged.
+pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
+    let entries = package.entries();
+    let named = entries.iter().filter_map(|entry| {
+        let name = entry
+            .strip_prefix(FOLDER)?
+            .strip_suffix(TIES)?
+            .strip_suffix('/')?;
+        (!name.contains('/')).then(|| name.to_owned())
+    });
+    let mut studies = Vec::new();
+    for name in named.collect::<Vec<_>>() {
+        let entry = format!("{FOLDER}{name}/{TIES}");
+        let bytes = package.bytes_of(&entry)?;
+        let ties = serde_json::from_slice(&bytes);
+        let ties = ties.map_err(|error| Error::content(&package.path().join(&entry), error))?;
+        studies.push(Carried { name, ties });
+    }
+    let order = match entries.iter().any(|entry| entry == MANIFEST) {
+        true => String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned(),
+        false => String::new(),
+    };
+    studies.sort_by_key(|study| order.find(&format!("\"{}/{TIES}\"", study.name)));
+    Ok(studies)
+}
+
+/// The study of this name, or the one that was packed last.
+///
+/// # Errors
+/// When there is none.
+pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec<String>), Error> {
+    let mut all = studies(package)?;
+    let names: Vec<String> = all.iter().map(|study| study.name.clone()).collect();
+    let path = package.path().display();
+    let place = match name {
+        None => all.len().checked_sub(1),
+        Some(name) => names.iter().position(|known| known == name),
+    };
+    let Some(place) = place else {
+        let message = match (name, names.is_empty()) {
+            (Some(name), false) => {
+                format!("{path} carries no study `{name}`, but {}", names.join(", "))
+            }
+            _ => format!(
+                "{path}: is an FMU that carries no study; `orchestrator init {path}` writes one, `orchestrator pack` puts one \
+                 into a copy"
+            ),
+        };
+        return Err(Error::Refused(message));
+    };
+    let chosen = all.remove(place);
+    let others = names
+        .into_iter()
+        .filter(|name| *name != chosen.name)
+        .collect();
+    Ok((chosen, others))
+}
+
+/// Writes the files of a study that an FMU carries into a folder.
+///
+/// # Errors
+/// When one of them is damaged or has a path that leads elsewhere, and when the system says no.
+pub fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Error> {
+    let prefix = format!("{FOLDER}{name}/");
+    for entry in package.entries() {
+        let Some(below) = entry
+            .strip_prefix(&prefix)
+            .filter(|below| !below.ends_with('/') && !below.is_empty())
+        else {
+            continue;
+        };
+        let path = Path::new(below);
+        if below.contains('\\')
+            || !path
+                .components()
+                .all(|part| matches!(part, Component::Normal(_)))
+        {
+            return Err(Error::content(
+                &package.path().join(&entry),
+                "a path that leads out of its folder",
+            ));
+        }
+        let bytes = package.bytes_of(&entry)?;
+        let path = folder.join(path);
+        make_folder(path.parent().unwrap_or(folder))?;
+        write_text(&path, bytes)?;
+    }
+    Ok(())
+}
+
+/// A file on its way into an FMU.
+struct File {
+    name: String,
+    content: Vec<u8>,
+    related: Related,
+}
+
+/// Puts a study with its results into a copy of an FMU, and returns its name. One of this name that the FMU carries is
+/// replaced.
+///
+/// # Errors
+/// When a file cannot be read or written, or lies where it cannot be packed.
+pub fn pack(
+    package: &mut Package,
+    study: &Study,
+    results: &Path,
+    summary: &Summary,
+    output: &Path,
+) -> Result<String, Error> {
+    let stem = study
+        .path()
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let name: String = stem
+        .chars()
+        .map(|c| {
+            if c.is_ascii_alphanumeric() || "-_.".contains(c) {
+                c
+            } else {
+                '-'
+            }
+        })
+        .collect();
+    let request = Request::read(results)?;
+    let mut files = Vec::new();
+    let mut add = |path: &Path, below: String, role: &str, kind: &str, description: String| {
+        let content = fs::read(path).map_err(Error::io(path))?;
+        let source = format!("{name}/{below}");
+        let related = Related {
+            kind: kind.to_owned(),
+            source: percent_encoded(&source, "/"),
+            role: role.to_owned(),
+            description,
+        };
+        files.push(File {
+            name: format!("{FOLDER}{source}"),
+            content,
+            related,
+        });
+        Ok::<_, Error>(())
+    };
+    let (place, data) = layout(study)?;
+    let role = match study.parameters.is_empty() {
+        true => "experiment/validation",
+        false => "experiment/uncertainty-analysis",
+    };
+    let title = study
+        .title
+        .clone()
+        .unwrap_or_else(|| stem.clone().into_owned());
+    add(
+        study.path(),
+        place.clone(),
+        role,
+        "application/toml",
+        format!("The study: {title}"),
+    )?;
+    for (path, below) in data {
+        add(
+            &path,
+            below,
+            "other",
+            "text/csv",
+            "Data that the study names".to_owned(),
+        )?;
+    }
+    let points_from = match &request.points_from {
+        Some(table) => {
+            let end = table
+                .extension()
+                .unwrap_or("csv".as_ref())
+                .to_string_lossy();
+            let below = format!("points.{end}");
+            add(
+                table,
+                below.clone(),
+                "other",
+                "text/csv",
+                "The points' parameters".to_owned(),
+            )?;
+            Some(below)
+        }
+        None => None,
+    };
+    for (file, role, kind, what) in RESULTS {
+        let path = results.join(file);
+        if path.exists() {
+            add(
+                &path,
+                format!("results/{file}"),
+                role,
+                kind,
+                format!("Of the study {name}: {what}"),
+            )?;
+        }
+    }
+    let counted = request.points_from.is_none() && !study.design.method.is_by_levels();
+    let ties = Ties {
+        study: place,
+        points: counted.then_some(summary.points),
+        seed: request.seed,
+        points_from,
+        validation: summary
+            .validation
+            .values()
+            .any(|comparison| comparison.u_num.is_some()),
+        files: digests(package)?,
+    };
+    let source = format!("{name}/{TIES}");
+    let related = Related {
+        kind: "application/json".to_owned(),
+        source: source.clone(),
+        role: "meta-data".to_owned(),
+        description: "How the study was run, and the digests of the files that it was run with"
+            .to_owned(),
+    };
+    let content = serde_json::to_vec_pretty(&ties)?;
+    files.push(File {
+        name: format!("{FOLDER}{source}"),
+        content,
+        related,
+    });
+    let before = match package.entries().iter().any(|entry| entry == MANIFEST) {
+        true => Some(String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned()),
+        false => None,
+    };
+    let own = format!("{name}/");
+    let related: Vec<&Related> = files.iter().map(|file| &file.related).collect();
+    let manifest = manifest::with(before.as_deref(), &own, &related);
+    let manifest =
+        manifest.map_err(|message| Error::content(&package.path().join(MANIFEST), message))?;
+    let mut contents: Vec<(String, Vec<u8>)> = vec![(MANIFEST.to_owned(), manifest.into_bytes())];
+    contents.extend(files.into_iter().map(|file| (file.name, file.content)));
+    let folder = output
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    make_folder(folder)?;
+    let copy = draft(folder).map_err(Error::io(output))?;
+    let earlier = format!("{FOLDER}{own}");
+    package.copy_with(
+        copy.as_file(),
+        |entry| entry.starts_with(&earlier),
+        &contents,
+    )?;
+    keep(copy, output)?;
+    Ok(name)
+}
+
+/// Where a study and the files that it names lie in the FMU, such that it finds them as it does now: the study's place, and
+/// each file's path with its place.
+fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>), Error> {
+    let mut files: Vec<&Path> = study.files();
+    files.sort_unstable();
+    files.dedup();
+    let own = std::path::absolute(study.path()).map_err(Error::io(study.path()))?;
+    let folder = own.parent().unwrap_or(Path::new(""));
+    if let Some(file) = files.iter().find(|file| file.is_absolute()) {
+        let message = "is an absolute path, which other machines do not have: name it from the study's folder";
+        return Err(Error::content(
+            study.path(),
+            format!("{} {message}", file.display()),
+        ));
+    }
+    let up = files.iter().map(|file| steps_up(file)).max().unwrap_or(0);
+    let parts: Vec<String> = folder
+        .components()
+        .filter_map(|part| match part {
+            Component::Normal(name) => Some(name.to_string_lossy().into_owned()),
+            _ => None,
+        })
+        .collect();
+    let base: Vec<String> = parts[parts.len().saturating_sub(up)..].to_vec();
+    let place = |file: &Path| {
+        let mut below = base.clone();
+        for part in file.components() {
+            match part {
+                Component::ParentDir => drop(below.pop()),
+                Component::Normal(name) => below.push(name.to_string_lossy().into_owned()),
+                _ => {}
+            }
+        }
+        format!("study/{}", below.join("/"))
+    };
+    let named = files.iter().map(|file| (study.path_of(file), place(file)));
+    let own = own.file_name().unwrap_or_default();
+    Ok((place(Path::new(own)), named.collect()))
+}
+
+/// How many folders a relative path leads up.
+fn steps_up(file: &Path) -> usize {
+    let (mut depth, mut up) = (0_usize, 0);
+    for part in file.components() {
+        match part {
+            Component::ParentDir if depth == 0 => up += 1,
+            Component::ParentDir => depth -= 1,
+            Component::Normal(_) => depth += 1,
+            _ => {}
+        }
+    }
+    up
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_lead_up_as_far_as_they_do() {
+        for (path, up) in [
+            ("a.csv", 0),
+            ("./b/a.csv", 0),
+            ("../a.csv", 1),
+            ("b/../../c/../../a.csv", 2),
+        ] {
+            assert_eq!(steps_up(Path::new(path)), up, "{path}");
+        }
+    }
+
+    #[test]
+    fn files_that_changed_are_named() {
+        let of = |files: &[(&str, &str)]| {
+            files
+                .iter()
+                .map(|(a, b)| (a.to_string(), b.to_string()))
+                .collect()
+        };
+        let told = changed(
+            &of(&[("a", "1"), ("b", "2"), ("c", "3")]),
+            &of(&[("a", "1"), ("b", "4"), ("d", "5")]),
+        );
+        assert_eq!(told, ["b is another one", "c is gone", "d is new"]);
+    }
+}

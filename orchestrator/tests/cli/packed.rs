@@ -1,0 +1,299 @@
+//! `pack` and `verify MODEL.fmu`: an FMU that carries its own verification.
+
+use std::fs::{self, File};
+use std::io::Read;
+
+use crate::gate::tests;
+use crate::support::{Bench, model};
+use zip::ZipArchive;
+
+const STUDY: &str = r#"
+fmu = "../models/lag.fmu"
+[simulation]
+stop = 2
+step = 0.1
+[design]
+points = 40
+seed = 7
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.5
+max = 1.5
+[inputs."drive.u"]
+file = "../data/measured input.csv"
+time = "t"
+column = "u"
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 0.05
+"#;
+
+/// A project whose study and data lie in folders of their own, with results.
+fn bench() -> Bench {
+    let bench = Bench::empty();
+    for folder in ["models", "studies", "data"] {
+        fs::create_dir(bench.path(folder)).unwrap();
+    }
+    bench.fmu("models/lag.fmu", &[], &model("", ""));
+    bench.write("studies/lag.toml", STUDY);
+    bench.write("data/measured input.csv", "t,u\n0,1\n2,1\n");
+    let said = bench.run(&["verify", "studies/lag.toml", "--output", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    bench
+}
+
+fn packed(bench: &Bench) {
+    let said = bench.run(&[
+        "pack",
+        "studies/lag.toml",
+        "--from",
+        "out",
+        "--output",
+        "new/carrier.fmu",
+    ]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+}
+
+/// The files of an archive, with their content and their packed bytes.
+fn entries(bench: &Bench, name: &str) -> Vec<(String, Vec<u8>)> {
+    let mut zip = ZipArchive::new(File::open(bench.path(name)).unwrap()).unwrap();
+    (0..zip.len())
+        .map(|index| {
+            let mut entry = zip.by_index(index).unwrap();
+            let mut content = Vec::new();
+            entry.read_to_end(&mut content).unwrap();
+            (entry.name().unwrap().into_owned(), content)
+        })
+        .collect()
+}
+
+fn repacked(bench: &Bench, name: &str, entries: &[(String, Vec<u8>)]) {
+    let entries: Vec<(&str, &[u8])> = entries
+        .iter()
+        .map(|(name, content)| (&**name, &**content))
+        .collect();
+    bench.zip(name, &entries);
+}
+
+#[test]
+fn a_packed_study_is_run_elsewhere_and_gives_its_result() {
+    let bench = bench();
+    packed(&bench);
+    // What was there stays; what came is listed, and the FMU is as sound as before.
+    let before = entries(&bench, "models/lag.fmu");
+    let after = entries(&bench, "new/carrier.fmu");
+    assert!(before.iter().all(|entry| after.contains(entry)));
+    let said = bench.run(&["check", "new/carrier.fmu", "--strict"]);
+    assert_eq!(said.code, 0, "{}", said.out);
+    let folder = "extra/org.fmi-standard.fmi-ls-ref/";
+    let manifest = after
+        .iter()
+        .find(|(name, _)| name.ends_with("fmi-ls-manifest.xml"))
+        .unwrap();
+    let manifest = String::from_utf8(manifest.1.clone()).unwrap();
+    for (name, _) in after
+        .iter()
+        .filter(|(name, _)| name.starts_with(folder) && !name.ends_with(".xml"))
+    {
+        let source = name.strip_prefix(folder).unwrap().replace(' ', "%20");
+        assert!(
+            manifest.contains(&format!("source=\"{source}\"")),
+            "{source} in {manifest}"
+        );
+    }
+    for gone in ["studies", "data", "models", "out"] {
+        fs::remove_dir_all(bench.path(gone)).unwrap();
+    }
+    let verify = [
+        "verify",
+        "new/carrier.fmu",
+        "--output",
+        "there",
+        "--jobs",
+        "1",
+        "--junit",
+        "junit.xml",
+    ];
+    let said = bench.run(&verify);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let words = "The study lag, which the FMU carries, against its result: No difference";
+    assert!(said.out.contains(words), "{}", said.out);
+    assert_eq!(bench.summary("there")["points"], 40);
+    let all = tests(&bench, "junit.xml");
+    assert!(
+        all.iter()
+            .any(|test| test.0 == "compare" && test.1 == "Y" && test.2.is_none()),
+        "{all:?}"
+    );
+    // The folder is as any other one.
+    assert_eq!(
+        bench.run(&["replay", "there", "3"]).code,
+        bench.run(&["replay", "there", "3"]).code
+    );
+    let said = bench.run(&["verify", "new/carrier.fmu", "--study", "lga"]);
+    said.is_mistake(&["no study `lga`, but lag"]);
+}
+
+#[test]
+fn a_changed_model_does_not_give_the_carried_result() {
+    let bench = bench();
+    packed(&bench);
+    // The same model with another binary: told, and nothing else.
+    let whole = entries(&bench, "new/carrier.fmu");
+    let with = |change: &dyn Fn(&str, &[u8]) -> Option<Vec<u8>>| {
+        let changed = whole.iter().map(|(name, content)| {
+            (
+                name.clone(),
+                change(name, content).unwrap_or_else(|| content.clone()),
+            )
+        });
+        repacked(&bench, "changed.fmu", &changed.collect::<Vec<_>>());
+        bench.run(&["verify", "changed.fmu", "--output", "there", "--force"])
+    };
+    let is_binary = |name: &str| name.starts_with("binaries/");
+    let other = bench.binary(&["SILENT"]);
+    let said = with(&|name, _| is_binary(name).then(|| other.clone()));
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let told = "warning: not the FMU that was verified: binaries/linux64/lag.so is another one";
+    assert!(said.out.contains(told), "{}", said.out);
+    // A result that the model does not give.
+    let said = with(&|name, content| {
+        if !name.ends_with("results/points.csv") {
+            return None;
+        }
+        let text = String::from_utf8_lossy(content);
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut cells: Vec<&str> = lines[1].split(',').collect();
+        cells[2] = "0.5";
+        lines[1] = cells.join(",");
+        Some((lines.join("\n") + "\n").into_bytes())
+    });
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    assert!(
+        said.out.contains("Y changed at 1 point beyond rounding"),
+        "{}",
+        said.out
+    );
+    // A path that leads out of the folder is refused.
+    let mut evil = whole.clone();
+    evil.push((
+        "extra/org.fmi-standard.fmi-ls-ref/lag/../../../evil".to_owned(),
+        Vec::new(),
+    ));
+    repacked(&bench, "evil.fmu", &evil);
+    bench
+        .run(&["verify", "evil.fmu", "--output", "evil"])
+        .is_mistake(&["leads out"]);
+    bench
+        .run(&["verify", "models/lag.fmu"])
+        .is_mistake(&["carries no study", "orchestrator pack"]);
+}
+
+#[test]
+fn the_study_that_was_packed_last_is_run_and_the_others_are_named() {
+    let bench = bench();
+    packed(&bench);
+    bench.write(
+        "studies/other.toml",
+        &STUDY.replace("points = 40", "points = 20"),
+    );
+    let said = bench.run(&["verify", "studies/other.toml", "--output", "other"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let both = [
+        "pack",
+        "studies/other.toml",
+        "--from",
+        "other",
+        "--fmu",
+        "new/carrier.fmu",
+        "--output",
+        "both.fmu",
+    ];
+    let said = bench.run(&both);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let said = bench.run(&["verify", "both.fmu", "--output", "there"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(
+        said.out.contains("The study other,") && said.out.contains("It also carries lag:"),
+        "{}",
+        said.out
+    );
+    let said = bench.run(&["verify", "both.fmu", "--study", "lag", "--output", "lag"]);
+    assert_eq!(
+        (said.code, &bench.summary("lag")["points"]),
+        (0, &40.into())
+    );
+    // One that is packed again replaces itself.
+    let again = [
+        "pack",
+        "studies/lag.toml",
+        "--from",
+        "out",
+        "--fmu",
+        "both.fmu",
+        "--output",
+        "both.fmu",
+    ];
+    assert_eq!(bench.run(&again).code, 0);
+    let said = bench.run(&["verify", "both.fmu", "--output", "again"]);
+    assert!(
+        said.out.contains("The study lag,") && said.out.contains("It also carries other:"),
+        "{}",
+        said.out
+    );
+    assert_eq!(bench.run(&["check", "both.fmu", "--strict"]).code, 0);
+    // Results of another study or another model do not belong to it.
+    let said = bench.run(&[
+        "pack",
+        "studies/lag.toml",
+        "--from",
+        "other",
+        "--output",
+        "wrong.fmu",
+    ]);
+    said.is_mistake(&["other holds results of another study"]);
+    bench.fmu("models/lag.fmu", &["SILENT"], &model("", ""));
+    let said = bench.run(&[
+        "pack",
+        "studies/lag.toml",
+        "--from",
+        "out",
+        "--output",
+        "wrong.fmu",
+    ]);
+    said.is_mistake(&["out holds results of another FMU"]);
+    assert!(!bench.path("wrong.fmu").exists());
+}
+
+#[test]
+fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
+    let bench = bench();
+    let said = bench.run(&["pack", "studies/lag.toml", "--output", "carrier.fmu"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(bench.path("results/lag/report.html").exists());
+    let said = bench.run(&["verify", "carrier.fmu", "--output", "there"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    // A study in the folder itself.
+    bench.write("here.toml", &STUDY.replace("../", ""));
+    let said = bench.run(&["pack", "here.toml", "--output", "carrier.fmu"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert_eq!(
+        bench
+            .run(&["verify", "carrier.fmu", "--output", "here"])
+            .code,
+        0
+    );
+    let absolute = bench.path("data").display().to_string();
+    bench.write("studies/lag.toml", &STUDY.replace("../data", &absolute));
+    bench.run(&["verify", "studies/lag.toml", "--output", "out", "--force"]);
+    let said = bench.run(&[
+        "pack",
+        "studies/lag.toml",
+        "--from",
+        "out",
+        "--output",
+        "carrier.fmu",
+    ]);
+    said.is_mistake(&["absolute path"]);
+}
