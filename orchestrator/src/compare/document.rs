@@ -32,9 +32,16 @@ impl Comparison {
 
     /// The answer in one sentence.
     pub fn headline(&self) -> String {
+        let explained = self
+            .criteria
+            .values()
+            .any(|change| change.changed > change.beyond);
         match (self.same, self.warnings.is_empty()) {
+            (true, true) if explained => {
+                "No difference beyond the numerical uncertainty".to_owned()
+            }
             (true, true) => "No difference".to_owned(),
-            (true, false) => "The same verdict, and changed values".to_owned(),
+            (true, false) => "The same verdict, and a change".to_owned(),
             (false, _) => "The results differ".to_owned(),
         }
     }

@@ -35,6 +35,9 @@ const ROUNDING: f64 = 1e-9;
 /// The coverage factor of a difference's expanded uncertainty.
 const COVERAGE: f64 = 2.0;
 
+/// A numerical uncertainty that has grown by more than this is a change of its own: it would explain what it brought.
+const GROWN: f64 = 1.5;
+
 /// One of the two results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Side {
@@ -277,9 +280,14 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
     told
 }
 
+/// The standard numerical uncertainty that a result states of a criterion.
+fn stated(name: &str, summary: &Summary) -> Option<f64> {
+    summary.validation.get(name)?.u_num
+}
+
 /// The expanded uncertainty of a difference of a criterion's values from what both runs state.
 fn uncertainty(name: &str, summaries: [&Summary; 2]) -> Option<f64> {
-    let [old, new] = summaries.map(|summary| summary.validation.get(name)?.u_num);
+    let [old, new] = summaries.map(|summary| stated(name, summary));
     Some(COVERAGE * old?.hypot(new?)).filter(|u| u.is_finite())
 }
 
@@ -485,12 +493,12 @@ impl Comparison {
             let Some(is) = now.criteria.get(name) else {
                 continue;
             };
-            let stated = |count: &CriterionCount| {
+            let in_words = |count: &CriterionCount| {
                 let unit = count.criterion.unit.as_ref();
                 let unit = unit.map_or_else(String::new, |unit| format!(" in {unit}"));
                 count.criterion.source() + &unit
             };
-            let (old, new) = (stated(was), stated(is));
+            let (old, new) = (in_words(was), in_words(is));
             if old != new {
                 differences.push(format!(
                     "The criterion {name} was the {old} and is the {new}: its values are not compared"
@@ -535,5 +543,29 @@ impl Comparison {
             Test::new(class, "points", whole),
         ];
         first.into_iter().chain(criteria).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_relative_to_the_value_or_its_tolerance() {
+        for (old, new, scale, expected) in [
+            (1.0, 1.0 + 0.9e-9, 0.0, true),
+            (1.0, 1.0 + 1.1e-9, 0.0, false),
+            (0.0, 0.9e-9, 1.0, true),
+            (0.0, 1.1e-9, 1.0, false),
+            (0.0, 1e-300, 0.0, false),
+            (1.0, 2.0, f64::INFINITY, false),
+            (f64::MAX, f64::MAX, 1.0, true),
+        ] {
+            assert_eq!(
+                is_rounding(old, new, scale),
+                expected,
+                "{old} {new} {scale}"
+            );
+        }
     }
 }

@@ -22,7 +22,8 @@ const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref/";
 const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
 /// The file that ties a study to the FMU.
 const TIES: &str = "ties.json";
-/// The results of a study that travel with it: what they are, their type, and their role.
+/// The results of a study that travel with it: the file, its role, its type, and what it is. 1.0.0-alpha.1 has no role for
+/// meta data, which 1.0.0-beta.1 has; other ones are valid in both.
 const RESULTS: [(&str, &str, &str, &str); 8] = [
     ("points.csv", "result", "text/csv", "the points"),
     (
@@ -45,19 +46,19 @@ const RESULTS: [(&str, &str, &str, &str); 8] = [
     ),
     (
         "best.srmd",
-        "meta-data",
+        "other",
         "application/x-srmd-meta-data",
         "where these parameters come from",
     ),
     (
         "verdict.srmd",
-        "meta-data",
+        "other",
         "application/x-srmd-meta-data",
         "where the verdict comes from",
     ),
     (
         "verdict.stmd",
-        "meta-data",
+        "other",
         "application/x-stmd-meta-data",
         "the whole task",
     ),
@@ -340,7 +341,7 @@ pub fn pack(
     let related = Related {
         kind: "application/json".to_owned(),
         source: source.clone(),
-        role: "meta-data".to_owned(),
+        role: "other".to_owned(),
         description: "How the study was run, and the digests of the files that it was run with"
             .to_owned(),
     };

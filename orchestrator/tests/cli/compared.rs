@@ -156,6 +156,24 @@ fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
     );
     assert_eq!(change["flipped_within"]["count"], flipped);
     assert!((number(&change["numerical_uncertainty"]) - 0.04).abs() < 1e-12);
+    assert!(
+        said.out
+            .starts_with("No difference beyond the numerical uncertainty"),
+        "{}",
+        said.out
+    );
+    // A coarser solution does not excuse itself.
+    let mut summary = bench.summary("new");
+    for (now, words) in [
+        (json!(0.05), "was 0.01414 and is 0.05"),
+        (Value::Null, "and is not stated"),
+    ] {
+        summary["validation"]["Y"]["u_num"] = now;
+        bench.write("new/summary.json", &summary.to_string());
+        let (said, _) = compared(&bench, "new", &["--strict"]);
+        assert_eq!(said.code, 1, "{}", said.out);
+        assert!(said.out.contains(words), "{}", said.out);
+    }
 }
 
 #[test]
