@@ -13,6 +13,7 @@ mod isolated;
 mod judge;
 mod manual;
 mod merge;
+mod nominal;
 mod pack;
 mod replay;
 mod report;

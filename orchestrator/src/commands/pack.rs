@@ -6,14 +6,15 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use super::{gate, output, verify};
+use super::{gate, left_out, nominal, output, verify};
 use crate::cli::{Cli, Command, Pack, Verify};
 use crate::compare::{compare, write};
 use crate::error::Error;
-use crate::junit;
+use crate::junit::{self, Outcome, Test};
 use crate::options::folder_of;
 use crate::packed::{changed, choose, digests, pack, unpack};
 use crate::results::table;
+use crate::session::{Request, Session};
 use crate::study::Study;
 use fmu_import::Package;
 
@@ -56,7 +57,29 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     if from.fmu_sha256.as_deref() != Some(&package.digest()?) {
         fits(from.fmu_sha256.as_ref(), &verified.digest()?, "FMU")?;
     }
-    let name = pack(&mut package, &study, &results, &summary, &options.output)?;
+    let request = Request {
+        study: options.study.clone(),
+        fmu: Some(package.path().to_owned()),
+        ..Request::default()
+    };
+    let runs = nominal::run(&mut Session::open(request)?);
+    let runs = runs.unwrap_or_else(|error| {
+        left_out(
+            "no run with every parameter at its median is packed",
+            &error,
+        );
+        Vec::new()
+    });
+    let runs = runs.into_iter().enumerate();
+    let runs = runs.flat_map(|(case, runs)| nominal::files(case).into_iter().zip(runs));
+    let name = pack(
+        &mut package,
+        &study,
+        &results,
+        &summary,
+        runs.collect(),
+        &options.output,
+    )?;
     output::print(&format!(
         "{} carries the study {name}: orchestrator verify {} runs it and compares\n",
         options.output.display(),
@@ -121,7 +144,9 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     if options.dry_run || options.work.parts.shard()?.is_some() {
         return Ok(code);
     }
-    let comparison = compare(&place.join("results"), &folder)?;
+    let results = place.join("results");
+    let smoke = smoke_test(&options, &results)?;
+    let comparison = compare(&results, &folder)?;
     write(&comparison, &folder)?;
     let mut text = format!(
         "\nThe study {name}, which the FMU carries, against its result: {}\n",
@@ -129,6 +154,9 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     );
     for what in &changed {
         text += &format!("warning: not the FMU that was verified: {what}\n");
+    }
+    if let Some(difference) = &smoke {
+        text += &format!("The run with every parameter at its median differs: {difference}\n");
     }
     if !others.is_empty() {
         text += &format!(
@@ -139,16 +167,48 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     output::print(&(text + &comparison.document().as_text()));
     if let Some(file) = file {
         let summary = table::summary(&folder)?;
+        let whole = Outcome::of(smoke.is_none(), || smoke.clone().unwrap_or_default());
         let tests = [
             gate::tests(&summary, options.gate.strict),
+            vec![Test::new("compare", "smoke test", whole)],
             comparison.tests(true),
         ]
         .concat();
         let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
         junit::write(&file, &gate::name(&summary), &tests, seconds)?;
     }
-    Ok(match comparison.same && comparison.warnings.is_empty() {
+    let strict = options.gate.strict && !changed.is_empty();
+    let met = smoke.is_none() && comparison.same && comparison.warnings.is_empty();
+    Ok(match met && !strict {
         true => code,
         false => ExitCode::FAILURE,
     })
+}
+
+/// How the nominal run differs from the one that the FMU carries, if it does.
+fn smoke_test(options: &Verify, results: &Path) -> Result<Option<String>, Error> {
+    let request = Request {
+        study: options.work.study.clone(),
+        fmu: options.work.means.fmu.clone(),
+        ..Request::default()
+    };
+    let mut session = Session::open(request)?;
+    for (number, case) in session.plan.cases.clone().iter().enumerate() {
+        let files = nominal::files(number).map(|file| results.join(file));
+        let [Ok(coarse), Ok(finer)] = files.each_ref().map(fs::read) else {
+            continue;
+        };
+        let now = match nominal::once(&mut session, case, 0) {
+            Ok(now) => now,
+            Err(error) => return Ok(Some(error.to_string())),
+        };
+        let found = nominal::difference(&[coarse, finer], &now);
+        let found = found.map_err(|error| Error::content(&files[0], error))?;
+        if let Some(difference) = found {
+            let name = case.name.as_ref();
+            let of = name.map_or_else(String::new, |name| format!("case {name}: "));
+            return Ok(Some(of + &difference));
+        }
+    }
+    Ok(None)
 }

@@ -191,7 +191,7 @@ pub struct Comparison {
 }
 
 /// Whether two numbers differ by no more than rounding; `scale` is a length that matters.
-fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
+pub fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
     let size = old.abs().max(new.abs());
     let size = if scale.is_finite() {
         size.max(scale)
@@ -508,6 +508,17 @@ impl Comparison {
                 self.warnings
                     .push(format!("The criterion {name} was `{old}` and is `{new}`"));
             }
+        }
+        for name in self.criteria.keys() {
+            let [old, new] = [before, now].map(|summary| stated(name, summary));
+            let Some(old) = old.filter(|old| new.is_none_or(|new| new > GROWN * old)) else {
+                continue;
+            };
+            let now = new.map_or_else(|| "not stated".to_owned(), |new| number(new, 4));
+            self.warnings.push(format!(
+                "The standard numerical uncertainty of {name} was {} and is {now}: the solution is coarser, or tells less",
+                number(old, 4)
+            ));
         }
         let changed = self
             .criteria

@@ -20,6 +20,8 @@ use point_journal::files::{draft, keep, make_folder, write_text};
 const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref/";
 /// The manifest of the related files.
 const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
+/// The folder of a study's results.
+const RESULT: &str = "results/";
 /// The file that ties a study to the FMU.
 const TIES: &str = "ties.json";
 /// The results of a study that travel with it: the file, its role, its type, and what it is. 1.0.0-alpha.1 has no role for
@@ -235,6 +237,7 @@ pub fn pack(
     study: &Study,
     results: &Path,
     summary: &Summary,
+    nominal: Vec<(String, Vec<u8>)>,
     output: &Path,
 ) -> Result<String, Error> {
     let stem = study
@@ -318,7 +321,7 @@ pub fn pack(
         if path.exists() {
             add(
                 &path,
-                format!("results/{file}"),
+                format!("{RESULT}{file}"),
                 role,
                 kind,
                 format!("Of the study {name}: {what}"),
@@ -326,6 +329,21 @@ pub fn pack(
         }
     }
     let counted = request.points_from.is_none() && !study.design.method.is_by_levels();
+    for (file, content) in nominal {
+        let source = format!("{name}/{RESULT}{file}");
+        let related = Related {
+            kind: "text/csv".to_owned(),
+            source: source.clone(),
+            role: "result".to_owned(),
+            description: format!("Of the study {name}: the run with every parameter at its median"),
+        };
+        let name = format!("{FOLDER}{source}");
+        files.push(File {
+            name,
+            content,
+            related,
+        });
+    }
     let ties = Ties {
         study: place,
         points: counted.then_some(summary.points),

@@ -20,6 +20,7 @@ use crate::results::Summary;
 use crate::session::Verification;
 use crate::study::plan::Plan;
 use budget::Budget;
+pub(crate) use finer::refined_case;
 use fmu_import::{Content, Handle, Package, Value};
 use fmu_points::Limits;
 use fmu_points::failure::Failure;
