@@ -2,7 +2,7 @@
 """Runs the FMU through every importer that installs, and compares their outputs with our own.
 
 The same start values, the same communication points; each importer in a Python environment of
-its own under .cache/importers. With --write the table goes into docs/evidence/interoperability.md.
+its own under .cache/importers. With --write the table goes into docs/evidence/importers.csv.
 Exit code 1 when an importer that runs here fails or differs by more than 1e-12.
 """
 
@@ -22,9 +22,8 @@ ROOT = HERE.parent.parent
 CACHE = ROOT / ".cache" / "importers"
 FMU = ROOT / "dist" / "PlainBearingStand.fmu"
 ORCHESTRATOR = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / os.environ.get("PROFILE", "debug") / "orchestrator"
-PAGE = ROOT / "docs/evidence/interoperability.md"
+TABLE = ROOT / "docs/evidence/importers.csv"
 TOLERANCE = 1e-12
-BEGIN, END = "<!-- interoperability:begin -->", "<!-- interoperability:end -->"
 
 sys.path[:0] = [str(HERE / "importers"), str(ROOT / "scripts")]
 from platforms.common import Failure  # noqa: E402
@@ -255,18 +254,9 @@ def own_rows(references):
 
 
 def table(rows):
-    lines = ["| Importer | Version | Outputs against direct C calls |", "|---|---|---|"]
+    yield ["Importer", "Version", "Outputs against direct C calls"]
     for row in rows:
-        lines.append(f"| {row.tool} | {row.version or '-'} | {row.result.replace('|', '/')} |")
-    return "\n".join(lines)
-
-
-def into_page(text):
-    before, begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise SystemExit(f"{PAGE.name} has no {BEGIN} ... {END}")
-    PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+        yield [row.tool, row.version or "-", row.result]
 
 
 def measure():
@@ -282,14 +272,15 @@ def measure():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="write the table into docs/evidence/interoperability.md")
+    parser.add_argument("--write", action="store_true", help="write the table into docs/evidence/importers.csv")
     options = parser.parse_args()
     if not FMU.is_file():
         raise SystemExit(f"{FMU} is missing: run scripts/package-fmu first")
     rows = measure()
-    print(table(rows))
+    print(*map(" | ".join, table(rows)), sep="\n")
     if options.write:
-        into_page(table(rows))
+        with TABLE.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(table(rows))
     return 0 if all(row.good for row in rows) else 1
 
 
