@@ -260,7 +260,7 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
     };
     if names.is_none() && separator == b',' && first > 0 {
         // `0,1,5` below `t,F` are two numbers with decimal commas.
-        let above = filled(&cells(lines[first - 1], separator));
+        let above = cells(lines[first - 1], separator).len();
         if above > 1 {
             let message = format!("line {} {}", first + 1, unequal(columns, above));
             return Err(FileError::new(path, message));
@@ -315,7 +315,7 @@ fn above(
 /// The cells of a line above the numbers, where it has one for each column.
 fn head(line: &str, separator: u8, columns: usize) -> Option<Vec<String>> {
     let line = line.trim_start_matches(['#', '%', '!']);
-    let fits = |row: &Vec<String>| filled(row) >= columns;
+    let fits = |row: &Vec<String>| row.len() >= columns && filled(row) > 0;
     let joined = || {
         let mut row: Vec<String> = Vec::new();
         for cell in line.split_whitespace() {
@@ -423,6 +423,7 @@ mod tests {
                 "|",
                 1,
             ),
+            ("m,n,\n0,1,\n1,2,3\n", ',', "m|n|3", "||", 1),
             ("0,1\n1,2\n", ',', "1|2", "|", 0),
             (
                 "t,F,t,F,\n0,1,0,2,\n1,1,1,2,\n",
