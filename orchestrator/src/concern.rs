@@ -27,6 +27,19 @@ impl Concern {
             text,
         }
     }
+
+    /// What is doubtful, and the remedy, which ends the texts of this version's warnings behind a colon or semicolon.
+    pub fn parts(&self) -> (&str, Option<&str>) {
+        let text = self.text.as_str();
+        let end = [": ", "; "]
+            .into_iter()
+            .filter_map(|mark| text.rfind(mark))
+            .max();
+        match end.filter(|_| self.severity == Severity::Warning && self.code != Code::Other) {
+            Some(end) => (&text[..end], Some(&text[end + 2..])),
+            None => (text, None),
+        }
+    }
 }
 
 /// The kinds of doubts.

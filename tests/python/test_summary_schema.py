@@ -64,7 +64,7 @@ def test_a_starting_study_runs_at_once_and_verifies_nothing(fmu, tmp_path):
     text = study.read_text()
     assert len(text.splitlines()) <= 60 and 'fmu = "../model.fmu"' in text
     said = orchestrator("verify", study, "--points", 8, "--output", tmp_path / "out", code=1)
-    assert said.startswith("warning: no measured value yet: ") and "erified" not in said
+    assert said.startswith("? No measured value yet\n") and "erified" not in said
     summary = check(tmp_path / "out")
     assert summary["verdict"] == "not verified" and summary["failed"] == 0
     assert summary["verdict_words"].startswith("no measured value yet: ")

@@ -11,4 +11,4 @@ mod text;
 
 pub use document::{Block, Column, Document, Figure, Key, Table, numbers, words};
 pub use html::{html, marked};
-pub use text::text;
+pub use text::{text, wrapped};

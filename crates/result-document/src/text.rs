@@ -17,6 +17,26 @@ pub fn text(blocks: &[Block]) -> String {
     blocks.iter().map(block).collect()
 }
 
+/// Sentences beside a label, in lines that a terminal of 80 columns holds.
+pub fn wrapped(label: &str, sentences: &str) -> String {
+    const WIDTH: usize = 80;
+    const MARGIN: usize = 9;
+    let mut text = String::new();
+    let mut line = format!("{label:<MARGIN$}").trim_end().to_owned();
+    for word in sentences.split_whitespace() {
+        let length = line.chars().count().max(MARGIN);
+        if length > MARGIN && length + 1 + word.chars().count() > WIDTH {
+            text = text + &line + "\n";
+            line.clear();
+        }
+        line = match line.chars().count() {
+            short if short < MARGIN => format!("{line:<MARGIN$}{word}"),
+            _ => line + " " + word,
+        };
+    }
+    text + &line + "\n"
+}
+
 fn block(block: &Block) -> String {
     match block {
         Block::Heading(words) => format!("\n{words}\n"),

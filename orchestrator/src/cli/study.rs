@@ -55,6 +55,9 @@ pub struct Verify {
     /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
     #[arg(long, conflicts_with_all = ["shard", "shard_index"])]
     pub validation: bool,
+    /// Print the long answer
+    #[arg(long)]
+    pub verbose: bool,
     /// Find a share that is too small to be counted among sampled points, with at most --points runs [default: 100000]:
     /// that of verified points, of points that miss a criterion, or of runs that fail
     #[arg(
@@ -151,6 +154,9 @@ pub struct Merge {
     /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
+    /// Print the long answer
+    #[arg(long)]
+    pub verbose: bool,
     /// Replace what the output folder holds, also where it is of another study file or FMU
     #[arg(long)]
     pub force: bool,
@@ -194,6 +200,9 @@ pub struct Judge {
     /// The folder for points.csv and summary.json
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Print the long answer
+    #[arg(long)]
+    pub verbose: bool,
     /// Replace what the output folder holds, also where it is of another study file
     #[arg(long, requires = "output")]
     pub force: bool,

@@ -94,7 +94,8 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
         write_text(&folder.join("study.toml"), study.text())?;
         complete(folder, &summary);
     }
-    output::print(&table::told(&summary));
+    let folder = options.output.as_deref();
+    output::print(&table::told(&summary, folder, options.verbose));
     gate::verdict(&summary, &options.gate)
 }
 

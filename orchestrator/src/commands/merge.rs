@@ -102,5 +102,5 @@ fn join_verification(
         },
         jobs,
     };
-    verify::conclude(&mut verification, output, summary, &wish, &options.gate)
+    verify::conclude(&mut verification, output, summary, &wish, (&options.gate, options.verbose))
 }

@@ -1,21 +1,116 @@
-//! The table of counts, as the paper prints it.
+//! The result on the terminal: the first screen, or all of it with the table of counts that the paper prints.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use indexmap::IndexMap;
 
-use crate::concern::{Code, Concern};
+use crate::concern::Concern;
 use crate::report::counted::{readings, risks};
-use crate::report::outlook::improve_first;
+use crate::results::Summary;
+use crate::results::answer::{Answer, further};
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
-use crate::results::{Summary, words};
 use fmu_points::Conduct;
+use result_document::wrapped;
 
-/// The summary for people.
-pub(super) fn told(summary: &Summary) -> String {
-    let first = improve_first(summary).map_or_else(String::new, |first| format!("{first}\n"));
-    format!("{}{}{first}", remarks(summary), counts(summary))
+/// The result for people: what fits a screen, or all of it. The page is in `folder`.
+pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
+    let answer = Answer::new(summary);
+    let place = folder.map_or_else(String::new, |place| {
+        format!("results in {}", place.display())
+    });
+    if verbose || folder.is_none() {
+        let line = |label: &str, sentence: &str| format!("{label:<9}{sentence}\n");
+        let all = [answer.decides.len(), answer.next.len()];
+        let parts = [
+            screen(&answer, all, line),
+            remarks(summary),
+            counts(summary),
+            best(summary),
+        ];
+        return format!("{}\n{place}\n", parts.join("\n"));
+    }
+    let end = format!("{place} (report.html; here: --verbose)\n");
+    let rows = least_met(summary, 4);
+    // Of what does not fit, the less important is left out: first of what decides, down to two sentences, then of the rest.
+    let [decides, next] = [answer.decides.len(), answer.next.len()];
+    let steps = (0..next.max(1))
+        .flat_map(|of_next| (0..decides.max(2) - 1).map(move |of_decides| [of_decides, of_next]));
+    let heads = steps.map(|[a, b]| {
+        screen(
+            &answer,
+            [decides - a.min(decides), next - b.min(next)],
+            wrapped,
+        )
+    });
+    let mut heads: Vec<String> = heads.map(|head| format!("{head}\n{rows}{end}")).collect();
+    let fits = heads.iter().position(|text| height(text) <= LINES);
+    let place = fits.unwrap_or(heads.len() - 1);
+    heads.swap_remove(place)
+}
+
+/// The lines of a terminal.
+const LINES: usize = 24;
+
+/// How many lines a terminal of 80 columns takes for a text.
+fn height(text: &str) -> usize {
+    const WIDTH: usize = 80;
+    let lines = text
+        .lines()
+        .map(|line| line.chars().count().div_ceil(WIDTH).max(1));
+    lines.sum()
+}
+
+/// The first screen with so many sentences on what decides and on what to do next.
+fn screen(
+    answer: &Answer,
+    [decides, next]: [usize; 2],
+    line: impl Fn(&str, &str) -> String,
+) -> String {
+    let one = std::slice::from_ref;
+    let parts = [
+        ("Asked", one(&answer.asked)),
+        ("Answer", one(&answer.answer)),
+        ("Decides", &answer.decides[..decides]),
+        ("Next", &answer.next[..next]),
+    ];
+    let lines = |(label, sentences): (&str, &[String])| -> String {
+        let labels = std::iter::once(label).chain(std::iter::repeat(""));
+        let pairs = labels.zip(sentences);
+        pairs
+            .map(|(label, sentence)| line(label, sentence))
+            .collect()
+    };
+    let parts: String = parts.into_iter().map(lines).collect();
+    format!("{} {}\n{parts}", answer.sign.mark(), answer.title)
+}
+
+/// The criteria that the fewest points meet, a line each.
+fn least_met(summary: &Summary, most: usize) -> String {
+    let mut shown: Vec<usize> = (0..summary.criteria.len()).collect();
+    shown.sort_by_key(|&k| summary.criteria[k].count.passed);
+    if shown.len() > most + 1 {
+        shown.truncate(most);
+    }
+    shown.sort_unstable();
+    let mut text = String::new();
+    for k in &shown {
+        let (name, entry) = summary
+            .criteria
+            .get_index(*k)
+            .expect("a criterion's number");
+        line(
+            &mut text,
+            &format!("{name}  {}", entry.criterion.wanted()),
+            &entry.count,
+        );
+    }
+    let left = summary.criteria.len() - shown.len();
+    if left > 0 {
+        text += &format!("and {left} that more points meet\n");
+    }
+    text
 }
 
 /// The counts of points by criterion.
@@ -66,10 +161,6 @@ fn counts(summary: &Summary) -> String {
     };
     line(&mut text, &met, &all);
     text += &result_document::text(&[risks(summary), readings(summary)].concat());
-    text.push('\n');
-    for sentence in words::sentences(summary) {
-        let _ = writeln!(text, "{sentence}");
-    }
     text
 }
 
@@ -117,25 +208,22 @@ fn most_probable(summary: &Summary) -> String {
     }
 }
 
-/// The first lines for a reader.
+/// How the points were computed, and doubts as a whole.
 fn remarks(summary: &Summary) -> String {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
-    // That nothing is measured makes all the rest something else.
-    let is_first = |concern: &&Concern| concern.code == Code::NominalFromModel;
-    let (first, others): (Vec<&Concern>, Vec<&Concern>) =
-        summary.concerns.iter().partition(is_first);
-    let doubts = |concerns: Vec<&Concern>| -> String {
-        let line = |concern: &Concern| format!("{}: {}\n", concern.severity.name(), concern.text);
-        concerns.into_iter().map(line).collect()
-    };
+    let doubt = |concern: &Concern| format!("{}: {}", concern.severity.name(), concern.text);
+    let doubts = summary.concerns.iter().map(doubt);
     let remarks = conduct.chain(asides).chain(summary.left_out_remark());
-    let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
-    doubts(first) + &remarks + &doubts(others)
+    remarks
+        .chain(doubts)
+        .chain(further(summary))
+        .map(|remark| format!("{remark}\n"))
+        .collect()
 }
 
 /// The best point for people.
-pub(super) fn best(summary: &Summary) -> String {
+fn best(summary: &Summary) -> String {
     let Some(best) = &summary.best_point else {
         return String::new();
     };

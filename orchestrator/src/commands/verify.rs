@@ -101,7 +101,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         limits: means.limits(jobs)?,
         jobs,
     };
-    conclude(&mut verification, &folder, summary, &wish, &options.gate)
+    conclude(&mut verification, &folder, summary, &wish, (&options.gate, options.verbose))
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
@@ -154,7 +154,7 @@ pub(super) fn conclude(
     folder: &Path,
     mut summary: Summary,
     wish: &Wish,
-    gate: &Gate,
+    (gate, verbose): (&Gate, bool),
 ) -> Result<ExitCode, Error> {
     let again = reruns::run(verification, folder, &mut summary, wish);
     again.unwrap_or_else(|error| left_out("no point was run once more", &error));
@@ -162,12 +162,7 @@ pub(super) fn conclude(
     let best = best::write(folder, plan, package.description(), &summary);
     best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
     complete(folder, &summary);
-    output::print(&format!(
-        "{}{}\nresults in {}\n",
-        table::told(&summary),
-        table::best(&summary),
-        folder.display()
-    ));
+    output::print(&table::told(&summary, Some(folder), verbose));
     gate::verdict(&summary, gate)
 }
 

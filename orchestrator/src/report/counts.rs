@@ -32,7 +32,6 @@ pub(super) struct CountRow {
 #[derive(Serialize)]
 pub(super) struct Headline {
     count: String,
-    percent: String,
     /// Both ends of the interval; none where nothing can be said of the share.
     interval: Option<[String; 2]>,
     /// Of the interval, per cent.
@@ -42,12 +41,11 @@ pub(super) struct Headline {
 }
 
 impl Headline {
-    pub(super) fn new(judgement: &Judgement, total: usize, meets_all: &Fraction) -> Self {
+    pub(super) fn new(judgement: &Judgement, meets_all: &Fraction) -> Self {
         const USUAL: f64 = 95.0;
         let Some((required, accepted)) = judgement.required() else {
             return Self {
                 count: count(meets_all.count),
-                percent: percent(meets_all.value()),
                 interval: Some([meets_all.low, meets_all.high].map(percent)),
                 confidence: number(USUAL, 4),
                 method: None,
@@ -55,7 +53,6 @@ impl Headline {
         };
         Self {
             count: count(accepted),
-            percent: percent(accepted as f64 / total.max(1) as f64),
             interval: required.interval.map(|ends| ends.map(percent)),
             confidence: number(100.0 * required.rule.confidence, 4),
             method: Some(match required.guard_bands {
@@ -176,33 +173,6 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
         number(value, 6)
     } else {
         format!("{} {unit}", number(value, 6))
-    }
-}
-
-/// A sentence that names the criterion which decides the verdict.
-pub(super) fn decisive(summary: &Summary) -> String {
-    let binding = summary.criteria.iter().max_by_key(|(_, c)| c.binds);
-    let alone = summary.criteria.iter().max_by_key(|(_, c)| c.only_failure);
-    let completed = summary.points - summary.failed;
-    match (binding, alone) {
-        (Some((name, binds)), Some((lonely, only))) if completed > 0 => {
-            let mut text = format!(
-                "{} is the criterion that deviates most, in units of its tolerance, at {} of {} simulated points.",
-                name,
-                grouped(binds.binds),
-                grouped(completed)
-            );
-            if only.only_failure > 0 {
-                text += &format!(
-                    " {} alone keeps {} further point{} from meeting all.",
-                    lonely,
-                    grouped(only.only_failure),
-                    if only.only_failure == 1 { "" } else { "s" }
-                );
-            }
-            text
-        }
-        _ => "No point was simulated to its end.".into(),
     }
 }
 

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::methods;
 use crate::methods::known::Finished;
 use crate::results::Summary;
+use crate::results::answer::further;
 use crate::results::asides::Asides;
 use crate::results::choice;
 use crate::results::settled::Settled;
@@ -96,6 +97,7 @@ pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         .chain(pictured)
         .chain(summary.left_out_remark())
         .chain(watched)
+        .chain(further(summary))
         .chain(concerns)
         .map(|remark| format!("{}.", capitalised(remark.trim_end_matches('.'))))
         .collect()

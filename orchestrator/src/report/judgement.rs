@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::results::{Summary, words};
+use crate::results::Summary;
 use conformity::conclusion::{Conclusion, Requirement};
 use conformity::measured::Measurement;
 use parameter_regions::table::PointTable;
@@ -14,8 +14,6 @@ pub struct Judgement {
     pub conclusion: Option<Conclusion>,
     /// The guard band in expanded uncertainties, where one acts; infinite where nothing is accepted.
     pub guard: Option<f64>,
-    /// The verdict in words, a sentence each.
-    pub sentences: Vec<String>,
     /// The measured values with their uncertainties, in the order of the criteria.
     pub measurement: Measurement,
 }
@@ -33,7 +31,6 @@ impl Judgement {
                 Some(0.0) => None,
                 band => Some(band.unwrap_or(f64::INFINITY)),
             }),
-            sentences: words::sentences(summary),
             measurement: summary.measurement()?,
         })
     }

@@ -16,7 +16,6 @@ mod payload;
 pub(crate) mod plain;
 mod planes;
 pub(crate) mod recording;
-mod shown;
 pub(crate) mod whatif;
 
 use crate::error::Error;

@@ -1,7 +1,7 @@
 //! The documents on the model's own error, and on what to improve first.
 
 use crate::results::Summary;
-use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign};
+use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign, improve_first};
 use conformity::validation::Comparison;
 use result_document::format::{number, percent};
 use result_document::{Document, Table, numbers, words};
@@ -71,34 +71,6 @@ fn compared(comparison: &Comparison) -> [String; 7] {
         format!("{least}{low} … {high}"),
         comparison.dominant.clone(),
     ]
-}
-
-/// The surest gain, or that the points are too few to tell one.
-pub fn improve_first(summary: &Summary) -> Option<String> {
-    let improvements = summary.improvements.as_ref()?;
-    // Those of a grid have no intervals that would tell a gain from chance.
-    summary.verified_interval?;
-    let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
-    let Some(first) = by(Sign::Gain) else {
-        let nothing = match by(Sign::Open) {
-            Some(_) => "Too few points to say what to improve first.",
-            None => "Half an uncertainty or tolerance improves nothing.",
-        };
-        return Some(nothing.to_owned());
-    };
-    let what = match first.halved {
-        Halved::Uncertainty => "uncertainty of the measured value",
-        Halved::Tolerance => "tolerance of",
-    };
-    let interval = first.gain_interval.map_or_else(String::new, |ends| {
-        let [low, high] = ends.map(|end| number(100.0 * end, 3));
-        format!(" (95 % interval {low} … {high})")
-    });
-    Some(format!(
-        "To improve first: half the {what} {} raises the probability that a point is accepted and conforms by {} percentage points{interval}.",
-        first.name,
-        number(100.0 * first.gain, 3)
-    ))
 }
 
 /// How the study would come out with half an uncertainty or half a tolerance.

@@ -3,17 +3,17 @@
 use super::Report;
 use super::best::{best_rows, heading};
 use super::counted::{cases, readings, risks};
-use super::counts::{Headline, count_rows, decisive};
+use super::counts::{Headline, count_rows};
 use super::figures;
 use super::from_results::{provenance, remarks};
 use super::payload::{self, PlotColumn};
 use super::planes::planes;
-use super::shown::Shown;
 use crate::error::Error;
-use crate::results::words::capitalised;
+use crate::results::Summary;
+use crate::results::answer::{Answer, Sign};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::conclusion::grouped;
-use conformity::decision::Decision;
+use conformity::risk::Risk;
 use fmu_points::tell::is_hidden;
 use indexmap::IndexMap;
 use minijinja::{Environment, Value, context, value::Serde};
@@ -60,8 +60,7 @@ pub fn render(report: &Report) -> Result<String, Error> {
         .as_ref()
         .map(serde_json::to_string)
         .transpose()?;
-    let decision = decision(report);
-    let unmeasured = summary.has_own_values();
+    let answer = Answer::new(summary);
 
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
@@ -100,39 +99,26 @@ pub fn render(report: &Report) -> Result<String, Error> {
         },
         packed,
         remarks => Serde(remarks(summary, whole.len())),
-        title => match unmeasured {
-            true => "No measured value yet".to_owned(),
-            false => capitalised(&decision.to_string()),
+        sign => match answer.sign {
+            Sign::Yes => "M4 12.5l5.5 5.5L20 6.5",
+            Sign::Doubt => "M12 3.5v11M12 20.2v.3",
+            Sign::No => "M5 5l14 14M19 5L5 19",
+            Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
         },
-        kind => match decision {
-            _ if unmeasured => "open",
-            Decision::Verified => "yes",
-            Decision::NotVerified => "no",
-            Decision::Inconclusive => "open",
-        },
-        shown => Serde(match unmeasured {
-            true => Shown::of_own_values(&verified),
-            false => Shown::new(decision, judgement, &verified, summary.failed as usize),
-        }),
-        unmeasured,
+        answer => Serde(&answer),
         word => match judgement.guard {
             Some(_) => "accepted",
             None => summary.met(),
         },
-        // The title says it.
-        sentences => Serde(if unmeasured { &[][..] } else { &judgement.sentences }),
-        by_share => judgement.required().is_some(),
         guarded => judgement.guard.is_some(),
         n => count(total),
-        count => count(verified.count),
-        headline => Serde(Headline::new(judgement, total, &verified)),
+        headline => Serde(Headline::new(judgement, &verified)),
         failed => summary.failed,
         drawn => count(points.len()),
         sampled => points.len() < total,
         beyond => !table.beyond.is_empty(),
         crowded => points.len() == total && total > figures::MOST_MARKS,
         rows => Serde(count_rows(table, summary, judgement)),
-        decisive => decisive(summary),
         counted => result_document::html(&[risks(summary), cases(summary), readings(summary)].concat()),
         // Summaries of older versions do not name their intervals; those are Wilson's.
         interval_method => match summary.interval_method.as_str() {
@@ -157,6 +143,7 @@ pub fn render(report: &Report) -> Result<String, Error> {
         )),
         failures => Serde(failures(table, (total > table.len()).then_some(&summary.failures))),
         histories => histories(report),
+        curves => report.history.iter().any(|series| series.measured.is_some()),
         documents => report.documents.iter().map(section).collect::<Vec<_>>(),
         provenance => Serde(provenance(summary)),
         sampled_from => Serde(sampled_from(table)),
@@ -173,16 +160,6 @@ fn section(document: &Document) -> Value {
         link => document.link,
         html => document.as_html(),
     }
-}
-
-/// The verdict; of results that state none, by the one-point rule.
-fn decision(report: &Report) -> Decision {
-    let one_point = match report.summary.verified {
-        0 => Decision::NotVerified,
-        _ => Decision::Verified,
-    };
-    let conclusion = report.judgement.conclusion.as_ref();
-    conclusion.map_or(one_point, |conclusion| conclusion.verdict)
 }
 
 /// The plots that are written as files: name and picture.
@@ -340,12 +317,28 @@ fn histories(report: &Report) -> Vec<Value> {
             name => s.name.as_str(),
             svg => figures::history(s)?,
             judged => judged(s),
+            risk => risk(&report.summary, &s.name),
             detail => s.last_periods().as_ref().and_then(figures::history),
             residuals => figures::residuals(s),
             verified => verified.filter(|&points| points > 0),
         })
     };
     report.history.iter().filter_map(history).collect()
+}
+
+/// The risk of a curve, or why it is not known; none of other signals.
+fn risk(summary: &Summary, name: &str) -> Option<String> {
+    let entry = summary.criteria.get(name)?;
+    entry.criterion.metric?;
+    let given = |risk: &Risk| risk.not_conforming_given_accepted;
+    match (entry.risk.as_ref().and_then(given), &entry.risk_not_stated) {
+        (Some(share), _) => Some(format!(
+            "Of the points that meet it {} % are expected to be outside of the tolerance of the true curve.",
+            percent(share)
+        )),
+        (None, Some(reason)) => Some(format!("Its risk is not known: {reason}.")),
+        (None, None) => Some("No point meets it, so there is no risk of accepting one.".to_owned()),
+    }
 }
 
 /// When the criterion of a signal with a band looks at it.

@@ -5,6 +5,7 @@
 //! are the same, byte for byte, however the points were computed; only [`Summary::run`] and [`Summary::conduct`] tell how that
 //! was, and a verdict by a rule knows of those that were drawn before ([`Looked`]).
 
+pub mod answer;
 pub mod asides;
 pub mod choice;
 pub mod concerns;

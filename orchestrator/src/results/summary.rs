@@ -13,6 +13,7 @@ use crate::concern::{self, Code, Concern};
 use crate::judge::{Criterion, Judge};
 use crate::study::Dossier;
 use conformity::conclusion::Conclusion;
+use conformity::decision::Decision;
 use conformity::measured::{Limits, Measurement};
 use conformity::risk::Risk;
 use conformity::validation::Comparison;
@@ -163,6 +164,16 @@ impl Summary {
     pub fn has_own_values(&self) -> bool {
         let mut criteria = self.criteria.values();
         criteria.any(|count| count.criterion.nominal_from.is_some())
+    }
+
+    /// The verdict; of results that state none, by the one-point rule.
+    pub fn decision(&self) -> Decision {
+        let one_point = match self.verified {
+            0 => Decision::NotVerified,
+            _ => Decision::Verified,
+        };
+        let conclusion = self.conclusion.as_ref();
+        conclusion.map_or(one_point, |conclusion| conclusion.verdict)
     }
 
     /// What a point is that meets all criteria.

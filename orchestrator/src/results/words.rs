@@ -1,36 +1,11 @@
-//! The verdict in sentences, for the terminal and the page.
+//! Sentences on how firmly a verdict stands, and on how many of the accepted points conform.
 
 use super::Summary;
-use super::resampled::presumed;
-use conformity::conclusion::{Conclusion, Requirement, grouped};
+use conformity::conclusion::{Conclusion, grouped};
 use conformity::risk::Risk;
 
-/// The first lines for a reader: the verdict, how firmly it stands, and how many of the accepted points conform.
-pub fn sentences(summary: &Summary) -> Vec<String> {
-    let Some(conclusion) = &summary.conclusion else {
-        return Vec::new();
-    };
-    let verdict = capitalised(&format!("{}.", conclusion.verdict_words));
-    if summary.failed == summary.points || summary.has_own_values() {
-        return vec![verdict];
-    }
-    let mut sentences = vec![verdict];
-    sentences.extend(beyond_validity(summary));
-    sentences.push(firmness(conclusion, summary));
-    sentences.extend(looked(conclusion));
-    sentences.extend(guard(conclusion));
-    sentences.push(match &conclusion.risk {
-        Some(risk) => accepted(conclusion.accepted, risk, summary),
-        None => unknown(summary),
-    });
-    let curves = presumed(summary);
-    sentences.extend(curves);
-    sentences.retain(|sentence| !sentence.is_empty());
-    sentences
-}
-
 /// How many of the points on which the verdict rests went beyond what the model is valid for.
-fn beyond_validity(summary: &Summary) -> Option<String> {
+pub(super) fn beyond_validity(summary: &Summary) -> Option<String> {
     let validity = summary.asides.as_ref()?.validity.as_ref()?;
     (validity.verified > 0).then(|| {
         format!(
@@ -42,34 +17,19 @@ fn beyond_validity(summary: &Summary) -> Option<String> {
 }
 
 /// Whether other points would say the same.
-fn firmness(conclusion: &Conclusion, summary: &Summary) -> String {
-    if let Some(interval) = conclusion.other_verdict_interval {
-        return other_verdict(interval, &summary.provenance.method);
-    }
-    match &conclusion.required {
-        Some(Requirement {
-            points_needed: Some(once),
-            points_needed_going_on: Some(going_on),
-            ..
-        }) => format!(
-            "If the share stays what it is, about {} independent points decide in another study, which is judged once; \
-             this one takes about {} if it goes on (--resume with more --points or --until verdict), since it may \
-             then be looked at again and again.",
-            grouped(*once),
-            grouped(*going_on)
-        ),
-        _ => String::new(),
-    }
+pub(super) fn firmness(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
+    let interval = conclusion.other_verdict_interval?;
+    other_verdict(interval, &summary.provenance.method)
 }
 
 /// How probably other points come to the other verdict.
-fn other_verdict([least, most]: [f64; 2], method: &str) -> String {
+fn other_verdict([least, most]: [f64; 2], method: &str) -> Option<String> {
     const LITTLE: f64 = 0.001;
     let points = match method {
         "table" => "other points from the same source",
         "monte-carlo" => "other random points",
         // The points of other designs are not independent, and nothing is known of how their seeds differ.
-        _ => return String::new(),
+        _ => return None,
     };
     let other = |probability: String| {
         format!("be the other one with a probability of {probability} (at a confidence of 95 %)")
@@ -83,11 +43,13 @@ fn other_verdict([least, most]: [f64; 2], method: &str) -> String {
             short(100.0 * most)
         )),
     };
-    format!("If the study were repeated with {points}, the verdict would {verdict}.")
+    Some(format!(
+        "If the study were repeated with {points}, the verdict would {verdict}."
+    ))
 }
 
 /// How often the study was judged with other numbers of points.
-fn looked(conclusion: &Conclusion) -> Option<String> {
+pub(super) fn looked(conclusion: &Conclusion) -> Option<String> {
     let looks = conclusion.required.as_ref()?.looks;
     (looks > 1).then(|| {
         format!(
@@ -96,7 +58,7 @@ fn looked(conclusion: &Conclusion) -> Option<String> {
     })
 }
 
-fn guard(conclusion: &Conclusion) -> Option<String> {
+pub(super) fn guard(conclusion: &Conclusion) -> Option<String> {
     match conclusion.guard_band {
         Some(0.0) if bands(conclusion).is_empty() => None,
         Some(band) => Some(format!(
@@ -129,35 +91,44 @@ fn bands(conclusion: &Conclusion) -> String {
     )
 }
 
-fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
+pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
     let Some(share) = risk.not_conforming_given_accepted else {
         let expected = summary.expected_verified.unwrap_or(0.0);
         return format!(
-            "Of all points {} are expected to conform, since the measured values are uncertain, too.",
+            "Of all points {} are expected to be within the tolerances of the true values.",
             counted(expected)
         );
     };
     let interval = risk.intervals.map_or_else(String::new, |intervals| {
-        let [low, high] = intervals.not_conforming_given_accepted;
-        let [low, high] = [low, high].map(|limit| short(100.0 * limit));
-        format!("; 95 % interval {low} .. {high} %")
+        let [low, high] = intervals
+            .not_conforming_given_accepted
+            .map(|limit| short(100.0 * limit));
+        format!("95 % interval {low} .. {high} %")
     });
+    let share_of = short(100.0 * share);
+    let behind = |before: &str| match (before, &*interval) {
+        ("", "") => String::new(),
+        ("", interval) => format!(" ({interval})"),
+        (before, "") => format!(" ({before})"),
+        (before, interval) => format!(" ({before}; {interval})"),
+    };
+    let wrong =
+        "outside of a tolerance of the true values, since the measured values are uncertain";
     match accepted {
         1 => format!(
-            "The accepted point conforms with a probability of {} %, since the measured values are uncertain, too.",
-            short(100.0 * (1.0 - share))
+            "With a probability of {share_of} %{} the accepted point is {wrong}.",
+            behind("")
         ),
         n => format!(
-            "About {} of the {} accepted points ({} %{interval}) probably do not conform, since the measured values are \
-             uncertain, too.",
-            counted(share * n as f64),
+            "Of the {} accepted points {}{} are expected to be {wrong}.",
             grouped(n),
-            short(100.0 * share)
+            counted(share * n as f64),
+            behind(&format!("{share_of} %"))
         ),
     }
 }
 
-fn unknown(summary: &Summary) -> String {
+pub(super) fn unknown(summary: &Summary) -> String {
     let mut reasons = Vec::new();
     let without = summary.criteria.iter().filter(|(_, entry)| {
         entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none()
@@ -209,6 +180,3 @@ pub fn capitalised(sentence: &str) -> String {
     let first = letters.next().map(|first| first.to_uppercase().to_string());
     first.unwrap_or_default() + letters.as_str()
 }
-
-#[cfg(test)]
-mod tests;

@@ -169,7 +169,7 @@ fn cases_are_separated_like_points() {
 #[test]
 fn shards_and_a_resumed_run_give_the_same_files() {
     let bench = bench();
-    let said = verify(&bench, "cases.toml", "whole", &[]);
+    let said = verify(&bench, "cases.toml", "whole", &["--verbose"]);
     assert!(said.out.contains("case low "), "{}", said.out);
     assert!(said.out.contains("case high, held out "), "{}", said.out);
     for shard in ["1", "2"] {

@@ -86,7 +86,7 @@ fn rows(bench: &Bench, names: &[&str]) -> Vec<Vec<f64>> {
 }
 
 fn verify(bench: &Bench) -> Said {
-    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    let said = bench.run(&["verify", "study.toml", "--output", "out", "--verbose"]);
     assert!(said.code < 2, "{}", said.err);
     said
 }
@@ -162,6 +162,7 @@ fn replay_and_judge_say_the_same() {
         "out/points.csv",
         "--output",
         "judged",
+        "--verbose",
     ]);
     assert!(judged.code < 2, "{}", judged.err);
     for key in ["points", "verified", "criteria"] {
@@ -385,6 +386,7 @@ fn the_risk_of_a_curve_joins_that_of_numbers() {
         "out/points.csv",
         "--output",
         "judged",
+        "--verbose",
     ]);
     let of_table = bench.summary("judged");
     assert!(of_table["risk"].is_null() && of_table["criteria"]["Y"]["risk"].is_null());

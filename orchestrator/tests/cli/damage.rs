@@ -205,7 +205,7 @@ fn points_that_always_warn_run_alone_and_the_files_say_why() {
     let bench = Bench::empty();
     bench.fmu("lag.fmu", &["FAULT=WARN"], &model("", ""));
     bench.write("study.toml", &STUDY.replace("1000", "700"));
-    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    let said = bench.run(&["verify", "study.toml", "--output", "out", "--verbose"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let summary = bench.summary("out");
     assert_eq!(summary["isolation"], "fresh");
@@ -265,8 +265,15 @@ fn a_stall_of_the_clock_does_not_decide_how_processes_are_shared() {
     bench.write("study.toml", &STUDY.replace("1000", "3000"));
     for jobs in ["1", "2", "16"] {
         let count = bench.path("instances");
-        let mut command =
-            bench.command(&["verify", "study.toml", "--output", jobs, "--jobs", jobs]);
+        let mut command = bench.command(&[
+            "verify",
+            "study.toml",
+            "--verbose",
+            "--output",
+            jobs,
+            "--jobs",
+            jobs,
+        ]);
         let output = command.env("LAG_INSTANCES", &count).output().unwrap();
         assert!(output.status.success());
         let instances = fs::read(&count).unwrap().len();
@@ -363,8 +370,15 @@ fn points_that_fail_because_of_others_are_repeated_alone() {
     bench.fmu("lag.fmu", &["PORT", "SLOW", "SLOW_START"], &model("", ""));
     bench.write("study.toml", &STUDY.replace("1000", "24"));
     for jobs in ["1", "2"] {
-        let mut command =
-            bench.command(&["verify", "study.toml", "--output", jobs, "--jobs", jobs]);
+        let mut command = bench.command(&[
+            "verify",
+            "study.toml",
+            "--verbose",
+            "--output",
+            jobs,
+            "--jobs",
+            jobs,
+        ]);
         let port = bench.path("port");
         let said: Said = command.env("LAG_PORT", port).output().unwrap().into();
         assert_eq!(said.code, 0, "{}", said.err);

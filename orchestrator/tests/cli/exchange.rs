@@ -232,7 +232,13 @@ fn rows_that_an_fmu_cannot_follow_are_told() {
     bench.write("studies/study.toml", &study);
     let any = " canHandleVariableCommunicationStepSize=\"true\"";
     let concerns = |folder: &str| {
-        let said = bench.run(&["verify", "studies/study.toml", "--output", folder]);
+        let said = bench.run(&[
+            "verify",
+            "studies/study.toml",
+            "--output",
+            folder,
+            "--verbose",
+        ]);
         assert_eq!(said.code, 0, "{}", said.err);
         assert!(
             !said.out.contains("another input") || folder == "fixed",

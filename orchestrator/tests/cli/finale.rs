@@ -27,7 +27,7 @@ fn runs_after_the_study_take_no_longer_than_its_points_did() {
         let bench = Bench::empty();
         bench.fmu("lag.fmu", &[nap], &model("", ""));
         bench.write("study.toml", STUDY);
-        let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+        let said = bench.run(&["verify", "study.toml", "--output", "out", "--verbose"]);
         assert_eq!(said.code, 0, "{}", said.err);
         let summary = bench.summary("out");
         if nap == "NAP=20000" {

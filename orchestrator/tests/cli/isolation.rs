@@ -39,7 +39,15 @@ fn bench(macros: &[&str]) -> Bench {
 fn verify(bench: &Bench, folder: &str, options: &[&str]) -> Said {
     let said = bench.run(
         &[
-            &["verify", "study.toml", "--jobs", "2", "--output", folder],
+            &[
+                "verify",
+                "study.toml",
+                "--verbose",
+                "--jobs",
+                "2",
+                "--output",
+                folder,
+            ],
             options,
         ]
         .concat(),
@@ -57,7 +65,7 @@ fn reuse_is_audited() {
     assert!(summary["audits_of_shared"].as_u64().unwrap() > 0);
     assert_eq!(summary["audit_mismatches"], 0);
     assert!(
-        said.out.starts_with("points shared processes; "),
+        said.out.contains("\npoints shared processes; "),
         "{}",
         said.out
     );
@@ -144,10 +152,12 @@ fn an_fmu_that_differs_in_few_points_is_found_however_points_are_run() {
         let options = ["--points", "200", "--isolation", isolation];
         let labels = ["once", "again"].map(|folder| {
             let said = verify(&bench, folder, &options);
-            let remark = said.out.lines().next().unwrap().to_owned();
+            let mut lines = said.out.lines();
+            let remark = lines.find(|line| line.contains("not reproducible: "));
+            let remark = remark.unwrap();
             let report = bench.read(&format!("{folder}/report.html"));
             let summary = bench.summary(folder);
-            assert!(remark.starts_with("not reproducible: "), "{remark}");
+            assert!(remark.contains("Warning: not reproducible: "), "{remark}");
             assert!(report.contains("Not reproducible: "));
             assert!(summary["audit_mismatches"].as_u64().unwrap() > 0);
             summary["reproducible"].clone()

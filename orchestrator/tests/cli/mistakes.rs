@@ -29,7 +29,7 @@ fn verify(from: &str, to: &str) -> crate::support::Said {
     let bench = Bench::new();
     assert!(STUDY.contains(from));
     bench.write("study.toml", &STUDY.replace(from, to));
-    bench.run(&["verify", "study.toml"])
+    bench.run(&["verify", "study.toml", "--verbose"])
 }
 
 #[test]

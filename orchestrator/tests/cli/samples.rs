@@ -192,7 +192,7 @@ share = "90 %"
     // From rounds of its own, and from the points of the study.
     for verified in [false, true] {
         if verified {
-            let said = bench.run(&["verify", "study.toml"]);
+            let said = bench.run(&["verify", "study.toml", "--verbose"]);
             assert_eq!(said.code, 0, "{}", said.err);
             assert!(said.out.contains("repeat the 400 rows"), "{}", said.out);
         }

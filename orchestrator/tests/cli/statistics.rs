@@ -67,7 +67,7 @@ fn the_time_of_an_event_is_judged() {
     }
     // What never happens fails.
     bench.write("study.toml", &once.replace("\"rising\"", "\"falling\""));
-    let said = bench.run(&["verify", "study.toml", "--output", "never"]);
+    let said = bench.run(&["verify", "study.toml", "--output", "never", "--verbose"]);
     assert_eq!(said.code, 3, "{}", said.err);
     assert!(said.out.contains("not finite: 6"), "{}", said.out);
     for (keys, words) in [
@@ -145,7 +145,7 @@ fn a_mean_goes_over_whole_turns() {
     }
     // No turn is completed before the stop time.
     bench.write("study.toml", &study.replace("stop = 2", "stop = 0.2"));
-    let said = bench.run(&["verify", "study.toml", "--output", "short"]);
+    let said = bench.run(&["verify", "study.toml", "--output", "short", "--verbose"]);
     assert!(said.out.contains("not finite: 6"), "{}", said.out);
     bench.fmu("lag.fmu", &[], &model("Lag", "Lag"));
     bench.write("study.toml", &study);

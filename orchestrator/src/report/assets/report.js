@@ -513,6 +513,26 @@
   };
   document.querySelectorAll(".stack").forEach(labelled);
 
+  // ---- sections fold; on small screens only the first ones are open ---------------------------------------------
+  const narrow = matchMedia("(max-width: 640px)").matches;
+  const folds = new Map([...document.querySelectorAll("main > section:not(#verdict)")].map(section => {
+    const title = section.querySelector("h2"), button = make("button");
+    button.type = "button";
+    button.className = "fold";
+    button.append(...title.childNodes);
+    title.append(button);
+    const fold = folded => {
+      section.classList.toggle("folded", folded);
+      button.setAttribute("aria-expanded", !folded);
+    };
+    fold(narrow && section.id !== "counts" && !section.querySelector(".tune"));
+    button.addEventListener("click", () => fold(!section.classList.contains("folded")));
+    return [section.id, fold];
+  }));
+  const unfold = () => folds.get(location.hash.slice(1))?.(false);
+  addEventListener("hashchange", unfold);
+  unfold();
+
   // ---- print with everything open ------------------------------------------------------------------------------
   addEventListener("beforeprint", () => document.querySelectorAll("details").forEach(d => { d.open = true; }));
 

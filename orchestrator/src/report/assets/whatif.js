@@ -81,7 +81,7 @@ const WhatIf = (() => {
       if (JSON.stringify(c) === JSON.stringify(before)) return;
       // All as numbers in the criterion's unit: a tolerance in per cent would follow the measured value.
       const [minus, plus] = Judge.reach(c), even = minus === plus;
-      const values = minus === Infinity ? { "at-most": c.nominal } : plus === Infinity ? { "at-least": c.nominal }
+      const values = c.curve ? plus === Infinity ? { least: c.nominal - minus } : { tolerance: plus } : minus === Infinity ? { "at-most": c.nominal } : plus === Infinity ? { "at-least": c.nominal }
         : { nominal: c.nominal, tolerance: even ? plus : `{ minus = ${minus}, plus = ${plus} }` };
       const factor = c.uncertainty?.expanded / before.uncertainty?.expanded, parts = before.uncertainty?.parts ?? [];
       if (!c.derived) for (const [key, part] of parts) values[key] = key === "gain-uncertainty" ? `"${part * factor} %"` : part * factor;
@@ -129,8 +129,23 @@ const WhatIf = (() => {
   const within = (low, high) => ({ number: p => low + (p + 1) / 2 * (high - low), place: v => 2 * (v - low) / (high - low) - 1, allows: v => v >= low && v <= high });
 
   const titled = (name, unit) => unit && unit !== "1" ? `${name} (${unit})` : name;
+  // The tolerance of a curve stands below its picture.
+  const curveControl = (start, k) => {
+    const box = document.querySelector(`.tune[data-criterion="${CSS.escape(start.name)}"]`);
+    if (!box) return;
+    const own = () => setting.criteria[k], title = titled(start.name, start.unit);
+    if (start.plus !== null) control(box, "tolerance: at most", { title, get: () => own().plus, set: v => { own().plus = v; }, scale: powers(start.plus, 8) });
+    else control(box, "tolerance: at least", { title, get: () => start.nominal - own().minus, set: v => { own().minus = start.nominal - v; }, scale: within(0, 1) });
+    const told = page.make("p", undefined, box);
+    told.className = "note";
+    told.setAttribute("aria-live", "polite");
+    shows.push(() => {
+      const changed = JSON.stringify(own()) !== JSON.stringify(start) ? " The risk stands for the study's own tolerance: another one takes the model's curves, so run the changed study." : "";
+      told.textContent = `${page.grouped(found.criteria[k].passed)} of ${page.grouped(found.points)} points meet it, ${page.grouped(found.accepted)} all criteria.${changed}`;
+    });
+  };
   const criterionControls = parent => study.criteria.forEach((start, k) => {
-    if (start.curve) return;
+    if (start.curve) return curveControl(start, k);
     const box = page.make("fieldset", undefined, parent), title = titled(start.name, start.unit);
     page.make("legend", title, box);
     const own = () => setting.criteria[k];

@@ -1,0 +1,349 @@
+//! The first screen of a result, for terminal, page and notebook: what was asked, the answer, what decides it, and what to do
+//! next.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use super::improvement::improve_first;
+use super::words::{accepted, beyond_validity, capitalised, firmness, guard, looked, unknown};
+use super::{Summary, resampled::presumed};
+use crate::concern::{Concern, Severity};
+use conformity::conclusion::{Conclusion, Requirement, grouped};
+use conformity::decision::Decision;
+
+/// The confidence at which a verdict is firm.
+const USUAL: f64 = 0.95;
+
+/// What a reader has to know who reads no further.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Answer {
+    /// How it is to be taken.
+    pub sign: Sign,
+    /// The verdict in a word or two.
+    pub title: String,
+    /// What was asked.
+    pub asked: String,
+    /// The answer in a sentence.
+    pub answer: String,
+    /// What decides it, the most important first. Doubts begin with their severity.
+    pub decides: Vec<String>,
+    /// What to do next, the most important first.
+    pub next: Vec<String>,
+}
+
+/// How an answer is to be taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sign {
+    /// Verified.
+    Yes,
+    /// Verified, but with a warning, or most of the accepted points are expected not to conform.
+    Doubt,
+    /// Not verified.
+    No,
+    /// Inconclusive, or nothing was measured.
+    #[default]
+    Open,
+}
+
+impl Sign {
+    /// The sign as a character.
+    pub fn mark(self) -> char {
+        match self {
+            Self::Yes => '\u{2713}',
+            Self::Doubt => '!',
+            Self::No => '\u{2717}',
+            Self::Open => '?',
+        }
+    }
+}
+
+impl Answer {
+    /// The answer of a finished study.
+    pub fn new(summary: &Summary) -> Self {
+        let decision = summary.decision();
+        let warned = odd(summary).is_some() || warnings(summary).next().is_some();
+        let sign = match decision {
+            _ if summary.has_own_values() => Sign::Open,
+            Decision::Verified if warned || is_mostly_wrong(summary) => Sign::Doubt,
+            Decision::Verified => Sign::Yes,
+            Decision::NotVerified => Sign::No,
+            Decision::Inconclusive => Sign::Open,
+        };
+        Self {
+            sign,
+            title: match sign {
+                _ if summary.has_own_values() => "No measured value yet".to_owned(),
+                Sign::Doubt => "Verified, with doubts".to_owned(),
+                _ => capitalised(&decision.to_string()),
+            },
+            asked: asked(summary),
+            answer: answer(summary, decision),
+            decides: decides(summary),
+            next: next(summary, decision),
+        }
+    }
+}
+
+fn required(summary: &Summary) -> Option<&Requirement> {
+    summary.conclusion.as_ref()?.required.as_ref()
+}
+
+fn is_mostly_wrong(summary: &Summary) -> bool {
+    const MOST: f64 = 0.5;
+    let risk = summary.conclusion.as_ref().and_then(|c| c.risk.as_ref());
+    risk.and_then(|risk| risk.not_conforming_given_accepted)
+        .is_some_and(|share| share > MOST)
+}
+
+fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
+    let concerns = summary.concerns.iter();
+    concerns.filter(|concern| concern.severity == Severity::Warning)
+}
+
+/// What the points' own runs say against all results.
+fn odd(summary: &Summary) -> Option<String> {
+    let conduct = summary.conduct.as_ref()?;
+    let is_odd = conduct.reproducible == Some(false) || conduct.audit_mismatches > 0;
+    conduct.remarks().into_iter().next().filter(|_| is_odd)
+}
+
+fn asked(summary: &Summary) -> String {
+    if summary.has_own_values() {
+        return "How far do the outputs move with the parameters, from the values of one run of the model?".to_owned();
+    }
+    let criteria = match (summary.criteria.len(), summary.cases.len()) {
+        (1, _) => "the criterion".to_owned(),
+        (n, 0) => format!("all {n} criteria"),
+        (n, cases) => format!("all {n} criteria of {cases} cases"),
+    };
+    let guarded = match &summary.conclusion {
+        Some(Conclusion {
+            guard_band: Some(0.0),
+            ..
+        })
+        | None => "",
+        Some(_) => ", less the guard bands,",
+    };
+    match required(summary) {
+        Some(Requirement { rule, .. }) => format!(
+            "Does the model meet {criteria}{guarded} in {} % of the sampled space or more?",
+            percent(rule.share)
+        ),
+        None => format!("Does the model meet {criteria} at one sampled point or more?"),
+    }
+}
+
+fn answer(summary: &Summary, decision: Decision) -> String {
+    let words = summary.conclusion.as_ref().map(|c| &*c.verdict_words);
+    let own = || {
+        let reason = words.and_then(|words| words.split_once(": "));
+        format!("{}.", capitalised(reason.map_or("", |(_, reason)| reason)))
+    };
+    let points = match summary.points {
+        1 => "1 point".to_owned(),
+        n => format!("{} points", grouped(n)),
+    };
+    if summary.failed == summary.points || summary.has_own_values() {
+        return own();
+    }
+    let Some(requirement) = required(summary) else {
+        let interval = summary.verified_interval.map_or_else(String::new, |ends| {
+            format!(", 95 % interval {}", range(ends))
+        });
+        let share = format!("{:.1} %{interval}", 100.0 * summary.verified_fraction);
+        return match summary.verified {
+            0 => format!("No: it does at none of {points} ({share})."),
+            n => format!(
+                "The model can be right: it does at {} of {points} ({share}).",
+                grouped(n)
+            ),
+        };
+    };
+    let Some(interval) = requirement.interval else {
+        return own();
+    };
+    let accepted = summary.conclusion.as_ref().map_or(0, |c| c.accepted);
+    let found = format!(
+        "{} of {points}, which is {} of the space at a confidence of {} %",
+        grouped(accepted),
+        range(interval),
+        percent(requirement.rule.confidence)
+    );
+    match decision {
+        Decision::Verified => format!("Yes: at {found}."),
+        Decision::NotVerified => format!("No: at {found}."),
+        Decision::Inconclusive => format!("The points do not tell: it does at {found}."),
+    }
+}
+
+fn decides(summary: &Summary) -> Vec<String> {
+    let mut list = Vec::new();
+    let compared = summary.failed < summary.points && !summary.has_own_values();
+    let conclusion = summary.conclusion.as_ref().filter(|_| compared);
+    list.extend(conclusion.map(|conclusion| match &conclusion.risk {
+        Some(risk) => accepted(conclusion.accepted, risk, summary),
+        None => unknown(summary),
+    }));
+    list.extend(odd(summary).map(|odd| format!("Warning: {odd}.")));
+    list.extend(doubts(summary));
+    list.extend(conclusion.and_then(|_| beyond_validity(summary)));
+    list.extend(conclusion.and_then(guard));
+    list.extend(conclusion.and_then(|_| decisive(summary)));
+    let is_weak = |ends: [f64; 2]| ends[1] >= 1.0 - USUAL;
+    let weak = conclusion.filter(|c| c.other_verdict_interval.is_some_and(is_weak));
+    list.extend(weak.and_then(|conclusion| firmness(conclusion, summary)));
+    list
+}
+
+/// How firmly the verdict stands where that is no doubt, and what its risks presume.
+pub fn further(summary: &Summary) -> Vec<String> {
+    let compared = summary.failed < summary.points && !summary.has_own_values();
+    let Some(conclusion) = summary.conclusion.as_ref().filter(|_| compared) else {
+        return Vec::new();
+    };
+    let sentences = [firmness(conclusion, summary), looked(conclusion)];
+    sentences
+        .into_iter()
+        .flatten()
+        .chain(presumed(summary))
+        .collect()
+}
+
+/// Doubts without their remedies; those of one kind are told of the first criterion, with the names of the others.
+fn doubts(summary: &Summary) -> Vec<String> {
+    let mut told: Vec<(&Concern, Vec<&str>)> = Vec::new();
+    for concern in &summary.concerns {
+        let name = concern.text.split_once(": ").map(|(name, _)| name);
+        let name = name.filter(|name| summary.criteria.contains_key(*name));
+        let same = told
+            .iter_mut()
+            .find(|(first, _)| first.code == concern.code);
+        match (same, name) {
+            (Some((_, names)), Some(name)) => names.push(name),
+            _ => told.push((concern, Vec::new())),
+        }
+    }
+    let sentence = |(concern, names): (&Concern, Vec<&str>)| {
+        let others = match &names[..] {
+            [] => String::new(),
+            names => format!(" (as well: {})", names.join(", ")),
+        };
+        let (doubt, _) = concern.parts();
+        // The title says it.
+        let doubt = doubt
+            .strip_prefix("no measured value yet: ")
+            .unwrap_or(doubt);
+        capitalised(&format!("{}: {doubt}{others}.", concern.severity.name()))
+    };
+    told.into_iter().map(sentence).collect()
+}
+
+/// The criterion that the fewest points meet.
+fn decisive(summary: &Summary) -> Option<String> {
+    let (name, count) = summary
+        .criteria
+        .iter()
+        .min_by_key(|(_, entry)| entry.count.passed)?;
+    let missed = summary.points - summary.failed - count.count.passed;
+    let only = match count.only_failure {
+        0 => String::new(),
+        n => format!(", {} of them nothing else", grouped(n)),
+    };
+    (missed > 0 && summary.criteria.len() > 1).then(|| {
+        format!(
+            "{name} decides most often: {} of {} points miss it{only}.",
+            grouped(missed),
+            grouped(summary.points)
+        )
+    })
+}
+
+fn next(summary: &Summary, decision: Decision) -> Vec<String> {
+    let mut list = Vec::new();
+    let remedies = summary.concerns.iter().filter_map(|c| c.parts().1);
+    let mut seen = BTreeSet::new();
+    let remedies = remedies.filter(|remedy| seen.insert(*remedy));
+    list.extend(remedies.map(|remedy| capitalised(&format!("{remedy}."))));
+    if let Some(failed) = summary.first_failure.as_ref() {
+        list.push(format!(
+            "The first failure is point {}: {}.",
+            failed.point,
+            failed.status.trim_end_matches('.')
+        ));
+    }
+    if summary.failed == summary.points || summary.has_own_values() {
+        return list;
+    }
+    let conclusion = summary.conclusion.as_ref();
+    match decision {
+        Decision::Verified => {
+            if conclusion.is_some_and(|conclusion| conclusion.risk.is_none()) {
+                list.push(
+                    "State every measured value's `uncertainty`: then the risk is known."
+                        .to_owned(),
+                );
+            }
+            list.extend(improve_first(summary));
+        }
+        Decision::NotVerified => {
+            list.extend(nearest(summary));
+            list.push("`orchestrator identify` finds the parameters that fit best.".to_owned());
+        }
+        Decision::Inconclusive => list.extend(conclusion.and_then(needed)),
+    }
+    list
+}
+
+/// How far the nearest point is from being accepted.
+fn nearest(summary: &Summary) -> Option<String> {
+    let best = summary.best_point.as_ref()?;
+    let off = |(name, value): (&String, &f64)| {
+        let criterion = &summary.criteria.get(name)?.criterion;
+        Some((
+            name.clone(),
+            criterion.deviation(*value),
+            criterion.clone(),
+            *value,
+        ))
+    };
+    let (name, off, criterion, value) = best
+        .values
+        .iter()
+        .filter_map(off)
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (off > 1.0).then(|| {
+        format!(
+            "The nearest point, {}, misses {name} most: {value:.5}{}, accepted {}.",
+            best.point,
+            criterion.unit_behind(),
+            criterion.wanted()
+        )
+    })
+}
+
+/// How many points decide.
+fn needed(conclusion: &Conclusion) -> Option<String> {
+    let required = conclusion.required.as_ref()?;
+    let (once, going_on) = (required.points_needed?, required.points_needed_going_on?);
+    Some(format!(
+        "If the share stays what it is, about {} independent points decide in another study, {} in this one if it goes on \
+         (--resume, --points).",
+        grouped(once),
+        grouped(going_on)
+    ))
+}
+
+/// A share in percent without the digits that only rounding brings.
+fn percent(share: f64) -> f64 {
+    (1e10 * share).round() / 1e8
+}
+
+fn range(ends: [f64; 2]) -> String {
+    let [low, high] = ends.map(|end| 100.0 * end);
+    format!("{low:.1} .. {high:.1} %")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,164 @@
+use std::path::Path;
+
+use super::*;
+use crate::concern::Code;
+use crate::judge::Judge;
+use crate::results::summary::Provenance;
+use crate::results::tally::{Sample, Tally};
+use crate::study::Study;
+
+const STUDY: &str = r#"
+fmu = "a.fmu"
+[parameters.p]
+distribution = "uniform"
+min = 0
+max = 1
+[criteria.T]
+variable = "t"
+nominal = 0
+tolerance = 1
+uncertainty = 1
+[criteria.F]
+variable = "f"
+nominal = 0
+tolerance = 1
+uncertainty = 1
+"#;
+
+/// The sentences on so many points in the middle of all tolerances, and so many that are far outside.
+fn said(study: &str, inside: u64, outside: u64) -> String {
+    let study = Study::parse(Path::new("s.toml"), study.to_owned()).unwrap();
+    let judge = Judge::new(&study, None).unwrap();
+    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    for label in 0..inside + outside {
+        let value = if label < inside { 0.0 } else { 100.0 };
+        tally.add(label, &[], &Ok(vec![value, value]), None);
+    }
+    let provenance = Provenance {
+        method: "monte-carlo".to_owned(),
+        ..Provenance::default()
+    };
+    let summary = tally.summary(None, provenance, Vec::new());
+    let answer = Answer::new(&summary);
+    let first = format!("{} {}\n{}", answer.sign.mark(), answer.title, answer.answer);
+    let all = [vec![first], answer.decides, answer.next, further(&summary)].concat();
+    all.join("\n")
+}
+
+/// In the middle a value conforms with 95.45 %, two of them with 91.11 %.
+#[test]
+fn the_accepted_points_that_do_not_conform_are_counted() {
+    let text = said(STUDY, 1000, 9000);
+    assert_eq!(
+        text,
+        "\u{2713} Verified\n\
+         The model can be right: it does at 1,000 of 10,000 points (10.0 %, 95 % interval 9.4 .. 10.6 %).\n\
+         Of the 1,000 accepted points 88.9 (8.9 %; 95 % interval 8.9 .. 9.2 %) are expected to be outside of a tolerance of the \
+         true values, since the measured values are uncertain.\n\
+         T decides most often: 9,000 of 10,000 points miss it.\n\
+         If the study were repeated with other random points, the verdict would almost surely (more than 99.9 %) be the same."
+    );
+    let one = said(STUDY, 1, 9);
+    assert!(one.contains("with a probability of 0.28 to 98 %"), "{one}");
+    assert!(
+        one.contains(
+            "With a probability of 8.9 % (95 % interval 0.25 .. 98 %) the accepted point is outside"
+        ),
+        "{one}"
+    );
+    let none = said(STUDY, 0, 10);
+    assert!(
+        none.contains("with a probability of at most 98 %"),
+        "{none}"
+    );
+    assert!(
+        none.contains("Of all points 0.0 are expected to be within the tolerances"),
+        "{none}"
+    );
+}
+
+#[test]
+fn without_an_uncertainty_nothing_is_stated() {
+    let text = said(&STUDY.replacen("uncertainty = 1\n", "", 1), 5, 5);
+    assert!(
+        text.contains(
+            "conform is not known: the study states no uncertainty of T, and nothing is assumed.\n"
+        ),
+        "{text}"
+    );
+    let text = said(&STUDY.replace("uncertainty = 1\n", ""), 5, 5);
+    assert!(text.contains("no uncertainty of T, F,"), "{text}");
+}
+
+#[test]
+fn a_verdict_that_is_open_tells_how_many_points_decide() {
+    let rule = format!("{STUDY}[verdict]\nshare = \"10 %\"\n");
+    let text = said(&rule, 12, 88);
+    assert!(
+        text.starts_with(
+            "? Inconclusive\nThe points do not tell: it does at 12 of 100 points, which is "
+        ),
+        "{text}"
+    );
+    assert!(
+        text.contains("independent points decide in another study, "),
+        "{text}"
+    );
+    assert!(!text.contains("were repeated"));
+    assert!(!said(&rule, 50, 50).contains("points decide"));
+}
+
+#[test]
+fn guard_bands_are_named() {
+    let with = |key: &str| {
+        said(
+            &format!("{STUDY}[verdict]\nshare = \"1 %\"\n{key}\n"),
+            50,
+            50,
+        )
+    };
+    let text = with("guard-band = 0.5");
+    assert!(
+        text.contains("a guard band of 0.50 expanded uncertainties; 50 points"),
+        "{text}"
+    );
+    assert!(!with("guard-band = 0").contains("guard band"));
+    let text = with("risk = \"1 %\"");
+    assert!(
+        text.contains("nothing is accepted: measure better"),
+        "{text}"
+    );
+}
+
+/// Every value is at a limit, so that half of the errors are beyond it: at most a quarter of the accepted points conform.
+#[test]
+fn a_verdict_whose_points_are_mostly_wrong_has_a_sign_of_its_own() {
+    let study = Study::parse(Path::new("s.toml"), STUDY.to_owned()).unwrap();
+    let judge = Judge::new(&study, None).unwrap();
+    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    for label in 0..10 {
+        tally.add(label, &[], &Ok(vec![1.0, 1.0]), None);
+    }
+    let mut summary = tally.summary(None, Provenance::default(), Vec::new());
+    let answer = Answer::new(&summary);
+    assert_eq!(
+        (answer.sign, &*answer.title),
+        (Sign::Doubt, "Verified, with doubts")
+    );
+    assert!(
+        answer.decides[0].contains("accepted points 7.5 (75 %"),
+        "{answer:?}"
+    );
+    // A warning is a doubt, too; a note is none.
+    summary.conclusion.as_mut().unwrap().risk = None;
+    assert_eq!(Answer::new(&summary).sign, Sign::Yes);
+    summary.doubt(Code::NotReRun, ["no point was re-run".to_owned()]);
+    assert_eq!(Answer::new(&summary).sign, Sign::Yes);
+    let moves = |name: &str| format!("{name}: its value still moves: simulate longer");
+    summary.doubt(Code::StillMoves, ["T", "F"].map(moves));
+    let answer = Answer::new(&summary);
+    assert_eq!(answer.sign, Sign::Doubt);
+    let told = "Warning: T: its value still moves (as well: F).".to_owned();
+    assert!(answer.decides.contains(&told), "{answer:?}");
+    assert_eq!(answer.next[0], "Simulate longer.");
+}
