@@ -75,7 +75,7 @@ def test_what_the_wheel_holds(wheel):
 
 def test_the_papers_verification_in_an_empty_environment(bare, tmp_path):
     begun = time.monotonic()
-    said = bare("orchestrator", "verify", "paper-table3")
+    said = bare("orchestrator", "verify", "paper-table3", "--verbose")
     print(f"\nverification with its report {time.monotonic() - begun:.1f} s")
     results = bare.folder / "results/paper-table3"
     orchestrator("verify", "studies/paper-table3.toml", "--output", tmp_path)

@@ -102,5 +102,11 @@ fn join_verification(
         },
         jobs,
     };
-    verify::conclude(&mut verification, output, summary, &wish, (&options.gate, options.verbose))
+    verify::conclude(
+        &mut verification,
+        output,
+        summary,
+        &wish,
+        (&options.gate, options.verbose),
+    )
 }

@@ -101,7 +101,13 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         limits: means.limits(jobs)?,
         jobs,
     };
-    conclude(&mut verification, &folder, summary, &wish, (&options.gate, options.verbose))
+    conclude(
+        &mut verification,
+        &folder,
+        summary,
+        &wish,
+        (&options.gate, options.verbose),
+    )
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.

@@ -40,6 +40,7 @@ tolerance = 10
         "study.toml",
         "--points-from",
         "points.csv",
+        "--verbose",
         "--output",
         "out",
     ];
