@@ -191,10 +191,15 @@ fn decides(summary: &Summary) -> Vec<String> {
     list.extend(conclusion.and_then(|_| beyond_validity(summary)));
     list.extend(conclusion.and_then(guard));
     list.extend(conclusion.and_then(|_| decisive(summary)));
-    let is_weak = |ends: [f64; 2]| ends[1] >= 1.0 - USUAL;
-    let weak = conclusion.filter(|c| c.other_verdict_interval.is_some_and(is_weak));
+    let weak = conclusion.filter(|conclusion| is_weak(conclusion));
     list.extend(weak.and_then(|conclusion| firmness(conclusion, summary)));
     list
+}
+
+/// Whether other points may well come to the other verdict.
+fn is_weak(conclusion: &Conclusion) -> bool {
+    let interval = conclusion.other_verdict_interval;
+    interval.is_some_and(|[_, most]| most >= 1.0 - USUAL)
 }
 
 /// How firmly the verdict stands where that is no doubt, and what its risks presume.
@@ -203,7 +208,9 @@ pub fn further(summary: &Summary) -> Vec<String> {
     let Some(conclusion) = summary.conclusion.as_ref().filter(|_| compared) else {
         return Vec::new();
     };
-    let sentences = [firmness(conclusion, summary), looked(conclusion)];
+    let firm = Some(conclusion).filter(|conclusion| !is_weak(conclusion));
+    let firm = firm.and_then(|conclusion| firmness(conclusion, summary));
+    let sentences = [firm, looked(conclusion)];
     sentences
         .into_iter()
         .flatten()

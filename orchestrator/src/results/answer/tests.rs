@@ -62,7 +62,7 @@ fn the_accepted_points_that_do_not_conform_are_counted() {
     assert!(one.contains("with a probability of 0.28 to 98 %"), "{one}");
     assert!(
         one.contains(
-            "With a probability of 8.9 % (95 % interval 0.25 .. 98 %) the accepted point is outside"
+            "With a probability of 8.9 % (95 % interval 0 .. 98 %) the accepted point is outside"
         ),
         "{one}"
     );
