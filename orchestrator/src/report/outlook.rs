@@ -1,7 +1,8 @@
 //! The documents on the model's own error, and on what to improve first.
 
 use crate::results::Summary;
-use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign, improve_first};
+use crate::results::answer::improve_first;
+use crate::results::improvement::{Change, Halved, Improvements, Prospect, Sign};
 use conformity::validation::Comparison;
 use result_document::format::{number, percent};
 use result_document::{Document, Table, numbers, words};

@@ -5,12 +5,13 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::improvement::improve_first;
+use super::improvement::{Halved, Sign as Gain};
 use super::words::{accepted, beyond_validity, capitalised, firmness, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
 use crate::concern::{Concern, Severity};
 use conformity::conclusion::{Conclusion, Requirement, grouped};
 use conformity::decision::Decision;
+use result_document::format::number;
 
 /// The confidence at which a verdict is firm.
 const USUAL: f64 = 0.95;
@@ -301,6 +302,34 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
         Decision::Inconclusive => list.extend(conclusion.and_then(needed)),
     }
     list
+}
+
+/// The surest gain, or that the points are too few to tell one.
+pub fn improve_first(summary: &Summary) -> Option<String> {
+    let improvements = summary.improvements.as_ref()?;
+    // Those of a grid have no intervals that would tell a gain from chance.
+    summary.verified_interval?;
+    let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
+    let Some(first) = by(Gain::Gain) else {
+        let nothing = match by(Gain::Open) {
+            Some(_) => "Too few points to say what to improve first: take more (`--points`).",
+            None => "Half an uncertainty or tolerance improves nothing.",
+        };
+        return Some(nothing.to_owned());
+    };
+    let what = match first.halved {
+        Halved::Uncertainty => "uncertainty of the measured value",
+        Halved::Tolerance => "tolerance of",
+    };
+    let interval = first.gain_interval.map_or_else(String::new, |ends| {
+        let [low, high] = ends.map(|end| number(100.0 * end, 3));
+        format!(" (95 % interval {low} … {high})")
+    });
+    Some(format!(
+        "To improve first: half the {what} {} raises the probability that a point is accepted and conforms by {} percentage points{interval}.",
+        first.name,
+        number(100.0 * first.gain, 3)
+    ))
 }
 
 /// How far the nearest point is from being accepted.

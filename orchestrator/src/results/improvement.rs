@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Row, Summary};
+use super::Row;
 use crate::judge::Judge;
 use crate::study::plan::Plan;
 use conformity::decision::Decision;
@@ -15,7 +15,6 @@ use conformity::gain::{self, Pair};
 use conformity::interval::clopper_pearson;
 use conformity::measured::Assessed;
 use conformity::risk::Guard;
-use result_document::format::number;
 use sampling::distribution::Distribution;
 
 /// So many points tell enough; of a larger study the first ones are taken. With many criteria they are fewer, as each of them
@@ -124,34 +123,6 @@ impl Improvements {
         }
         self
     }
-}
-
-/// The surest gain, or that the points are too few to tell one.
-pub fn improve_first(summary: &Summary) -> Option<String> {
-    let improvements = summary.improvements.as_ref()?;
-    // Those of a grid have no intervals that would tell a gain from chance.
-    summary.verified_interval?;
-    let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
-    let Some(first) = by(Sign::Gain) else {
-        let nothing = match by(Sign::Open) {
-            Some(_) => "Too few points to say what to improve first: take more (`--points`).",
-            None => "Half an uncertainty or tolerance improves nothing.",
-        };
-        return Some(nothing.to_owned());
-    };
-    let what = match first.halved {
-        Halved::Uncertainty => "uncertainty of the measured value",
-        Halved::Tolerance => "tolerance of",
-    };
-    let interval = first.gain_interval.map_or_else(String::new, |ends| {
-        let [low, high] = ends.map(|end| number(100.0 * end, 3));
-        format!(" (95 % interval {low} … {high})")
-    });
-    Some(format!(
-        "To improve first: half the {what} {} raises the probability that a point is accepted and conforms by {} percentage points{interval}.",
-        first.name,
-        number(100.0 * first.gain, 3)
-    ))
 }
 
 /// A point as the changes see it: its weight, and what the measurement says of it.
