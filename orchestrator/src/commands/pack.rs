@@ -28,7 +28,19 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
         Some(folder) => folder.clone(),
         None => {
             let folder = folder_of(&options.study);
-            verify::run(&verification(options, &folder))?;
+            verify::run(&verification(options, &folder)).map_err(|error| match error {
+                // Its options are those of `verify`.
+                Error::Refused(text) => {
+                    let what = text
+                        .split("; choose another --output")
+                        .next()
+                        .unwrap_or_default();
+                    Error::Refused(format!(
+                        "{what}; verify the study into another folder, and name that by --from"
+                    ))
+                }
+                other => other,
+            })?;
             folder
         }
     };

@@ -285,6 +285,14 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
     assert!(bench.path("results/lag/report.html").exists());
     let said = bench.run(&["verify", "carrier.fmu", "--output", "there"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    // The folder of the study's results is that of another study.
+    bench.write("models/lag.toml", STUDY);
+    let said = bench.run(&["pack", "models/lag.toml", "--output", "carrier.fmu"]);
+    said.is_mistake(&[
+        "results/lag holds results of another study file",
+        "name that by --from",
+    ]);
+    assert!(!said.err.contains("--force"), "{}", said.err);
     // A study in the folder itself.
     bench.write("here.toml", &STUDY.replace("../", ""));
     let said = bench.run(&["pack", "here.toml", "--output", "carrier.fmu"]);
