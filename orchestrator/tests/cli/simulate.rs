@@ -24,6 +24,23 @@ fn a_step_that_nobody_suggested_may_be_refused() {
     good(bench.run(&["simulate", "lag.fmu", "--step", "0.5"]));
 }
 
+/// The rows before it are whole, and the message is the FMU's.
+#[test]
+fn a_value_that_cannot_be_read_ends_the_simulation() {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["MUTE=0.6"], &model("", ""));
+    let run = ["simulate", "lag.fmu", "--stop", "1", "--step", "0.25"];
+    let said = bench.run(&[&run[..], &["--output", "a.csv"]].concat());
+    said.is_mistake(&["fmi2GetReal", "fmi2Error"]);
+    let table = rows(&bench.read("a.csv"));
+    let times: Vec<&str> = table.iter().map(|row| row[0].as_str()).collect();
+    assert_eq!(times, ["time", "0", "0.25", "0.5"]);
+    assert!(
+        table.iter().all(|row| row.len() == table[0].len()),
+        "{table:?}"
+    );
+}
+
 #[test]
 fn an_early_end_is_a_whole_simulation() {
     let bench = Bench::new();
