@@ -261,10 +261,12 @@ impl Recorded<'_> {
                 .file_name()
                 .unwrap_or_default()
                 .to_string_lossy();
-            Some(format!(
-                "{name}: line {line} and {} others hold no number and were left out",
-                count - 1
-            ))
+            Some(match count {
+                1 => format!("{name}: line {line} holds no number and was left out"),
+                _ => format!(
+                    "{name}: {count} lines hold no number and were left out, line {line} first"
+                ),
+            })
         };
         self.tables.iter().filter_map(note).collect()
     }

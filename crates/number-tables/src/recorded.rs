@@ -42,6 +42,8 @@ pub struct RecordedTable {
 #[derive(Debug, Default)]
 pub struct Column {
     name: String,
+    /// The name without the unit in it.
+    bare: String,
     /// The unit in the row below the header or in the name.
     pub unit: Option<String>,
     /// The numbers, not a number where there is none; of a column of time stamps the seconds since the first one.
@@ -70,9 +72,25 @@ fn name_and_unit(name: &str) -> (&str, Option<String>) {
         enclosed('(', ')').into_iter().chain(words).find(known)
     });
     match parts {
-        Some((bare, inner)) if !bare.trim().is_empty() => (bare.trim(), Some(unit(inner))),
+        Some((bare, inner)) if !bare.trim().is_empty() => {
+            (bare.trim_end_matches(['/', ' ']).trim(), Some(unit(inner)))
+        }
         _ => (name, None),
     }
+}
+
+/// The same of `n/(1/min)`, where the part before the unit is that of no other column, as a folder would be.
+fn name_over_unit<'a>(name: &'a str, names: &[String]) -> Option<(&'a str, Option<String>)> {
+    let slashes = name.match_indices('/').map(|(place, _)| place);
+    let parts = slashes.map(|place| (name[..place].trim(), unit(&name[place + 1..])));
+    let is_unit = |(bare, unit): &(&str, String)| !bare.is_empty() && known::usual(unit).is_some();
+    let (bare, unit) = parts.into_iter().find(is_unit)?;
+    let of_folder = |other: &&String| {
+        other
+            .strip_prefix(bare)
+            .is_some_and(|rest| rest.trim_start().starts_with('/'))
+    };
+    (names.iter().filter(of_folder).count() == 1).then_some((bare, Some(unit)))
 }
 
 /// Whether two names of units mean the same; an unknown one may mean anything.
@@ -204,10 +222,17 @@ impl RecordedTable {
         layout: &Layout,
     ) -> Result<Self, FileError> {
         units.resize(rows.names().len(), None);
-        let column = |(name, unit): (&String, Option<String>)| Column {
-            name: name.clone(),
-            unit: unit.or_else(|| name_and_unit(name).1),
-            ..Column::default()
+        let column = |(name, unit): (&String, Option<String>)| {
+            let (bare, own) = match name_and_unit(name) {
+                (_, None) => name_over_unit(name, rows.names()).unwrap_or((name, None)),
+                parts => parts,
+            };
+            Column {
+                name: name.clone(),
+                bare: bare.to_owned(),
+                unit: unit.or(own),
+                ..Column::default()
+            }
         };
         let mut table = Self {
             path: path.to_owned(),
@@ -242,7 +267,10 @@ impl RecordedTable {
     /// The name of the first column that may be one of times.
     pub fn first(&self) -> &str {
         let mut columns = self.columns.iter();
-        let sound = columns.find(|column| column.unreadable == 0 && column.empty < self.rows);
+        let sound = columns.find(|column| {
+            let [unreadable, empty] = [column.unreadable, column.empty];
+            2 * unreadable < self.rows && empty < self.rows
+        });
         sound
             .or(self.columns.first())
             .map_or("", |column| &column.name)
@@ -265,11 +293,7 @@ impl RecordedTable {
     /// A column by its name, with or without the unit in it; none where there is none.
     pub fn get(&self, name: &str) -> Option<&Column> {
         let exact = self.columns.iter().find(|column| column.name == name);
-        exact.or_else(|| {
-            self.columns
-                .iter()
-                .find(|column| name_and_unit(&column.name).0 == name)
-        })
+        exact.or_else(|| self.columns.iter().find(|column| column.bare == name))
     }
 
     /// A column by its name, with or without the unit in it.
@@ -279,7 +303,7 @@ impl RecordedTable {
     pub fn column(&self, name: &str) -> Result<&Column, FileError> {
         self.get(name).ok_or_else(|| {
             let names = self.columns.iter().map(|column| column.name.as_str());
-            let bare = names.clone().map(|name| name_and_unit(name).0);
+            let bare = self.columns.iter().map(|column| column.bare.as_str());
             let suggestion = did_you_mean(nearest(name, bare));
             const MANY: usize = 20;
             let known: Vec<&str> = names.take(MANY).collect();
@@ -420,6 +444,34 @@ mod tests {
             error.contains("did you mean") && error.contains("it has t [ms], n in rpm"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn units_stand_behind_a_slash() {
+        let units = "Zeit/ms,y/degC,n/(1/min),a/b/bar,run/t,run/T\n0,1,2,3,4,5\n1,1,2,3,4,5\n";
+        let table = table(units).unwrap();
+        for (name, unit) in [("Zeit", "ms"), ("y", "degC"), ("n", "rpm"), ("a/b", "bar")] {
+            assert_eq!(table.unit(name, None).unwrap(), unit);
+        }
+        // Channels of a folder.
+        assert!(table.column("run/T").unwrap().unit.is_none() && table.get("run").is_none());
+    }
+
+    /// What is lost from the first rows is told as that from later ones.
+    #[test]
+    fn rows_of_words_are_told_wherever_they_stand() {
+        for place in [1, 150, 399] {
+            let mut rows: Vec<String> = (0..400).map(|k| format!("{k},2")).collect();
+            rows.insert(place + 1, "t,F".to_owned());
+            rows[place] = format!("{place},n/a");
+            let table = table(&format!("t,F\n{}\n", rows.join("\n"))).unwrap();
+            let line = place as u64 + 3;
+            assert_eq!((table.rows, table.others), (400, Some((line, 1))));
+            assert_eq!(table.column("F").unwrap().unreadable, 1);
+            assert_eq!(table.first(), "t");
+        }
+        let lost = table("t,state,F\n0,on,1\nn/a,on,1\n2,on,1\n3,on,2\n").unwrap();
+        assert_eq!(lost.first(), "t");
     }
 
     #[test]

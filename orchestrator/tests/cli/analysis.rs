@@ -621,7 +621,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     for line in [
         "# case.csv, Y: 2000 rows, 2000 used.",
         "# case-2.csv, T: 20 rows, 20 used.",
-        "fast.csv: line 2002 and 0 others hold no number",
+        "fast.csv: line 2002 holds no number and was left out",
         "2000 used for a line with 2 corners",
     ] {
         assert!(said.out.contains(line), "{line}: {}", said.out);

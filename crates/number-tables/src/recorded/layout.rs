@@ -157,7 +157,7 @@ fn run(
     let mut best: Option<(usize, usize, usize)> = None;
     let mut now: Option<(usize, usize, usize)> = None;
     for (k, line) in lines.iter().enumerate().skip(after) {
-        if line.trim().is_empty() {
+        if line.trim().is_empty() || (line.starts_with('#') && now.is_some()) {
             continue;
         }
         let count = numbers(
@@ -226,28 +226,53 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
                        names) and `delimiter` in the settings";
         return Err(FileError::new(path, message));
     };
-    // Rows with a remark in them belong to the numbers, too.
-    let width = cells(lines[first], separator).len();
+    let form = layout.format.as_deref();
+    let is_value = |cell: &String| number(separator, cell).is_some() || stamp(cell, form).is_some();
+    let model = cells(lines[first], separator);
+    // Rows with a remark in them belong to the numbers, too; a number as the unit of a ratio makes none of them.
     let is_row = |line: &usize| {
         let row = cells(lines[*line], separator);
         let known = row.iter().filter(|cell| !cell.is_empty()).count();
-        let is_value = |cell: &&String| {
-            number(separator, cell).is_some() || stamp(cell, layout.format.as_deref()).is_some()
-        };
-        let values = row.iter().filter(is_value).count();
-        row.len() == width && values > 1 && 2 * values >= known
+        let values = row.iter().filter(|cell| is_value(cell)).count();
+        let timed = row.first().is_some_and(is_value);
+        let units = !timed && row.first().is_some_and(|cell| is_unit(cell));
+        let enough = values == known || values > 1 || timed;
+        row.len() == model.len() && values > 0 && 2 * values >= known && enough && !units
     };
     let least = layout.header.unwrap_or(0);
-    let first = (least..first)
-        .rev()
-        .take_while(is_row)
-        .last()
-        .unwrap_or(first);
+    let back = |from: usize| {
+        let mut first = from;
+        for line in (least..from).rev() {
+            match is_row(&line) {
+                true => first = line,
+                false if lines[line].starts_with('#') && line > 0 && is_row(&(line - 1)) => {}
+                false => break,
+            }
+        }
+        first
+    };
+    // Numbers where this row has them: of the same table, whatever stands between.
+    let is_alike = |line: &usize| {
+        let row = cells(lines[*line], separator);
+        let fits = |(cell, model): (&String, &String)| is_value(cell) == is_value(model);
+        row.len() == model.len() && row.iter().zip(&model).all(fits)
+    };
+    let earliest = match layout.header {
+        Some(header) => (header..first).find(is_row),
+        // A single row may hold the numbers of channels.
+        None => (0..first.saturating_sub(1))
+            .find(|line| is_alike(line) && is_row(&(line + 1)))
+            .filter(|begin| !is_other_table(&lines[..first], *begin, separator, &is_value)),
+    };
+    let first = back(earliest.unwrap_or(first));
     let named = |line: usize| head(lines[line], separator, columns);
     let (names, units) = match layout.header {
         Some(header) if header > 0 && header <= first && !is_row(&(header - 1)) => {
             let names = named(header - 1).unwrap_or_else(|| cells(lines[header - 1], separator));
-            (Some(names), (header..first).find_map(named))
+            let are_units =
+                |row: &Vec<String>| *row != names && !row.iter().any(|cell| is_missing(cell));
+            let units = (header..first).find_map(named).filter(are_units);
+            (Some(names), units)
         }
         Some(header) => {
             let message = format!(
@@ -281,6 +306,31 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
         names: distinct(names),
         first,
     })
+}
+
+/// Whether a cell says that there is no value.
+fn is_missing(cell: &str) -> bool {
+    const WORDS: [&str; 5] = ["n/a", "#n/a", "na", "nan", "null"];
+    WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word))
+}
+
+/// Whether what follows a block of rows is a table of its own: behind a blank line it has names that are not above the block.
+fn is_other_table(
+    lines: &[&str],
+    block: usize,
+    separator: u8,
+    is_value: &impl Fn(&String) -> bool,
+) -> bool {
+    let width = cells(lines[block], separator).len();
+    let blank = lines[block..]
+        .iter()
+        .position(|line| line.trim().is_empty());
+    let are_names = |line: &&&str| {
+        let row = cells(line, separator);
+        let texts = row.iter().all(|cell| !cell.is_empty() && !is_value(cell));
+        row.len() == width && texts && !lines[..block].contains(*line)
+    };
+    blank.is_some_and(|blank| lines[block + blank..].iter().any(|line| are_names(&line)))
 }
 
 /// The rows of names and of units above the first numbers.
@@ -443,6 +493,52 @@ mod tests {
             let expected = (separator, names.to_owned(), units.to_owned(), first);
             assert_eq!(found(text), expected, "{text}");
         }
+    }
+
+    /// Once numbers began, a line of words among them is no header, early or late.
+    #[test]
+    fn words_among_the_numbers_are_no_header() {
+        let row = |k: usize| format!("0.{k:03},{}", k % 7);
+        let with = |place: usize, line: &str| {
+            let mut rows: Vec<String> = (0..400).map(row).collect();
+            rows.insert(place, line.to_owned());
+            format!("t [s],y [degC]\n{}\n", rows.join("\n"))
+        };
+        for place in [1, 2, 3, 149, 399] {
+            for line in ["0.5,n/a", "0.5,#N/A", "0.5,OVERLOAD", "0.5,", "# marker"] {
+                let (_, names, units, first) = found(&with(place, line));
+                assert_eq!(
+                    (names.as_str(), units.as_str(), first),
+                    ("t [s]|y [degC]", "|", 1)
+                );
+            }
+        }
+        for place in [2, 3, 149, 399] {
+            for line in ["t [s],y [degC]", "Marker,third gear", "Marker;Gang 3", "\n"] {
+                assert_eq!(found(&with(place, line)).3, 1, "{line} behind {place}");
+            }
+        }
+        let stated = Layout {
+            header: Some(1),
+            ..Layout::default()
+        };
+        for line in ["0.5,n/a", "t [s],y [degC]", "0.5,OVERLOAD"] {
+            for place in [0, 1, 3, 149] {
+                let found = find(Path::new("m.csv"), &with(place, line), &stated).unwrap();
+                let above = usize::from(place == 0 && line.starts_with('t'));
+                assert_eq!((found.first, &found.units[1]), (1 + above, &None), "{line}");
+            }
+        }
+    }
+
+    /// A table of calibration above the recording, with names of its own.
+    #[test]
+    fn a_shorter_table_above_is_none_of_the_rows() {
+        let text = "raw;bar\n0;0\n10;16\n\nt;p\n0;1,5\n1;1,6\n2;1,7\n";
+        assert_eq!(found(text), (';', "t|p".to_owned(), "|".to_owned(), 5));
+        // The numbers of channels.
+        let text = "1;2;3\nt;p;mu\ns;1;1\n0;1,5;0\n1;1,6;0\n2;1,7;0\n";
+        assert_eq!(found(text).1, "t|p|mu");
     }
 
     #[test]
