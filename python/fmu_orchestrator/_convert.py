@@ -31,6 +31,8 @@ class Contents:
 
     groups: list[Group] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)  # names of what is no series of numbers
+    invalid: dict[str, int] = field(default_factory=dict)  # samples that the file calls invalid, by channels
+    start: str = ""  # the time stamp at time 0
 
 
 def convert(path: str | Path, folder: str | Path | None = None) -> list[Path]:
@@ -53,6 +55,10 @@ def convert(path: str | Path, folder: str | Path | None = None) -> list[Path]:
     if contents.left_out:
         shown = ", ".join(contents.left_out[:5]) + (" ..." if len(contents.left_out) > 5 else "")
         print(f"note: {len(contents.left_out)} left out, as they are no series of numbers: {shown}", file=sys.stderr)
+    for name, count in contents.invalid.items():
+        print(f"note: {name}: {count} samples are invalid, as the file says, and become empty cells", file=sys.stderr)
+    if contents.start:
+        print(f"{path}: its time 0 is {contents.start}")
     if not groups:
         raise OrchestratorError(f"{path}: it holds no series of numbers; export the recording as csv")
     into = Path(folder) if folder is not None else path.parent
@@ -103,21 +109,32 @@ def _is_series(values: Any) -> bool:
 def _mdf(path: Path) -> Contents:
     contents = Contents()
     with _library("asammdf", path).MDF(path) as mdf:
+        contents.start = mdf.header.start_time.isoformat()
         for number in mdf.virtual_groups:
             group = Group(f"group {number}", None)
             for signal in mdf.select(_channels(mdf, number), raw=False, copy_master=True):
                 if not _is_series(signal.samples) or len(signal.samples) != len(signal.timestamps):
                     contents.left_out.append(signal.name)
                     continue
+                values = _valid(signal, contents)
                 # Channels of one group have one clock, but for those that a file records without their invalid samples.
                 if group.time is None:
                     group.time = signal.timestamps
                 if len(group.time) != len(signal.timestamps):
-                    contents.groups.append(Group(signal.name, signal.timestamps, [(signal.name, signal.unit, signal.samples)]))
+                    contents.groups.append(Group(signal.name, signal.timestamps, [(signal.name, signal.unit, values)]))
                     continue
-                group.channels.append((signal.name, signal.unit, signal.samples))
+                group.channels.append((signal.name, signal.unit, values))
             contents.groups.append(group)
     return contents
+
+
+def _valid(signal: Any, contents: Contents) -> Any:
+    """The samples; ``None`` in place of those that the file calls invalid."""
+    bits = signal.invalidation_bits
+    if bits is None or not bits.any():
+        return signal.samples
+    contents.invalid[signal.name] = contents.invalid.get(signal.name, 0) + int(bits.sum())
+    return [None if invalid else value for value, invalid in zip(signal.samples.tolist(), bits.tolist(), strict=True)]
 
 
 def _channels(mdf: Any, number: int) -> list[tuple[None, int, int]]:
@@ -293,6 +310,9 @@ READERS: Mapping[str, Callable[[Path], Contents]] = {
 def main(given: Sequence[str]) -> int:
     """``convert FILE [--output FOLDER]``."""
     match list(given):
+        case ["--help" | "-h"]:
+            print("""convert FILE [--output FOLDER]: csv files for `orchestrator synchronise`, one for each rate
+FILE: {endings}""".format(endings=" ".join(READERS)))
         case [path]:
             convert(path)
         case [path, "--output", folder] | ["--output", folder, path]:

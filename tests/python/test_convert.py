@@ -1,7 +1,9 @@
 """Recordings in formats of their own become csv files; a library that is missing is named with what installs it."""
 
 import csv
+import datetime
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from test_acceptance import ROOT
 
 sys.path.insert(0, str(ROOT / "python"))
 from fmu_orchestrator import OrchestratorError
-from fmu_orchestrator._convert import EXTRAS, Contents, _by_length, convert
+from fmu_orchestrator._convert import EXTRAS, Contents, _by_length, _valid, convert, main
 
 
 def rows(path):
@@ -54,3 +56,33 @@ def test_what_cannot_be_read_is_one_line(tmp_path):
         with pytest.raises(OrchestratorError, match=remedy) as error:
             convert(tmp_path / name)
         assert len(str(error.value).splitlines()) == 1
+
+
+def test_invalid_samples_become_empty_cells():
+    bits = np.array([False, True, False])
+    signal = SimpleNamespace(name="T", samples=np.array([1.0, -1.0, 3.0]), invalidation_bits=bits)
+    contents = Contents()
+    assert _valid(signal, contents) == [1.0, None, 3.0]
+    assert contents.invalid == {"T": 1}
+    signal.invalidation_bits = None
+    assert _valid(signal, contents) is signal.samples
+
+
+def test_mdf_says_invalid_samples_and_its_start(tmp_path, capsys):
+    asammdf = pytest.importorskip("asammdf")
+    with asammdf.MDF(version="4.10") as file:
+        file.start_time = datetime.datetime(2026, 11, 26, 13, 3, 3)
+        invalid = np.arange(20) == 7
+        values = np.where(invalid, -1.0, 50.0)
+        file.append([asammdf.Signal(values, np.arange(20) / 10, name="T", unit="degC", invalidation_bits=invalid)])
+        file.save(tmp_path / "x.mf4")
+    [path] = convert(tmp_path / "x.mf4")
+    assert rows(path)[9:11] == [["0.7", ""], ["0.8", "50.0"]]
+    told = capsys.readouterr()
+    assert "T: 1 samples are invalid" in told.err
+    assert "time 0 is 2026-11-26T13:03:03" in told.out
+
+
+def test_help_names_the_formats(capsys):
+    assert main(["--help"]) == 0
+    assert ".mf4" in capsys.readouterr().out
