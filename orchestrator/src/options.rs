@@ -9,7 +9,7 @@ use crate::error::Error;
 use clap::Args;
 use fmu_points::Limits;
 use fmu_points::crew::Place;
-use fmu_points::{Isolation, system};
+use fmu_points::{Isolation, Launcher, system};
 use point_journal::pipeline::Shard;
 use point_journal::pipeline::folder::Earlier;
 
@@ -89,6 +89,63 @@ pub struct Means {
     /// the machine's]
     #[arg(long, value_name = "SIZE")]
     pub memory_limit: Option<String>,
+    /// Start workers elsewhere
+    #[command(flatten)]
+    pub afar: Afar,
+}
+
+/// Workers on other machines.
+#[derive(Debug, Args)]
+pub struct Afar {
+    /// Start each worker by this command, such as `srun -n1 -c1` or `ssh node7`
+    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
+    launcher: Option<String>,
+    /// Hosts, a line each with the number of workers; `{host}` in the command becomes the name
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "launcher",
+        conflicts_with = "jobs"
+    )]
+    hosts: Option<PathBuf>,
+    /// Send the FMU to hosts that do not share the disk
+    #[arg(long, requires = "launcher")]
+    ship: bool,
+    /// The program on the hosts [default: this program's path]
+    #[arg(long, value_name = "PATH", requires = "launcher")]
+    worker_program: Option<PathBuf>,
+    /// How long a worker may take to start, and be silent, s [default: 30]
+    #[arg(
+        long,
+        value_name = "T",
+        requires = "launcher",
+        allow_negative_numbers = true
+    )]
+    launcher_timeout: Option<f64>,
+}
+
+impl Afar {
+    /// How workers are started elsewhere, if they are, `jobs` of them unless hosts say otherwise.
+    fn launcher(&self, jobs: usize) -> Result<Option<Launcher>, Error> {
+        let Some(command) = &self.launcher else {
+            return Ok(None);
+        };
+        let launcher = Launcher::new(command, jobs);
+        let mut launcher = launcher.map_err(|message| Error::option("launcher", message))?;
+        if let Some(path) = &self.hosts {
+            let hosts = std::fs::read_to_string(path).map_err(Error::io(path))?;
+            let on = launcher.on(&hosts);
+            launcher = on.map_err(|message| Error::content(path, message))?;
+        }
+        if let Some(program) = &self.worker_program {
+            launcher.program.clone_from(program);
+        }
+        launcher.ship = self.ship;
+        if let Some(seconds) = self.launcher_timeout {
+            launcher.patience = time("launcher-timeout", seconds)?;
+        }
+        Ok(Some(launcher))
+    }
 }
 
 impl Means {
@@ -96,6 +153,24 @@ impl Means {
     pub fn jobs(&self) -> usize {
         let cores = || available_parallelism().map_or(1, Into::into);
         self.jobs.map_or_else(cores, NonZeroUsize::get)
+    }
+
+    /// How many simulations at a time in this machine.
+    pub fn jobs_here(&self) -> usize {
+        match self.afar.launcher {
+            Some(_) => available_parallelism().map_or(1, Into::into),
+            None => self.jobs(),
+        }
+    }
+
+    /// The same of `points`, wherever: no more than there are, and as many as hosts have.
+    ///
+    /// # Errors
+    /// When the hosts cannot be used.
+    pub fn jobs_of(&self, points: usize) -> Result<usize, Error> {
+        let jobs = self.jobs().min(points.max(1));
+        let launcher = self.afar.launcher(jobs)?;
+        Ok(launcher.map_or(jobs, |launcher| launcher.slots()))
     }
 
     /// Where `jobs` points at a time are run.
@@ -106,7 +181,12 @@ impl Means {
         if self.in_process {
             return Ok(Place::Here);
         }
-        Ok(Place::Processes(self.limits(jobs)?, self.isolation))
+        let limits = self.limits(jobs)?;
+        let Some(mut launcher) = self.afar.launcher(jobs)? else {
+            return Ok(Place::Processes(limits, self.isolation));
+        };
+        launcher.memory = self.memory_limit.as_ref().map(|_| limits.memory);
+        Ok(Place::Elsewhere(limits, self.isolation, launcher))
     }
 
     /// The limits for one of `jobs` workers.
@@ -114,17 +194,13 @@ impl Means {
     /// # Errors
     /// When a limit cannot be used.
     pub fn limits(&self, jobs: usize) -> Result<Limits, Error> {
-        let time = Duration::try_from_secs_f64(self.point_timeout).ok();
-        let time = time.filter(|time| !time.is_zero()).ok_or_else(|| {
-            let message = format!("{:?} s is not a positive time", self.point_timeout);
-            Error::option("point-timeout", message)
-        })?;
+        let time = time("point-timeout", self.point_timeout)?;
         let memory = match &self.memory_limit {
             Some(text) => size(text).ok_or_else(|| {
                 let message = format!("`{text}` is not a size such as 500MB or 2GB");
                 Error::option("memory-limit", message)
             })?,
-            None => share(jobs),
+            None => system::share_of_memory(jobs),
         };
         Ok(Limits { time, memory })
     }
@@ -190,12 +266,13 @@ fn size(text: &str) -> Option<u64> {
     (bytes >= 1.0).then_some(bytes as u64)
 }
 
-/// Four fifths of the machine's memory, shared by the workers.
-fn share(jobs: usize) -> u64 {
-    // Where the size is not known, a limit that any of today's machines keeps.
-    const UNKNOWN: u64 = 4 << 30;
-    let memory = system::memory_of_machine();
-    memory.map_or(UNKNOWN, |bytes| bytes / 5 * 4) / jobs.max(1) as u64
+/// A time that an option gives, s.
+fn time(option: &'static str, seconds: f64) -> Result<Duration, Error> {
+    let time = Duration::try_from_secs_f64(seconds).ok();
+    time.filter(|time| !time.is_zero()).ok_or_else(|| {
+        let message = format!("{seconds:?} s is not a positive time");
+        Error::option(option, message)
+    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The workers of a study: how many, and where they run its points.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -9,22 +10,26 @@ use crate::company::Company;
 use crate::conduct::{Conduct, Isolation, Separation};
 use crate::ground::Ground;
 use crate::isolated::{Isolated, locked};
+use crate::launcher::Launcher;
 use crate::local::Local;
 use crate::points::{Answer, Event, Job, Limits, RunError, Worker};
-use crate::policy::Policy;
+use crate::policy::{Found, Policy};
 use crate::pool;
+use crate::remote::{Remote, Team};
 use crate::repeats::Repeats;
 use crate::task::{Case, Task};
 use crate::working_directory;
 use fmu_import::{FmuError, Library, Package};
 
 /// Where points are run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Place {
     /// In this process.
     Here,
     /// In processes of their own, within limits.
     Processes(Limits, Isolation),
+    /// The same on other machines.
+    Elsewhere(Limits, Isolation, Launcher),
 }
 
 /// Starts workers for one FMU.
@@ -46,6 +51,7 @@ enum Way {
         here: bool,
         limits: Limits,
     },
+    Elsewhere(Arc<Team>),
 }
 
 impl Crew {
@@ -61,11 +67,24 @@ impl Crew {
     ) -> Result<Self, FmuError> {
         let capabilities = package.description().capabilities;
         let (tool, company) = (capabilities.needs_execution_tool, jobs > 1);
+        let policies = |wish| {
+            let policy = Arc::new(Mutex::new(Policy::new(wish, tool, company)));
+            [policy, Arc::new(Mutex::new(Policy::apart(tool, company)))]
+        };
         let once = capabilities.can_be_instantiated_only_once_per_process;
-        let (way, size, wish) = match place {
+        let (way, size, [policy, apart]) = match place {
             Place::Here => {
                 let size = if once { 1 } else { jobs };
-                (Way::Here(package.load()?), size, Isolation::InProcess)
+                (
+                    Way::Here(package.load()?),
+                    size,
+                    policies(Isolation::InProcess),
+                )
+            }
+            Place::Elsewhere(limits, wish, launcher) => {
+                let (size, policies) = (launcher.slots(), policies(wish));
+                let team = Team::new(package, launcher, limits, wish, policies.clone())?;
+                (Way::Elsewhere(Arc::new(team)), size, policies)
             }
             Place::Processes(limits, wish) => {
                 let unpacked = package.unpack(scratch)?;
@@ -74,14 +93,14 @@ impl Crew {
                     here: working_directory::named_by(package.description()),
                     limits,
                 };
-                (way, jobs, wish)
+                (way, jobs, policies(wish))
             }
         };
         Ok(Self {
             way,
             size,
-            policy: Arc::new(Mutex::new(Policy::new(wish, tool, company))),
-            apart: Arc::new(Mutex::new(Policy::apart(tool, company))),
+            policy,
+            apart,
         })
     }
 
@@ -130,6 +149,7 @@ impl Crew {
         match &self.way {
             Way::Here(_) => None,
             Way::Processes { ground, .. } => ground.changed(),
+            Way::Elsewhere(team) => team.changed(),
         }
     }
 
@@ -147,8 +167,10 @@ impl Crew {
 
     /// Gives each point an unpacked FMU of its own from the beginning, since it was found that the FMU changes this file.
     pub fn part(&self, changed: &str) {
-        if let Way::Processes { ground, .. } = &self.way {
-            ground.know(changed);
+        match &self.way {
+            Way::Here(_) => {}
+            Way::Processes { ground, .. } => ground.know(changed),
+            Way::Elsewhere(team) => team.know(changed),
         }
     }
 
@@ -165,6 +187,36 @@ impl Crew {
             locked(&self.policy).give_up_reproducing();
             locked(&self.apart).give_up_reproducing();
         }
+    }
+
+    /// How many points each host has answered, where there are several.
+    pub fn answered(&self) -> BTreeMap<String, u64> {
+        match &self.way {
+            Way::Elsewhere(team) => team.answered(),
+            _ => BTreeMap::new(),
+        }
+    }
+
+    /// What a supervisor elsewhere should know of the FMU.
+    pub(crate) fn found(&self) -> Found {
+        let changed = self.changed();
+        let policy = if changed.is_some() {
+            &self.apart
+        } else {
+            &self.policy
+        };
+        let mut found = locked(policy).found();
+        found.changed = changed;
+        found
+    }
+
+    /// Takes over what a supervisor elsewhere knows of the FMU.
+    pub(crate) fn adopt(&self, found: &Found) {
+        if let Some(changed) = &found.changed {
+            self.part(changed);
+        }
+        let apart = self.changed().is_some();
+        locked(if apart { &self.apart } else { &self.policy }).adopt(found);
     }
 
     /// How the user wishes points to share processes.
@@ -189,6 +241,9 @@ impl Crew {
 
     /// A worker that computes points again as an audit does.
     pub fn auditor(&self, cases: &[Case]) -> Box<dyn Worker> {
+        if let Way::Elsewhere(team) = &self.way {
+            return Box::new(Remote::new(team, None, cases, true));
+        }
         self.worker_by(Arc::new(Mutex::new(Policy::auditing())), cases)
     }
 
@@ -200,6 +255,7 @@ impl Crew {
     fn worker_by(&self, policy: Arc<Mutex<Policy>>, cases: &[Case]) -> Box<dyn Worker> {
         match &self.way {
             Way::Here(library) => Box::new(Local::new(library, cases)),
+            Way::Elsewhere(team) => Box::new(Remote::new(team, None, cases, false)),
             Way::Processes {
                 ground,
                 here,
@@ -220,6 +276,10 @@ impl Crew {
 
     /// All workers.
     pub fn workers(&self, cases: &[Case]) -> Vec<Box<dyn Worker>> {
-        (0..self.size).map(|_| self.worker(cases)).collect()
+        let worker = |number| match &self.way {
+            Way::Elsewhere(team) => Box::new(Remote::new(team, Some(number), cases, false)),
+            _ => self.worker(cases),
+        };
+        (0..self.size).map(worker).collect()
     }
 }

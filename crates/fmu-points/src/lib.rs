@@ -58,10 +58,13 @@ mod child;
 pub mod company;
 pub mod conduct;
 pub mod crew;
+mod dispatch;
 pub mod failure;
 mod ground;
 mod isolated;
 mod join;
+mod launcher;
+mod link;
 mod local;
 pub mod names;
 pub mod notices;
@@ -69,10 +72,13 @@ pub mod points;
 mod policy;
 pub mod pool;
 mod process;
+mod remote;
 pub mod repeats;
 mod runner;
 pub mod scratch;
+mod shipped;
 pub mod single;
+mod station;
 pub mod stop;
 pub mod system;
 pub mod task;
@@ -86,6 +92,7 @@ use std::ffi::OsString;
 pub use company::Company;
 pub use conduct::{Conduct, Isolation, Separation};
 pub use crew::{Crew, Place};
+pub use launcher::Launcher;
 pub use points::{Answer, Event, Job, Limits, Post, RunError, Simulated, Worker};
 pub use pool::run;
 
@@ -102,6 +109,7 @@ pub fn serve_if_worker_with(errand: single::Errand) {
     let mut arguments = arguments.iter().filter_map(|argument| argument.to_str());
     match arguments.next() {
         Some(process::WORKER) => worker::end(worker::serve()),
+        Some(link::REMOTE) => worker::end(station::serve()),
         #[cfg(windows)]
         Some(birth::CHILD) => worker::end(birth::serve(arguments.next().unwrap_or_default())),
         _ => {}

@@ -23,6 +23,9 @@ pub enum RunError {
     /// A worker was lost and cannot be replaced.
     #[error("a worker was lost: {0}")]
     Lost(String),
+    /// Workers on other machines are lost, and cannot be replaced.
+    #[error("no worker is left: {0}; --resume goes on")]
+    NoWorker(String),
     /// Points were computed again, and no result counted.
     #[error(
         "points were computed again, and no result counted, because processes of the FMU differ; go on with --resume"
@@ -125,6 +128,8 @@ pub struct Post<'a> {
     /// How many points are left besides the batch, as far as that is known.
     pub left: Option<usize>,
     over: bool,
+    /// Points that others are to run.
+    returned: Vec<Job>,
 }
 
 impl<'a> Post<'a> {
@@ -139,12 +144,23 @@ impl<'a> Post<'a> {
             stopped,
             left,
             over: false,
+            returned: Vec::new(),
         }
     }
 
     /// Reports what happened.
     pub fn send(&mut self, event: Event) {
         self.over |= (self.take)(event).is_break();
+    }
+
+    /// Gives points back that could not be run here through no fault of theirs.
+    pub(crate) fn give_back(&mut self, jobs: Vec<Job>) {
+        self.returned.extend(jobs);
+    }
+
+    /// The points that were given back.
+    pub(crate) fn returned(self) -> Vec<Job> {
+        self.returned
     }
 
     /// Whether nothing further is wanted.
@@ -156,11 +172,24 @@ impl<'a> Post<'a> {
 /// Something that runs points one after another.
 pub trait Worker: Send {
     /// Runs the jobs and reports each one as soon as it is done, exactly once; may stop early
-    /// when the post says so.
+    /// when the post says so, and give points back.
     ///
     /// # Errors
     /// When no further point can be run.
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError>;
+
+    /// Waits until it can take points; `false` where it will not, or is `stopped` before.
+    ///
+    /// # Errors
+    /// When no worker can take points any more.
+    fn ready(&mut self, _stopped: &dyn Fn() -> bool) -> Result<bool, RunError> {
+        Ok(true)
+    }
+
+    /// How long its last points took beyond their computation.
+    fn overhead(&self) -> Duration {
+        Duration::ZERO
+    }
 
     /// Runs a point while no other worker does anything.
     ///

@@ -12,6 +12,8 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 use crate::conduct::{Conduct, Isolation, Reason, Separation};
 use crate::points::Job;
 use crate::repeats::{ENOUGH, Repeats};
@@ -127,10 +129,13 @@ struct Audits {
     in_any_case: f64,
     /// How many of these stood right behind an odd point.
     behind_odd: usize,
+    /// Those that nobody else was told of.
+    latest: Vec<(u64, bool, bool)>,
 }
 
 impl Audits {
     fn note(&mut self, index: u64, agreed: bool, shared: bool) {
+        self.latest.push((index, agreed, shared));
         let (same, known) = self.points.entry(index).or_insert((true, false));
         self.mismatches += u64::from(*same && !agreed);
         self.shared += u64::from(shared && !*known);
@@ -204,9 +209,30 @@ pub(crate) struct Policy {
     /// Whether the user was told that a licence is waited for, and whether that was in vain.
     told: bool,
     hopeless: bool,
+    /// Whether a worker on another machine finds out how points may share processes.
+    led: bool,
+    /// Why points ran alone on other machines, where they did.
+    reason_there: Option<Reason>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What workers on several machines tell each other of the FMU.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Found {
+    alone: Option<Separation>,
+    sharing: Sharing,
+    differing: bool,
+    reused: bool,
+    start: Option<f64>,
+    reason: Option<Reason>,
+    /// Points that were computed twice: whether they were the same, and whether they had followed another one.
+    audits: Vec<(u64, bool, bool)>,
+    /// The first file that the FMU changed in its folder.
+    pub(crate) changed: Option<String>,
+    /// Whether another worker is finding out how points may share processes.
+    pub(crate) led: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Sharing {
     #[default]
     Untried,
@@ -261,7 +287,7 @@ impl Policy {
             return Plan::Audit;
         }
         let Some(alone) = self.alone else {
-            if std::mem::replace(&mut self.probing, true) {
+            if self.led || std::mem::replace(&mut self.probing, true) {
                 return Plan::Alone(self.strictest());
             }
             return Plan::Probe;
@@ -271,7 +297,7 @@ impl Policy {
             Sharing::Earned(reuse) if self.wish == Isolation::Reuse || !self.is_odd() => {
                 Plan::Used(reuse)
             }
-            Sharing::Untried if self.is_worth_a_trial(left) => {
+            Sharing::Untried if !self.led && self.is_worth_a_trial(left) => {
                 self.sharing = Sharing::OnTrial;
                 Plan::Trial
             }
@@ -544,6 +570,65 @@ impl Policy {
         }
     }
 
+    /// What others should know; audits are told once.
+    pub(crate) fn found(&mut self) -> Found {
+        let audits = std::mem::take(&mut self.audits.latest);
+        Found {
+            alone: self.alone,
+            sharing: match self.sharing {
+                Sharing::OnTrial => Sharing::Untried,
+                known => known,
+            },
+            differing: self.differing,
+            reused: self.reused,
+            start: self.start,
+            reason: self.reason(),
+            audits,
+            changed: None,
+            led: false,
+        }
+    }
+
+    /// What a worker elsewhere should know before it computes points: no audits, nor why points run alone.
+    pub(crate) fn known(&mut self) -> Found {
+        Found {
+            reason: None,
+            audits: Vec::new(),
+            ..self.found()
+        }
+    }
+
+    /// Takes over what others found: of two findings the stricter one.
+    pub(crate) fn adopt(&mut self, found: &Found) {
+        for &(index, agreed, shared) in &found.audits {
+            self.audits.note(index, agreed, shared);
+        }
+        self.led = found.led;
+        self.reused |= found.reused;
+        self.reason_there = found.reason;
+        self.start = match (self.start, found.start) {
+            (Some(one), Some(other)) => Some(one.min(other)),
+            (one, other) => one.or(other),
+        };
+        if found.differing && !self.differing {
+            self.give_up_reproducing();
+        }
+        self.alone = match (self.alone, found.alone) {
+            (Some(one), Some(other)) => Some(one.min(other)),
+            (one, other) => one.or(other),
+        };
+        match (self.sharing, found.sharing) {
+            (Sharing::Refused(_), _) | (_, Sharing::Untried | Sharing::OnTrial) => {}
+            (Sharing::Earned(_), Sharing::Earned(_)) => {}
+            (_, known) => self.sharing = known,
+        }
+    }
+
+    /// The points that are computed twice in any case.
+    pub(crate) fn repeats(&self) -> Option<&Repeats> {
+        self.repeats.as_ref()
+    }
+
     /// Why points run alone, where they do.
     fn reason(&self) -> Option<Reason> {
         match self.sharing {
@@ -551,6 +636,7 @@ impl Policy {
             _ if self.apart => Some(Reason::ChangedFolder),
             Sharing::Refused(reason) => Some(reason),
             _ if self.wish == Isolation::Reuse => None,
+            _ if self.reason_there.is_some() => self.reason_there,
             _ if self.is_odd() => self.latest.iter().flatten().next_back().copied(),
             Sharing::Earned(_) => None,
             _ if self.is_long() => Some(Reason::LongPoints),

@@ -5,9 +5,9 @@
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::sync::{Condvar, Mutex};
 use std::thread;
 use std::time::Duration;
 
@@ -80,7 +80,10 @@ fn pass<E: From<RunError>>(
 ) -> Result<bool, E> {
     // Bounded, so that slow storage holds the workers back instead of filling the memory.
     const WAITING: usize = 16_384;
-    let jobs = Mutex::new(Batches::new(open.map(job), workers.len()));
+    let jobs = (
+        Mutex::new(Batches::new(open.map(job), workers.len())),
+        Condvar::new(),
+    );
     let done = AtomicBool::new(false);
     let stopped = || stop.load(Ordering::Relaxed) || done.load(Ordering::Relaxed);
     let (send, receiver) = sync_channel(WAITING);
@@ -88,29 +91,9 @@ fn pass<E: From<RunError>>(
         for worker in workers {
             let (send, jobs, stopped) = (send.clone(), &jobs, &stopped);
             scope.spawn(move || {
-                let mut pace = Pace::default();
-                let mut batch = Vec::new();
-                loop {
-                    let taken = jobs.lock().map(|mut jobs| {
-                        let taken = jobs.take(&pace, &mut batch);
-                        taken.then(|| jobs.left())
-                    });
-                    let Ok(Some(left)) = taken else { return };
-                    if stopped() {
-                        return;
-                    }
-                    pace.begin();
-                    let mut take = |event| match send.send(Ok(event)) {
-                        Ok(()) => ControlFlow::Continue(()),
-                        Err(_) => ControlFlow::Break(()),
-                    };
-                    let result = worker.run(&batch, &mut Post::new(&mut take, stopped, left));
-                    pace.end(batch.len());
-                    if let Err(error) = result {
-                        // The receiver may have gone; then nobody waits for the error either.
-                        let _ = send.send(Err(error));
-                        return;
-                    }
+                if let Err(error) = work(&mut **worker, jobs, stopped, &send) {
+                    // The receiver may have gone; then nobody waits for the error either.
+                    let _ = send.send(Err(error));
                 }
             });
         }
@@ -118,6 +101,54 @@ fn pass<E: From<RunError>>(
         collect(&receiver, &done, receive)
     })?;
     Ok(stopped())
+}
+
+/// Lets a worker take batches as long as there are any.
+fn work<I: Iterator<Item = Job>>(
+    worker: &mut dyn Worker,
+    (jobs, change): &(Mutex<Batches<I>>, Condvar),
+    stopped: &dyn Fn() -> bool,
+    send: &SyncSender<Result<Event, RunError>>,
+) -> Result<(), RunError> {
+    /// How often a worker without points looks whether it is to stop.
+    const LOOK: Duration = Duration::from_millis(50);
+    // Points come from a program's own iterator: if that panics, the run does.
+    let lock = || {
+        jobs.lock()
+            .map_err(|_| RunError::Lost("the points broke off".to_owned()))
+    };
+    let is_over = || stopped() || jobs.lock().is_ok_and(|jobs| jobs.is_over());
+    let (mut pace, mut batch) = (Pace::default(), Vec::new());
+    while worker.ready(&is_over)? {
+        let mut left = lock()?;
+        // Others may give back what they have taken.
+        while !left.take(&pace, &mut batch) {
+            if left.is_over() || stopped() {
+                return Ok(());
+            }
+            let waited = change.wait_timeout(left, LOOK);
+            left = waited
+                .map_err(|_| RunError::Lost("the points broke off".to_owned()))?
+                .0;
+        }
+        let others = left.left();
+        drop(left);
+        if stopped() {
+            return Ok(());
+        }
+        pace.begin();
+        let mut take = |event| match send.send(Ok(event)) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        };
+        let mut post = Post::new(&mut take, stopped, others);
+        let result = worker.run(&batch, &mut post);
+        pace.end(batch.len(), worker.overhead());
+        lock()?.end(post.returned());
+        change.notify_all();
+        result?;
+    }
+    Ok(())
 }
 
 /// Which points were computed how, and which of them have to be computed again.

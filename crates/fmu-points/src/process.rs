@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
@@ -312,17 +312,22 @@ impl Running {
         ))
     }
 
-    fn wait_for_end(&mut self, patience: Duration) -> Option<std::process::ExitStatus> {
-        let deadline = Instant::now() + patience;
-        let mut pause = Duration::from_micros(50);
-        loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) => return Some(status),
-                Ok(None) if Instant::now() < deadline => std::thread::sleep(pause),
-                _ => return None,
-            }
-            pause = (pause * 2).min(Duration::from_millis(5));
+    fn wait_for_end(&mut self, patience: Duration) -> Option<ExitStatus> {
+        wait_for_end(&mut self.child, patience)
+    }
+}
+
+/// Waits for a process to end.
+pub(crate) fn wait_for_end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
+    let deadline = Instant::now() + patience;
+    let mut pause = Duration::from_micros(50);
+    loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return Some(status),
+            Ok(None) if Instant::now() < deadline => std::thread::sleep(pause),
+            _ => return None,
         }
+        pause = (pause * 2).min(Duration::from_millis(5));
     }
 }
 
@@ -366,6 +371,16 @@ type Family = BTreeMap<u32, Option<ControlGroup>>;
 fn family() -> MutexGuard<'static, Family> {
     // A map of numbers is sound whatever interrupted its last user.
     WORKERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Lets a process, a launcher of workers elsewhere, end with this one's workers.
+pub(crate) fn enlist(launcher: u32) {
+    family().insert(launcher, None);
+}
+
+/// Forgets a launcher, which has ended.
+pub(crate) fn dismiss(launcher: u32) {
+    family().remove(&launcher);
 }
 
 /// Ends all workers of this process at once, with everything that they have started: for a process that is about to end

@@ -6,6 +6,8 @@
 
 use std::collections::BTreeSet;
 
+use serde::{Deserialize, Serialize};
+
 use sampling::random::{self, Purpose, Random};
 
 /// So many points are computed twice where that takes little time: they find 95 % of the FMUs that differ in 5 % of
@@ -13,7 +15,7 @@ use sampling::random::{self, Purpose, Random};
 pub const ENOUGH: usize = 60;
 
 /// The points of a run that are computed twice in any case.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Repeats {
     seed: u64,
     /// The chosen ones, where the number of points is known beforehand.

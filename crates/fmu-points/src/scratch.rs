@@ -42,9 +42,14 @@ pub struct Scratch {
 /// The folders that there are.
 static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// The file of a folder in the system's place for such folders that its process has locked.
-const LOCK: &str = "in-use";
+pub(crate) const LOCK: &str = "in-use";
 /// The names of those folders begin so.
 const PREFIX: &str = "orchestrator-";
+
+/// The name of a folder that several processes have together.
+pub(crate) fn shared_name(what: &str) -> String {
+    format!("{PREFIX}{what}")
+}
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     // A set of paths is sound whatever interrupted its last user.

@@ -10,7 +10,7 @@ pub mod folder;
 mod progress;
 mod shard;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -160,6 +160,11 @@ impl<'a> Pipeline<'a> {
     /// How many points this run has computed.
     pub fn computed(&self) -> u64 {
         self.computed.iter().sum()
+    }
+
+    /// How many points each host has answered, where they ran on other machines.
+    pub fn answered(&self) -> BTreeMap<String, u64> {
+        self.crew.map_or_else(BTreeMap::new, Crew::answered)
     }
 
     /// How many points are done, in this run or before.

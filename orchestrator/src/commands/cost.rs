@@ -33,7 +33,7 @@ pub(super) fn of(
             let time = limits.time.min(PATIENCE);
             Place::Processes(Limits { time, ..limits }, isolation)
         }
-        Place::Here => Place::Here,
+        other => other,
     };
     let session = &mut verification.session;
     let crew = Crew::new(&mut session.package, place, scratch.path(), 1)?;

@@ -1,5 +1,6 @@
 //! `verify`: simulates a study's points and judges them.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -44,7 +45,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     let ending = check(options, &verification, &looked)?;
     // More workers than points would only take memory from each other.
     let points = usize::try_from(verification.expected()).unwrap_or(usize::MAX);
-    let jobs = means.jobs().min(points.max(1));
+    let jobs = means.jobs_of(points)?;
     if options.dry_run {
         output::print(&plan(&verification, &folder));
         output::print(&cost::of(&mut verification, means, jobs)?);
@@ -69,10 +70,12 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         open: ending.is_some(),
         ends: false,
     };
+    let mut hosts = BTreeMap::new();
     let (computed, _kept) = setup::run(&mut verification, &header, taken, work, |of, pipeline| {
         let enough = compute(of, pipeline, ending.as_ref())?;
         let (done, computed) = (pipeline.done(), pipeline.computed());
         let halt = pipeline.interrupted();
+        hosts = pipeline.answered();
         Ok((
             done,
             computed,
@@ -90,11 +93,15 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         ));
         return Ok(ExitCode::SUCCESS);
     }
-    let run = Run::since(begun, computed, jobs);
+    let run = Run {
+        hosts,
+        ..Run::since(begun, computed, jobs)
+    };
     let summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked)?;
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
+    let jobs = means.jobs_here().min(jobs);
     let wish = Wish {
         most: options.extra_runs,
         validation: options.validation,

@@ -272,7 +272,7 @@ pub(super) fn run<A: Analysis>(
     let taken = place.take(source.parts(), &header, || Ok(()))?;
     let means = setup::Work {
         means: &work.means,
-        jobs: work.means.jobs(),
+        jobs: work.means.jobs_of(usize::MAX)?,
         open: false,
         ends: true,
     };

@@ -1,5 +1,6 @@
 //! `summary.json`.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use chrono::{SecondsFormat, Utc};
@@ -358,6 +359,9 @@ pub struct Run {
     pub computed: u64,
     /// How many points were computed at a time.
     pub jobs: usize,
+    /// How many points each host computed, where workers ran on other machines.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub hosts: BTreeMap<String, u64>,
 }
 
 impl Run {
@@ -368,6 +372,7 @@ impl Run {
             wall_seconds: begun.elapsed().as_secs_f64(),
             computed,
             jobs,
+            hosts: BTreeMap::new(),
         }
     }
 }

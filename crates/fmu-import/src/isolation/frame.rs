@@ -111,6 +111,16 @@ impl<R: Read> Inbox<R> {
         self.ticket = ticket;
     }
 
+    /// The bytes that have arrived and are not taken yet.
+    pub fn seen(&self) -> &[u8] {
+        &self.arrived
+    }
+
+    /// Passes over so many of them.
+    pub fn skip(&mut self, count: usize) {
+        self.arrived.drain(..count.min(self.arrived.len()));
+    }
+
     /// Where the frames come from.
     pub fn source(&self) -> &R {
         &self.from

@@ -149,3 +149,47 @@ fn what_does_not_count_is_computed_again() {
     // A point of an earlier run comes again, too.
     assert!((0..5000).all(|index| values[index] == index as f64 - 3.0));
 }
+
+/// Gives back what it has taken after so many batches, and is ready no more.
+struct Leaving(u32);
+
+impl Worker for Leaving {
+    fn ready(&mut self, _stopped: &dyn Fn() -> bool) -> Result<bool, RunError> {
+        Ok(self.0 > 0)
+    }
+
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+        self.0 -= 1;
+        if self.0 > 0 {
+            return Doubling.run(jobs, post);
+        }
+        let (first, rest) = jobs.split_at(jobs.len() / 2);
+        post.give_back(rest.to_vec());
+        Doubling.run(first, post)
+    }
+}
+
+#[test]
+fn points_of_workers_that_leave_are_answered_by_others() {
+    for last in [1, 2, 5] {
+        let mut workers = workers(1);
+        workers.extend((0..3).map(|_| Box::new(Leaving(last)) as Box<dyn Worker>));
+        let mut seen = vec![0; 3000];
+        run::<RunError>(
+            &mut workers,
+            3..3000,
+            &job,
+            &none,
+            &mut Company::default(),
+            &AtomicBool::new(false),
+            |event| {
+                if let Event::Answer(index, ..) = event {
+                    seen[usize::try_from(index).unwrap()] += 1;
+                }
+                Ok(ControlFlow::Continue(()))
+            },
+        )
+        .unwrap();
+        assert!(seen[3..].iter().all(|&count| count == 1));
+    }
+}

@@ -10,6 +10,13 @@ pub use unix::*;
 #[cfg(windows)]
 pub use windows::*;
 
+/// Four fifths of the machine's memory, shared by so many workers, bytes.
+pub fn share_of_memory(workers: usize) -> u64 {
+    // Where the size is not known, a limit that any of today's machines keeps.
+    const UNKNOWN: u64 = 4 << 30;
+    memory_of_machine().map_or(UNKNOWN, |bytes| bytes / 5 * 4) / workers.max(1) as u64
+}
+
 /// Gives large blocks of memory back to the system when they are freed. Without this, the GNU C library keeps blocks as large as
 /// the largest one freed so far: a program that reads long recordings would hold on to half as much again as it needs.
 pub fn give_back_memory() {

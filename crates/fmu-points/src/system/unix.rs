@@ -32,6 +32,15 @@ pub(crate) fn detach(command: &mut Command) -> &mut Command {
     command.arg0(name).process_group(0)
 }
 
+/// Lets a command run in a session of its own: out of reach of Ctrl-C, and without a terminal where it could ask for a password.
+pub(crate) fn set_apart(command: &mut Command) -> &mut Command {
+    // SAFETY: a system call, which is all that happens between fork and exec.
+    unsafe {
+        command.pre_exec(|| rustix::process::setsid().map(|_| ()).map_err(Into::into));
+    }
+    command
+}
+
 /// This program, even when its file has been replaced since.
 pub(crate) fn program() -> io::Result<PathBuf> {
     let program = Path::new("/proc/self/exe");

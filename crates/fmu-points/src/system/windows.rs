@@ -18,8 +18,8 @@ use windows_sys::Win32::System::Memory::{
     CreateFileMappingW, FILE_MAP_ALL_ACCESS, MapViewOfFile, PAGE_READWRITE,
 };
 
-pub(crate) use fmu_import::isolation::process::detach;
 pub use fmu_import::isolation::process::memory_of_machine;
+pub(crate) use fmu_import::isolation::process::{detach, detach as set_apart};
 
 /// Whether a worker needs a control group to be ended with all that it has started.
 pub(crate) const GROUPS_ARE_NEEDED: bool = true;

@@ -1,0 +1,152 @@
+//! The messages between a supervisor and a worker on another machine, over whatever a launcher connects.
+//!
+//! The worker says a [`Greeting`] first, on a line of its own, since a launcher may print lines before it. All that follows are
+//! frames, as [between processes](crate::wire). The supervisor answers with its [`Terms`] as JSON.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::as_json;
+use crate::conduct::{Isolation, Separation};
+use crate::failure::Failure;
+use crate::notices::Notices;
+use crate::points::{Event, Job, RunError, Simulated};
+use crate::policy::Found;
+use crate::repeats::Repeats;
+use crate::task::Case;
+
+/// What a worker's first line begins with; JSON follows.
+pub(crate) const MAGIC: &str = "fmu-points worker ";
+
+/// The longest time between two messages where silence is suffered for so long: whoever has nothing to say says so.
+pub(crate) fn beat(patience: Duration) -> Duration {
+    const USUAL: Duration = Duration::from_secs(5);
+    USUAL.min(patience / 4)
+}
+
+/// Who a worker is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Greeting {
+    /// The version of its program.
+    pub(crate) version: String,
+    /// The SHA-256 digest of its program.
+    pub(crate) program: String,
+    /// The name of its machine.
+    pub(crate) host: String,
+}
+
+/// What a worker needs to know before any task.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Terms {
+    /// The number that marks all further frames.
+    pub(crate) ticket: u64,
+    /// How long the supervisor suffers silence; it may be silent itself for twice as long.
+    pub(crate) patience: Duration,
+    /// The FMU's path.
+    pub(crate) fmu: PathBuf,
+    /// The FMU's digest.
+    pub(crate) digest: String,
+    /// Whether the FMU is sent.
+    pub(crate) ship: bool,
+    /// The supervisor's working directory, and whether the FMU needs it.
+    pub(crate) folder: PathBuf,
+    pub(crate) here: bool,
+    /// How long a point may take.
+    pub(crate) time: Duration,
+    /// How much memory; none for a fair share of the machine's.
+    pub(crate) memory: Option<u64>,
+    /// How many workers its machine has, as far as that is known.
+    pub(crate) slots: usize,
+    /// Whether points run beside others.
+    pub(crate) company: bool,
+    /// How the user wishes points to share processes.
+    pub(crate) isolation: Isolation,
+}
+
+/// The points that follow.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Series {
+    pub(crate) cases: Vec<Case>,
+    /// Whether they are computed again as in audits.
+    pub(crate) auditing: bool,
+    /// Whether the cases name a file in the working directory.
+    pub(crate) here: bool,
+    /// The points that are computed twice in any case.
+    pub(crate) repeats: Option<Repeats>,
+}
+
+/// A message to a worker.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) enum Order {
+    /// A part of the FMU's bytes; the last one is empty.
+    Bytes(Vec<u8>),
+    /// The points that follow are of this kind.
+    Begin(#[serde(with = "as_json")] Box<Series>),
+    /// Points, how many are left besides them, and what is known of the FMU.
+    Run(Vec<Job>, Option<usize>, Found),
+    /// A point while nothing else runs.
+    Alone(Job),
+    /// What is kept for further points is given back.
+    Rest,
+    /// The supervisor is there still.
+    Beat,
+}
+
+/// A message of a worker.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) enum Report {
+    /// It wants the FMU's bytes.
+    Wanted,
+    /// It has the FMU.
+    Ready,
+    /// It cannot work: why, and whether that will be so the next time.
+    Unable(String, bool),
+    /// What happened.
+    News(Vec<News>),
+    /// All that was ordered is done: what is known of the FMU, and how long it took, s.
+    Done(Found, f64),
+    /// It is there still.
+    Beat,
+}
+
+/// An [`Event`] at a worker.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) enum News {
+    Result(u64, Simulated, Separation),
+    Failed(u64, #[serde(with = "as_json")] Failure, Separation),
+    Said(u64, #[serde(with = "as_json")] Box<Notices>),
+    Void(Separation),
+    Fickle(u64),
+}
+
+impl News {
+    /// The news of an event; none where that is not one of a worker.
+    pub(crate) fn of(event: Event) -> Option<Self> {
+        Some(match event {
+            Event::Answer(index, Ok(result), how) => Self::Result(index, result, how),
+            Event::Answer(index, Err(failure), how) => Self::Failed(index, failure, how),
+            Event::Said(index, notices) => Self::Said(index, notices),
+            Event::Void(how) => Self::Void(how),
+            Event::Fickle(index) => Self::Fickle(index),
+            Event::Alone | Event::Settled | Event::Idle => return None,
+        })
+    }
+
+    /// The event.
+    pub(crate) fn event(self) -> Event {
+        match self {
+            Self::Result(index, result, how) => Event::Answer(index, Ok(result), how),
+            Self::Failed(index, failure, how) => Event::Answer(index, Err(failure), how),
+            Self::Said(index, notices) => Event::Said(index, notices),
+            Self::Void(how) => Event::Void(how),
+            Self::Fickle(index) => Event::Fickle(index),
+        }
+    }
+}
+
+/// Why a worker cannot go on, and whether another one there could not either.
+pub(crate) fn unable(error: &RunError) -> Report {
+    Report::Unable(error.to_string(), matches!(error, RunError::Unloadable(_)))
+}

@@ -1,0 +1,595 @@
+//! Workers on other machines, as the supervisor sees them.
+//!
+//! A worker there does what one here does, with processes of its own. What is lost on the way to it says nothing about the
+//! FMU: its points are handed out again. Only a point that has cost several workers while it was alone with them has failed.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use fmu_import::{FmuError, Package};
+
+use crate::conduct::{Isolation, Separation};
+use crate::dispatch::{Greeting, News, Order, Report, Series, Terms};
+use crate::failure::Failure;
+use crate::launcher::{Launcher, Place};
+use crate::link::{Cut, Link};
+use crate::points::{Event, Job, Limits, Post, RunError, Worker};
+use crate::policy::{Found, Policy};
+use crate::task::Case;
+use crate::{station, working_directory};
+
+/// A point that has cost so many workers, with each of which it was alone, has failed.
+const COSTLY: u32 = 3;
+/// A host that has failed so often in a row is left out; so often before any worker has started anywhere.
+const TRIES: u32 = 8;
+const FIRST_TRIES: u32 = 2;
+/// The longest pause between two tries.
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+/// How much of a shipped FMU goes into a message.
+const PART: usize = 1 << 20;
+
+/// All workers on other machines, and what they know together.
+#[derive(Debug)]
+pub(crate) struct Team {
+    launcher: Launcher,
+    greeting: Greeting,
+    terms: Terms,
+    lanes: Vec<Mutex<Lane>>,
+    policies: [Arc<Mutex<Policy>>; 2],
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// How many workers there are now, and how many may come still.
+    connected: usize,
+    possible: usize,
+    /// Whether there ever was one.
+    ever: bool,
+    /// The lane whose worker finds out how points may share processes.
+    leading: Option<usize>,
+    /// How many workers points have cost.
+    costs: BTreeMap<u64, u32>,
+    /// Hosts of which the user was told.
+    told: BTreeSet<String>,
+    /// How many points each host has answered.
+    answered: BTreeMap<String, u64>,
+    /// The first file that the FMU changed in its folder.
+    changed: Option<String>,
+}
+
+/// The place of one worker, which is started there again when it is lost.
+#[derive(Debug)]
+struct Lane {
+    number: usize,
+    place: Place,
+    link: Option<Link>,
+    /// The host as the user knows it.
+    host: String,
+    /// The series of points that the worker knows.
+    series: Option<u64>,
+    /// How often it failed in a row, and when it may be tried again.
+    failures: u32,
+    next: Instant,
+    /// Whether it is left out.
+    out: bool,
+}
+
+/// Why a worker is lost, and whether that would be so again.
+struct Fault {
+    how: String,
+    lasting: bool,
+}
+
+impl Fault {
+    fn lasting(how: String) -> Self {
+        Self { how, lasting: true }
+    }
+
+    fn passing(how: String) -> Self {
+        let lasting = false;
+        Self { how, lasting }
+    }
+}
+
+/// How an order ended.
+enum End {
+    /// All is done; how long the worker took for it, s.
+    Done(f64),
+    Stopped,
+    Lost(Fault),
+}
+
+impl Team {
+    /// Workers for an FMU; none is started yet.
+    pub(crate) fn new(
+        package: &Package,
+        launcher: Launcher,
+        limits: Limits,
+        isolation: Isolation,
+        policies: [Arc<Mutex<Policy>>; 2],
+    ) -> Result<Self, FmuError> {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let places = launcher.places();
+        let terms = Terms {
+            ticket: 0,
+            patience: launcher.patience,
+            fmu: absolute(package.path()),
+            digest: package.digest()?,
+            ship: launcher.ship,
+            folder: std::env::current_dir().unwrap_or_default(),
+            here: working_directory::named_by(package.description()),
+            time: limits.time,
+            memory: launcher.memory,
+            slots: 1,
+            company: places.len() > 1,
+            isolation,
+        };
+        let state = State {
+            possible: places.len(),
+            ..State::default()
+        };
+        let lanes = (0..).zip(places).map(|(number, place)| {
+            Mutex::new(Lane {
+                number,
+                host: place.label(),
+                place,
+                link: None,
+                series: None,
+                failures: 0,
+                next: Instant::now(),
+                out: false,
+            })
+        });
+        Ok(Self {
+            lanes: lanes.collect(),
+            launcher,
+            greeting: station::greeting(),
+            terms,
+            policies,
+            state: Mutex::new(state),
+        })
+    }
+
+    /// How many points each host has answered.
+    pub(crate) fn answered(&self) -> BTreeMap<String, u64> {
+        self.state().answered.clone()
+    }
+
+    /// The first change that the FMU has made in the folder that points shared, on whichever machine.
+    pub(crate) fn changed(&self) -> Option<String> {
+        self.state().changed.clone()
+    }
+
+    /// Takes it for known that the FMU changes this file.
+    pub(crate) fn know(&self, changed: &str) {
+        self.state()
+            .changed
+            .get_or_insert_with(|| changed.to_owned());
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        locked(&self.state)
+    }
+
+    fn lane(&self, number: usize) -> MutexGuard<'_, Lane> {
+        locked(&self.lanes[number])
+    }
+
+    fn policy(&self) -> MutexGuard<'_, Policy> {
+        let apart = self.changed().is_some();
+        locked(&self.policies[usize::from(apart)])
+    }
+
+    /// What a worker should know before it computes points.
+    fn known(&self, lane: usize) -> Found {
+        let changed = self.changed();
+        let led = *self.state().leading.get_or_insert(lane) != lane;
+        let mut found = self.policy().known();
+        (found.changed, found.led) = (changed, led);
+        found
+    }
+
+    fn adopt(&self, found: &Found) {
+        if let Some(changed) = &found.changed {
+            self.know(changed);
+        }
+        self.policy().adopt(found);
+    }
+
+    /// Starts the worker of a lane, where there is none; whether there is one now.
+    fn connect(&self, lane: &mut Lane, stopped: &dyn Fn() -> bool) -> Result<bool, RunError> {
+        const LOOK: Duration = Duration::from_millis(50);
+        while lane.link.is_none() {
+            if lane.out || stopped() {
+                return Ok(false);
+            }
+            let pause = lane.next.saturating_duration_since(Instant::now());
+            if !pause.is_zero() {
+                sleep(pause.min(LOOK));
+                continue;
+            }
+            match self.start(lane, stopped) {
+                Ok(Some(link)) => {
+                    lane.link = Some(link);
+                    lane.series = None;
+                    let mut state = self.state();
+                    state.connected += 1;
+                    state.ever = true;
+                }
+                Ok(None) => return Ok(false),
+                Err(fault) => self.fail(lane, &fault)?,
+            }
+        }
+        Ok(true)
+    }
+
+    /// Starts a worker and waits until it has the FMU; none where nobody waits for it any more.
+    fn start(&self, lane: &mut Lane, stopped: &dyn Fn() -> bool) -> Result<Option<Link>, Fault> {
+        let begun = Instant::now();
+        let mut link = Link::start(&lane.place, &self.launcher).map_err(Fault::lasting)?;
+        let greeting = loop {
+            if let Some(greeting) = link.greeting().map_err(Fault::passing)? {
+                break greeting;
+            }
+            if stopped() {
+                return Ok(None);
+            }
+            // A scheduler may start it once there is room; that is waited for as long as others work.
+            if begun.elapsed() > self.launcher.patience {
+                let seconds = self.launcher.patience.as_secs_f64();
+                let how = format!("no worker started within {seconds} s{}", link.last_words());
+                let State {
+                    connected, ever, ..
+                } = *self.state();
+                if connected == 0 {
+                    let lasting = !ever;
+                    return Err(Fault { how, lasting });
+                }
+                self.tell(&lane.host, &format!("{how}; it is waited for"));
+            }
+        };
+        if lane.place.name.is_none() {
+            lane.host.clone_from(&greeting.host);
+        }
+        self.compare(&greeting).map_err(Fault::lasting)?;
+        let terms = Terms {
+            ticket: rand::random::<u64>() | 1,
+            slots: lane.place.slots,
+            ..self.terms.clone()
+        };
+        let text = serde_json::to_vec(&terms).expect("terms are plain data");
+        link.open(text, terms.ticket);
+        loop {
+            match link.wait(stopped) {
+                Ok(Report::Ready) => return Ok(Some(link)),
+                Ok(Report::Wanted) => self.ship(&mut link).map_err(Fault::lasting)?,
+                Ok(Report::Unable(how, lasting)) => return Err(Fault { how, lasting }),
+                Ok(_) => return Err(Fault::passing("it answers what was not asked".to_owned())),
+                Err(Cut::Stopped) => return Ok(None),
+                Err(Cut::Lost(how)) => return Err(Fault::passing(how)),
+            }
+        }
+    }
+
+    /// In what a worker's program differs from this one.
+    fn compare(&self, there: &Greeting) -> Result<(), String> {
+        let here = &self.greeting;
+        let program = self.launcher.program.display();
+        if there.version != here.version {
+            return Err(format!(
+                "{program} is version {} there and {} here",
+                there.version, here.version
+            ));
+        }
+        match there.program == here.program {
+            true => Ok(()),
+            false => Err(format!(
+                "{program} is another build of version {} there (SHA-256 {:.12}...) than here ({:.12}...)",
+                here.version, there.program, here.program
+            )),
+        }
+    }
+
+    fn ship(&self, link: &mut Link) -> Result<(), String> {
+        let path = &self.terms.fmu;
+        let mut read = || -> std::io::Result<()> {
+            let mut file = File::open(path)?;
+            loop {
+                let mut part = Vec::new();
+                Read::by_ref(&mut file)
+                    .take(PART as u64)
+                    .read_to_end(&mut part)?;
+                let last = part.is_empty();
+                link.order(&Order::Bytes(part));
+                if last {
+                    return Ok(());
+                }
+            }
+        };
+        read().map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    /// Notes that a worker was lost or did not start.
+    fn fail(&self, lane: &mut Lane, fault: &Fault) -> Result<(), RunError> {
+        self.leave(lane);
+        lane.failures += 1;
+        let how = format!("{}: {}", lane.host, fault.how);
+        let mut state = self.state();
+        let tries = if state.ever { TRIES } else { FIRST_TRIES };
+        if lane.failures < tries && !fault.lasting {
+            let pause = Duration::from_secs(1) * 2_u32.pow(lane.failures - 1);
+            lane.next = Instant::now() + pause.min(LONGEST_PAUSE);
+            return Ok(());
+        }
+        lane.out = true;
+        state.possible -= 1;
+        match (state.possible, state.ever) {
+            (0, true) => return Err(RunError::NoWorker(how)),
+            (0, false) => return Err(RunError::Start(how)),
+            _ => {}
+        }
+        let left = state.possible;
+        drop(state);
+        let text = format!(
+            "{}; it is left out, and the run goes on with {left} workers",
+            fault.how
+        );
+        self.tell(&lane.host, &text);
+        Ok(())
+    }
+
+    /// Ends the worker of a lane.
+    fn leave(&self, lane: &mut Lane) {
+        if lane.link.take().is_some() {
+            let mut state = self.state();
+            state.connected -= 1;
+            state.leading.take_if(|leading| *leading == lane.number);
+        }
+    }
+
+    /// Tells the user something of a host, once.
+    fn tell(&self, host: &str, text: &str) {
+        let first = self.state().told.insert(host.to_owned());
+        if first {
+            crate::tell::line!("note: {host}: {text}");
+        }
+    }
+
+    /// Lets a worker follow an order for these points. What is left of them is given back.
+    fn order(
+        &self,
+        lane: &mut Lane,
+        order: &Order,
+        jobs: &[Job],
+        post: &mut Post<'_>,
+    ) -> (End, BTreeMap<u64, Job>) {
+        let all: BTreeSet<u64> = jobs.iter().map(|job| job.index).collect();
+        let mut open: BTreeMap<u64, Job> =
+            jobs.iter().map(|job| (job.index, job.clone())).collect();
+        let Some(link) = &mut lane.link else {
+            return (End::Stopped, open);
+        };
+        link.order(order);
+        let end = loop {
+            let news = match link.wait(post.stopped) {
+                Ok(Report::News(news)) => news,
+                Ok(Report::Done(found, took)) => {
+                    self.adopt(&found);
+                    break End::Done(took);
+                }
+                Ok(Report::Unable(how, lasting)) => break End::Lost(Fault { how, lasting }),
+                Ok(_) => {
+                    break End::Lost(Fault::passing("it answers what was not asked".to_owned()));
+                }
+                Err(Cut::Stopped) => break End::Stopped,
+                Err(Cut::Lost(how)) => break End::Lost(Fault::passing(how)),
+            };
+            for event in news.into_iter().map(News::event) {
+                if let Event::Answer(index, ..) = &event {
+                    if !all.contains(index) {
+                        continue;
+                    }
+                    open.remove(index);
+                }
+                post.send(event);
+            }
+        };
+        let answered = all.len() - open.len();
+        *self.state().answered.entry(lane.host.clone()).or_default() += answered as u64;
+        if answered > 0 {
+            lane.failures = 0;
+        }
+        (end, open)
+    }
+
+    /// Points of a worker that was lost: they are handed out again, unless one alone has cost too many workers.
+    fn reclaim(
+        &self,
+        open: BTreeMap<u64, Job>,
+        alone: bool,
+        how: &str,
+        post: &mut Post<'_>,
+    ) -> Vec<Job> {
+        if let (true, Some(&index)) = (alone, open.keys().next()) {
+            let mut state = self.state();
+            let cost = state.costs.entry(index).or_default();
+            *cost += 1;
+            let cost = *cost;
+            drop(state);
+            if cost >= COSTLY {
+                let text = format!("{cost} workers were lost at this point; the last one: {how}");
+                let answer = Err(Failure::Crashed(text));
+                post.send(Event::Answer(index, answer, Separation::New));
+                return Vec::new();
+            }
+        }
+        open.into_values().collect()
+    }
+}
+
+impl Drop for Team {
+    fn drop(&mut self) {
+        // All of them learn it before one of them is waited for.
+        let lanes = self.lanes.iter_mut().filter_map(|lane| lane.get_mut().ok());
+        lanes
+            .filter_map(|lane| lane.link.as_mut())
+            .for_each(Link::part);
+    }
+}
+
+/// A worker that has its processes on another machine.
+#[derive(Debug)]
+pub(crate) struct Remote {
+    team: Arc<Team>,
+    /// Its lane; none for one that takes any.
+    lane: Option<usize>,
+    series: Series,
+    number: u64,
+    /// How long the last points took beyond their computation.
+    overhead: Duration,
+}
+
+impl Remote {
+    pub(crate) fn new(
+        team: &Arc<Team>,
+        lane: Option<usize>,
+        cases: &[Case],
+        auditing: bool,
+    ) -> Self {
+        static SERIES: AtomicU64 = AtomicU64::new(0);
+        let here = cases
+            .iter()
+            .any(|case| working_directory::named_in(&case.task));
+        Self {
+            team: Arc::clone(team),
+            lane,
+            series: Series {
+                cases: cases.to_vec(),
+                auditing,
+                here,
+                repeats: None,
+            },
+            number: SERIES.fetch_add(1, Ordering::Relaxed),
+            overhead: Duration::ZERO,
+        }
+    }
+
+    /// Tells a worker what points are about to come, unless it knows.
+    fn begin(&self, lane: &mut Lane) {
+        if lane.series.replace(self.number) == Some(self.number) {
+            return;
+        }
+        let series = Series {
+            repeats: self.team.policy().repeats().cloned(),
+            ..self.series.clone()
+        };
+        if let Some(link) = &mut lane.link {
+            link.order(&Order::Begin(Box::new(series)));
+        }
+    }
+
+    /// One try of points on a lane; those that are open still.
+    fn attempt(
+        &mut self,
+        number: usize,
+        alone: bool,
+        jobs: &[Job],
+        post: &mut Post<'_>,
+    ) -> Result<Vec<Job>, RunError> {
+        let begun = Instant::now();
+        let team = Arc::clone(&self.team);
+        let mut lane = team.lane(number);
+        self.begin(&mut lane);
+        let order = match jobs {
+            [job] if alone => Order::Alone(job.clone()),
+            _ => Order::Run(jobs.to_vec(), post.left, team.known(number)),
+        };
+        let (end, open) = team.order(&mut lane, &order, jobs, post);
+        match end {
+            End::Done(took) => {
+                let took = Duration::try_from_secs_f64(took).unwrap_or_default();
+                self.overhead = begun.elapsed().saturating_sub(took);
+                Ok(open.into_values().collect())
+            }
+            End::Stopped => {
+                // It may be at the points still.
+                team.leave(&mut lane);
+                Ok(open.into_values().collect())
+            }
+            End::Lost(fault) => {
+                team.fail(&mut lane, &fault)?;
+                let cost = jobs.len() == 1 && !fault.lasting;
+                let how = format!("{}: {}", lane.host, fault.how);
+                Ok(team.reclaim(open, cost, &how, post))
+            }
+        }
+    }
+
+    /// Runs points on whichever lane has a worker, until all are done.
+    fn run_anywhere(
+        &mut self,
+        alone: bool,
+        jobs: &[Job],
+        post: &mut Post<'_>,
+    ) -> Result<(), RunError> {
+        let team = Arc::clone(&self.team);
+        let mut open = jobs.to_vec();
+        while !open.is_empty() && !post.is_over() {
+            let all = 0..team.lanes.len();
+            let linked = all.clone().find(|&number| team.lane(number).link.is_some());
+            let possible = || all.clone().find(|&number| !team.lane(number).out);
+            let Some(number) = linked.or_else(possible) else {
+                return Err(RunError::NoWorker("all hosts are left out".to_owned()));
+            };
+            if team.connect(&mut team.lane(number), post.stopped)? {
+                open = self.attempt(number, alone, &open, post)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Worker for Remote {
+    fn ready(&mut self, stopped: &dyn Fn() -> bool) -> Result<bool, RunError> {
+        match self.lane {
+            Some(number) => self.team.connect(&mut self.team.lane(number), stopped),
+            None => Ok(true),
+        }
+    }
+
+    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+        let Some(number) = self.lane else {
+            return self.run_anywhere(false, jobs, post);
+        };
+        let open = self.attempt(number, false, jobs, post)?;
+        post.give_back(open);
+        Ok(())
+    }
+
+    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), RunError> {
+        self.run_anywhere(true, std::slice::from_ref(job), post)
+    }
+
+    fn rest(&mut self) {
+        let Some(number) = self.lane else { return };
+        if let Some(link) = &mut self.team.lane(number).link {
+            link.order(&Order::Rest);
+        }
+    }
+
+    fn overhead(&self) -> Duration {
+        self.overhead
+    }
+}
+
+/// What workers have together, whatever interrupted its last user: every change leaves it sound.
+fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
+    what.lock().unwrap_or_else(PoisonError::into_inner)
+}

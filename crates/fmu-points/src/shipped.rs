@@ -1,0 +1,101 @@
+//! An FMU that was sent to this machine. All workers here have one file together, which the last one removes.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::scratch;
+
+/// The FMU's file, while somebody here uses it.
+#[derive(Debug)]
+pub(crate) struct Shipped {
+    folder: PathBuf,
+    /// Shared by all who use the file.
+    lock: File,
+}
+
+/// The FMU in its folder.
+const FILE: &str = "shipped.fmu";
+
+impl Shipped {
+    /// The file with this digest; `source` gives its bytes, the last part empty, where nobody here has them yet.
+    pub(crate) fn take(
+        digest: &str,
+        source: &mut dyn FnMut() -> io::Result<Vec<u8>>,
+    ) -> io::Result<Self> {
+        const PAUSE: Duration = Duration::from_millis(50);
+        let folder = std::env::temp_dir().join(scratch::shared_name(digest));
+        loop {
+            match fs::create_dir(&folder) {
+                Ok(()) => private(&folder)?,
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+            let path = folder.join(scratch::LOCK);
+            let lock = OpenOptions::new()
+                .create(true)
+                .append(true)
+                .read(true)
+                .open(&path);
+            // Its last user may be removing the folder.
+            let Ok(lock) = lock else { continue };
+            match lock.try_lock() {
+                Ok(()) => {
+                    let file = folder.join(FILE);
+                    if !file.exists() {
+                        receive(&file, source)?;
+                    }
+                    // Whoever comes in between finds the file.
+                    lock.unlock()?;
+                }
+                Err(TryLockError::WouldBlock) => {}
+                Err(TryLockError::Error(error)) => return Err(error),
+            }
+            if lock.try_lock_shared().is_ok() && folder.join(FILE).exists() {
+                return Ok(Self { folder, lock });
+            }
+            sleep(PAUSE);
+        }
+    }
+
+    /// Where it is.
+    pub(crate) fn path(&self) -> PathBuf {
+        self.folder.join(FILE)
+    }
+}
+
+impl Drop for Shipped {
+    fn drop(&mut self) {
+        let _ = self.lock.unlock();
+        if self.lock.try_lock().is_ok() {
+            // What stays is removed with the next worker's end, or by the next command here.
+            let _ = fs::remove_dir_all(&self.folder);
+        }
+    }
+}
+
+/// Nobody else may change what is run here.
+fn private(folder: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        fs::set_permissions(folder, fs::Permissions::from_mode(0o700))?;
+    }
+    let _ = folder;
+    Ok(())
+}
+
+fn receive(file: &Path, source: &mut dyn FnMut() -> io::Result<Vec<u8>>) -> io::Result<()> {
+    let part = file.with_extension("part");
+    let mut to = File::create(&part)?;
+    loop {
+        let bytes = source()?;
+        if bytes.is_empty() {
+            break;
+        }
+        to.write_all(&bytes)?;
+    }
+    fs::rename(part, file)
+}

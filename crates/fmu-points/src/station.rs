@@ -1,0 +1,340 @@
+//! A worker on another machine: it serves a supervisor there over standard input and output, and has processes here.
+//!
+//! It unpacks the FMU into a folder of its own, and watches that. It ends with all that it has started when its input closes,
+//! or when the supervisor has been silent for too long: a link that is cut may close nothing.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::mem::take;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use fmu_import::Package;
+use fmu_import::isolation::frame::{self, Inbox};
+
+use crate::crew::{Crew, Place};
+use crate::dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable};
+use crate::points::{Limits, Post, RunError, Worker};
+use crate::policy::Found;
+use crate::shipped::Shipped;
+use crate::wire::{bytes, read};
+use crate::{process, scratch, stop, system};
+
+/// News are held back so long: a message a point would cost more than a short point.
+const HOLD: Duration = Duration::from_millis(20);
+/// How often what is held back is looked at.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// Who this program is.
+pub(crate) fn greeting() -> Greeting {
+    let program = system::program().and_then(File::open);
+    let digest = program.and_then(fmu_import::sha256);
+    let named = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let named = named.or_else(|| std::env::var("COMPUTERNAME").ok());
+    Greeting {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        program: digest.map_or_else(
+            |error| error.to_string(),
+            |digest| fmu_import::hexadecimal(&digest),
+        ),
+        host: named.map_or_else(|| "a host".to_owned(), |name| name.trim().to_owned()),
+    }
+}
+
+/// Serves a supervisor.
+///
+/// # Errors
+/// When the supervisor cannot be understood or reached.
+pub(crate) fn serve() -> io::Result<()> {
+    let said = serde_json::to_string(&greeting())?;
+    // Whatever came before it, such as a prompt, ends with its line.
+    io::stdout().write_all(format!("\n{MAGIC}{said}\n").as_bytes())?;
+    io::stdout().flush()?;
+    let mut orders = Inbox::new(io::stdin(), 0);
+    let Some(terms) = orders.wait()? else {
+        return Ok(());
+    };
+    let terms: Terms = serde_json::from_slice(&terms)?;
+    orders.expect(terms.ticket);
+    let output = Arc::new(Mutex::new(Output {
+        ticket: terms.ticket,
+        held: Vec::new(),
+        sent: Instant::now(),
+        heard: Instant::now(),
+    }));
+    let (watched, patience) = (Arc::clone(&output), terms.patience);
+    thread::spawn(move || watch(&watched, patience));
+    let mut next = || -> io::Result<Option<Order>> {
+        let Some(order) = orders.wait()? else {
+            return Ok(None);
+        };
+        locked(&output).heard = Instant::now();
+        let order = read(&order).ok_or_else(|| io::Error::other("an order is damaged"))?;
+        Ok(Some(order))
+    };
+    let mut bytes = || {
+        locked(&output).say(&Report::Wanted)?;
+        loop {
+            match next()? {
+                Some(Order::Bytes(part)) => return Ok(part),
+                Some(Order::Beat) => {}
+                _ => return Err(io::Error::other("the FMU did not come")),
+            }
+        }
+    };
+    let station = Station::new(&terms, &output, &mut bytes);
+    let station = match station {
+        Ok(station) => station,
+        Err((how, lasting)) => {
+            locked(&output).say(&Report::Unable(how, lasting))?;
+            // It is told before this process ends.
+            while next()?.is_some() {}
+            return Ok(());
+        }
+    };
+    locked(&output).say(&Report::Ready)?;
+    let kept = Arc::clone(&station.shipped);
+    let (send, work) = channel();
+    thread::spawn(move || station.work(&work));
+    let served = loop {
+        match next() {
+            Ok(Some(order)) => {
+                if send.send(order).is_err() {
+                    break Ok(());
+                }
+            }
+            Ok(None) => break Ok(()),
+            Err(error) => break Err(error),
+        }
+    };
+    leave();
+    drop(locked(&kept).take());
+    served
+}
+
+/// Ends all that this process has started, and removes what it has unpacked.
+fn leave() {
+    process::abandon_all();
+    scratch::remove_all();
+}
+
+/// Where reports go, and when the supervisor was heard last.
+#[derive(Debug)]
+struct Output {
+    ticket: u64,
+    held: Vec<News>,
+    sent: Instant,
+    heard: Instant,
+}
+
+impl Output {
+    fn hold(&mut self, news: News) -> io::Result<()> {
+        self.held.push(news);
+        match self.sent.elapsed() < HOLD {
+            true => Ok(()),
+            false => self.send(),
+        }
+    }
+
+    fn send(&mut self) -> io::Result<()> {
+        match take(&mut self.held) {
+            held if held.is_empty() => Ok(()),
+            held => self.say(&Report::News(held)),
+        }
+    }
+
+    fn say(&mut self, report: &Report) -> io::Result<()> {
+        self.sent = Instant::now();
+        let mut frame = Vec::new();
+        frame::write(&mut frame, self.ticket, &bytes(report))?;
+        // Slurm passes on whole lines only.
+        frame.push(b'\n');
+        let mut to = io::stdout().lock();
+        to.write_all(&frame)?;
+        to.flush()
+    }
+}
+
+/// Sends what is held back and signs of life, and ends this process when the supervisor gives none.
+fn watch(output: &Mutex<Output>, patience: Duration) {
+    let beat = beat(patience);
+    loop {
+        thread::sleep(LOOK.min(beat));
+        let mut output = locked(output);
+        let mut sent = output.send();
+        if output.sent.elapsed() >= beat {
+            sent = output.say(&Report::Beat);
+        }
+        if sent.is_err() || output.heard.elapsed() > patience * 2 {
+            drop(output);
+            leave();
+            system::leave(1);
+        }
+    }
+}
+
+/// The FMU here, and who runs its points.
+struct Station {
+    crew: Crew,
+    worker: Option<Box<dyn Worker>>,
+    output: Arc<Mutex<Output>>,
+    shipped: Arc<Mutex<Option<Shipped>>>,
+    /// Why points that need the supervisor's working directory cannot run here.
+    nowhere: Option<String>,
+    /// Has the unpacked FMU.
+    _package: Package,
+    _scratch: scratch::Scratch,
+}
+
+/// Gives a part of the FMU.
+type Source<'a> = &'a mut dyn FnMut() -> io::Result<Vec<u8>>;
+
+/// Why there can be no worker here, and whether that would be so again.
+type Unable = (String, bool);
+
+impl Station {
+    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source<'_>) -> Result<Self, Unable> {
+        let passing = |error: &dyn ToString| (error.to_string(), false);
+        let lasting = |error: &dyn ToString| (error.to_string(), true);
+        let went = std::env::set_current_dir(&terms.folder);
+        let nowhere = went.err().map(|error| {
+            format!(
+                "the study names a file relative to {}: {error}",
+                terms.folder.display()
+            )
+        });
+        if let (true, Some(nowhere)) = (terms.here, &nowhere) {
+            return Err((nowhere.clone(), true));
+        }
+        let scratch = stop::scratch().map_err(|error| passing(&error))?;
+        let shipped = match terms.ship {
+            true => Some(Shipped::take(&terms.digest, source).map_err(|error| passing(&error))?),
+            false => None,
+        };
+        let path: PathBuf = shipped
+            .as_ref()
+            .map_or_else(|| terms.fmu.clone(), Shipped::path);
+        let mut package = open(&path, terms)?;
+        let place = Place::Processes(
+            Limits {
+                time: terms.time,
+                memory: terms
+                    .memory
+                    .unwrap_or_else(|| system::share_of_memory(terms.slots)),
+            },
+            terms.isolation,
+        );
+        let crew = Crew::new(
+            &mut package,
+            place,
+            scratch.path(),
+            1 + usize::from(terms.company),
+        );
+        let crew = crew.map_err(|error| lasting(&error))?;
+        Ok(Self {
+            crew,
+            worker: None,
+            output: Arc::clone(output),
+            shipped: Arc::new(Mutex::new(shipped)),
+            nowhere,
+            _package: package,
+            _scratch: scratch,
+        })
+    }
+
+    /// Follows orders until nobody gives any.
+    fn work(mut self, orders: &Receiver<Order>) {
+        for order in orders {
+            let done = match order {
+                Order::Begin(series) => self.begin(&series),
+                Order::Run(jobs, left, found) => {
+                    self.crew.adopt(&found);
+                    self.run(|worker, post| worker.run(&jobs, post), left)
+                }
+                Order::Alone(job) => self.run(|worker, post| worker.run_alone(&job, post), None),
+                Order::Rest => {
+                    self.worker.iter_mut().for_each(|worker| worker.rest());
+                    Ok(())
+                }
+                Order::Bytes(_) | Order::Beat => Ok(()),
+            };
+            // Nobody is left to be told.
+            if done.is_err() {
+                return;
+            }
+        }
+    }
+
+    fn begin(&mut self, series: &Series) -> io::Result<()> {
+        if let (true, Some(nowhere)) = (series.here, &self.nowhere) {
+            return locked(&self.output).say(&Report::Unable(nowhere.clone(), true));
+        }
+        if let Some(repeats) = &series.repeats {
+            self.crew.repeat(repeats);
+        }
+        self.worker = Some(match series.auditing {
+            true => self.crew.auditor(&series.cases),
+            false => self.crew.worker(&series.cases),
+        });
+        Ok(())
+    }
+
+    fn run(
+        &mut self,
+        points: impl FnOnce(&mut dyn Worker, &mut Post<'_>) -> Result<(), RunError>,
+        left: Option<usize>,
+    ) -> io::Result<()> {
+        let begun = Instant::now();
+        let Some(worker) = &mut self.worker else {
+            return locked(&self.output)
+                .say(&Report::Unable("it knows no points".to_owned(), false));
+        };
+        let output = &self.output;
+        let mut take = |event| {
+            let sent = News::of(event).map(|news| locked(output).hold(news));
+            match sent {
+                Some(Err(_)) => ControlFlow::Break(()),
+                _ => ControlFlow::Continue(()),
+            }
+        };
+        let ran = points(&mut **worker, &mut Post::new(&mut take, &|| false, left));
+        let found: Found = self.crew.found();
+        let mut output = locked(output);
+        output.send()?;
+        output.say(&match ran {
+            Ok(()) => Report::Done(found, begun.elapsed().as_secs_f64()),
+            Err(error) => unable(&error),
+        })
+    }
+}
+
+/// Opens the FMU, which must be the supervisor's.
+fn open(path: &Path, terms: &Terms) -> Result<Package, Unable> {
+    let package = Package::open(path).map_err(|error| {
+        let hint = if terms.ship { "" } else { " (--ship sends it)" };
+        (format!("{error}{hint}"), true)
+    })?;
+    let digest = package
+        .digest()
+        .map_err(|error| (error.to_string(), false))?;
+    match digest == terms.digest {
+        true => Ok(package),
+        false => Err((
+            format!(
+                "{} is another file there (SHA-256 {digest:.12}...) than here ({:.12}...)",
+                path.display(),
+                terms.digest
+            ),
+            true,
+        )),
+    }
+}
+
+fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Every change leaves it sound.
+    what.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,154 @@
+"""Workers that a command starts: whatever becomes of them, the files are those of a run on one machine."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from faulty import Workshop
+from test_acceptance import PROGRAM, orchestrator
+from test_cluster import files
+
+LAUNCHED = Path(__file__).with_name("launched.py")
+IDENTIFY = """
+fmu = "{fmu}"
+[identify]
+starts = 2
+[identify.free.rate]
+min = 0.5
+max = 2
+[identify.measured.y]
+variable = "y"
+value = 0.5
+accuracy = 0.01
+"""
+ANALYSES = {
+    "sensitivity": ("sensitivity", "--base", 16),
+    "identify": ("identify",),
+    "pareto": ("pareto", "--generations", 3, "--population", 8),
+    "robustness": ("robustness", "--from", "{verified}", "--confirm", 20),
+}
+
+
+def run(*arguments, **environment):
+    command = [PROGRAM, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, env=os.environ | environment)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("launcher")
+    file = folder / "study.toml"
+    Workshop(folder).study(file)
+    file.write_text(file.read_text().replace("points = 40", "points = 300"))
+    (folder / "identify.toml").write_text(IDENTIFY.format(fmu=folder / "healthy.fmu"))
+    return file
+
+
+@pytest.fixture(scope="module")
+def single(study):
+    """The folder of a run on this machine alone."""
+    orchestrator("verify", study, "--output", study.parent / "single", "--jobs", 2)
+    return study.parent / "single"
+
+
+def faulty(fault, folder, times):
+    folder.mkdir(exist_ok=True)
+    return f"{sys.executable} {LAUNCHED} {fault} {folder} {times}"
+
+
+def launched(study, folder, command, *options, **environment):
+    options = ["--jobs", 2, *options] if "--hosts" not in options else options
+    done = run("verify", study, "--output", folder, "--launcher", command, *options, **environment)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+@pytest.mark.parametrize("command", ["env", "sh -c 'echo Welcome; printf \"loading modules ...\"; exec \"$@\"' --"])
+def test_workers_by_a_command(command, study, single, tmp_path):
+    assert launched(study, tmp_path / "out", command).stderr == ""
+    assert files(tmp_path / "out") == files(single)
+    assert sum(json.loads((tmp_path / "out" / "summary.json").read_text())["run"]["hosts"].values()) == 300
+
+
+def test_hosts(study, single, tmp_path):
+    hosts = tmp_path / "hosts"
+    hosts.write_text("node1 2  # the large one\nnode2\n")
+    launched(study, tmp_path / "out", "sh -c 'exec \"$@\"' {host}", "--hosts", hosts)
+    assert files(tmp_path / "out") == files(single)
+    run = json.loads((tmp_path / "out" / "summary.json").read_text())["run"]
+    assert run["jobs"] == 3 and set(run["hosts"]) == {"node1", "node2"}
+
+
+@pytest.mark.parametrize("analysis", ANALYSES)
+def test_every_analysis(analysis, study, single, tmp_path):
+    name, *options = [str(word).format(verified=single) for word in ANALYSES[analysis]]
+    for folder, more in [("here", []), ("there", ["--launcher", "env"])]:
+        file = study.with_name("identify.toml") if name == "identify" else study
+        done = run(name, file, *options, "--jobs", 2, "--output", tmp_path / folder, *more)
+        assert done.returncode == 0, done.stderr
+    here, there = (sorted(file for file in (tmp_path / name).iterdir() if file.is_file()) for name in ("here", "there"))
+    assert [file.name for file in here] == [file.name for file in there] != []
+    for one, other in zip(here, there):
+        if one.suffix in (".csv", ".json", ".toml", ".ssv"):
+            assert one.read_bytes() == other.read_bytes(), one.name
+
+
+@pytest.mark.parametrize("fault", ["refuses", "dies", "kills", "garbage", "cuts", "alters", "hangs", "stops"])
+def test_a_lost_worker_costs_nothing(fault, study, single, tmp_path):
+    command = faulty(fault, tmp_path / "starts", 1 if fault == "refuses" else 3)
+    launched(study, tmp_path / "out", command, "--launcher-timeout", 3)
+    assert files(tmp_path / "out") == files(single)
+    assert len(list((tmp_path / "starts").iterdir())) > 2
+
+
+def test_a_run_without_workers_goes_on_later(study, single, tmp_path):
+    """Every worker is lost: the run ends, and another one completes it."""
+    command = faulty("garbage", tmp_path / "starts", 1000)
+    out = tmp_path / "out"
+    shutil.rmtree(out, ignore_errors=True)
+    done = run("verify", study, "--output", out, "--jobs", 1, "--launcher", "false")
+    assert done.returncode == 2
+    launched(study, out, command.replace("1000", "2"), "--resume")
+    assert files(out) == files(single)
+
+
+@pytest.mark.parametrize("command, words", [
+    ("false", "exit status: 1"),
+    ("no-such-launcher", "No such file"),
+    ("sh -c 'echo Permission denied, please try again. >&2; exit 255' --", "Permission denied, please try again."),
+    ("sh -c 'printf \"password: \"; exec sleep 100' --", "no worker started within 1 s: password:"),
+    ("yes", "no worker started within 1 s"),
+    ("sh -c 'exec \"$@\" < /dev/null' --", "the launcher ended"),
+])
+def test_a_launcher_that_starts_no_worker(command, words, study, tmp_path):
+    done = run("verify", study, "--output", tmp_path, "--jobs", 2, "--launcher", command, "--launcher-timeout", 1)
+    assert done.returncode == 2
+    assert words in done.stderr and done.stderr.count("error: ") == 1
+    assert len(done.stderr.splitlines()) <= 2, done.stderr
+
+
+def test_another_build_is_told(study, tmp_path):
+    other = tmp_path / "orchestrator"
+    shutil.copy(PROGRAM, other)
+    with other.open("ab") as file:
+        file.write(b"other")
+    done = run("verify", study, "--output", tmp_path / "out", "--launcher", "env", "--worker-program", other)
+    assert done.returncode == 2 and "another build" in done.stderr
+
+
+def test_a_shipped_fmu_leaves_nothing(study, single, tmp_path):
+    node = tmp_path / "node"
+    node.mkdir()
+    launched(study, tmp_path / "out", f"env TMPDIR={node}", "--ship")
+    assert files(tmp_path / "out") == files(single)
+    assert list(node.iterdir()) == []
+
+
+@pytest.mark.parametrize("options", [["--hosts", "x"], ["--ship"], ["--launcher", ""], ["--launcher", "env", "--in-process"],
+                                     ["--launcher", "env", "--launcher-timeout", "0"]])
+def test_mistakes(options, study, tmp_path):
+    assert run("verify", study, "--output", tmp_path, *options).returncode == 2
