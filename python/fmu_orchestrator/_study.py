@@ -44,6 +44,14 @@ class Running(TypedDict, total=False):
     """The longest time that a point may take, s."""
     memory_limit: str | None
     """The most memory that a worker may take, such as ``500MB``."""
+    launcher: str | None
+    """The command that starts each of ``jobs`` workers elsewhere, such as ``srun -n1 -c1`` or ``ssh node7``."""
+    hosts: StrPath | None
+    """A file with a line a host and the number of its workers; ``{host}`` in the command becomes the name."""
+    ship: bool
+    """Sends the FMU to hosts that do not share the disk."""
+    worker_program: StrPath | None
+    """The program on the hosts; this one's path unless given."""
     resume: bool
     """Continues a run that was interrupted."""
     force: bool

@@ -3,6 +3,7 @@
 //! The worker says a [`Greeting`] first, on a line of its own, since a launcher may print lines before it. All that follows are
 //! frames, as [between processes](crate::wire). The supervisor answers with its [`Terms`] as JSON.
 
+use std::fs::File;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -15,6 +16,7 @@ use crate::notices::Notices;
 use crate::points::{Event, Job, RunError, Simulated};
 use crate::policy::Found;
 use crate::repeats::Repeats;
+use crate::system;
 use crate::task::Case;
 
 /// What a worker's first line begins with; JSON follows.
@@ -35,6 +37,24 @@ pub(crate) struct Greeting {
     pub(crate) program: String,
     /// The name of its machine.
     pub(crate) host: String,
+}
+
+impl Greeting {
+    /// That of this program.
+    pub(crate) fn own() -> Self {
+        let program = system::program().and_then(File::open);
+        let digest = program.and_then(fmu_import::sha256);
+        let named = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+        let named = named.or_else(|| std::env::var("COMPUTERNAME").ok());
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            program: digest.map_or_else(
+                |error| error.to_string(),
+                |digest| fmu_import::hexadecimal(&digest),
+            ),
+            host: named.map_or_else(|| "a host".to_owned(), |name| name.trim().to_owned()),
+        }
+    }
 }
 
 /// What a worker needs to know before any task.
@@ -117,18 +137,19 @@ pub(crate) enum News {
     Result(u64, Simulated, Separation),
     Failed(u64, #[serde(with = "as_json")] Failure, Separation),
     Said(u64, #[serde(with = "as_json")] Box<Notices>),
-    Void(Separation),
+    /// With what is known of the FMU: others heed it even if this worker is lost at once.
+    Void(Separation, Found),
     Fickle(u64),
 }
 
 impl News {
     /// The news of an event; none where that is not one of a worker.
-    pub(crate) fn of(event: Event) -> Option<Self> {
+    pub(crate) fn of(event: Event, found: &dyn Fn() -> Found) -> Option<Self> {
         Some(match event {
             Event::Answer(index, Ok(result), how) => Self::Result(index, result, how),
             Event::Answer(index, Err(failure), how) => Self::Failed(index, failure, how),
             Event::Said(index, notices) => Self::Said(index, notices),
-            Event::Void(how) => Self::Void(how),
+            Event::Void(how) => Self::Void(how, found()),
             Event::Fickle(index) => Self::Fickle(index),
             Event::Alone | Event::Settled | Event::Idle => return None,
         })
@@ -140,7 +161,7 @@ impl News {
             Self::Result(index, result, how) => Event::Answer(index, Ok(result), how),
             Self::Failed(index, failure, how) => Event::Answer(index, Err(failure), how),
             Self::Said(index, notices) => Event::Said(index, notices),
-            Self::Void(how) => Event::Void(how),
+            Self::Void(how, _) => Event::Void(how),
             Self::Fickle(index) => Event::Fickle(index),
         }
     }

@@ -131,6 +131,8 @@ struct Audits {
     behind_odd: usize,
     /// Those that nobody else was told of.
     latest: Vec<(u64, bool, bool)>,
+    /// How much of the time nobody else was told of, s.
+    untold: f64,
 }
 
 impl Audits {
@@ -226,6 +228,9 @@ pub(crate) struct Found {
     reason: Option<Reason>,
     /// Points that were computed twice: whether they were the same, and whether they had followed another one.
     audits: Vec<(u64, bool, bool)>,
+    /// How long further audits that are made in any case took here, and how long all of them took everywhere, s.
+    audited: f64,
+    audited_by_all: f64,
     /// The first file that the FMU changed in its folder.
     pub(crate) changed: Option<String>,
     /// Whether another worker is finding out how points may share processes.
@@ -509,7 +514,9 @@ impl Policy {
         spent.audits += 1;
         let audits = &mut self.audits;
         audits.times.note(took);
-        audits.in_any_case += if in_any_case { took } else { 0.0 };
+        let took = if in_any_case { took } else { 0.0 };
+        audits.in_any_case += took;
+        audits.untold += took;
         audits.behind_odd += usize::from(behind_odd);
     }
 
@@ -584,6 +591,8 @@ impl Policy {
             start: self.start,
             reason: self.reason(),
             audits,
+            audited: std::mem::take(&mut self.audits.untold),
+            audited_by_all: 0.0,
             changed: None,
             led: false,
         }
@@ -594,6 +603,8 @@ impl Policy {
         Found {
             reason: None,
             audits: Vec::new(),
+            audited: 0.0,
+            audited_by_all: self.audits.in_any_case,
             ..self.found()
         }
     }
@@ -603,6 +614,8 @@ impl Policy {
         for &(index, agreed, shared) in &found.audits {
             self.audits.note(index, agreed, shared);
         }
+        let in_any_case = &mut self.audits.in_any_case;
+        *in_any_case = (*in_any_case + found.audited).max(found.audited_by_all);
         self.led = found.led;
         self.reused |= found.reused;
         self.reason_there = found.reason;

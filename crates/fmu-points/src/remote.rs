@@ -22,7 +22,7 @@ use crate::link::{Cut, Link};
 use crate::points::{Event, Job, Limits, Post, RunError, Worker};
 use crate::policy::{Found, Policy};
 use crate::task::Case;
-use crate::{station, working_directory};
+use crate::working_directory;
 
 /// A point that has cost so many workers, with each of which it was alone, has failed.
 const COSTLY: u32 = 3;
@@ -150,7 +150,7 @@ impl Team {
         Ok(Self {
             lanes: lanes.collect(),
             launcher,
-            greeting: station::greeting(),
+            greeting: Greeting::own(),
             terms,
             policies,
             state: Mutex::new(state),
@@ -391,7 +391,11 @@ impl Team {
                 Err(Cut::Stopped) => break End::Stopped,
                 Err(Cut::Lost(how)) => break End::Lost(Fault::passing(how)),
             };
-            for event in news.into_iter().map(News::event) {
+            for news in news {
+                if let News::Void(_, found) = &news {
+                    self.adopt(found);
+                }
+                let event = news.event();
                 if let Event::Answer(index, ..) = &event {
                     if !all.contains(index) {
                         continue;

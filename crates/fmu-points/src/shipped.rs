@@ -99,3 +99,34 @@ fn receive(file: &Path, source: &mut dyn FnMut() -> io::Result<Vec<u8>>) -> io::
     }
     fs::rename(part, file)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_come_once_and_go_with_the_last_user() {
+        let digest = format!("test-of-shipped-{}", std::process::id());
+        let mut parts = vec![b"two".to_vec(), b"one ".to_vec()];
+        let mut asked = 0;
+        let mut source = || {
+            asked += 1;
+            Ok(parts.pop().unwrap_or_default())
+        };
+        let first = Shipped::take(&digest, &mut source).unwrap();
+        let second = Shipped::take(&digest, &mut source).unwrap();
+        assert_eq!(asked, 3);
+        assert_eq!(fs::read(second.path()).unwrap(), b"one two");
+        drop(first);
+        assert!(second.path().exists());
+        let path = second.path();
+        drop(second);
+        assert!(!path.exists() && !path.parent().unwrap().exists());
+        // A source that breaks off leaves no file that would be taken for whole.
+        let mut broken = || Err(io::Error::other("cut"));
+        assert!(Shipped::take(&digest, &mut broken).is_err());
+        let folder = path.parent().unwrap();
+        assert!(!path.exists());
+        fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -3,7 +3,6 @@
 //! It unpacks the FMU into a folder of its own, and watches that. It ends with all that it has started when its input closes,
 //! or when the supervisor has been silent for too long: a link that is cut may close nothing.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::mem::take;
 use std::ops::ControlFlow;
@@ -29,28 +28,12 @@ const HOLD: Duration = Duration::from_millis(20);
 /// How often what is held back is looked at.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// Who this program is.
-pub(crate) fn greeting() -> Greeting {
-    let program = system::program().and_then(File::open);
-    let digest = program.and_then(fmu_import::sha256);
-    let named = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
-    let named = named.or_else(|| std::env::var("COMPUTERNAME").ok());
-    Greeting {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        program: digest.map_or_else(
-            |error| error.to_string(),
-            |digest| fmu_import::hexadecimal(&digest),
-        ),
-        host: named.map_or_else(|| "a host".to_owned(), |name| name.trim().to_owned()),
-    }
-}
-
 /// Serves a supervisor.
 ///
 /// # Errors
 /// When the supervisor cannot be understood or reached.
 pub(crate) fn serve() -> io::Result<()> {
-    let said = serde_json::to_string(&greeting())?;
+    let said = serde_json::to_string(&Greeting::own())?;
     // Whatever came before it, such as a prompt, ends with its line.
     io::stdout().write_all(format!("\n{MAGIC}{said}\n").as_bytes())?;
     io::stdout().flush()?;
@@ -111,13 +94,14 @@ pub(crate) fn serve() -> io::Result<()> {
             Err(error) => break Err(error),
         }
     };
-    leave();
+    let silent = locked(&output);
+    leave(&silent);
     drop(locked(&kept).take());
     served
 }
 
-/// Ends all that this process has started, and removes what it has unpacked.
-fn leave() {
+/// Ends all that this process has started, and removes what it has unpacked. What its points make of that is told nobody.
+fn leave(_silent: &MutexGuard<'_, Output>) {
     process::abandon_all();
     scratch::remove_all();
 }
@@ -148,6 +132,8 @@ impl Output {
     }
 
     fn say(&mut self, report: &Report) -> io::Result<()> {
+        // Where a signal ends this process, what becomes of its points is no finding.
+        stop::give_way();
         self.sent = Instant::now();
         let mut frame = Vec::new();
         frame::write(&mut frame, self.ticket, &bytes(report))?;
@@ -170,8 +156,7 @@ fn watch(output: &Mutex<Output>, patience: Duration) {
             sent = output.say(&Report::Beat);
         }
         if sent.is_err() || output.heard.elapsed() > patience * 2 {
-            drop(output);
-            leave();
+            leave(&output);
             system::leave(1);
         }
     }
@@ -293,9 +278,10 @@ impl Station {
             return locked(&self.output)
                 .say(&Report::Unable("it knows no points".to_owned(), false));
         };
-        let output = &self.output;
+        let (output, crew) = (&self.output, &self.crew);
         let mut take = |event| {
-            let sent = News::of(event).map(|news| locked(output).hold(news));
+            let news = News::of(event, &|| crew.found());
+            let sent = news.map(|news| locked(output).hold(news));
             match sent {
                 Some(Err(_)) => ControlFlow::Break(()),
                 _ => ControlFlow::Continue(()),

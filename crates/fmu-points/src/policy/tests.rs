@@ -127,3 +127,41 @@ fn a_licence_is_waited_for_once_in_vain() {
     policy.instantiated(0.1);
     assert_eq!(policy.wait(true, Instant::now(), limit), Wait::Again);
 }
+
+/// Workers on several machines: one finds out what all heed, and each audit counts once.
+#[test]
+fn what_one_worker_finds_others_heed() {
+    let policy = || Policy::new(Isolation::Audited, false, true);
+    let (mut supervisor, mut finder, mut other) = (policy(), policy(), policy());
+    let tell = |supervisor: &mut Policy, to: &mut Policy, led: bool| {
+        let mut known = supervisor.known();
+        known.led = led;
+        to.adopt(&known);
+    };
+    tell(&mut supervisor, &mut other, true);
+    assert_eq!(other.plan(None), Plan::Alone(Separation::New));
+    tell(&mut supervisor, &mut finder, false);
+    for _ in 0..PROBES {
+        assert_eq!(finder.plan(None), Plan::Probe);
+        finder.probed(Probed::Alike, Duration::ZERO);
+    }
+    finder.sharing = Sharing::Earned(Reuse::Reset);
+    finder.audited(7, true, true);
+    finder.note_audit(0.5, Separation::Used, true, false);
+    for _ in 0..2 {
+        // What was told is not told again.
+        supervisor.adopt(&finder.found());
+        tell(&mut supervisor, &mut finder, false);
+    }
+    tell(&mut supervisor, &mut other, true);
+    assert_eq!(other.plan(None), Plan::Used(Reuse::Reset));
+    assert_eq!(
+        (supervisor.conduct().audits, supervisor.audits.in_any_case),
+        (1, 0.5)
+    );
+    other.refute(Separation::Forked);
+    supervisor.adopt(&other.found());
+    tell(&mut supervisor, &mut finder, false);
+    assert_eq!(finder.plan(None), Plan::Alone(Separation::New));
+    assert_eq!(supervisor.conduct().audits, 1);
+}
