@@ -25,6 +25,8 @@ const LOOK: Duration = Duration::from_millis(100);
 const NOISE: usize = 1 << 16;
 /// How long a launcher may take to end once its worker has nobody to serve.
 const PARTING: Duration = Duration::from_secs(2);
+/// How long it may take when it is asked to.
+const FAREWELL: Duration = Duration::from_millis(500);
 
 /// Why no message comes any more.
 #[derive(Debug)]
@@ -204,12 +206,13 @@ impl Link {
 impl Drop for Link {
     fn drop(&mut self) {
         self.part();
-        // One that is silent is not waited for: a launcher cannot be asked twice.
-        let patience = match self.heard.elapsed() > self.patience {
-            true => Duration::ZERO,
-            false => PARTING,
-        };
+        // One without a worker, or with a silent one, is not waited for.
+        let silent = self.ticket == 0 || self.heard.elapsed() > self.patience;
+        let patience = if silent { Duration::ZERO } else { PARTING };
         if process::wait_for_end(&mut self.child, patience).is_none() {
+            system::ask_to_end(self.child.id());
+        }
+        if process::wait_for_end(&mut self.child, FAREWELL).is_none() {
             system::kill_group(self.child.id());
             let _ = self.child.kill();
             let _ = self.child.wait();

@@ -3,7 +3,7 @@
 //! A worker answers for all that becomes of its children. What may become of the worker itself (an FMU may kill its
 //! parent, or stop it) is noticed here: it is looked at while it is silent, and each of its answers has a deadline.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
@@ -373,20 +373,30 @@ fn family() -> MutexGuard<'static, Family> {
     WORKERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// The launchers of workers elsewhere.
+static LAUNCHERS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+
+fn launchers() -> MutexGuard<'static, BTreeSet<u32>> {
+    // As the workers.
+    LAUNCHERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Lets a process, a launcher of workers elsewhere, end with this one's workers.
 pub(crate) fn enlist(launcher: u32) {
-    family().insert(launcher, None);
+    launchers().insert(launcher);
 }
 
 /// Forgets a launcher, which has ended.
 pub(crate) fn dismiss(launcher: u32) {
-    family().remove(&launcher);
+    launchers().remove(&launcher);
 }
 
 /// Ends all workers of this process at once, with everything that they have started: for a process that is about to end
 /// itself, whatever its threads are waiting for.
 pub fn abandon_all() {
     const PATIENCE: Duration = Duration::from_millis(100);
+    // Killed, a scheduler's command would leave its job in the queue.
+    launchers().iter().copied().for_each(system::ask_to_end);
     let until = Instant::now() + PATIENCE;
     // A thread that is starting a worker holds the set for a moment.
     let workers = loop {

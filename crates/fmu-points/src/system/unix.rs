@@ -78,6 +78,16 @@ pub(crate) fn kill_group(leader: u32) {
     let _ = Pid::from_raw(leader as i32).map(|leader| kill_process_group(leader, Signal::KILL));
 }
 
+/// Asks the group of a process to end, also where it is stopped: a scheduler's command takes its job back.
+pub(crate) fn ask_to_end(leader: u32) {
+    if let Some(leader) = Pid::from_raw(leader as i32) {
+        for signal in [Signal::TERM, Signal::CONT] {
+            // Where that fails, there is none left to end.
+            let _ = kill_process_group(leader, signal);
+        }
+    }
+}
+
 /// The memory of this machine, bytes; `None` where that is not known.
 pub fn memory_of_machine() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;

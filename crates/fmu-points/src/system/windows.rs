@@ -61,6 +61,9 @@ pub(crate) fn is_stopped(_: u32) -> bool {
 /// Jobs end processes here.
 pub(crate) fn kill_group(_: u32) {}
 
+/// There is no such request here.
+pub(crate) fn ask_to_end(_: u32) {}
+
 /// Jobs end workers here.
 pub(crate) fn kill_worker(_: u32) {}
 
