@@ -52,6 +52,8 @@ class Running(TypedDict, total=False):
     """Sends the FMU to hosts that do not share the disk."""
     worker_program: StrPath | None
     """The program on the hosts; this one's path unless given."""
+    launcher_timeout: float | None
+    """How long a worker there may take to start, and be silent, s."""
     resume: bool
     """Continues a run that was interrupted."""
     force: bool

@@ -8,7 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+import python_package  # noqa: F401  (where fmu_orchestrator is found)
 from faulty import Workshop
+from fmu_orchestrator import Study
 from test_acceptance import PROGRAM, orchestrator
 from test_cluster import files
 
@@ -103,6 +105,11 @@ def test_a_lost_worker_costs_nothing(fault, study, single, tmp_path):
     launched(study, tmp_path / "out", command, "--launcher-timeout", 3)
     assert files(tmp_path / "out") == files(single)
     assert len(list((tmp_path / "starts").iterdir())) > 2
+
+
+def test_from_python(study, single, tmp_path):
+    result = Study.load(study).verify(launcher="env", jobs=2, output=tmp_path / "out", progress=False)
+    assert files(result.folder) == files(single)
 
 
 def test_a_run_without_workers_goes_on_later(study, single, tmp_path):
