@@ -91,7 +91,7 @@ pub struct Means {
     pub memory_limit: Option<String>,
     /// Start workers elsewhere
     #[command(flatten)]
-    pub afar: Afar,
+    pub afar: Box<Afar>,
 }
 
 /// Workers on other machines.
