@@ -155,7 +155,7 @@ impl Judge {
             .unzip();
         let Some(place) = places.first() else { return };
         let message = format!(
-            "no measured value yet: the nominal value of {} comes from a run of the model itself; write the measured value there and \
+            "no measured value yet: the nominal value of {} comes from a run of the model itself; write measured values into the study in its place and \
              remove `nominal-from`",
             names.join(", ")
         );

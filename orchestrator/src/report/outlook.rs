@@ -93,9 +93,9 @@ pub fn improvements(summary: &Summary) -> Option<Document> {
     };
     told.hint(format!(
         "How the study would come out if one measured value's uncertainty, or one parameter's tolerance, were half of what it \
-         is: by judging or weighting the first {} points anew, without new runs. The gain is that of the probability that a \
-         point is accepted and conforms.{held}",
-        improvements.points
+         is: by judging or weighting the first {} points anew, without new runs. The gain is that of the {}.{held}",
+        improvements.points,
+        improvements.now.worth()
     ));
     Some(told)
 }
@@ -136,6 +136,8 @@ fn change(change: &Change) -> Vec<String> {
         Halved::Tolerance => "parameter's tolerance",
     };
     let plus = |gain: f64| {
+        // Differences of shares that are equal but for rounding.
+        let gain = if gain.abs() < 1e-9 { 0.0 } else { gain };
         let sign = if gain > 0.0 { "+" } else { "" };
         format!("{sign}{}", number(100.0 * gain, 2))
     };

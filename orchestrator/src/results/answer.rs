@@ -77,6 +77,7 @@ impl Answer {
             title: match sign {
                 _ if summary.has_own_values() => "No measured value yet".to_owned(),
                 Sign::Doubt => "Verified, with doubts".to_owned(),
+                Sign::No if warned => "Not verified, with doubts".to_owned(),
                 _ => capitalised(&decision.to_string()),
             },
             asked: asked(summary),
@@ -110,15 +111,19 @@ fn odd(summary: &Summary) -> Option<String> {
     conduct.remarks().into_iter().next().filter(|_| is_odd)
 }
 
+fn criteria(summary: &Summary) -> String {
+    match (summary.criteria.len(), summary.cases.len()) {
+        (1, _) => "the criterion".to_owned(),
+        (n, 0) => format!("all {n} criteria"),
+        (n, cases) => format!("all {n} criteria of {cases} cases"),
+    }
+}
+
 fn asked(summary: &Summary) -> String {
     if summary.has_own_values() {
         return "How far do the outputs move with the parameters, from the values of one run of the model?".to_owned();
     }
-    let criteria = match (summary.criteria.len(), summary.cases.len()) {
-        (1, _) => "the criterion".to_owned(),
-        (n, 0) => format!("all {n} criteria"),
-        (n, cases) => format!("all {n} criteria of {cases} cases"),
-    };
+    let criteria = criteria(summary);
     let guarded = match &summary.conclusion {
         Some(Conclusion {
             guard_band: Some(0.0),
@@ -157,7 +162,8 @@ fn answer(summary: &Summary, decision: Decision) -> String {
         return match summary.verified {
             0 => format!("No: it does at none of {points} ({share})."),
             n => format!(
-                "The model can be right: it does at {} of {points} ({share}).",
+                "The model can be right: it meets {} at {} of {points} ({share}).",
+                criteria(summary),
                 grouped(n)
             ),
         };
@@ -187,13 +193,13 @@ fn decides(summary: &Summary) -> Vec<String> {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
         None => unknown(summary),
     }));
+    let weak = conclusion.filter(|conclusion| is_weak(conclusion));
+    list.extend(weak.and_then(|conclusion| firmness(conclusion, summary)));
     list.extend(odd(summary).map(|odd| format!("Warning: {odd}.")));
     list.extend(doubts(summary));
     list.extend(conclusion.and_then(|_| beyond_validity(summary)));
     list.extend(conclusion.and_then(guard));
     list.extend(conclusion.and_then(|_| decisive(summary)));
-    let weak = conclusion.filter(|conclusion| is_weak(conclusion));
-    list.extend(weak.and_then(|conclusion| firmness(conclusion, summary)));
     list
 }
 
@@ -257,7 +263,7 @@ fn decisive(summary: &Summary) -> Option<String> {
     let missed = summary.points - summary.failed - count.count.passed;
     let only = match count.only_failure {
         0 => String::new(),
-        n => format!(", {} of them nothing else", grouped(n)),
+        n => format!(", {} of them miss nothing else", grouped(n)),
     };
     (missed > 0 && summary.criteria.len() > 1).then(|| {
         format!(
@@ -323,11 +329,12 @@ pub fn improve_first(summary: &Summary) -> Option<String> {
     };
     let interval = first.gain_interval.map_or_else(String::new, |ends| {
         let [low, high] = ends.map(|end| number(100.0 * end, 3));
-        format!(" (95 % interval {low} … {high})")
+        format!(" (95 % interval {low} .. {high})")
     });
     Some(format!(
-        "To improve first: half the {what} {} raises the probability that a point is accepted and conforms by {} percentage points{interval}.",
+        "To improve first: halving the {what} {} raises the {} by {} percentage points{interval}.",
         first.name,
+        improvements.now.worth(),
         number(100.0 * first.gain, 3)
     ))
 }
@@ -344,6 +351,12 @@ fn nearest(summary: &Summary) -> Option<String> {
             *value,
         ))
     };
+    let missed = best
+        .values
+        .iter()
+        .filter_map(off)
+        .filter(|(_, off, ..)| *off > 1.0);
+    let only = missed.count() == 1;
     let (name, off, criterion, value) = best
         .values
         .iter()
@@ -351,8 +364,13 @@ fn nearest(summary: &Summary) -> Option<String> {
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     (off > 1.0).then(|| {
         format!(
-            "The nearest point, {}, misses {name} most: {value:.5}{}, accepted {}.",
+            "The nearest point, {}, misses {}: {value:.5}{}, accepted {}.",
             best.point,
+            if only {
+                format!("only {name}")
+            } else {
+                format!("{name} most")
+            },
             criterion.unit_behind(),
             criterion.wanted()
         )

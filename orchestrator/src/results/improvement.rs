@@ -113,6 +113,16 @@ pub struct Prospect {
     pub effective_points: f64,
 }
 
+impl Prospect {
+    /// What is to be large: points that are accepted and conform, or accepted ones where it is not known how many conform.
+    pub fn worth(&self) -> &'static str {
+        match self.conformance_probability {
+            Some(_) => "probability that a point is accepted and conforms",
+            None => "share of accepted points",
+        }
+    }
+}
+
 impl Improvements {
     /// The same without intervals, of points that are no sample.
     pub(super) fn without_intervals(mut self) -> Self {

@@ -31,17 +31,18 @@ fn other_verdict([least, most]: [f64; 2], method: &str) -> Option<String> {
         // The points of other designs are not independent, and nothing is known of how their seeds differ.
         _ => return None,
     };
+    // A limit is not rounded down.
+    let above = |share: f64| match 100.0 * share {
+        percent if percent > 10.0 => short(percent.ceil()),
+        percent => short(percent),
+    };
     let other = |probability: String| {
         format!("be the other one with a probability of {probability} (at a confidence of 95 %)")
     };
     let verdict = match (least, most) {
         (_, most) if most < LITTLE => "almost surely (more than 99.9 %) be the same".to_owned(),
-        (least, most) if least < LITTLE => other(format!("at most {} %", short(100.0 * most))),
-        (least, most) => other(format!(
-            "{} to {} %",
-            short(100.0 * least),
-            short(100.0 * most)
-        )),
+        (least, most) if least < LITTLE => other(format!("at most {} %", above(most))),
+        (least, most) => other(format!("{} to {} %", short(100.0 * least), above(most))),
     };
     Some(format!(
         "If the study were repeated with {points}, the verdict would {verdict}."

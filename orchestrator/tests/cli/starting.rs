@@ -77,7 +77,7 @@ fn measured_values_in_place_of_the_models_verify_it() {
     bench.write("measured.toml", &measured.join("\n"));
     let said = good(bench.run(&["verify", "measured.toml", "--output", "out"]));
     assert!(
-        said.out.contains(" The model can be right: it does at "),
+        said.out.contains(" The model can be right: it meets "),
         "{}",
         said.out
     );
