@@ -114,6 +114,7 @@ fn odd(summary: &Summary) -> Option<String> {
 fn criteria(summary: &Summary) -> String {
     match (summary.criteria.len(), summary.cases.len()) {
         (1, _) => "the criterion".to_owned(),
+        (2, 0) => "both criteria".to_owned(),
         (n, 0) => format!("all {n} criteria"),
         (n, cases) => format!("all {n} criteria of {cases} cases"),
     }

@@ -52,7 +52,7 @@ fn the_accepted_points_that_do_not_conform_are_counted() {
     assert_eq!(
         text,
         "\u{2713} Verified\n\
-         The model can be right: it meets all 2 criteria at 1,000 of 10,000 points (10.0 %, 95 % interval 9.4 .. 10.6 %).\n\
+         The model can be right: it meets both criteria at 1,000 of 10,000 points (10.0 %, 95 % interval 9.4 .. 10.6 %).\n\
          Of the 1,000 accepted points 88.9 (8.9 %; 95 % interval 8.9 .. 9.2 %) are expected to be outside of a tolerance of the \
          true values, since the measured values are uncertain.\n\
          T decides most often: 9,000 of 10,000 points miss it.\n\
