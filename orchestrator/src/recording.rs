@@ -11,7 +11,7 @@ use number_tables::files::FileError;
 use number_tables::recorded::{Layout, RecordedTable, Stamp, stamp};
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
-use rig_signals::{Accuracy, Bearing, Channel, Derived, RigRecording};
+use rig_signals::{Accuracy, Bearing, Channel, Derived, RigRecording, Synchronised};
 
 /// The settings of a recording.
 #[derive(Debug, Deserialize)]
@@ -107,6 +107,13 @@ struct Signal {
     group: Option<String>,
 }
 
+impl Signal {
+    /// Whether the model has it without a unit: values, accuracy and tolerance are taken as they are.
+    fn is_plain(&self) -> bool {
+        self.scale.is_none() && matches!(self.unit.as_deref(), Some("1" | "none"))
+    }
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Power {
@@ -194,11 +201,31 @@ impl Settings {
         }
     }
 
+    /// Signals and inputs that the model has without a unit, by their keys.
+    fn plain(&self) -> impl Iterator<Item = (String, &Signal)> {
+        let signals = self
+            .signals
+            .iter()
+            .map(|(name, signal)| (format!("signals.{name}"), signal));
+        let inputs = self
+            .inputs
+            .iter()
+            .map(|(name, input)| (format!("inputs.{name}"), input));
+        signals
+            .chain(inputs)
+            .filter(|(_, signal)| signal.is_plain())
+    }
+
     /// How far the model may be off, by criteria's names.
     pub fn tolerances(&self) -> Vec<(String, String)> {
         let named = |signal: &Signal, name: &str| {
             let name = signal.name.clone().unwrap_or_else(|| name.to_owned());
-            Some((name, signal.tolerance.as_ref()?.to_string()))
+            let tolerance = signal.tolerance.as_ref()?;
+            let text = match signal.is_plain() && tolerance.unit.as_deref() != Some("%") {
+                true => tolerance.number.to_string(),
+                false => tolerance.to_string(),
+            };
+            Some((name, text))
         };
         let both = [(&self.load, "F_N"), (&self.torque, "M")];
         let both = both
@@ -268,7 +295,74 @@ impl Recorded<'_> {
                 ),
             })
         };
-        self.tables.iter().filter_map(note).collect()
+        let plain = self.settings.plain().filter_map(|(key, signal)| {
+            let column = signal.column.as_deref()?;
+            let table = self
+                .tables
+                .iter()
+                .find_map(|(table, _)| table.get(column))?;
+            let unit = table.unit.as_deref()?;
+            Some(format!(
+                "{key}: the model has no unit, so the values are those in `{unit}`, as they are"
+            ))
+        });
+        let timeless = (0..self.tables.len()).filter_map(|file| self.timeless(file));
+        let notes = self.tables.iter().filter_map(note);
+        notes.chain(plain).chain(timeless).collect()
+    }
+
+    /// What the reader must know of times without a unit.
+    fn timeless(&self, file: usize) -> Option<String> {
+        let (table, time) = &self.tables[file];
+        let name = self.time_name(file, None);
+        let (stamp, values) = table.times(name).ok()?;
+        if stamp.is_some()
+            || time.rate.is_some()
+            || time.unit.is_some()
+            || table.get(name)?.unit.is_some()
+        {
+            return None;
+        }
+        let known = || values.iter().copied().filter(|value| value.is_finite());
+        let length =
+            known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
+        let file = table
+            .path()
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy();
+        Some(format!(
+            "{file}: the time has no unit and is read as s: {length} s long"
+        ))
+    }
+
+    /// How far the noise of a row alone is beyond the tolerance of a curve.
+    pub fn too_tight(&self, recorded: &RigRecording, result: &Synchronised) -> Vec<String> {
+        let settings = self.settings;
+        let both = [("F_N", &settings.load), ("M", &settings.torque)];
+        let both = both
+            .into_iter()
+            .filter_map(|(name, signal)| Some((name, signal.as_ref()?)));
+        let signals = settings
+            .signals
+            .iter()
+            .map(|(name, signal)| (name.as_str(), signal));
+        let note = |(name, signal): (&str, &Signal)| {
+            let name = signal.name.as_deref().unwrap_or(name);
+            let channel = recorded.signals().find(|channel| channel.name == name)?;
+            let mut means = result
+                .findings
+                .iter()
+                .filter(|f| f.name == name && f.statistic == "mean");
+            let row = means.next()?.noise?.row;
+            let tolerance = of_zero(signal.tolerance.as_ref()?, &channel.unit).ok()??;
+            (row > tolerance).then(|| format!(
+                "{name}: the rows' noise alone ({row:.2e} {unit}) is more than the tolerance ({tolerance} {unit}), so a right model \
+                 fails; use a larger one, or the mean in criteria.toml",
+                unit = channel.unit
+            ))
+        };
+        both.chain(signals).filter_map(note).collect()
     }
 
     /// The name of the column of a file's times.
@@ -361,6 +455,7 @@ impl Recorded<'_> {
         // Of volts the settings say what they mean.
         let unit = match (&signal.scale, &signal.unit) {
             (Some(_), Some(unit)) => known::usual(unit).unwrap_or(unit).to_owned(),
+            _ if signal.is_plain() => "1".to_owned(),
             _ => unit?,
         };
         let way = match si {
@@ -582,6 +677,10 @@ fn of_zero(quantity: &Quantity, unit: &str) -> Result<Option<f64>, String> {
 
 fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, String> {
     match quantity.unit.as_deref() {
+        // The model has no unit: the recording's is not converted.
+        Some(given) if unit == "1" && given != "%" && quantity.number >= 0.0 => {
+            Ok(Accuracy::Absolute(quantity.number * factor))
+        }
         _ if quantity.number < 0.0 || !quantity.number.is_finite() => {
             Err(format!("the accuracy `{quantity}` must not be negative"))
         }

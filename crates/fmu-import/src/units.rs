@@ -54,11 +54,12 @@ pub struct Conversion {
 
 /// Why a unit does not fit.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("unit `{from}` does not fit: the value is in {to}; use {}", known.join(", "))]
+#[error("unit `{from}` does not fit: the value is in {to}; use {}{remedy}", known.join(", "))]
 pub struct UnitError {
     from: String,
     to: String,
     known: Vec<String>,
+    remedy: &'static str,
 }
 
 impl Conversion {
@@ -122,8 +123,13 @@ impl Units {
         if let Some(way) = to.and_then(|to| known::between(&from, to)) {
             return Ok(way);
         }
+        let remedy = match to.filter(|unit| *unit != "1") {
+            Some(_) => "",
+            None => ", of a recording `unit = \"1\"` in the settings of synchronise",
+        };
         Err(UnitError {
             from,
+            remedy,
             to: to
                 .filter(|unit| *unit != "1")
                 .unwrap_or("no unit")

@@ -2,7 +2,9 @@
 
 use super::clean::clean;
 use super::delay::Delay;
+use super::holes::Holes;
 use super::recording::{Account, Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
+use super::signal::SignalError;
 use super::spectrum::Noise;
 use super::thin::{Polyline, polyline};
 use super::uncertainty::from_bound;
@@ -57,6 +59,7 @@ struct Measured<'a> {
     time: Vec<f64>,
     values: Vec<f64>,
     spikes: usize,
+    marks: usize,
     clipped: usize,
     /// By how much it is late.
     delay: Option<&'a Delay>,
@@ -69,6 +72,10 @@ struct Input<'a> {
     channel: &'a Channel,
     drive: &'a Drive,
     line: Polyline,
+    /// What was left out, and how many samples.
+    lost: [(usize, &'static str); 2],
+    /// The longest time without samples.
+    hole: Option<[f64; 2]>,
 }
 
 /// Rows with a sample of each of some curves.
@@ -146,6 +153,7 @@ impl<'a> Case<'a> {
             curves.push(Measured {
                 channel,
                 spikes: cleaned.spikes,
+                marks: cleaned.marks,
                 clipped: cleaned.clipped_count(),
                 time,
                 values,
@@ -157,11 +165,7 @@ impl<'a> Case<'a> {
         }
         let recorded = drives.iter().filter_map(|drive| match &drive.values {
             Driven::Constant(_) => None,
-            Driven::Recorded(channel) => Some(Input {
-                channel,
-                drive,
-                line: polyline(&channel.time, &channel.values, drive.tolerance),
-            }),
+            Driven::Recorded(channel) => Some(Input::new(channel, drive)),
         });
         let inputs: Vec<Input<'a>> = recorded.collect();
         let firsts = curves.iter().map(|curve| curve.channel);
@@ -191,6 +195,60 @@ impl<'a> Case<'a> {
             .iter()
             .filter_map(|input| input.line.time.last());
         ends.fold(f64::INFINITY, |end, time| end.min(time - self.begin))
+    }
+
+    /// Refuses an input that has no time in common with what was measured.
+    ///
+    /// # Errors
+    /// With the times of both.
+    pub fn check(&self) -> Result<(), SignalError> {
+        let spans: Vec<[f64; 2]> = (0..self.tables.len())
+            .map(|table| self.span(table))
+            .collect();
+        let begin = spans
+            .iter()
+            .map(|[from, _]| *from)
+            .fold(f64::INFINITY, f64::min);
+        let end = spans
+            .iter()
+            .map(|[_, to]| *to)
+            .fold(f64::NEG_INFINITY, f64::max);
+        for Input { drive, line, .. } in &self.inputs {
+            let name = &drive.variable;
+            let [Some(first), Some(last)] = [line.time.first(), line.time.last()] else {
+                return Err(SignalError::Setting(format!(
+                    "input {name}: its column holds no numbers; name another one"
+                )));
+            };
+            let [first, last] = [first, last].map(|time| time - self.begin);
+            if first > end || last < begin {
+                return Err(SignalError::Setting(format!(
+                    "input {name} was recorded from {first:.3} s to {last:.3} s and the signals from {begin:.3} s to {end:.3} s: \
+                     correct the `offset` of a file's time"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// What the reader must know of an input's times.
+    fn times_of(&self, input: &Input<'_>) -> Vec<String> {
+        let name = &input.drive.variable;
+        let first = input
+            .line
+            .time
+            .first()
+            .map_or(0.0, |first| first - self.begin);
+        let late = (first > 0.0
+            && (0..self.tables.len()).any(|table| self.span(table)[0] < first - input.step()))
+        .then(|| {
+            format!("input {name} begins at {first:.6} s, and before that has its first value")
+        });
+        let hole = input.hole.map(|ends| {
+            let [from, to] = ends.map(|end| end - self.begin);
+            format!("input {name} has no samples from {from:.6} s to {to:.6} s, and there follows a straight line")
+        });
+        late.into_iter().chain(hole).collect()
     }
 
     /// The name of a table's file.
@@ -261,6 +319,7 @@ impl<'a> Case<'a> {
             let beside = curve.time.len() - self.tables[curve.table].time.len();
             curve.channel.account(&[
                 (curve.spikes, "spikes"),
+                (curve.marks, "at a value far from all others"),
                 (curve.clipped, "clipped"),
                 (beside, "in rows where another signal has none"),
             ])
@@ -283,6 +342,8 @@ impl<'a> Case<'a> {
                 .iter()
                 .map(|warning| format!("# Note: {warning}.\n")),
         );
+        let inputs = self.inputs.iter().flat_map(|input| self.times_of(input));
+        out.extend(inputs.map(|note| format!("# Note: {note}.\n")));
         let late = self.curves.iter().map(|curve| self.late(curve, frame));
         let early = late.map(|late| -late).fold(0.0, f64::max);
         let last = (0..self.tables.len())
@@ -457,10 +518,41 @@ impl<'a> Case<'a> {
 /// The file of the inputs.
 const INPUTS: &str = "case-inputs.csv";
 
-impl Input<'_> {
+impl<'a> Input<'a> {
+    fn new(channel: &'a Channel, drive: &'a Drive) -> Self {
+        let cleaned = clean(&channel.values);
+        let pairs = channel.time.iter().zip(&cleaned.values);
+        let (time, values): (Vec<f64>, Vec<f64>) =
+            pairs.filter(|(_, value)| value.is_finite()).unzip();
+        Self {
+            channel,
+            drive,
+            line: polyline(&time, &values, drive.tolerance),
+            lost: [
+                (cleaned.spikes, "spikes"),
+                (cleaned.marks, "at a value far from all others"),
+            ],
+            hole: Holes::of(&channel.time, &cleaned).longest(),
+        }
+    }
+
+    /// The mean time between samples, s.
+    fn step(&self) -> f64 {
+        let time = &self.channel.time;
+        let span = time
+            .last()
+            .zip(time.first())
+            .map_or(0.0, |(last, first)| last - first);
+        span / time.len().max(1) as f64
+    }
+
     /// A comment that says how it was thinned.
     fn comment(&self) -> String {
-        let (account, line, unit) = (self.channel.account(&[]), &self.line, &self.drive.unit);
+        let (account, line, unit) = (
+            self.channel.account(&self.lost),
+            &self.line,
+            &self.drive.unit,
+        );
         let noise = line.noise.map_or_else(String::new, |noise| {
             format!(" (noise of a row {noise:.2e})")
         });

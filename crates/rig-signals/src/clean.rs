@@ -9,6 +9,8 @@ pub struct Cleaned {
     pub values: Vec<f64>,
     /// How many spikes were left out.
     pub spikes: usize,
+    /// How many samples stood far from all others at one value, which says that there is none; left out, too.
+    pub marks: usize,
     /// Which samples stand at the end of the sensor's range.
     pub clipped: Vec<bool>,
 }
@@ -42,6 +44,7 @@ pub fn clean(values: &[f64]) -> Cleaned {
     let mut cleaned = Cleaned {
         values: values.to_vec(),
         spikes: 0,
+        marks: 0,
         clipped: vec![false; values.len()],
     };
     if samples.len() <= 2 * AROUND {
@@ -75,6 +78,12 @@ pub fn clean(values: &[f64]) -> Cleaned {
     for end in ends.into_iter().flatten() {
         let there: Vec<bool> = cleaned.values.iter().map(|value| *value == end).collect();
         let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
+        let others: Vec<f64> = rest.iter().copied().filter(|value| *value != end).collect();
+        if is_mark(end, &others, rest.len()) {
+            let found = cleaned.values.iter_mut().filter(|value| **value == end);
+            cleaned.marks += found.map(|value| *value = f64::NAN).count();
+            continue;
+        }
         // A signal that repeats itself has equal peaks, but no two of them side by side.
         if 4 * pairs >= there.iter().filter(|&&there| there).count() {
             let pairs = cleaned.clipped.iter_mut().zip(there);
@@ -82,6 +91,18 @@ pub fn clean(values: &[f64]) -> Cleaned {
         }
     }
     cleaned
+}
+
+/// Whether a level is a mark of missing values, such as -9999: farther from all others, growing, than these are from each
+/// other, and rare.
+fn is_mark(level: f64, others: &[f64], all: usize) -> bool {
+    const TIMES: f64 = 3.0;
+    const RARE: usize = 10;
+    let [Some(low), Some(high)] = [others.first(), others.last()] else {
+        return false;
+    };
+    let away = (low - level).max(level - high);
+    high > low && away > TIMES * (high - low) && RARE * (all - others.len()) < all
 }
 
 fn at_part(sorted: &[f64], part: f64) -> f64 {
@@ -199,6 +220,21 @@ mod tests {
             assert_eq!(cleaned.spikes, 4, "seed {seed}");
             assert!(cleaned.values[1201].is_nan());
         }
+    }
+
+    #[test]
+    fn a_run_of_marks_is_no_part_of_the_signal() {
+        let mut values = signal(0.05);
+        values[2000..2040].fill(-9999.0);
+        let cleaned = clean(&values);
+        assert_eq!(
+            (cleaned.marks, cleaned.spikes, cleaned.clipped_count()),
+            (40, 0, 0)
+        );
+        assert!(cleaned.values[2020].is_nan());
+        // What rests for long is a level of its own.
+        values[2000..2900].fill(-9999.0);
+        assert_eq!(clean(&values).marks, 0);
     }
 
     #[test]

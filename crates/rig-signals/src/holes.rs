@@ -41,6 +41,13 @@ impl Holes {
         Self(joined)
     }
 
+    /// The longest one.
+    pub fn longest(&self) -> Option<[f64; 2]> {
+        let length = |[from, to]: &[f64; 2]| to - from;
+        let longest = self.0.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+        longest.copied()
+    }
+
     /// Whether a time lies in one of them.
     fn has(&self, time: f64) -> bool {
         let next = self.0.partition_point(|[_, to]| *to <= time);

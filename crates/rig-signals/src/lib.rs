@@ -65,6 +65,7 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         let outside = channel.time.len() - time.len();
         let lost = [
             (cleaned.spikes, "spikes"),
+            (cleaned.marks, "at a value far from all others"),
             (outside, "outside of the window"),
         ];
         result.accounts.push(channel.account(&lost));
@@ -176,6 +177,13 @@ fn good(cleaned: &Cleaned, time: &[f64], even: &Even) -> Vec<bool> {
 fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
     let (name, spikes) = (&channel.name, cleaned.spikes);
     let mut concerns = Vec::new();
+    if cleaned.marks > 0 {
+        concerns.push(format!(
+            "{} of {} samples of {name} stand at one value far from all others and were left out, as marks of missing values",
+            cleaned.marks,
+            cleaned.values.len()
+        ));
+    }
     if spikes > 0 {
         concerns.push(format!(
             "{spikes} of {} samples of {name} are spikes and were left out (more than 6 robust standard deviations, and \
@@ -212,10 +220,15 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
             "the confidence must lie between 0.5 and 1, not at {confidence}"
         ));
     }
-    for Channel {
-        name, time, values, ..
-    } in recording.signals()
-    {
+    if let Some([from, to]) = recording.window.filter(|[from, to]| from >= to) {
+        return wrong(format!(
+            "window: it ends at {to} s and begins at {from} s; write the begin first"
+        ));
+    }
+    for channel in recording.signals() {
+        let Channel {
+            name, time, values, ..
+        } = channel;
         if time.len() != values.len() {
             return wrong(format!(
                 "signal '{name}' has {} rows, its time has {}",
@@ -223,14 +236,49 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
                 time.len()
             ));
         }
-        if let Some(pair) = time.windows(2).find(|pair| pair[1] <= pair[0]) {
-            return Err(SignalError::Unsorted {
-                name: name.clone(),
-                time: pair[1],
-            });
+        in_order(name, time)?;
+        let [Some(first), Some(last)] = [time.first(), time.last()] else {
+            let lost = channel.account(&[]);
+            return wrong(format!(
+                "no row of the column has a number ({lost}); name another column"
+            ));
+        };
+        let [from, to] = recording.window();
+        if from > *last || to < *first {
+            return wrong(format!(
+                "window: it is from {from} s to {to} s, and signal '{name}' from {first} s to {last} s; correct the window"
+            ));
         }
     }
     Ok(())
+}
+
+/// Refuses times that do not grow, with the remedy for a clock that was set back, for stamps that are coarser than the rows, and
+/// for a row that comes twice.
+fn in_order(name: &str, time: &[f64]) -> Result<(), SignalError> {
+    const COARSE: usize = 20;
+    let pairs = || time.windows(2);
+    if let Some(pair) = pairs().find(|pair| pair[1] < pair[0]) {
+        return Err(SignalError::Setting(format!(
+            "the clock of signal '{name}' jumps back from {:.3} s to {:.3} s: cut the file there",
+            pair[0], pair[1]
+        )));
+    }
+    let equal = pairs().filter(|pair| pair[1] == pair[0]).count();
+    if COARSE * equal > time.len() {
+        return Err(SignalError::Setting(format!(
+            "{equal} of {} rows of signal '{name}' have the time of the row before: the time stamps are coarser than the rows; \
+             give the rate instead, time = {{ rate = \"... Hz\" }}",
+            time.len()
+        )));
+    }
+    match pairs().find(|pair| pair[1] <= pair[0]) {
+        Some(pair) => Err(SignalError::Unsorted {
+            name: name.to_owned(),
+            time: pair[1],
+        }),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub enum SignalError {
     },
     /// Times that do not increase.
     #[error(
-        "the time of signal '{name}' does not increase at {time} s: sort the rows and remove repeated ones"
+        "the time of signal '{name}' does not increase at {time} s: remove the row that repeats a time"
     )]
     Unsorted {
         /// The signal.

@@ -420,3 +420,151 @@ fn every_row_is_used_or_told() {
         );
     }
 }
+
+/// A recording of one noisy temperature of 60 s, and a drive with these samples.
+fn with_drive(time: Vec<f64>, values: Vec<f64>) -> (RigRecording, [case::Drive; 1]) {
+    let mut random = StdRng::seed_from_u64(4);
+    let oil = (0..6000)
+        .map(|k| 50.0 + (f64::from(k) / 900.0).sin() + random.sample::<f64, _>(StandardNormal));
+    let mut signal = channel("T", "T", "degC", Accuracy::Absolute(0.5), oil.collect());
+    signal.time.iter_mut().for_each(|time| *time *= 10.0);
+    let drive = channel("n", "n", "rpm", Accuracy::Absolute(2.0), values);
+    let recording = RigRecording {
+        bearing: None,
+        others: vec![signal],
+        window: None,
+        confidence: 0.99,
+    };
+    let drive = case::Drive {
+        variable: "n".into(),
+        unit: "rpm".into(),
+        accuracy: None,
+        tolerance: None,
+        values: case::Driven::Recorded(Channel { time, ..drive }),
+    };
+    (recording, [drive])
+}
+
+fn frame() -> case::Frame<'static> {
+    case::Frame {
+        name: "c",
+        held_out: false,
+        folder: "f",
+        tolerances: &[],
+        lag: 0.0,
+    }
+}
+
+#[test]
+fn spikes_and_holes_of_inputs_are_told() {
+    let time = |from: usize| (from..6000).map(|k| k as f64 / 100.0).collect::<Vec<_>>();
+    let speed = |time: &f64| 1500.0 + 50.0 * time.sin();
+    for spike in [1e6, 5000.0] {
+        let mut values: Vec<f64> = time(0).iter().map(speed).collect();
+        values[3001] = spike;
+        let (recording, drives) = with_drive(time(0), values);
+        let result = synchronise(&recording).unwrap();
+        let case = case::Case::new(&recording, &result, &drives);
+        let text = case.to_toml(&frame());
+        assert!(text.contains("n: 6000 rows, 5999 used, 1 spikes"), "{text}");
+        assert!(!text.contains("# Note: input"), "{text}");
+        let (_, table) = case.tables().pop().unwrap();
+        let cells = table
+            .lines()
+            .skip(1)
+            .map(|line| line.rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
+        assert!(cells.fold(0.0, f64::max) < 1560.0);
+    }
+    let holed: Vec<f64> = time(500)
+        .into_iter()
+        .filter(|time| !(20.0..23.0).contains(time))
+        .collect();
+    let (recording, drives) = with_drive(holed.clone(), holed.iter().map(speed).collect());
+    let result = synchronise(&recording).unwrap();
+    let case = case::Case::new(&recording, &result, &drives);
+    assert!(case.check().is_ok());
+    let text = case.to_toml(&frame());
+    assert!(
+        text.contains(
+            "# Note: input n begins at 5.000000 s, and before that has its first value.\n"
+        ),
+        "{text}"
+    );
+    assert!(
+        text.contains("# Note: input n has no samples from 19.990000 s to 23.000000 s"),
+        "{text}"
+    );
+    let later: Vec<f64> = time(0).iter().map(|time| time + 1000.0).collect();
+    let (recording, drives) = with_drive(later.clone(), later.iter().map(speed).collect());
+    let result = synchronise(&recording).unwrap();
+    let error = case::Case::new(&recording, &result, &drives)
+        .check()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("from 1000.000 s to 1059.990 s and the signals from 0.000 s"),
+        "{error}"
+    );
+}
+
+/// Criteria and case leave out the same rows.
+#[test]
+fn marks_of_missing_values_do_not_move_the_mean() {
+    let (mut recording, _) = with_drive(Vec::new(), Vec::new());
+    recording.others[0].values[2000..2040].fill(-9999.0);
+    let result = synchronise(&recording).unwrap();
+    assert!(
+        (result.findings[0].measured.value - 50.0).abs() < 0.5,
+        "{:?}",
+        result.findings[0]
+    );
+    let of_case = case::Case::new(&recording, &result, &[]).accounts();
+    assert_eq!(result.accounts[0].to_string(), of_case[0].to_string());
+    assert_eq!(
+        result.accounts[0].lost,
+        [(40, "at a value far from all others")]
+    );
+}
+
+#[test]
+fn times_that_do_not_grow_have_their_own_remedies() {
+    let refused = |change: &dyn Fn(&mut RigRecording)| {
+        let (mut recording, _) = with_drive(Vec::new(), Vec::new());
+        change(&mut recording);
+        synchronise(&recording).unwrap_err().to_string()
+    };
+    let back = |r: &mut RigRecording| {
+        r.others[0].time[3000..]
+            .iter_mut()
+            .for_each(|time| *time -= 5.0)
+    };
+    let twice = |r: &mut RigRecording| r.others[0].time[100] = r.others[0].time[99];
+    let coarse = |r: &mut RigRecording| {
+        r.others[0]
+            .time
+            .iter_mut()
+            .for_each(|time| *time = (*time * 20.0).floor() / 20.0)
+    };
+    let none = |r: &mut RigRecording| {
+        r.others[0].time.clear();
+        r.others[0].values.clear();
+    };
+    let cases: [(&dyn Fn(&mut RigRecording), &str); 6] = [
+        (
+            &back,
+            "jumps back from 29.990 s to 25.000 s: cut the file there",
+        ),
+        (&twice, "remove the row that repeats a time"),
+        (&coarse, "give the rate instead"),
+        (&none, "no row of the column has a number"),
+        (&|r| r.window = Some([20.0, 10.0]), "write the begin first"),
+        (
+            &|r| r.window = Some([100.0, 200.0]),
+            "signal 'T' from 0 s to 59.99 s; correct the window",
+        ),
+    ];
+    for (change, expected) in cases {
+        let error = refused(change);
+        assert!(error.contains(expected), "{error}");
+    }
+}

@@ -30,8 +30,10 @@ const FAR: f64 = 5.0;
 pub fn polyline(time: &[f64], values: &[f64], tolerance: Option<f64>) -> Polyline {
     let noise = scatter(values);
     let deviation = noise.unwrap_or(0.0);
-    let [low, high] =
-        [f64::min, f64::max].map(|of| values.iter().copied().reduce(of).unwrap_or(0.0));
+    // A short excursion is none of the usual range.
+    let ordered = sampling::statistics::moments::sorted(values.to_vec());
+    let place = |part: f64| (ordered.len().saturating_sub(1) as f64 * part).round() as usize;
+    let [low, high] = [0.01, 0.99].map(|part| ordered.get(place(part)).copied().unwrap_or(0.0));
     let least = LEAST * (high - low) + 1e-9 * high.abs().max(low.abs());
     let stated = tolerance.unwrap_or(0.0).max(least);
     let allowed = tolerance.unwrap_or(deviation).max(least);

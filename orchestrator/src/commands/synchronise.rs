@@ -27,6 +27,10 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     let mut result =
         synchronise(&recorded).map_err(|error| FileError::new(first, error.to_string()))?;
     result.warnings.extend(files.notes());
+    if options.case.is_some() {
+        let notes = files.too_tight(&recorded, &result);
+        result.warnings.extend(notes);
+    }
     let folder = &options.output;
     make_folder(folder)?;
     let mut text = criteria::to_toml(&result, options.amplitudes);
@@ -65,6 +69,8 @@ fn case(
         return Err(FileError::new(&options.settings, NO_DRIVE).into());
     }
     let case = Case::new(recorded, result, &drives);
+    case.check()
+        .map_err(|error| FileError::new(&options.settings, error.to_string()))?;
     let frame = Frame {
         name,
         held_out: options.held_out,

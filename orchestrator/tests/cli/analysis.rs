@@ -430,6 +430,42 @@ fn synchronise_writes_criteria() {
     assert!(!said.out.contains("[criteria.P_fr]") && said.out.contains("power = {"));
 }
 
+/// The model has no units: the recording's values are taken as they are, and the reader is told what will fail.
+#[test]
+fn synchronise_takes_values_as_they_are_where_the_model_has_no_unit() {
+    let bench = Bench::empty();
+    let noise = |k: i32| f64::from(k * 7919 % 1013) / 100.0;
+    let row = |k: i32| format!("{},{}\n", f64::from(k) / 100.0, 50.0 + noise(k));
+    let rows: String = (0..2000).map(row).collect();
+    bench.write("measured.csv", &format!("t,y [degC]\n{rows}"));
+    let settings = "[signals.y]\ncolumn = \"y\"\nvariable = \"y\"\nunit = \"none\"\naccuracy = \"0.5 degC\"\n\
+                    tolerance = \"1 degC\"\n";
+    bench.write("settings.toml", settings);
+    let run = [
+        "synchronise",
+        "measured.csv",
+        "--settings",
+        "settings.toml",
+        "--case",
+        "a",
+        "--output",
+        "m",
+    ];
+    let said = bench.run(&run);
+    assert_eq!(said.code, 0, "{}", said.err);
+    for line in [
+        "signals.y: the model has no unit, so the values are those in `degC`, as they are",
+        "measured.csv: the time has no unit and is read as s: 19.99 s long",
+        "y: the rows' noise alone (",
+    ] {
+        assert!(said.out.contains(line), "{line}: {}", said.out);
+    }
+    let study: toml::Table = bench.read("m/case.toml").parse().unwrap();
+    let criterion = &study["cases"][0]["criteria"]["y"];
+    assert_eq!(criterion["unit"].as_str(), Some("1"));
+    assert_eq!(criterion["tolerance"].as_str(), Some("1"));
+}
+
 /// A recording as a case: what drove the rig, and the signals as curves with their delay and uncertainty.
 #[test]
 fn synchronise_writes_a_case() {

@@ -43,7 +43,15 @@ impl<'a> Measured<'a> {
             comments: true,
             gaps: false,
         };
-        let header = number_tables::open(path, how)?.names().to_vec();
+        let mut rows = number_tables::open(path, how)?;
+        let header = rows.names().to_vec();
+        let more = rows.advance()?;
+        let is_word = |place| !rows.text(place).is_empty() && rows.number(place).is_none();
+        if more && (0..header.len()).all(is_word) {
+            let message = "a row of words, such as of units, stands below the names; write the units into the names, `n [rpm]`, and \
+                           remove the row";
+            return Err(Error::content(path, message));
+        }
         let time = header.iter().find(|name| is_time(split(name, fmu).0));
         let mut table = Self {
             file: path.to_owned(),
