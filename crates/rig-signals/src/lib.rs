@@ -246,7 +246,7 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
         let [from, to] = recording.window();
         if from > *last || to < *first {
             return wrong(format!(
-                "window: it is from {from} s to {to} s, and signal '{name}' from {first} s to {last} s; correct the window"
+                "window: it is from {from} s to {to} s, and signal '{name}' from {first:.3} s to {last:.3} s; correct the window"
             ));
         }
     }

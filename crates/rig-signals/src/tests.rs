@@ -560,7 +560,7 @@ fn times_that_do_not_grow_have_their_own_remedies() {
         (&|r| r.window = Some([20.0, 10.0]), "write the begin first"),
         (
             &|r| r.window = Some([100.0, 200.0]),
-            "signal 'T' from 0 s to 59.99 s; correct the window",
+            "signal 'T' from 0.000 s to 59.990 s; correct the window",
         ),
     ];
     for (change, expected) in cases {
