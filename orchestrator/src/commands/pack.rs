@@ -28,18 +28,15 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
         Some(folder) => folder.clone(),
         None => {
             let folder = folder_of(&options.study);
-            verify::run(&verification(options, &folder)).map_err(|error| match error {
-                // Its options are those of `verify`.
-                Error::Refused(text) => {
-                    let what = text
-                        .split("; choose another --output")
-                        .next()
-                        .unwrap_or_default();
-                    Error::Refused(format!(
+            verify::run(&verification(options, &folder)).map_err(|error| {
+                let text = error.to_string();
+                match text.split_once(';') {
+                    // Its options are those of `verify`.
+                    Some((what, remedy)) if remedy.contains("--force") => Error::Refused(format!(
                         "{what}; verify the study into another folder, and name that by --from"
-                    ))
+                    )),
+                    _ => error,
                 }
-                other => other,
             })?;
             folder
         }
@@ -132,7 +129,8 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     let mut package = Package::open(&fmu)?;
     let (carried, others) = choose(&mut package, options.carried.as_deref())?;
     let name = &carried.name;
-    let usual = || folder_of(Path::new(name));
+    // `pack` has the study's own results beside it, where both are run in one folder.
+    let usual = || Path::new("results").join(format!("{name}-{CARRIED}"));
     let folder = options.work.output.clone().unwrap_or_else(usual);
     let place = folder.join(CARRIED);
     unpack(&mut package, name, &place)?;
@@ -158,17 +156,40 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     }
     let results = place.join("results");
     let smoke = smoke_test(&options, &results)?;
-    let comparison = compare(&results, &folder)?;
+    let mut comparison = compare(&results, &folder)?;
+    comparison.as_packed = changed.is_empty();
+    let mut tests = vec![
+        Test::new(
+            "compare",
+            "smoke test",
+            Outcome::of(smoke.is_none(), || smoke.clone().unwrap_or_default()),
+        ),
+        Test::new(
+            "compare",
+            "the FMU is the one that was verified",
+            same_fmu(&changed, options.gate.strict),
+        ),
+    ];
+    tests.extend(comparison.tests(true));
+    if let Some(difference) = smoke {
+        comparison.add(format!(
+            "The run with every parameter at its median differs: {difference}"
+        ));
+    }
     write(&comparison, &folder)?;
+    let met = comparison.same && comparison.warnings.is_empty();
     let mut text = format!(
         "\nThe study {name}, which the FMU carries, against its result: {}\n",
         comparison.headline()
     );
+    if met {
+        text += &format!(
+            "The carried result is met again: {}.\n",
+            comparison.verdict()
+        );
+    }
     for what in &changed {
         text += &format!("warning: not the FMU that was verified: {what}\n");
-    }
-    if let Some(difference) = &smoke {
-        text += &format!("The run with every parameter at its median differs: {difference}\n");
     }
     if !others.is_empty() {
         text += &format!(
@@ -179,22 +200,24 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     output::print(&(text + &comparison.document().as_text()));
     if let Some(file) = file {
         let summary = table::summary(&folder)?;
-        let whole = Outcome::of(smoke.is_none(), || smoke.clone().unwrap_or_default());
-        let tests = [
-            gate::tests(&summary, options.gate.strict),
-            vec![Test::new("compare", "smoke test", whole)],
-            comparison.tests(true),
-        ]
-        .concat();
+        let tests = [gate::tests(&summary, options.gate.strict), tests].concat();
         let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
         junit::write(&file, &gate::name(&summary), &tests, seconds)?;
     }
     let strict = options.gate.strict && !changed.is_empty();
-    let met = smoke.is_none() && comparison.same && comparison.warnings.is_empty();
     Ok(match met && !strict {
         true => code,
         false => ExitCode::FAILURE,
     })
+}
+
+/// Whether the FMU is the one that the study was packed with, but for what it carries.
+fn same_fmu(changed: &[String], strict: bool) -> Outcome {
+    match (changed.is_empty(), strict) {
+        (true, _) => Outcome::Passed,
+        (false, true) => Outcome::Failed(changed.join("; ")),
+        (false, false) => Outcome::Skipped(changed.join("; ")),
+    }
 }
 
 /// How the nominal run differs from the one that the FMU carries, if it does.

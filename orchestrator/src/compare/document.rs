@@ -53,6 +53,10 @@ impl Comparison {
         let number = |value: u64| count(value as usize);
         let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
+        let new_fmu = match self.as_packed {
+            true => "as packed".to_owned(),
+            false => short(&self.new.fmu_sha256),
+        };
         Table {
             name: "Both results".into(),
             columns: vec![words(""), numbers("Old"), numbers("New")],
@@ -69,7 +73,7 @@ impl Comparison {
                     sides.map(|side| side.accepted.map_or_else(|| "–".to_owned(), number)),
                 ),
                 row("model version", sides.map(|side| text(&side.fmu_version))),
-                row("FMU, SHA-256", sides.map(|side| short(&side.fmu_sha256))),
+                row("FMU, SHA-256", [short(&self.old.fmu_sha256), new_fmu]),
                 row(
                     "study, SHA-256",
                     sides.map(|side| short(&Some(side.study_sha256.clone()))),

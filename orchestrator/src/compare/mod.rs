@@ -160,7 +160,7 @@ pub struct Region {
 /// The comparison of two results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Whether nothing differs: the same verdict, each point has its partner, and none changed sides.
+    /// Whether nothing differs: the same verdict, counts that fit, each point has its partner, and none changed sides.
     pub same: bool,
     /// The differences in words.
     pub differences: Vec<String>,
@@ -170,6 +170,8 @@ pub struct Comparison {
     pub old: Side,
     /// The result now.
     pub new: Side,
+    /// Whether the new result's FMU carries the old one, and is otherwise the FMU that it was packed into.
+    pub as_packed: bool,
     /// How a difference is told from rounding and numerical uncertainty.
     pub rule: &'static str,
     /// Points of both results with the same parameters.
@@ -186,6 +188,8 @@ pub struct Comparison {
     pub gained: Points,
     /// Points that meet all criteria in one of the results alone, beyond the numerical uncertainty.
     pub flipped: Points,
+    /// Points with another answer although no value, limit or criterion gives a reason.
+    pub contradictory: Points,
     /// By criterion, of those that both results have.
     pub criteria: IndexMap<String, Change>,
 }
@@ -219,6 +223,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         warnings: Vec::new(),
         old: Side::new(old, &before.0),
         new: Side::new(new, &now.0),
+        as_packed: false,
         rule: RULE,
         pairs: pairs.both.len() as u64,
         only_old: Points::of(&pairs.only_old),
@@ -227,6 +232,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         lost: Points::default(),
         gained: Points::default(),
         flipped: Points::default(),
+        contradictory: Points::default(),
         criteria: IndexMap::new(),
     };
     let completed = |[i, j]: [usize; 2]| [before.1.completed(i), now.1.completed(j)];
@@ -237,6 +243,8 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
     (told.lost, told.gained) = (with([true, false]), with([false, true]));
     // A point changed sides when a criterion did whose value did, or that has other limits now.
     let mut really = vec![false; pairs.both.len()];
+    let mut without_reason = vec![false; pairs.both.len()];
+    let mut with_reason = without_reason.clone();
     for (k, (name, was)) in before.0.criteria.iter().enumerate() {
         let Some((l, _, is)) = now.0.criteria.get_full(name) else {
             continue;
@@ -263,9 +271,25 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
             uncertainty,
             other_limits: was.criterion.limits != is.criterion.limits,
         };
+        for (pair, [old, new]) in values.iter().enumerate() {
+            let reason = judged.other_limits || old.to_bits() != new.to_bits();
+            with_reason[pair] |= reason;
+            without_reason[pair] |= ok[pair][0] != ok[pair][1] && !reason;
+        }
         let change = judged.change(&before.1, &pairs, &values, &ok, &mut really);
         told.criteria.insert(name.clone(), change);
     }
+    let same_criteria = told.criteria.len() == before.0.criteria.len()
+        && told.criteria.len() == now.0.criteria.len();
+    let contradictory = pairs.both.iter().enumerate().filter(|(pair, [i, j])| {
+        let is_other = before.1.verified[*i] != now.1.verified[*j];
+        without_reason[*pair] || (same_criteria && is_other && !with_reason[*pair])
+    });
+    told.contradictory = Points::of(
+        &contradictory
+            .map(|(_, [i, _])| before.1.ids[*i])
+            .collect::<Vec<_>>(),
+    );
     let flipped = pairs.both.iter().zip(&really).filter(|([i, j], really)| {
         let verified = [before.1.verified[*i], now.1.verified[*j]];
         let lost = completed([*i, *j]);
@@ -277,7 +301,39 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
             .collect::<Vec<_>>(),
     );
     told.conclude([&before.0, &now.0]);
+    if told.old.accepted != told.new.accepted && !told.explains_counts() {
+        let [old, new] = [&told.old, &told.new].map(|side| side.accepted.unwrap_or(0));
+        told.add(format!("{old} points were accepted and {new} are"));
+    }
+    for (side, (summary, table)) in [("old", before), ("new", now)] {
+        miscounted(summary, table)
+            .into_iter()
+            .for_each(|what| told.add(format!("The {side} result contradicts itself: {what}")));
+    }
     told
+}
+
+/// The counts of a summary that its table of points does not give, in words.
+fn miscounted(summary: &Summary, table: &PointTable) -> Vec<String> {
+    let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count() as u64;
+    let failed = (0..table.len()).filter(|&i| !table.completed(i)).count() as u64;
+    let mut counts = vec![
+        ("points".to_owned(), summary.points, table.len() as u64),
+        ("points without a result".to_owned(), summary.failed, failed),
+        (
+            "points within all tolerances".to_owned(),
+            summary.verified,
+            count(&table.verified),
+        ),
+    ];
+    let criteria = summary.criteria.iter().zip(&table.criteria);
+    counts.extend(criteria.map(|((name, entry), column)| {
+        let what = format!("points that meet {name}");
+        (what, entry.count.passed, count(&column.ok))
+    }));
+    counts.retain(|(_, told, found)| told != found);
+    let words = |(what, told, found)| format!("summary.json has {told} {what}, points.csv {found}");
+    counts.into_iter().map(words).collect()
 }
 
 /// The standard numerical uncertainty that a result states of a criterion.
@@ -458,6 +514,23 @@ impl Change {
 }
 
 impl Comparison {
+    /// Adds a difference.
+    pub fn add(&mut self, difference: String) {
+        self.same = false;
+        self.differences.push(difference);
+    }
+
+    /// The new result's verdict in words.
+    pub fn verdict(&self) -> String {
+        said(self.new.verdict)
+    }
+
+    /// Whether values that changed within the numerical uncertainty alone may have brought other counts.
+    fn explains_counts(&self) -> bool {
+        let criteria = || self.criteria.values();
+        criteria().any(|change| change.changed > 0) && criteria().all(|change| change.beyond == 0)
+    }
+
     /// Says in words what differs, and what else changed.
     fn conclude(&mut self, [before, now]: [&Summary; 2]) {
         let mut differences = Vec::new();
@@ -472,6 +545,10 @@ impl Comparison {
             (&self.lost, "without a result that had one"),
             (&self.gained, "with a result that had none"),
             (&self.flipped, "on the other side of the tolerances"),
+            (
+                &self.contradictory,
+                "with another answer at the same values",
+            ),
         ];
         for (found, what) in kinds.into_iter().filter(|(found, _)| found.count > 0) {
             let first: Vec<String> = found.first.iter().take(5).map(u64::to_string).collect();

@@ -144,8 +144,14 @@ pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
     for name in named.collect::<Vec<_>>() {
         let entry = format!("{FOLDER}{name}/{TIES}");
         let bytes = package.bytes_of(&entry)?;
-        let ties = serde_json::from_slice(&bytes);
-        let ties = ties.map_err(|error| Error::content(&package.path().join(&entry), error))?;
+        let path = package.path().join(&entry);
+        let ties: Ties =
+            serde_json::from_slice(&bytes).map_err(|error| Error::content(&path, error))?;
+        let named = [Some(&ties.study), ties.points_from.as_ref()];
+        if let Some(file) = named.into_iter().flatten().find(|file| !is_within(file)) {
+            let message = format!("`{file}` is no path within the study's folder");
+            return Err(Error::content(&path, message));
+        }
         studies.push(Carried { name, ties });
     }
     let order = match entries.iter().any(|entry| entry == MANIFEST) {
@@ -188,6 +194,12 @@ pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec
     Ok((chosen, others))
 }
 
+/// Whether a path of a carried file stays in the folder that it starts from.
+fn is_within(path: &str) -> bool {
+    let is_name = |part| matches!(part, Component::Normal(_));
+    !path.is_empty() && !path.contains('\\') && Path::new(path).components().all(is_name)
+}
+
 /// Writes the files of a study that an FMU carries into a folder.
 ///
 /// # Errors
@@ -201,19 +213,14 @@ pub fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Er
         else {
             continue;
         };
-        let path = Path::new(below);
-        if below.contains('\\')
-            || !path
-                .components()
-                .all(|part| matches!(part, Component::Normal(_)))
-        {
+        if !is_within(below) {
             return Err(Error::content(
                 &package.path().join(&entry),
                 "a path that leads out of its folder",
             ));
         }
         let bytes = package.bytes_of(&entry)?;
-        let path = folder.join(path);
+        let path = folder.join(below);
         make_folder(path.parent().unwrap_or(folder))?;
         write_text(&path, bytes)?;
     }
@@ -463,6 +470,19 @@ mod tests {
             ("b/../../c/../../a.csv", 2),
         ] {
             assert_eq!(steps_up(Path::new(path)), up, "{path}");
+        }
+    }
+
+    #[test]
+    fn only_paths_below_their_folder_are_within() {
+        for (path, within) in [
+            ("study/lag.toml", true),
+            ("", false),
+            ("/lag.toml", false),
+            ("study/../../lag.toml", false),
+            ("..\\lag.toml", false),
+        ] {
+            assert_eq!(is_within(path), within, "{path}");
         }
     }
 

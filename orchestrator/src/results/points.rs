@@ -136,6 +136,13 @@ fn word(flag: bool) -> &'static str {
     if flag { "true" } else { "false" }
 }
 
+/// What a flag says, also as other programs write it: `True`.
+fn flag(cell: &str) -> Option<bool> {
+    [false, true]
+        .into_iter()
+        .find(|flag| cell.eq_ignore_ascii_case(word(*flag)))
+}
+
 /// A number as text that reads back as the same number.
 pub fn number(value: f64) -> String {
     let magnitude = value.abs();
@@ -163,11 +170,19 @@ pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Err
         return Err(Error::content(path, message));
     }
     let mut table = no_points(summary);
+    let columns = header.clone();
+    let flags = verified - summary.criteria.len()..=verified;
     let mut take = |record: &csv::StringRecord| {
-        add(&mut table, record).ok_or_else(|| {
-            let line = record.position().map_or(0, csv::Position::line);
-            Error::content(path, format_args!("line {line} is damaged"))
-        })
+        let line = record.position().map_or(0, csv::Position::line);
+        let is_no_flag = |k: &usize| record.get(*k).is_some_and(|cell| flag(cell).is_none());
+        if let Some(k) = flags.clone().find(is_no_flag) {
+            let (column, cell) = (csv_file::text(&columns[k]), &record[k]);
+            let message =
+                format!("line {line}, column `{column}`: `{cell}` is neither true nor false");
+            return Err(Error::content(path, message));
+        }
+        let added = add(&mut table, record);
+        added.ok_or_else(|| Error::content(path, format_args!("line {line} is damaged")))
     };
     let (even, mut best) = (Even::new(summary.points, most), Best::default());
     let (mut record, mut row, mut taken) = (csv::StringRecord::new(), 0, Vec::new());
@@ -176,7 +191,7 @@ pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Err
             take(&record)?;
             taken.push(row);
         } else if let Some(distance) = distance(&record, summary) {
-            let verified = record.get(verified) == Some("true");
+            let verified = record.get(verified).and_then(flag) == Some(true);
             best.offer(row, verified, distance, &record);
         }
         row += 1;
@@ -223,9 +238,9 @@ fn add(table: &mut PointTable, record: &csv::StringRecord) -> Option<()> {
         });
     }
     for column in &mut table.criteria {
-        column.ok.push(cells.next()? == "true");
+        column.ok.push(flag(cells.next()?)?);
     }
-    table.verified.push(cells.next()? == "true");
+    table.verified.push(flag(cells.next()?)?);
     // A million points are hardly ever not ok: their texts would be a good part of the memory.
     table.status.push(match cells.next_back()? {
         "ok" => Cow::Borrowed("ok"),

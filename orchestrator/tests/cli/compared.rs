@@ -269,3 +269,80 @@ fn points_that_lose_their_result_are_differences() {
         .run(&["compare", "old", "none"])
         .is_mistake(&["none holds no study"]);
 }
+
+/// The old result as the new one, with another table and another summary.
+fn forged(bench: &Bench, table: &dyn Fn(String) -> String, summary: &dyn Fn(&mut Value)) -> Said {
+    std::fs::create_dir_all(bench.path("new")).unwrap();
+    let mut document = bench.summary("old");
+    summary(&mut document);
+    bench.write("new/summary.json", &document.to_string());
+    bench.write("new/points.csv", &table(bench.read("old/points.csv")));
+    bench.run(&["compare", "old", "new"])
+}
+
+#[test]
+fn counts_and_flags_that_the_values_do_not_give_are_differences() {
+    // About a quarter of the points meet it.
+    let bench = Bench::new();
+    let narrow = STUDY.replace("tolerance = 0.05", "tolerance = 0.02");
+    verified(&bench, "old", &narrow, &[]);
+    let before = bench.summary("old");
+    let count = before["verified"].as_u64().unwrap();
+    assert!(0 < count && count < 200);
+    let same = |text: String| text;
+    let said = forged(&bench, &same, &|_| ());
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let summaries: [(&dyn Fn(&mut Value), &str); 4] = [
+        (
+            &|s| s["verified"] = json!(50_000),
+            "has 50000 points within all tolerances",
+        ),
+        (
+            &|s| s["criteria"]["Y"]["passed"] = json!(199),
+            "has 199 points that meet Y",
+        ),
+        (&|s| s["failed"] = json!(3), "has 3 points without a result"),
+        (
+            &|s| s["conclusion"]["accepted"] = json!(199),
+            "points were accepted and 199 are",
+        ),
+    ];
+    for (summary, words) in summaries {
+        let said = forged(&bench, &same, summary);
+        assert_eq!(said.code, 1, "{words}: {}{}", said.out, said.err);
+        assert!(said.out.starts_with("The results differ\n"), "{}", said.out);
+        assert!(said.out.contains(words), "{words}: {}", said.out);
+    }
+    let all = |text: String| text.replace(",false", ",true");
+    let last = |text: String| text.replace(",false,ok", ",true,ok");
+    let tables: [&dyn Fn(String) -> String; 2] = [&all, &last];
+    for table in tables {
+        let counts = |s: &mut Value| {
+            s["verified"] = json!(200);
+            if table("x,false,false,ok".to_owned()).contains("true,true") {
+                s["criteria"]["Y"]["passed"] = json!(200);
+            }
+        };
+        let said = forged(&bench, table, &counts);
+        assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+        assert!(said.out.starts_with("The results differ\n"), "{}", said.out);
+        let words = format!(
+            "{} points with another answer at the same values",
+            200 - count
+        );
+        assert!(said.out.contains(&words), "{words}: {}", said.out);
+        assert!(!said.out.contains("contradicts itself"), "{}", said.out);
+    }
+}
+
+#[test]
+fn flags_are_read_as_other_programs_write_them_and_nothing_else() {
+    let bench = bench();
+    let python = |text: String| text.replace(",true", ",True").replace(",false", ",False");
+    let said = forged(&bench, &python, &|_| ());
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(said.out.starts_with("No difference\n"), "{}", said.out);
+    let numbers = |text: String| text.replacen(",true,true", ",true,1", 1);
+    let said = forged(&bench, &numbers, &|_| ());
+    said.is_mistake(&["line ", "column `verified`: `1` is neither true nor false"]);
+}

@@ -29,6 +29,9 @@ nominal = 0.86
 tolerance = 0.05
 "#;
 
+/// The test of the FMU's own files.
+const SAME: &str = "the FMU is the one that was verified";
+
 /// Another content of an entry, if it changes.
 type Change<'a> = &'a dyn Fn(&str, &[u8]) -> Option<Vec<u8>>;
 
@@ -122,9 +125,12 @@ fn a_packed_study_is_run_elsewhere_and_gives_its_result() {
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let words = "The study lag, which the FMU carries, against its result: No difference";
     assert!(said.out.contains(words), "{}", said.out);
+    let words = "The carried result is met again: verified.";
+    assert!(said.out.contains(words), "{}", said.out);
+    assert!(said.out.contains("as packed"), "{}", said.out);
     assert_eq!(bench.summary("there")["points"], 40);
     let all = tests(&bench, "junit.xml");
-    for name in ["Y", "smoke test", "verdict"] {
+    for name in ["Y", "smoke test", "verdict", SAME] {
         let is_it = |test: &&crate::gate::Test| test.0 == "compare" && test.1 == name;
         let test = all.iter().find(is_it).unwrap();
         assert_eq!(test.2, None, "{name}");
@@ -152,7 +158,13 @@ fn a_changed_model_does_not_give_the_carried_result() {
             )
         });
         repacked(&bench, "changed.fmu", &changed.collect::<Vec<_>>());
-        bench.run(&["verify", "changed.fmu", "--output", "there", "--force"])
+        let usual = ["verify", "changed.fmu", "--output", "there", "--force"];
+        bench.run(&[&usual[..], &["--junit", "junit.xml"]].concat())
+    };
+    let outcome = || {
+        let all = tests(&bench, "junit.xml");
+        let test = all.into_iter().find(|test| test.1 == SAME).unwrap();
+        test.2.unwrap_or_default()
     };
     let is_binary = |name: &str| name.starts_with("binaries/");
     let other = bench.binary(&["SILENT"]);
@@ -160,6 +172,12 @@ fn a_changed_model_does_not_give_the_carried_result() {
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let told = "warning: not the FMU that was verified: binaries/linux64/lag.so is another one";
     assert!(said.out.contains(told), "{}", said.out);
+    assert!(!said.out.contains("as packed"), "{}", said.out);
+    assert!(outcome().starts_with("skipped"), "{}", outcome());
+    let usual = ["verify", "changed.fmu", "--output", "there", "--force"];
+    let said = bench.run(&[&usual[..], &["--strict", "--junit", "junit.xml"]].concat());
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    assert!(outcome().starts_with("failure"), "{}", outcome());
     // A result that the model does not give.
     let said = with(&|name, content| {
         if !name.ends_with("results/points.csv") {
@@ -186,6 +204,16 @@ fn a_changed_model_does_not_give_the_carried_result() {
     });
     assert_eq!(said.code, 1, "{}{}", said.out, said.err);
     assert!(said.out.contains("differs: lag.y was 0.8"), "{}", said.out);
+    let headline = "against its result: The results differ\n";
+    assert!(said.out.contains(headline), "{}", said.out);
+    assert!(!said.out.contains("met again"), "{}", said.out);
+    // A study that lies elsewhere is refused.
+    let said = with(&|name, content| {
+        let text = String::from_utf8_lossy(content);
+        let evil = text.replace("\"study/", "\"../../study/");
+        name.ends_with("ties.json").then(|| evil.into_bytes())
+    });
+    said.is_mistake(&["ties.json", "is no path within the study's folder"]);
     // A path that leads out of the folder is refused.
     let mut evil = whole.clone();
     evil.push((
@@ -283,8 +311,21 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
     let said = bench.run(&["pack", "studies/lag.toml", "--output", "carrier.fmu"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(bench.path("results/lag/report.html").exists());
-    let said = bench.run(&["verify", "carrier.fmu", "--output", "there"]);
+    // The carried study has a folder of its own.
+    let said = bench.run(&["verify", "carrier.fmu"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(bench.path("results/lag-carried/summary.json").exists());
+    // Results of the study with its own FMU are none of the carrier: packed anew into itself, it says what to do.
+    let said = bench.run(&[
+        "pack",
+        "studies/lag.toml",
+        "--fmu",
+        "carrier.fmu",
+        "--output",
+        "carrier.fmu",
+    ]);
+    said.is_mistake(&["another FMU", "name that by --from"]);
+    assert!(!said.err.contains("--force"), "{}", said.err);
     // The folder of the study's results is that of another study.
     bench.write("models/lag.toml", STUDY);
     let said = bench.run(&["pack", "models/lag.toml", "--output", "carrier.fmu"]);
@@ -315,4 +356,18 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
         "carrier.fmu",
     ]);
     said.is_mistake(&["absolute path"]);
+}
+
+#[test]
+fn a_result_that_is_not_verified_and_met_again_says_so() {
+    let bench = bench();
+    let study = STUDY.replace("nominal = 0.86", "nominal = 8.6");
+    bench.write("studies/far.toml", &study);
+    let pack = ["pack", "studies/far.toml", "--output", "far.fmu"];
+    let said = bench.run(&pack);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let said = bench.run(&["verify", "far.fmu"]);
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    let words = "The carried result is met again: not verified.";
+    assert!(said.out.contains(words), "{}", said.out);
 }
