@@ -303,7 +303,7 @@ fn counts_and_flags_that_the_values_do_not_give_are_differences() {
         ),
         (&|s| s["failed"] = json!(3), "has 3 points without a result"),
         (
-            &|s| s["conclusion"]["accepted"] = json!(199),
+            &|s| s["accepted"] = json!(199),
             "points were accepted and 199 are",
         ),
     ];
