@@ -222,8 +222,9 @@ def test_a_point_is_replayed(verified, tmp_path):
 
 
 # What Python has in other ways: files of its own, results that are read, functions. The search for rare shares has results of
-# its own, and the command line alone runs it so far.
-OTHERWISE = {"help", "output", "from", "shard", "shard-index", "shards", "dry-run", "parquet", "png", "rare"}
+# its own, and the command line alone runs it so far, as it does what serves build servers and a study that an FMU carries.
+OTHERWISE = {"help", "output", "from", "shard", "shard-index", "shards", "dry-run", "parquet", "png", "rare",
+             "junit", "strict", "study", "verbose"}
 
 
 @pytest.mark.parametrize("name", ["verify", "judge", "sensitivity", "robustness", "tolerances", "pareto", "identify"])
