@@ -3,6 +3,7 @@
 Needs Chromium and its driver (Debian: chromium, chromium-driver) and the selenium package.
 """
 
+import csv
 import math
 import os
 import shutil
@@ -243,3 +244,56 @@ def test_accepted_cells_stay_in_the_box(browser, tmp_path):
     assert over and max(over) <= 0.2
     words = [t.text for t in plot.find_elements(By.CSS_SELECTOR, "text.key")]
     assert any(text.startswith("30,000 points") for text in words)
+
+
+CURVES = """
+fmu = "model.fmu"
+simulation = { stop = 2, step = 0.01 }
+design = { method = "sobol", points = 32, seed = 1 }
+[parameters."load.preload"]
+distribution = "uniform"
+min = 45
+max = 51
+unit = "N"
+[criteria.error]
+variable = "sensor.loadForce"
+reference = { file = "recording.csv", time = "time", column = "sensor.loadForce [N]", unit = "N" }
+metric = "rmse"
+tolerance = "20 N"
+unit = "N"
+[criteria.share]
+variable = "sensor.loadForce"
+reference = { file = "recording.csv", time = "time", column = "sensor.loadForce [N]", unit = "N" }
+metric = "corridor"
+band = "20 N"
+least = 0.5
+"""
+
+
+def test_curves_come_first_with_a_slider_that_judges(browser, tmp_path):
+    shutil.copy(ROOT / "dist/PlainBearingStand.fmu", tmp_path / "model.fmu")
+    shutil.copy(ROOT / "examples/tutorial/recording.csv", tmp_path)
+    (tmp_path / "study.toml").write_text(CURVES)
+    command = [PROGRAM, "verify", "study.toml", "--output", "out"]
+    assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode in (0, 1)
+    with (tmp_path / "out/points.csv").open() as file:
+        points = list(csv.DictReader(file))
+    browser.get((tmp_path / "out/report.html").as_uri())
+    sections = [section.get_attribute("id") for section in browser.find_elements(By.CSS_SELECTOR, "main > section")]
+    assert sections[:2] == ["verdict", "history"]
+    counts = set()
+    for name, limits, meets in (("error", (5, 12, 30), lambda v, l: v <= l), ("share", (0.2, 0.6, 0.95), lambda v, l: v >= l)):  # noqa: E741
+        box = browser.find_element(By.CSS_SELECTOR, f".tune[data-criterion={name}]")
+        assert "Its risk is not known" in box.find_element(By.XPATH, "preceding-sibling::p[1]").text
+        for limit in limits:
+            browser.execute_script("arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input'))",
+                                   box.find_element(By.CSS_SELECTOR, "[type=number]"), limit)
+            settle(browser)
+            expected = sum(meets(float(row[name]), limit) for row in points)
+            assert box.find_element(By.CLASS_NAME, "note").text.startswith(f"{expected} of 32 points meet it"), (name, limit)
+            key = "least" if name == "share" else "tolerance"
+            snippet = browser.execute_script("return document.querySelector('#whatif .snippet').textContent")
+            assert f"{key} = {limit}" in snippet, snippet
+            counts.add((name, expected))
+    assert len(counts) >= 4, "the limits must change the counts"
+    assert browser.get_log("browser") == []

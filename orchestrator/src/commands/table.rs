@@ -32,22 +32,37 @@ pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> S
         return format!("{}\n{place}\n", parts.join("\n"));
     }
     let end = format!("{place} (report.html; here: --verbose)\n");
-    let rows = least_met(summary, 4);
-    // Of what does not fit, the less important is left out: first of what decides, down to two sentences, then of the rest.
+    // Of what does not fit, the less important is left out: first of what decides, down to two sentences, then of the rest, and
+    // at last criteria.
     let [decides, next] = [answer.decides.len(), answer.next.len()];
-    let steps = (0..next.max(1))
-        .flat_map(|of_next| (0..decides.max(2) - 1).map(move |of_decides| [of_decides, of_next]));
-    let heads = steps.map(|[a, b]| {
-        screen(
-            &answer,
-            [decides - a.min(decides), next - b.min(next)],
-            wrapped,
-        )
-    });
-    let mut heads: Vec<String> = heads.map(|head| format!("{head}\n{rows}{end}")).collect();
-    let fits = heads.iter().position(|text| height(text) <= LINES);
-    let place = fits.unwrap_or(heads.len() - 1);
-    heads.swap_remove(place)
+    let mut text = String::new();
+    for rows in (1..=MOST_ROWS).rev() {
+        let rows = least_met(summary, rows);
+        for of_next in 0..next.max(1) {
+            for of_decides in 0..decides.max(2) - 1 {
+                let kept = [decides - of_decides, next - of_next];
+                text = format!("{}\n{rows}{end}", screen(&answer, kept, clipped));
+                if height(&text) <= LINES {
+                    return text;
+                }
+            }
+        }
+    }
+    text
+}
+
+/// So many criteria have a line of their own.
+const MOST_ROWS: usize = 4;
+
+/// A sentence beside its label, in a few lines at most.
+fn clipped(label: &str, sentence: &str) -> String {
+    const MOST: usize = 4;
+    let whole = wrapped(label, sentence);
+    let lines: Vec<&str> = whole.lines().take(MOST).collect();
+    match lines.len() < whole.lines().count() {
+        true => lines.join("\n") + " …\n",
+        false => whole,
+    }
 }
 
 /// The lines of a terminal.
@@ -108,7 +123,7 @@ fn least_met(summary: &Summary, most: usize) -> String {
     }
     let left = summary.criteria.len() - shown.len();
     if left > 0 {
-        text += &format!("and {left} that more points meet\n");
+        text += &format!("and {left} more criteria\n");
     }
     text
 }

@@ -243,6 +243,11 @@ fn doubts(summary: &Summary) -> Vec<String> {
     let sentence = |(concern, names): (&Concern, Vec<&str>)| {
         let others = match &names[..] {
             [] => String::new(),
+            [named @ .., _, _] if named.len() > 1 => format!(
+                " (as well: {}, and {} more)",
+                named[..2].join(", "),
+                names.len() - 2
+            ),
             names => format!(" (as well: {})", names.join(", ")),
         };
         let (doubt, _) = concern.parts();

@@ -50,7 +50,10 @@ fn verify_leaves_a_page_and_report_writes_it_again() {
         0
     );
     let page = bench.read("out/report.html");
-    assert!(page.contains("points meet all criteria") && page.contains("Time histories"));
+    assert!(
+        page.contains("Does the model meet the criterion at one")
+            && page.contains("Time histories")
+    );
     assert!(bench.path("out/plots/distribution-Y.svg").exists());
     std::fs::remove_file(bench.path("out/report.html")).unwrap();
     assert_eq!(bench.run(&["report", "out"]).code, 0);

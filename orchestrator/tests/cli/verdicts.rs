@@ -638,3 +638,43 @@ fn half_an_uncertainty_halves_what_follows_from_it() {
         assert!(!close(&whole["risk"][key], &half["risk"][key]), "{key}");
     }
 }
+
+/// Many criteria that all still move, long names and a path that takes two lines: the answer fits a terminal, --verbose says all.
+#[test]
+fn the_answer_fits_a_terminal() {
+    let bench = Bench::new();
+    let (head, criterion) = LAG.split_once("[criteria.Y]").unwrap();
+    let (criterion, _) = criterion.split_once("[verdict]").unwrap();
+    let names =
+        |k: u32| format!("[criteria.a-criterion-with-a-name-of-some-length-{k}]{criterion}");
+    let all: String = (0..12).map(names).collect();
+    bench.write("study.toml", &format!("{head}{all}"));
+    let folder = format!("out-{}", "x".repeat(90));
+    let command = [
+        "verify",
+        "study.toml",
+        "--points",
+        "40",
+        "--output",
+        &folder,
+    ];
+    let said = bench.run(&command);
+    assert!(said.code < 2, "{}", said.err);
+    let lines = said.out.lines();
+    let height: usize = lines
+        .map(|line| line.chars().count().div_ceil(80).max(1))
+        .sum();
+    assert!(height <= 24, "{height}: {}", said.out);
+    for words in [
+        "Asked ",
+        "Answer ",
+        "Decides ",
+        "Next ",
+        " more criteria",
+        "results in out-",
+    ] {
+        assert!(said.out.contains(words), "no {words}: {}", said.out);
+    }
+    let long = bench.run(&[&command[..], &["--verbose", "--force"]].concat());
+    assert!(long.out.lines().count() > 24 && long.out.contains("The risk of accepting"));
+}

@@ -81,7 +81,7 @@ const WhatIf = (() => {
       if (JSON.stringify(c) === JSON.stringify(before)) return;
       // All as numbers in the criterion's unit: a tolerance in per cent would follow the measured value.
       const [minus, plus] = Judge.reach(c), even = minus === plus;
-      const values = c.curve ? plus === Infinity ? { least: c.nominal - minus } : { tolerance: plus } : minus === Infinity ? { "at-most": c.nominal } : plus === Infinity ? { "at-least": c.nominal }
+      const values = c.curve ? c.nominal === 1 ? { least: rounded(1 - minus) } : { tolerance: plus } : minus === Infinity ? { "at-most": c.nominal } : plus === Infinity ? { "at-least": c.nominal }
         : { nominal: c.nominal, tolerance: even ? plus : `{ minus = ${minus}, plus = ${plus} }` };
       const factor = c.uncertainty?.expanded / before.uncertainty?.expanded, parts = before.uncertainty?.parts ?? [];
       if (!c.derived) for (const [key, part] of parts) values[key] = key === "gain-uncertainty" ? `"${part * factor} %"` : part * factor;
@@ -133,9 +133,11 @@ const WhatIf = (() => {
   const curveControl = (start, k) => {
     const box = document.querySelector(`.tune[data-criterion="${CSS.escape(start.name)}"]`);
     if (!box) return;
-    const own = () => setting.criteria[k], title = titled(start.name, start.unit);
-    if (start.plus !== null) control(box, "tolerance: at most", { title, get: () => own().plus, set: v => { own().plus = v; }, scale: powers(start.plus, 8) });
-    else control(box, "tolerance: at least", { title, get: () => start.nominal - own().minus, set: v => { own().minus = start.nominal - v; }, scale: within(0, 1) });
+    // Equal curves have the value 0, or 1 of a rating.
+    const own = () => setting.criteria[k], title = titled(start.name, start.unit), rating = start.nominal === 1;
+    const key = start.tolerance !== undefined ? "tolerance" : rating ? "minus" : "plus";
+    if (rating) control(box, "at least", { title, get: () => 1 - own()[key], set: v => { own()[key] = 1 - v; }, scale: within(0, 1) });
+    else control(box, "tolerance: at most", { title, get: () => own()[key], set: v => { own()[key] = v; }, scale: powers(start[key], 8) });
     const told = page.make("p", undefined, box);
     told.className = "note";
     told.setAttribute("aria-live", "polite");
