@@ -292,7 +292,8 @@ fn counts_and_flags_that_the_values_do_not_give_are_differences() {
     let same = |text: String| text;
     let said = forged(&bench, &same, &|_| ());
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
-    let summaries: [(&dyn Fn(&mut Value), &str); 4] = [
+    type Forgery<'a> = (&'a dyn Fn(&mut Value), &'a str);
+    let summaries: [Forgery<'_>; 4] = [
         (
             &|s| s["verified"] = json!(50_000),
             "has 50000 points within all tolerances",
