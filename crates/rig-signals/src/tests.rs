@@ -549,7 +549,8 @@ fn times_that_do_not_grow_have_their_own_remedies() {
         r.others[0].time.clear();
         r.others[0].values.clear();
     };
-    let cases: [(&dyn Fn(&mut RigRecording), &str); 6] = [
+    type Told<'a> = (&'a dyn Fn(&mut RigRecording), &'a str);
+    let cases: [Told<'_>; 6] = [
         (
             &back,
             "jumps back from 29.990 s to 25.000 s: cut the file there",
