@@ -51,7 +51,7 @@ def study(folder, fmu, hit, name="out", options=(), points=POINTS, pause=0.0):
     """A study of points that take at least `pause` seconds each."""
     (folder / "study.toml").write_text(STUDY.format(fmu=fmu))
     (folder / "points.csv").write_text(table(hit, points))
-    command = ["verify", "study.toml", "--points-from", "points.csv", "--jobs", "2", *options]
+    command = ["verify", "study.toml", "--points-from", "points.csv", "--jobs", "2", "--verbose", *options]
     return Study(folder, name, command, {"FAULTY_PAUSE": str(pause)})
 
 
