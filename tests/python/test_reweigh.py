@@ -171,4 +171,4 @@ def test_words_of_one_accepted_point(browser, tmp_path):  # noqa: F811
     judged(tmp_path / "first", STUDY.replace("points = 400", "points = 40"))
     browser.get((tmp_path / "first" / "out" / "report.html").as_uri())
     words = browser.execute_script("return document.getElementById('verdict').textContent")
-    assert "The accepted point is outside of the tolerances" in words and "Of the 1 " not in words
+    assert "the accepted point is outside of a tolerance of the true values" in words and "Of the 1 " not in words
