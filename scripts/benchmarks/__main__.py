@@ -85,22 +85,20 @@ def measure(size):
 
 
 OVERHEAD = """\
-`verify --in-process --jobs 1` (without `--extra-runs`) against `scripts/benchmarks/minimal.c`, a bare loop on one instance. The
-trivial FMU computes a multiplication or two a step."""
+`verify --in-process --jobs 1` (without `--extra-runs`) against `scripts/benchmarks/minimal.c`, a bare loop on one instance."""
 IMPORTERS = """\
-CPU time of a run that reads one output at each step, over the orchestrator's. For fmpy importing and loading are left out; for
-the orchestrator the whole process counts, divided by its points."""
+CPU time of a run that reads one output at each step, over the orchestrator's. For fmpy without importing and loading, for
+the orchestrator the whole process, divided by its points."""
 AWAY = """ OMSimulator is not in `.venv`."""
 MULTIRATE = """\
-`solver.multirate` off over on, and the error of leaps; a point's share of journal, tables and page included."""
+`solver.multirate` off over on; a point's share of journal, tables and page included."""
 FILM_LEAPS = """\
 `bearing.film = Reynolds`, 150 s from the given temperatures in one step, with `solver.multirate` on and off."""
 BOUNDARY = """\
 The minimal loop on the packaged FMU over `fmu/examples/direct.rs`, which calls the stand without FMI; both read one output a
 step."""
 ISOLATION = """\
-What a point costs more than in the orchestrator's own process: a message to a used process and back (`--isolation reuse`), or
-the fork of a process (`--isolation fresh`)."""
+What a point costs more than in the orchestrator's own process: a message (`--isolation reuse`), or a fork (`--isolation fresh`)."""
 PAPER = "The whole process, with page and files."
 SCALING = """\
 `verify studies/paper-table3.toml` with one 150 s step a point, all included.
@@ -109,7 +107,7 @@ SCALING = """\
 LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point. Memory is the peak of resident memory."
 FILM = """\
 `crates/journal-bearing/examples/bound.rs` compares a step with the time that this core takes for the multiplications and
-additions which a step needs at least."""
+additions of a step."""
 
 
 def main():
