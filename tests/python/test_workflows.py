@@ -16,8 +16,9 @@ def test_actions_and_tools_are_pinned(file):
     assert all("--locked" in line and re.search(r"@\d", line) for line in re.findall(r"cargo install.*", text))
 
 
-def test_the_job_that_may_write_builds_nothing():
+def test_the_jobs_that_may_write_build_nothing():
     jobs = re.split(r"^  (?=\w+:$)", (ROOT / ".github/workflows/release.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    [publish] = [job for job in jobs if re.search(r"\w: write$", job, re.MULTILINE)]
+    publish, site = [job for job in jobs if re.search(r"\w: write$", job, re.MULTILINE)]
     assert publish.startswith("publish:") and "needs: [test, assemble, try, wine]" in publish
-    assert not re.search(r"checkout|cargo|scripts/|docker|pip", publish)
+    assert site.startswith("site:") and "needs: publish" in site
+    assert not re.search(r"checkout|cargo|scripts/|docker|pip", publish + site)
