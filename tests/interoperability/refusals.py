@@ -7,7 +7,12 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from matrix import FMU, ORCHESTRATOR, OUTPUTS, Trouble, run, rust_programs, rust_version
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+from fmu_orchestrator._files import program  # noqa: E402
+from fmu_orchestrator.importers._tools import TOOLS, Trouble, install, run  # noqa: E402
+
+FMU, CACHE = ROOT / "dist/PlainBearingStand.fmu", ROOT / ".cache/importers"
 
 # What is added: to which text, once.
 PIECES = {
@@ -49,15 +54,16 @@ def answer(command):
 
 
 def main():
-    importer = rust_programs() / "use-fmi"
+    install(next(tool for tool in TOOLS if tool.crate == "fmi"), CACHE)
+    importer = CACHE / "rust/debug/use-fmi"
     good = True
     with tempfile.TemporaryDirectory() as folder:
         for number, (added, (after, piece)) in enumerate(PIECES.items()):
             fmu = variant(folder, number, after, piece)
-            theirs = answer([importer, fmu, "0.01", "1", "drive.speed=30", OUTPUTS[0]])
-            ours = answer([ORCHESTRATOR, "inspect", fmu])
+            theirs = answer([importer, fmu, "0.01", "1", "drive.speed=30", "sensor.loadForce"])
+            ours = answer([program(), "inspect", fmu])
             good &= ours == "reads it"
-            print(f"{added}\n  fmi {rust_version('fmi')}: {theirs}\n  orchestrator: {ours}")
+            print(f"{added}\n  fmi: {theirs}\n  orchestrator: {ours}")
     return 0 if good else 1
 
 

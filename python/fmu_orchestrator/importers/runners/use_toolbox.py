@@ -9,18 +9,18 @@ import tempfile
 from pathlib import Path
 
 import fmpy
-from scenario import OUTPUTS, START, STEP, STOP, fmu, report
+from scenario import FMU, OUTPUTS, START, STEP, STOP, report
 
 programs = Path(sys.executable).parent
 folder = Path(tempfile.mkdtemp())
-shutil.copy(fmu(), folder / "stand.fmu")
+shutil.copy(FMU, folder / "stand.fmu")
 (folder / "container.json").write_text(json.dumps({
     "name": "container.fmu", "fmu": ["stand.fmu"], "step_size": STEP, "auto_input": True,
     "auto_output": True, "auto_parameter": True}))
 check = subprocess.run([programs / "fmutool", "-input", "stand.fmu", "-check"], cwd=folder,
                        capture_output=True, text=True, check=True)
 log = check.stdout + check.stderr
-assert "compliant with FMI-2.0" in log and "No semantic error" in log, log
+assert "compliant with FMI-" in log and "No semantic error" in log, log
 subprocess.run([programs / "fmucontainer", "-container", "container.json", "-fmu-directory", ".",
                 "-auto-parameter"], cwd=folder, capture_output=True, check=True)
 container = str(folder / "container.fmu")

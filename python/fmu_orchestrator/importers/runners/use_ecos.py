@@ -2,10 +2,10 @@
 
 from ecospy import EcosSimulation, EcosSimulationStructure
 from ecospy.EcosParameterSet import EcosParameterSet
-from scenario import OUTPUTS, START, STEP, STEPS, fmu, report
+from scenario import FMU, OUTPUTS, START, STEP, STEPS, report
 
 with EcosSimulationStructure() as structure:
-    structure.add_model("stand", fmu())
+    structure.add_model("stand", FMU)
     with EcosParameterSet() as parameters:
         for name, value in START.items():
             parameters.add_real(f"stand::{name}", value)

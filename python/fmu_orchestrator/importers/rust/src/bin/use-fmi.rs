@@ -29,6 +29,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         instance.get_real(&outputs, &mut values)?;
         print(values.iter().copied());
     }
+    let description = import.model_description().co_simulation.as_ref();
+    if !description.is_some_and(|cs| cs.common.can_serialize_fmu_state.unwrap_or(false)) {
+        return Ok(instance.terminate().map(drop)?);
+    }
     // A state must come back as it was, also as bytes.
     let state = instance.get_fmu_state()?;
     let bytes = instance.serialize_fmu_state(&state)?;

@@ -4,10 +4,10 @@ from libcosimpy.CosimEnums import CosimVariableType
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
-from scenario import OUTPUTS, START, STEP, STEPS, fmu, report
+from scenario import FMU, OUTPUTS, START, STEP, STEPS, report
 
 execution = CosimExecution.from_step_size(step_size=int(STEP * 1e9))
-slave = execution.add_local_slave(CosimLocalSlave(fmu_path=fmu(), instance_name="stand"))
+slave = execution.add_local_slave(CosimLocalSlave(fmu_path=FMU, instance_name="stand"))
 variables = {}
 for variable in execution.slave_variables(slave):
     name = variable.name

@@ -6,11 +6,12 @@ There is one reference run for each way.
 
 import fmpy
 from fmpy.fmi2 import FMU2Slave
-from scenario import OUTPUTS, START, STEP, STEPS, fmu, report
+from fmpy.fmi3 import FMU3Slave
+from scenario import FMU, GUID, IDENTIFIER, OUTPUTS, REFERENCES, START, STEP, STEPS, VERSION, report
 
 PER_SECOND = round(1 / STEP)
 MULTIPLIED = [i * STEP for i in range(STEPS + 1)]
-DIVIDED = [i / PER_SECOND for i in range(STEPS + 1)]
+DIVIDED = [i / PER_SECOND for i in range(STEPS + 1)] if PER_SECOND * STEP == 1 else MULTIPLIED
 
 
 def between(points):
@@ -23,25 +24,26 @@ WAYS = {
     "it passes t[i+1] - t[i] as step size": between(MULTIPLIED),
     "it passes t[i+1] - t[i] as step size, with times in whole nanoseconds": between(DIVIDED),
 }
-
-description = fmpy.read_model_description(fmu())
-references = {variable.name: variable.valueReference for variable in description.modelVariables}
-folder = fmpy.extract(fmu())
-outputs = [references[name] for name in OUTPUTS]
+folder = fmpy.extract(FMU)
+outputs = [REFERENCES[name] for name in OUTPUTS]
 
 
 def run(steps):
-    instance = FMU2Slave(guid=description.guid, unzipDirectory=folder,
-                         modelIdentifier=description.coSimulation.modelIdentifier, instanceName="reference")
+    old = VERSION == "2.0"
+    instance = (FMU2Slave if old else FMU3Slave)(guid=GUID, unzipDirectory=folder, modelIdentifier=IDENTIFIER,
+                                                 instanceName="reference")
     instance.instantiate()
-    instance.setupExperiment(startTime=0.0)
-    instance.setReal([references[name] for name in START], list(START.values()))
+    read, write = (instance.getReal, instance.setReal) if old else (instance.getFloat64, instance.setFloat64)
+    if old:
+        instance.setupExperiment(startTime=0.0)
+    if START:
+        write([REFERENCES[name] for name in START], list(START.values()))
     instance.enterInitializationMode()
     instance.exitInitializationMode()
-    samples = [instance.getReal(outputs)]
+    samples = [read(outputs)]
     for time, step in steps:
         instance.doStep(time, step)
-        samples.append(instance.getReal(outputs))
+        samples.append(read(outputs))
     instance.terminate()
     instance.freeInstance()
     return samples

@@ -22,7 +22,7 @@ impl Scenario {
             fmu,
             step: step.parse().expect("a step size"),
             steps: steps.parse().expect("a number of steps"),
-            start: start.split(',').map(pair).collect(),
+            start: start.split(',').filter(|pair| !pair.is_empty()).map(pair).collect(),
             outputs: outputs.split(',').map(str::to_owned).collect(),
         }
     }

@@ -3,11 +3,11 @@
 from pathsim import Connection, Simulation
 from pathsim.blocks import Constant, Scope
 from pathsim_fmi import CoSimulationFMU
-from scenario import OUTPUTS, START, STEP, STEPS, STOP, fmu, report
+from scenario import FMU, OUTPUTS, START, STEP, STEPS, STOP, report
 
-block = CoSimulationFMU(fmu(), start_values=START, dt=STEP)
+block = CoSimulationFMU(FMU, start_values=START, dt=STEP)
 wrapper = block.fmu_wrapper
-start = {v.name: float(v.start) for v in wrapper.model_description.modelVariables if v.causality == "input"}
+start = {v.name: float(v.start or 0.0) for v in wrapper.model_description.modelVariables if v.causality == "input"}
 inputs = [Constant({**start, **START}[name]) for name in wrapper.input_refs]
 names = list(wrapper.output_refs)
 scope = Scope()

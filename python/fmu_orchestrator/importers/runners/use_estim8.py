@@ -1,7 +1,7 @@
 """estim8, parameter estimation."""
 
 from estim8.models import FmuModel
-from scenario import OUTPUTS, START, STEP, STOP, fmu, report
+from scenario import FMU, OUTPUTS, START, STEP, STOP, report
 
 
 class Model(FmuModel):
@@ -14,7 +14,7 @@ class Model(FmuModel):
         self.observables = [v.name for v in variables if v.causality == "output"]
 
 
-model = Model(fmu(), fmi_type="CoSimulation")
+model = Model(FMU, fmi_type="CoSimulation")
 result = model.simulate(t0=0.0, t_end=STOP, stepsize=STEP, parameters=START, observe=OUTPUTS,
                         r_tol=1e-6)
 report("estim8", list(zip(*(result[name].values for name in OUTPUTS))),

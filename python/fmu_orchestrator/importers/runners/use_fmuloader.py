@@ -1,0 +1,19 @@
+"""fmuloader: a ctypes binding of its own."""
+
+from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
+from scenario import FMU, GUID, IDENTIFIER, OUTPUTS, REFERENCES, START, STEP, STEPS, report
+
+slave = Fmi2Slave(FMU, model_identifier=IDENTIFIER)
+slave.instantiate("stand", Fmi2Type.CO_SIMULATION, guid=GUID, cannot_use_memory_management_functions=True)
+slave.setup_experiment(start_time=0.0)
+slave.set_real([REFERENCES[name] for name in START], list(START.values()))
+slave.enter_initialization_mode()
+slave.exit_initialization_mode()
+outputs = [REFERENCES[name] for name in OUTPUTS]
+samples = [slave.get_real(outputs)]
+for i in range(STEPS):
+    slave.do_step(i * STEP, STEP)
+    samples.append(slave.get_real(outputs))
+slave.terminate()
+slave.free_instance()
+report("fmuloader", samples)
