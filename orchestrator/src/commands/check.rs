@@ -28,6 +28,7 @@ struct Known {
 struct Entry {
     rule: String,
     variable: Option<String>,
+    #[serde(default)]
     reason: String,
 }
 
@@ -76,7 +77,12 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
 /// Reads the findings that are known.
 fn known(path: &Path) -> Result<Known, Error> {
     let text = fs::read_to_string(path).map_err(Error::io(path))?;
-    let known: Known = toml::from_str(&text).map_err(|error| Error::content(path, error))?;
+    let known: Known = toml::from_str(&text).map_err(|error| {
+        let line = error
+            .span()
+            .map_or(1, |span| text[..span.start].lines().count());
+        Error::content(path, format!("line {}: {}", line.max(1), error.message()))
+    })?;
     for Entry { rule, reason, .. } in &known.ignore {
         if RULES.iter().all(|known| known.id != rule) {
             let suggestion = did_you_mean(nearest(rule, RULES.iter().map(|rule| rule.id)));

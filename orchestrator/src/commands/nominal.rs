@@ -1,6 +1,6 @@
 //! The nominal run that travels with a study, every parameter at its median: a smoke test wherever the FMU comes.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use super::isolated::{Columns, Isolated};
@@ -25,8 +25,39 @@ pub(super) fn run(session: &mut Session) -> Result<Vec<Trajectories>, Error> {
     let cases = session.plan.cases.clone();
     cases
         .iter()
-        .map(|case| Ok([once(session, case, 0)?, once(session, case, 1)?]))
+        .map(|case| Ok(thinned([once(session, case, 0)?, once(session, case, 1)?])))
         .collect()
+}
+
+/// How many rows of a trajectory travel: what the comparison of a smoke test needs.
+const MOST_ROWS: usize = 2_000;
+
+/// Evenly chosen rows of the first trajectory, its last among them, and those of the second at the same times.
+fn thinned([coarse, finer]: Trajectories) -> Trajectories {
+    let rows = |text: &[u8]| -> Vec<Vec<u8>> {
+        text.split_inclusive(|&byte| byte == b'\n')
+            .map(<[u8]>::to_vec)
+            .collect()
+    };
+    let time = |row: &[u8]| -> Vec<u8> {
+        row.split(|&byte| byte == b',')
+            .next()
+            .unwrap_or(row)
+            .to_vec()
+    };
+    let all = rows(&coarse);
+    let (last, step) = (all.len() - 1, all.len().div_ceil(MOST_ROWS).max(1));
+    let kept: Vec<Vec<u8>> = all
+        .into_iter()
+        .enumerate()
+        // The first line is the head.
+        .filter(|(k, _)| *k == 0 || *k == last || (k - 1).is_multiple_of(step))
+        .map(|(_, row)| row)
+        .collect();
+    let times: HashSet<Vec<u8>> = kept.iter().map(|row| time(row)).collect();
+    let mut finer = rows(&finer);
+    finer.retain(|row| times.contains(&time(row)));
+    [kept.concat(), finer.concat()]
 }
 
 /// One simulation, with steps halved so many times, as csv.
@@ -125,6 +156,30 @@ pub(super) fn difference(carried: &Trajectories, now: &[u8]) -> Result<Option<St
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thinned_trajectories_have_the_same_times_and_the_last() {
+        let text = |steps: usize, h: f64| -> Vec<u8> {
+            let rows = (0..=steps).map(|k| format!("{},{k}\n", k as f64 * h));
+            format!("time,x\n{}", rows.collect::<String>()).into_bytes()
+        };
+        let short = [text(4, 1.0), text(8, 0.5)];
+        let [coarse, finer] = thinned(short.clone());
+        assert_eq!(coarse, short[0]);
+        assert_eq!(finer, b"time,x\n0,0\n1,2\n2,4\n3,6\n4,8\n");
+        let long = [text(15_001, 1.0), text(30_002, 0.5)];
+        let [coarse, finer] = thinned(long.clone()).map(|text| String::from_utf8(text).unwrap());
+        assert!((1_800..=2_002).contains(&coarse.lines().count()));
+        assert!(coarse.ends_with("\n15001,15001\n") && finer.ends_with("\n15001,30002\n"));
+        assert_eq!(coarse.lines().count(), finer.lines().count());
+        // Each of them counts in the comparison with the whole run.
+        let carried = [coarse.into_bytes(), finer.into_bytes()];
+        assert_eq!(difference(&carried, &long[0]).unwrap(), None);
+        let other = String::from_utf8(long[0].clone())
+            .unwrap()
+            .replace("\n15001,", "\n15001,9");
+        assert!(difference(&carried, other.as_bytes()).unwrap().is_some());
+    }
 
     #[test]
     fn what_half_the_steps_change_is_no_difference() {

@@ -24,6 +24,8 @@ const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
 const RESULT: &str = "results/";
 /// The file that ties a study to the FMU.
 const TIES: &str = "ties.json";
+/// The largest size of all files of a study, bytes: what is larger is no study but an archive that fills a disk.
+const MOST_UNPACKED: usize = 1 << 30;
 /// The results of a study that travel with it: the file, its role, its type, and what it is. 1.0.0-alpha.1 has no role for
 /// meta data, which 1.0.0-beta.1 has; other ones are valid in both.
 const RESULTS: [(&str, &str, &str, &str); 8] = [
@@ -82,6 +84,9 @@ pub struct Ties {
     pub validation: bool,
     /// The SHA-256 digests of the files that a simulation depends on.
     pub files: IndexMap<String, String>,
+    /// Those of the files that were packed, by their paths below the study's folder.
+    #[serde(default)]
+    pub packed: IndexMap<String, String>,
 }
 
 /// A study that an FMU carries.
@@ -125,6 +130,31 @@ pub fn changed(then: &IndexMap<String, String>, now: &IndexMap<String, String>) 
     let new = now.keys().filter(|file| !then.contains_key(*file));
     gone.chain(new.map(|file| format!("{file} is new")))
         .collect()
+}
+
+/// Which of the files that were packed with a study are other ones now, in words; none where their digests were not packed.
+///
+/// # Errors
+/// When one of them cannot be read.
+pub fn altered(package: &mut Package, carried: &Carried) -> Result<Vec<String>, Error> {
+    let prefix = format!("{FOLDER}{}/", carried.name);
+    let mut now = IndexMap::new();
+    for entry in package.entries() {
+        let Some(below) = entry.strip_prefix(&prefix).filter(|below| is_file(below)) else {
+            continue;
+        };
+        now.insert(below.to_owned(), digest(&package.bytes_of(&entry)?));
+    }
+    now.shift_remove(TIES);
+    Ok(match carried.ties.packed.is_empty() {
+        true => Vec::new(),
+        false => changed(&carried.ties.packed, &now),
+    })
+}
+
+/// Whether a path below a study's folder is that of a file.
+fn is_file(below: &str) -> bool {
+    !below.is_empty() && !below.ends_with('/')
 }
 
 /// The studies that an FMU carries, in the order in which they were packed.
@@ -206,11 +236,9 @@ fn is_within(path: &str) -> bool {
 /// When one of them is damaged or has a path that leads elsewhere, and when the system says no.
 pub fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Error> {
     let prefix = format!("{FOLDER}{name}/");
+    let mut total = 0;
     for entry in package.entries() {
-        let Some(below) = entry
-            .strip_prefix(&prefix)
-            .filter(|below| !below.ends_with('/') && !below.is_empty())
-        else {
+        let Some(below) = entry.strip_prefix(&prefix).filter(|below| is_file(below)) else {
             continue;
         };
         if !is_within(below) {
@@ -220,6 +248,14 @@ pub fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Er
             ));
         }
         let bytes = package.bytes_of(&entry)?;
+        total += bytes.len();
+        if total > MOST_UNPACKED {
+            let message = format!(
+                "its files have more than {} MB together",
+                MOST_UNPACKED >> 20
+            );
+            return Err(Error::content(&package.path().join(&prefix), message));
+        }
         let path = folder.join(below);
         make_folder(path.parent().unwrap_or(folder))?;
         write_text(&path, bytes)?;
@@ -232,6 +268,16 @@ struct File {
     name: String,
     content: Vec<u8>,
     related: Related,
+}
+
+impl File {
+    /// Its path below the study's folder, and its digest.
+    fn tie(&self) -> (String, String) {
+        let below = self.name.strip_prefix(FOLDER);
+        let below = below.and_then(|path| path.split_once('/'));
+        let (_, below) = below.expect("it lies in the study's folder");
+        (below.to_owned(), digest(&self.content))
+    }
 }
 
 /// Puts a study with its results into a copy of an FMU, and returns its name. One of this name that the FMU carries is
@@ -361,6 +407,7 @@ pub fn pack(
             .values()
             .any(|comparison| comparison.u_num.is_some()),
         files: digests(package)?,
+        packed: files.iter().map(File::tie).collect(),
     };
     let source = format!("{name}/{TIES}");
     let related = Related {

@@ -217,6 +217,11 @@ fn findings_that_are_known_do_not_count_and_have_a_reason() {
         .is_mistake(&["known.toml", "no rule `unit`"]);
     bench.write("known.toml", &entry("").replace("as delivered", " "));
     bench.run(&known).is_mistake(&["has no reason"]);
+    let no_reason = format!("[[ignore]]\nrule = \"{rule}\"\n");
+    bench.write("known.toml", &no_reason);
+    bench.run(&known).is_mistake(&["has no reason"]);
     bench.write("known.toml", &entry("because = 1"));
-    bench.run(&known).is_mistake(&["known.toml", "because"]);
+    let said = bench.run(&known);
+    said.is_mistake(&["known.toml", "because"]);
+    assert!(!said.err.contains("u000a"), "{}", said.err);
 }

@@ -178,6 +178,18 @@ fn a_changed_model_does_not_give_the_carried_result() {
     let said = bench.run(&[&usual[..], &["--strict", "--junit", "junit.xml"]].concat());
     assert_eq!(said.code, 1, "{}{}", said.out, said.err);
     assert!(outcome().starts_with("failure"), "{}", outcome());
+    // A page or a measured curve that is another one: told by its name.
+    for file in ["results/report.html", "study/data/measured input.csv"] {
+        let said = with(&|name, content| {
+            let longer = [content, b"\n"].concat();
+            name.ends_with(file).then_some(longer)
+        });
+        assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+        let told = format!("warning: changed after it was packed: {file} is another one");
+        assert!(said.out.contains(&told), "{}", said.out);
+        let usual = ["verify", "changed.fmu", "--output", "there", "--force"];
+        assert_eq!(bench.run(&[&usual[..], &["--strict"]].concat()).code, 1);
+    }
     // A result that the model does not give.
     let said = with(&|name, content| {
         if !name.ends_with("results/points.csv") {
@@ -314,7 +326,7 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
     // The carried study has a folder of its own.
     let said = bench.run(&["verify", "carrier.fmu"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
-    assert!(bench.path("results/lag-carried/summary.json").exists());
+    assert!(bench.path("results/carrier.fmu/lag/summary.json").exists());
     // Results of the study with its own FMU are none of the carrier: packed anew into itself, it says what to do.
     let said = bench.run(&[
         "pack",

@@ -52,7 +52,7 @@ fn old(builder: &FMU2Builder, scenario: &Scenario) -> Result<(), Failure> {
 fn new(builder: &FMU3Builder, scenario: &Scenario) -> Result<(), Failure> {
     let variables = &builder.model_description.modelVariables;
     let reference = |name: &String| {
-        variables.iter().find(|variable| variable.name() == name).expect("a known name").valueReference()
+        variables.iter().find(|variable| variable.name == *name).expect("a known name").valueReference
     };
     let outputs: Vec<_> = scenario.outputs.iter().map(reference).collect();
     let instance = builder.instantiate_cs("stand")?;
