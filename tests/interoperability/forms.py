@@ -185,8 +185,8 @@ def lag(program):
         for version in (2, 3):
             for kind, option in (("cs", []), ("me", ["--exchange"])):
                 fmu = Path(folder) / f"lag-{version}-{kind}.fmu"
-                run(["cargo", "run", "--locked", "--quiet", "--package", "lag", "--", "--profile", "dev", "--fmi", version,
-                     *option, "--output", fmu], cwd=ROOT)
+                run(["cargo", "run", "--manifest-path", ROOT / "Cargo.toml", "--locked", "--quiet", "--package", "lag", "--",
+                     "--profile", "dev", "--fmi", version, *option, "--output", fmu])
                 found = by_fmusim(program, fmu, kind, ["output"], [("input", 3.0)])
                 exact = 6.0 - 5.0 * np.exp(-found[:, 0] / 0.5)
                 errors[version, kind] = float(np.abs(found[:, 1] - exact).max())

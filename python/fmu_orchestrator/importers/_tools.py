@@ -8,11 +8,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from .._errors import OrchestratorError
+from .._errors import OrchestratorError, OrchestratorWarning
 from .._fmu import simulate
 
 HERE = Path(__file__).resolve().parent
@@ -187,6 +188,7 @@ def by_rust(tool: Tool, scenario: Scenario, environments: Path) -> Answer:
 def by_orchestrator(tool: Tool, scenario: Scenario, environments: Path) -> Answer:
     """By our own program."""
     try:
+        warnings.simplefilter("ignore", OrchestratorWarning)
         table = simulate(scenario.fmu, scenario.start, start=0.0, stop=scenario.stop, step=scenario.step, record=scenario.outputs)
     except OrchestratorError as error:
         raise Trouble(str(error)) from error
