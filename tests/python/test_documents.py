@@ -1,5 +1,5 @@
-"""The documents: links and anchors lead somewhere, files that name a document name one that is there, and the study reference
-has every key of the schema."""
+"""The documents: links and anchors lead somewhere, files that name a document name one that is there, the study reference has
+every key of the schema, and all files name one version."""
 
 import json
 import re
@@ -73,6 +73,14 @@ def test_files_name_documents_that_are_there():
             found = named.findall((ROOT / name).read_text(encoding="utf-8", errors="replace"))
             missing |= {(name, document) for document in found if not (ROOT / document).exists()}
     assert missing == set()
+
+
+def test_all_files_name_one_version():
+    version = tomllib.loads(text_of("Cargo.toml"))["workspace"]["package"]["version"]
+    cited, date = re.findall(r'^(?:version|date-released): "?([^"\n]+)"?$', text_of("CITATION.cff"), re.M)
+    newest = re.search(r"^## \[(\d.*?)\] - (.*)$", text_of("CHANGELOG.md"), re.M)
+    assert (cited, date) == newest.groups() and cited == version
+    assert f"@v{version}\n" in text_of("docs/ci.md")
 
 
 def blocks():
