@@ -1,16 +1,19 @@
-"""docs/paper.md is what scripts/paper writes, as far as the paper's tables alone tell."""
+"""docs/paper.md is what scripts/paper writes: what the paper's tables tell, and what quick runs give."""
 
 import re
+import string
 import subprocess
 import sys
 
 import pytest
-from test_acceptance import ROOT
+from test_acceptance import PROGRAM, ROOT
 
 sys.path.insert(0, str(ROOT / "scripts/claims"))
 import claims  # noqa: E402
 import printed  # noqa: E402
+import simulated  # noqa: E402
 
+TEMPLATE = claims.TEMPLATE.read_text(encoding="utf-8")
 PAGE = (ROOT / "docs/paper.md").read_text(encoding="utf-8")
 
 
@@ -25,9 +28,22 @@ def test_the_page_agrees_with_the_tables():
     ("lacks M", "lacks m"),                                      # a sentence
 ])
 def test_a_wrong_page_is_found(right, wrong):
-    pattern = claims.expected(claims.TEMPLATE.read_text(encoding="utf-8"), printed.values())
+    pattern = claims.expected(TEMPLATE, printed.values())
     assert re.fullmatch(pattern, PAGE) and right in PAGE
     assert not re.fullmatch(pattern, PAGE.replace(right, wrong))
+
+
+@pytest.mark.parametrize("part", ["rig", "run", "map", "a", pytest.param("s", marks=pytest.mark.long)])
+def test_the_page_agrees_with_the_runs(tmp_path, part):
+    found = simulated.PARTS[part](simulated.Stand(PROGRAM, tmp_path))
+    pattern = claims.expected(TEMPLATE, printed.values() | {f"{part}_{name}": value for name, value in found.items()})
+    assert re.fullmatch(pattern, PAGE), claims.differing_line(pattern, PAGE)
+
+
+def test_nothing_is_computed_that_the_page_does_not_show():
+    shown = {name for _, name, _, _ in string.Formatter().parse(TEMPLATE) if name}
+    # Of the parameters all is computed alike.
+    assert [name for name in printed.values() if name not in shown and not name.startswith("t1_")] == []
 
 
 @pytest.mark.parametrize("table, columns", [
