@@ -69,7 +69,7 @@ fn told(message: &str) -> String {
     WORDS.iter().fold(line, replaced)
 }
 
-const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call, \
+const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call or a file, \
     3 inconclusive: the points do not tell (only with [verdict] in the study), 130 interrupted: --resume goes on.";
 
 /// How `verify`, `judge` and `merge` come to a verdict.
@@ -78,7 +78,7 @@ macro_rules! verdict_help {
         concat!(
             "Verdict: with [verdict] in the study, its `share` of the sampled space must be accepted: 0 verified, 1 not \
              verified, 3 inconclusive. Without it one point that meets all criteria is enough: 0 verified, 1 not \
-             verified. Other exit codes: 2 a mistake in the call, 130 interrupted (--resume goes on).\n\nExample: ",
+             verified. Other exit codes: 2 a mistake in the call or a file, 130 interrupted (--resume goes on).\n\nExample: ",
             $example
         )
     };
@@ -98,7 +98,7 @@ pub enum Command {
     Simulate(Simulate),
     /// Simulates a study's points and judges them against the measurement
     Verify(Box<Verify>),
-    /// Puts a study with its results into a copy of its FMU, which `verify` runs there
+    /// Puts a study with its results into a copy of its FMU; `verify MODEL.fmu` runs it again
     Pack(Pack),
     /// Applies a study's criteria to outputs in a table, without an FMU
     Judge(Judge),

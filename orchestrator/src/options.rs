@@ -19,7 +19,7 @@ pub struct Parts {
     /// Continue a run that was interrupted
     #[arg(long)]
     pub resume: bool,
-    /// Replace what the output folder holds, also where it is of another study file or FMU, or not complete
+    /// Replace the folder's results, also unfinished ones and those of another study or FMU
     #[arg(long, conflicts_with = "resume")]
     pub force: bool,
     /// Simulate only one of several equal parts of the points; `merge` joins them
@@ -209,7 +209,7 @@ impl Means {
 /// The options that every analysis of a study takes.
 #[derive(Debug, Args)]
 pub struct Work {
-    /// The study
+    /// The study, a TOML file
     pub study: PathBuf,
     /// The folder for the results [default: results/ and the study's name, or the folder of --from]
     #[arg(long, value_name = "DIR")]

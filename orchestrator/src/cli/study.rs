@@ -14,7 +14,7 @@ use crate::session::Until;
 /// What a build server wants.
 #[derive(Debug, Args)]
 pub struct Gate {
-    /// Write the outcome as JUnit XML, too: a test for the whole, and one a criterion, a case, a warning or a finding
+    /// Write the outcome as JUnit XML, too: a test each for the verdict, every criterion, case, warning or finding
     #[arg(long, value_name = "FILE.xml")]
     pub junit: Option<PathBuf>,
     /// Exit with 1 on warnings, too
@@ -48,8 +48,8 @@ pub struct Verify {
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
-    /// End when the 95 % interval of the verified share is narrow enough, such as "ci 0.01", or with "verdict" when
-    /// the rule of the study's section verdict decides; up to --points, or a million
+    /// End when the 95 % interval of the share is narrow enough, such as "ci 0.01", or with "verdict" when the study's
+    /// [verdict] is decided; at the latest at --points, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with_all = ["shard", "shard_index"])]
     pub until: Option<Until>,
     /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
@@ -69,7 +69,7 @@ pub struct Verify {
         conflicts_with_all = ["until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run", "junit", "strict"]
     )]
     pub rare: Option<RareEvent>,
-    /// Run at most so many points once more, with finer steps and to a later end, to see whether their values rest
+    /// Run at most so many points once more, with finer steps and to a later end, to see whether their values have settled
     #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
     pub extra_runs: usize,
     /// Of an FMU in place of a study: the study that it carries [default: the one packed last]
@@ -103,7 +103,7 @@ fn extra_runs() -> impl TypedValueParser<Value = usize> {
     result: exit code 1 where that is not met.\n\nExample: orchestrator pack studies/rig.toml --output Stand.fmu"
 )]
 pub struct Pack {
-    /// The study
+    /// The study, a TOML file
     pub study: PathBuf,
     /// The copy of the FMU
     #[arg(long, value_name = "MODEL.fmu")]
@@ -128,7 +128,7 @@ pub struct Replay {
     /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
-    /// The case whose trajectory is written, where the study has cases [default: all, point-N-case-K.csv each]
+    /// The case whose trajectory is written, where the study has cases [default: every case, in point-N-case-K.csv]
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
     /// Where to write the trajectory [default: point-N.csv in the folder]
@@ -157,7 +157,7 @@ pub struct Merge {
     /// Print the long answer
     #[arg(long)]
     pub verbose: bool,
-    /// Replace what the output folder holds, also where it is of another study file or FMU
+    /// Replace the folder's results, also those of another study or FMU
     #[arg(long)]
     pub force: bool,
     /// For a build server
@@ -169,17 +169,17 @@ pub struct Merge {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Exit codes: 0 the same verdict and no point that changed sides beyond the stated numerical uncertainty, 1 \
-    a difference (with --strict also a changed value), 2 a mistake in the call.\n\nExample: orchestrator compare \
+    a difference (with --strict also a changed value), 2 a mistake in the call or a file.\n\nExample: orchestrator compare \
     results/release-1 results/rig --output results/changes"
 )]
 pub struct Compare {
-    /// The folder that `verify` or `judge` has written before
+    /// The folder of the earlier results of `verify` or `judge`
     #[arg(value_name = "OLD")]
     pub old: PathBuf,
-    /// The folder with the result now
+    /// The folder of the later results
     #[arg(value_name = "NEW")]
     pub new: PathBuf,
-    /// The folder for compare.html and compare.json
+    /// The folder for compare.html and compare.json [default: they are not written]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// For a build server
@@ -193,17 +193,17 @@ pub struct Compare {
     "orchestrator judge studies/paper-table3.toml studies/paper/table3_solutions.csv"
 ))]
 pub struct Judge {
-    /// The study
+    /// The study, a TOML file
     pub study: PathBuf,
-    /// The table
+    /// The table, a row a point (csv or Parquet)
     pub table: PathBuf,
-    /// The folder for points.csv and summary.json
+    /// The folder for points.csv and summary.json [default: they are not written]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Print the long answer
     #[arg(long)]
     pub verbose: bool,
-    /// Replace what the output folder holds, also where it is of another study file
+    /// Replace the folder's results, also those of another study
     #[arg(long, requires = "output")]
     pub force: bool,
     /// For a build server

@@ -96,7 +96,7 @@ pub struct Asked {
     #[serde(skip)]
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
-    /// Rank what to measure next by this parameter, instead of the one that the data tell least of
+    /// Rank what to measure next by this parameter, instead of the one that the data determine least
     // It asks for no other runs.
     #[serde(skip)]
     #[arg(long, value_name = "PARAMETER")]

@@ -42,7 +42,7 @@ pub struct Options {
     /// The folder of the finished study [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
-    /// The verification probability that box and ellipsoid must hold [default: the study's, or 0.9]
+    /// The share of box and ellipsoid that must be verified [default: the study's, or 0.9]
     #[arg(long, value_name = "P")]
     pub level: Option<f64>,
     /// Confirm box and ellipsoid by N new runs in each [default: the study's, or 0]

@@ -70,16 +70,16 @@ pub struct Options {
     /// The method, such as sobol, morris or shapley [default: the study's, or sobol]
     #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris", "shapley"])]
     pub method: Option<String>,
-    /// The size of its design [default: the study's, or the method's usual one]
+    /// Base points, or trajectories of morris [default: the study's, or 256 (morris: 20)]
     #[arg(long, value_name = "N", conflicts_with_all = ["base", "morris", "shapley"])]
     pub size: Option<u64>,
-    /// Sobol indices from N base points, which needs N (p + 2) runs for p parameters
+    /// Sobol indices from N base points: N (d + 2) runs for d parameters
     #[arg(long, value_name = "N", conflicts_with_all = ["morris", "shapley"])]
     pub base: Option<u64>,
-    /// Morris screening with R trajectories, which needs R (p + 1) runs
+    /// Morris screening with R trajectories: R (d + 1) runs
     #[arg(long, value_name = "R", conflicts_with = "shapley")]
     pub morris: Option<u64>,
-    /// Shapley effects, for correlated parameters, too, from N base points: N (p + 1) runs, N 2 p where correlated
+    /// Shapley effects, for correlated parameters, too, from N base points: N (d + 1) runs, N 2 d where correlated
     #[arg(long, value_name = "N")]
     pub shapley: Option<u64>,
     /// How first-order Sobol indices are estimated [default: the study's, or combined]
