@@ -21,10 +21,9 @@ PARTS = ["solver", "statistics", "distribution", "design", "conformity", "verdic
 HEAD = """# Mutation testing
 
 Written by `scripts/mutants`; edits are lost. It changes the code that decides results, one operator, constant or return
-value at a time (cargo-mutants), and runs the unit tests of that code. A mutant is *caught* when a test fails or never
-ends, *unviable* when it does not compile. One that *survives* shows a test that is missing, unless it is *equivalent*:
-no input makes it behave differently. `scripts/mutation/equivalent.toml` says why, `scripts/mutation/runs.json` names the files.
-The mutants of a part come in random order, so those *tried* are a sample where a run was ended early.
+value at a time (cargo-mutants), and runs its unit tests. A mutant is *caught* when a test fails or never ends, *unviable*
+when it does not compile, *equivalent* when no input makes it behave differently (`scripts/mutation/equivalent.toml` says
+why). One that *survives* shows a missing test. `scripts/mutation/runs.json` names the files. *Tried* are a random sample.
 
 | part | date | mutants | tried | caught | unviable | equivalent | survive |
 |---|---|---|---|---|---|---|---|
