@@ -123,7 +123,7 @@ def importer(kind, fmu, step, steps, runs):
 
 def verify(study, *options, watch=False):
     """A verification; its verdict is not the point here."""
-    command = [ORCHESTRATOR, "verify", study, "--output", WORK / "verification", *options]
+    command = [ORCHESTRATOR, "verify", study, "--output", WORK / "verification", "--force", *options]
     return cost(command, allowed=(0, 1), watch=watch)
 
 

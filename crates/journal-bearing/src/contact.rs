@@ -18,6 +18,7 @@ mod integral;
 
 pub use crate::roughness::NO_CONTACT;
 use crate::roughness::{Reach, resistance};
+use crate::spline::hermite;
 pub use clearances::ContactFamily;
 pub use friction::direction;
 pub use integral::f_5_2;
@@ -126,16 +127,13 @@ pub struct ContactTable {
     nodes: Vec<OnceLock<Node>>,
 }
 
-/// A quantity at a node of the table.
-#[derive(Clone, Copy, Debug, Default)]
-struct Knot {
-    value: f64,
-    /// Slope times spacing.
-    slope: f64,
-}
+/// Logarithms of resultant and normal force; shear, room and place of the film: their values at a node, and their slopes times
+/// the spacing.
+type Node = [[f64; QUANTITIES]; 2];
 
-/// Logarithms of resultant and normal force; shear, room and place of the film.
-type Node = [Knot; 5];
+const QUANTITIES: usize = 5;
+/// The first quantities are logarithms.
+const LOGARITHMS: usize = 2;
 
 const NODES: usize = 93;
 /// Quadrature points over half the circumference (trapezoidal rule: spectral for a periodic integrand).
@@ -205,8 +203,9 @@ impl ContactTable {
     fn node(&self, i: usize) -> Node {
         let e = self.start + i as f64 * self.spacing;
         let mut node = integrals(e, self.ratio, self.spacing);
-        node[0].value += self.scale;
-        node[1].value += self.scale;
+        for log in &mut node[0][..LOGARITHMS] {
+            *log += self.scale;
+        }
         node
     }
 
@@ -223,43 +222,67 @@ impl ContactTable {
         if self.nodes.is_empty() || position < 0.0 {
             return None;
         }
-        let (cell, t) = cell(position);
-        let [left, right] = self.ends(cell);
+        let place = Place::new(position);
+        let mut quantities = [0.0; QUANTITIES];
+        place.add(self.ends(place.cell), 1.0, &mut quantities);
+        Some(place.touch(&quantities, eccentricity_ratio, self.start))
+    }
+}
+
+/// A place in a table.
+struct Place {
+    cell: usize,
+    /// The share of the cell before it, above one beyond the last.
+    t: f64,
+    /// Weights of the cell's nodes: values, then slopes.
+    weights: [f64; 4],
+}
+
+impl Place {
+    /// The place at a position along the nodes.
+    #[inline]
+    fn new(position: f64) -> Self {
+        let cell = (position as usize).min(NODES - 2);
+        let t = position - cell as f64;
+        Self {
+            cell,
+            t,
+            weights: hermite(t.min(1.0)),
+        }
+    }
+
+    /// Adds a share of the quantities between the nodes of a table's cell. Beyond the table, logarithms go on along their tangents.
+    #[inline]
+    fn add(&self, [left, right]: [&Node; 2], share: f64, sum: &mut [f64; QUANTITIES]) {
+        let [a, b, c, d] = self.weights.map(|weight| share * weight);
+        for (k, sum) in sum.iter_mut().enumerate() {
+            *sum += a * left[0][k] + b * right[0][k] + c * left[1][k] + d * right[1][k];
+        }
+        if self.t > 1.0 {
+            for (sum, slope) in sum[..LOGARITHMS].iter_mut().zip(&right[1]) {
+                *sum += share * (self.t - 1.0) * slope;
+            }
+        }
+    }
+
+    /// Contact and film of these quantities, at an eccentricity ratio in a table that starts at another.
+    #[inline]
+    fn touch(&self, quantities: &[f64; QUANTITIES], ratio: f64, start: f64) -> Touch {
+        let [force, normal, shear, room, place] = *quantities;
+        let t = self.t;
         // Where contact begins off the centre it fades in, so that the force has no jump.
-        let fades = cell == 0 && self.start > 0.0;
-        Some(between(left, right, t, eccentricity_ratio, fades))
+        let fades = self.cell == 0 && start > 0.0;
+        let fade = if fades { t * t * (3.0 - 2.0 * t) } else { 1.0 };
+        Touch {
+            contact: Contact {
+                force: fade * ratio * force.exp(),
+                normal: fade * normal.exp(),
+            },
+            shear,
+            room,
+            place,
+        }
     }
-}
-
-/// The cell of a table at a position along its nodes, and the place in it, which is above one beyond the last.
-#[inline]
-fn cell(position: f64) -> (usize, f64) {
-    let cell = (position as usize).min(NODES - 2);
-    (cell, position - cell as f64)
-}
-
-/// Contact and film at the place `t` of a cell with these knots.
-#[inline]
-fn between(left: &Node, right: &Node, t: f64, ratio: f64, fades: bool) -> Touch {
-    let fade = if fades { t * t * (3.0 - 2.0 * t) } else { 1.0 };
-    let inside = t.min(1.0);
-    let log = |k: usize| interpolate(left[k], right[k], inside) + (t - inside) * right[k].slope;
-    Touch {
-        contact: Contact {
-            force: fade * ratio * log(0).exp(),
-            normal: fade * log(1).exp(),
-        },
-        shear: interpolate(left[2], right[2], inside),
-        room: interpolate(left[3], right[3], inside),
-        place: interpolate(left[4], right[4], inside),
-    }
-}
-
-/// The cubic between two knots at `t` in 0..1.
-fn interpolate(left: Knot, right: Knot, t: f64) -> f64 {
-    let s = 1.0 - t;
-    s * s * ((1.0 + 2.0 * t) * left.value + t * left.slope)
-        + t * t * ((1.0 + 2.0 * s) * right.value - s * right.slope)
 }
 
 /// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and of `F_5/2(H)` over the circumference, the integral of the
@@ -284,24 +307,24 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
         sums[2] += resistance;
         slopes[2] += easing * opening;
     }
-    let knot = |value: f64, slope: f64| Knot {
-        value,
-        slope: if near_centre { 0.0 } else { slope * spacing },
-    };
     let reach = Reach::new(1.0 / ratio);
-    let film = |[value, slope]: [f64; 2]| Knot {
-        value,
-        slope: slope * spacing,
-    };
+    let [room, place] = [reach.room(e), reach.place(e)];
+    let even = if near_centre { 0.0 } else { spacing };
     [
-        knot(
+        [
             reference + (sums[0] / e).ln(),
-            slopes[0] / sums[0] - 1.0 / e,
-        ),
-        knot(reference + sums[1].ln(), slopes[1] / sums[1]),
-        knot(sums[2], slopes[2]),
-        film(reach.room(e)),
-        film(reach.place(e)),
+            reference + sums[1].ln(),
+            sums[2],
+            room[0],
+            place[0],
+        ],
+        [
+            (slopes[0] / sums[0] - 1.0 / e) * even,
+            slopes[1] / sums[1] * even,
+            slopes[2] * even,
+            room[1] * spacing,
+            place[1] * spacing,
+        ],
     ]
 }
 

@@ -103,10 +103,18 @@ impl Spline {
 }
 
 /// Weights of the cubic Hermite polynomial at `x` in 0..1: of both values, then of both slopes.
+#[inline]
 pub fn hermite(x: f64) -> [f64; 4] {
     let (x2, y) = (x * x, 1.0 - x);
     let y2 = y * y;
     [(1.0 + 2.0 * x) * y2, (3.0 - 2.0 * x) * x2, x * y2, -x2 * y]
+}
+
+/// The largest whole number up to `x`, whose size must be one of an `i32`.
+#[inline]
+pub fn below(x: f64) -> i32 {
+    let towards_zero = x as i32;
+    towards_zero - i32::from(f64::from(towards_zero) > x)
 }
 
 /// The derivatives of [`hermite`]'s weights over `x`.
@@ -123,6 +131,13 @@ pub fn slope_of_hermite(x: f64) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whole_numbers_below() {
+        for x in [-3.0, -2.7, -0.1, 0.0, 0.9, 4.0] {
+            assert_eq!(f64::from(below(x)), x.floor());
+        }
+    }
 
     #[test]
     fn a_cubic_is_its_own_spline() {

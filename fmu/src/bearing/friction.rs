@@ -49,7 +49,7 @@ impl Boundary {
         }
         let moment = contact.normal * bearing.radius();
         let [[x, y], [vx, vy]] = [eccentricity, velocity];
-        let length = x.hypot(y);
+        let length = (x * x + y * y).sqrt();
         let along = if length > 0.0 {
             clearance * (x * vy - y * vx) / length
         } else {

@@ -2,6 +2,7 @@
 
 use super::Stand;
 use fmu_export::model::Log;
+use journal_bearing::mobility::FINEST;
 use std::f64::consts::TAU;
 
 /// The log category.
@@ -28,6 +29,9 @@ const COLUMNS_ACROSS: f64 = 2.0;
 /// The mean planes may cross by so many roughnesses: beyond, hardly any height of the surfaces is left, and the tables end.
 const HEIGHT: f64 = 3.0;
 
+/// Asperities matter that carry this share of the load.
+const TOUCHING: f64 = 0.01;
+
 /// Says how a limit is passed, where it is.
 type Passed = fn(&Stand) -> Option<String>;
 
@@ -44,7 +48,7 @@ impl Stand {
             (OIL, Self::beyond_the_oil),
             (PRESSURE, Self::overpressed),
             (LEVER, Self::lifted),
-            (CONTACT, Self::pressed_through),
+            (CONTACT, Self::beyond_contact),
             (COARSE, Self::coarse),
         ];
         for (bit, passed) in limits {
@@ -92,8 +96,16 @@ impl Stand {
         })
     }
 
-    fn pressed_through(&self) -> Option<String> {
+    fn beyond_contact(&self) -> Option<String> {
         let reach = self.readings.contact_reach;
+        let roughness = self.bearing.surface.roughness / self.readings.hot_radial_clearance;
+        let map = self.film.columns().is_none() && self.readings.contact_share > TOUCHING;
+        if map && roughness < FINEST {
+            return Some(format!(
+                "asperities touch whose roughness is {roughness:.2e} of the clearance, finer than the mobility film's table, which ends at \
+                 {FINEST:.2e}: friction and gap may be a third off; set bearing.film = Reynolds"
+            ));
+        }
         (reach > HEIGHT).then(|| {
             format!(
                 "the mean planes of journal and bush cross by {reach:.1} roughnesses, beyond the surfaces' own height of {HEIGHT:.0}: the surfaces' law ends there"

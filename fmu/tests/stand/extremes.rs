@@ -2,6 +2,7 @@
 //! unusual. How much work "soon" is, the solver's budget says, and its own tests.
 
 use fmu_export::model::{Experiment, Fault, Kind, Model, Quantity, Variable};
+use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -259,4 +260,64 @@ fn times_that_no_clock_reaches_are_refused() {
     assert!(matches!(refused, Err(Fault::Failed(_))), "{refused:?}");
     assert_eq!(stand.save().unwrap(), before);
     assert!(stand.readings().shaft_speed.is_finite());
+}
+
+/// Thirty bearings from all over: radial clearances of 1 um to 0.5 mm, 0.1 mPa.s to 10 Pa.s, 1 to 15,000 rpm, up to 50 kN, B/D of 0.1
+/// to 2, smooth and rough. Where neither film says that it is beyond its limits, or refuses, both are the same.
+#[test]
+#[ignore = "takes minutes: scripts/test --long"]
+fn thirty_extreme_bearings_are_right_or_flagged_or_refused() {
+    let mut same = 0;
+    for k in 1..=30 {
+        // Even and irregular numbers (Roberts 2018) in six dimensions.
+        let ratio: f64 = (0..100).fold(1.0, |g: f64, _| (1.0 + g).powf(1.0 / 7.0));
+        let at = |n: i32| (0.5 + f64::from(k) / ratio.powi(n)).fract();
+        let between = |low: f64, high: f64, n: i32| low * (high / low).powf(at(n));
+        let (clearance, viscosity) = (between(1e-6, 5e-4, 1), between(1e-4, 10.0, 2));
+        let speed = between(1.0, 15_000.0, 3) * std::f64::consts::PI / 30.0;
+        let load = 50_000.0 * at(4).powi(4);
+        let width = 0.025 * between(0.1, 2.0, 5);
+        let roughness = [0.0, 3e-7, 1e-6][(3.0 * at(6)) as usize];
+        let seconds = (40.0 * std::f64::consts::PI / speed).clamp(0.5, 20.0);
+        let of = |film: FilmModel| {
+            let mut stand = Stand::default();
+            stand.film.model = film;
+            // As in the map, cavities have the bath's pressure.
+            stand.bearing.resolution.mass_conserving = false;
+            stand.thermal.isothermal = true;
+            stand.load.lever_ratio = 0.0;
+            stand.bearing.radial_clearance = clearance;
+            stand.bearing.width = width;
+            stand.bearing.surface.roughness = roughness;
+            stand.oil.viscosity_scale = viscosity / 0.0187;
+            stand.inputs.speed.value = speed;
+            stand.inputs.external_force.value = load;
+            stand.initialise(&EXPERIMENT, &mut ())?;
+            stand.advance(0.0, seconds, &mut ())?;
+            Ok::<_, Fault>((*stand.readings(), stand.validity()))
+        };
+        let films = [FilmModel::Mobility, FilmModel::Reynolds].map(of);
+        print!(
+            "{k}: {clearance:.1e} m, {viscosity:.1e} Pa.s, {speed:.3} rad/s, {load:.0} N, {width:.4} m, {roughness:e} m:"
+        );
+        for film in &films {
+            match film {
+                Ok((film, validity)) => print!(
+                    " {:.4} {:.4e} N.m, validity {validity};",
+                    film.eccentricity_ratio, film.friction_torque
+                ),
+                Err(fault) => print!(" refused: {fault};"),
+            }
+        }
+        println!();
+        if let [Ok((mobility, 0)), Ok((reynolds, 0))] = films {
+            let apart = [
+                mobility.friction_torque / reynolds.friction_torque - 1.0,
+                mobility.min_film_thickness / reynolds.min_film_thickness - 1.0,
+            ];
+            assert!(apart.iter().all(|apart| apart.abs() < 0.03), "{apart:?}");
+            same += 1;
+        }
+    }
+    assert!(same >= 15, "{same}");
 }

@@ -40,6 +40,18 @@ fn the_mobility_film_refuses_a_feed() {
     assert!(why.contains("bearing.film = Reynolds"), "{why}");
 }
 
+#[test]
+fn a_groove_all_around_is_one() {
+    let mut stand = fed(Feeding::CircumferentialGroove);
+    stand.bearing.supply.count = 2;
+    let refused = stand.initialise(&Experiment::default(), &mut ());
+    let Err(Fault::Invalid(why)) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(why.contains("bearing.feedCount is 2"), "{why}");
+    assert!(why.contains("circumferential groove"), "{why}");
+}
+
 /// More pressure feeds more oil, and cold oil cools a hot film; without a feed there is no such flow.
 #[test]
 fn feeds_feed_and_cool() {

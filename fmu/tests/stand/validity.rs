@@ -34,7 +34,7 @@ type Choose = fn(&mut Stand);
 #[test]
 fn each_limit_is_told_once() {
     assert_eq!(run(|_| ()), (0, Vec::new()));
-    let limits: [(Choose, i32, &str); 5] = [
+    let limits: [(Choose, i32, &str); 6] = [
         (
             // Reynolds number 880 kg/m3 * 400 rad/s * 12.5 mm * 0.4 mm / 1 mPa.s = 1,760 beyond 41.3 * sqrt(31) = 231.
             |stand| {
@@ -78,6 +78,19 @@ fn each_limit_is_told_once() {
             },
             16,
             "beyond the surfaces' own height",
+        ),
+        (
+            // 0.3 um in 0.4 mm.
+            |stand| {
+                stand.load.lever_ratio = 0.0;
+                stand.inputs.external_force.value = 500.0;
+                stand.inputs.speed.value = 1.0;
+                stand.bearing.radial_clearance = 4e-4;
+                stand.bearing.surface.roughness = 3e-7;
+                stand.thermal.isothermal = true;
+            },
+            16,
+            "finer than the mobility film's table",
         ),
     ];
     for (choose, bit, words) in limits {

@@ -1,7 +1,10 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
-use super::{Contact, ContactTable, NO_CONTACT, NODES, Node, Surface, Touch};
+use super::{
+    Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Place, QUANTITIES, Surface, Touch,
+};
 use crate::roughness::Reach;
+use crate::spline::below;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -108,32 +111,22 @@ impl ContactFamily {
         if position < 0.0 {
             return None;
         }
-        let (cell, t) = super::cell(position);
+        let place = Place::new(position);
         let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
-        let below = x.floor() as i32;
+        let below = below(x);
         let lowest = if below >= 0 {
             (below - 1).max(0)
         } else {
             (below - 1).min(1 - THROUGH as i32)
         };
-        let scales = [self.scale, self.scale, 0.0, 0.0, 0.0];
-        let mut knots = [Node::default(); 2];
+        let mut quantities = [0.0; QUANTITIES];
         for (j, weight) in (lowest..).zip(weights(x - f64::from(lowest))) {
-            for (sum, node) in knots.iter_mut().zip(self.table(j).ends(cell)) {
-                for ((sum, knot), scale) in sum.iter_mut().zip(node).zip(scales) {
-                    sum.value += weight * (knot.value + scale);
-                    sum.slope += weight * knot.slope;
-                }
-            }
+            place.add(self.table(j).ends(place.cell), weight, &mut quantities);
         }
-        let fades = cell == 0 && start > 0.0;
-        Some(super::between(
-            &knots[0],
-            &knots[1],
-            t,
-            eccentricity_ratio,
-            fades,
-        ))
+        for log in &mut quantities[..LOGARITHMS] {
+            *log += self.scale;
+        }
+        Some(place.touch(&quantities, eccentricity_ratio, start))
     }
 
     /// The table with this number.

@@ -38,6 +38,7 @@ mod touching;
 pub use family::SliceFamily;
 pub use generate::{Sample, exact, exact_between, generate, generate_rough};
 pub use map::{MapError, MobilityMap};
+pub use rough::FINEST;
 pub use slice::{LookUp, MobilitySlice};
 pub use touching::RoughSlices;
 

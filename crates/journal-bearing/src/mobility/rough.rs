@@ -5,6 +5,8 @@
 //! those of the smooth film there, over `B/D`, over roughness over clearance, over the place between first touch and a crossing
 //! of the mean planes by three roughnesses, and over the load's direction. All are zero at first touch.
 
+use std::sync::{Arc, OnceLock};
+
 use super::coordinates::Point;
 use super::map::MapError;
 use super::table::{Along, CHANNELS, NUMBER, Node, nodes_of_row, numbers, splines_over_s};
@@ -20,6 +22,9 @@ const WIDTHS: [f64; 2] = [0.1, 4.0];
 const AROUND: usize = 5;
 const FINER: f64 = 2.5;
 const COARSER: f64 = 1.518_294_485_937_831_4;
+
+/// The finest roughness over clearance in the table. Finer surfaces are taken as this.
+pub const FINEST: f64 = 1.0 / (NO_CONTACT * FINER * FINER * FINER * FINER * FINER);
 
 /// The committed table: numbers as in the map's.
 static COMMITTED: &[u8] = include_bytes!("rough.bin");
@@ -54,42 +59,72 @@ pub fn angle(room: f64, k: usize) -> f64 {
     Point { u: -room.ln(), s }.angle()
 }
 
+/// The corrections at one `B/D`; beyond the table, its edge counts. Those of a node over roughness are made on first use.
+#[derive(Clone, Debug)]
+pub struct Corrections {
+    /// Weights of the nodes over `B/D`.
+    widths: [f64; SIZE[0]],
+    nodes: [OnceLock<Sheet>; SIZE[1]],
+    along: Along,
+}
+
+/// Values by place, then direction, then channel; and their slopes over the place.
+type Sheet = [Vec<f64>; 2];
+
 /// The corrections at one `B/D` and one roughness.
 #[derive(Clone, Debug)]
 pub struct Correction {
     pub reach: Reach,
-    /// Values by place, then direction, then channel.
-    values: Vec<f64>,
-    /// Their slopes over the place.
-    over_place: Vec<f64>,
-    along: Along,
+    corrections: Arc<Corrections>,
+    /// The first of the nodes over roughness, and their weights.
+    lowest: usize,
+    weights: [f64; 4],
 }
 
-impl Correction {
-    /// Refuses a damaged table.
+/// Numbers of one node over `B/D` and roughness.
+const SHEET: usize = SIZE[2] * SIZE[3] * CHANNELS;
+
+impl Corrections {
+    /// The corrections at `B/D`.
     ///
     /// # Errors
-    /// When it has another size than it should.
-    pub fn check() -> Result<(), MapError> {
-        if COMMITTED.len() == BYTES {
-            return Ok(());
+    /// When the table is damaged: it has another size than it should.
+    pub fn new(width_to_diameter: f64) -> Result<Self, MapError> {
+        if COMMITTED.len() != BYTES {
+            return Err(MapError(
+                "the table of rough films has another size".to_owned(),
+            ));
         }
-        Err(MapError(
-            "the table of rough films has another size".to_owned(),
-        ))
-    }
-
-    /// The corrections at `B/D` and roughness over clearance; beyond the table, its edge counts.
-    ///
-    /// # Errors
-    /// When the table is damaged.
-    pub fn new(width_to_diameter: f64, roughness_ratio: f64) -> Result<Self, MapError> {
-        Self::check()?;
-
-        let size = SIZE[2] * SIZE[3] * CHANNELS;
         let wide = (width_to_diameter / WIDTHS[0]).ln() / (WIDTHS[1] / WIDTHS[0]).ln();
         let last = (SIZE[0] - 1) as f64;
-        let widths = weights::<{ SIZE[0] }>((wide * last).clamp(0.0, last));
+        Ok(Self {
+            widths: weights((wide * last).clamp(0.0, last)),
+            nodes: Default::default(),
+            along: splines_over_s(SIZE[3]),
+        })
+    }
+
+    /// Those of a node over roughness.
+    fn node(&self, j: usize) -> &Sheet {
+        self.nodes[j].get_or_init(|| {
+            let mut values = vec![0.0; SHEET];
+            for (k, weight) in self.widths.into_iter().enumerate() {
+                let first = (k * SIZE[1] + j) * SHEET * NUMBER;
+                let of = numbers(&COMMITTED[first..first + SHEET * NUMBER]);
+                for (value, number) in values.iter_mut().zip(of) {
+                    *value += weight * number;
+                }
+            }
+            let mut over_place = vec![0.0; SHEET];
+            // Even in the eccentricity ratio at the first place.
+            let spline = Spline::new(SIZE[2], [End::Even, End::Free]);
+            spline.slopes_of_many(SIZE[3] * CHANNELS, &values, &mut over_place);
+            [values, over_place]
+        })
+    }
+
+    /// The corrections at a roughness over clearance.
+    pub fn at(self: &Arc<Self>, roughness_ratio: f64) -> Correction {
         let log = (NO_CONTACT * roughness_ratio).ln();
         let base = if log < 0.0 { FINER } else { COARSER };
         let last = (SIZE[1] - 1) as f64;
@@ -99,37 +134,29 @@ impl Correction {
         } else {
             (rough as usize).saturating_sub(1).min(AROUND - 3)
         };
-        let x = rough - lowest as f64;
-        let roughs = weights::<4>(x);
-        let mut values = vec![0.0; size];
-        for (k, wide) in widths.into_iter().enumerate() {
-            for (j, rough) in roughs.into_iter().enumerate() {
-                let first = (k * SIZE[1] + lowest + j) * size * NUMBER;
-                let weight = wide * rough;
-                let of = numbers(&COMMITTED[first..first + size * NUMBER]);
-                for (value, number) in values.iter_mut().zip(of) {
-                    *value += weight * number;
-                }
-            }
-        }
-        let mut over_place = vec![0.0; size];
-        // Even in the eccentricity ratio at the first place.
-        let spline = Spline::new(SIZE[2], [End::Even, End::Free]);
-        spline.slopes_of_many(SIZE[3] * CHANNELS, &values, &mut over_place);
-        Ok(Self {
+        Correction {
             reach: Reach::new(roughness_ratio),
-            values,
-            over_place,
-            along: splines_over_s(SIZE[3]),
-        })
+            corrections: Arc::clone(self),
+            lowest,
+            weights: weights(rough - lowest as f64),
+        }
     }
+}
 
+impl Correction {
     /// The corrections at place `i` in `count` even directions, with slopes over places and directions per their spacing.
     pub fn row(&self, i: usize, count: usize) -> impl Iterator<Item = Node> {
         let per_direction = (SIZE[3] - 1) as f64 / (count - 1) as f64;
         let row = i * SIZE[3] * CHANNELS..(i + 1) * SIZE[3] * CHANNELS;
-        let row = [&self.values[row.clone()], &self.over_place[row]];
-        let nodes = nodes_of_row(row, &self.along);
+        let sheets: [&Sheet; 4] = std::array::from_fn(|k| self.corrections.node(self.lowest + k));
+        let [a, b, c, d] = self.weights;
+        let blend = |kind: usize| -> Vec<f64> {
+            let [p, q, r, s] = sheets.map(|sheet| &sheet[kind][row.clone()]);
+            (0..p.len())
+                .map(|n| a * p[n] + b * q[n] + c * r[n] + d * s[n])
+                .collect()
+        };
+        let nodes = nodes_of_row([&blend(0), &blend(1)], &self.corrections.along);
         (0..count).map(move |k| {
             let position = k as f64 * per_direction;
             let j = (position as usize).min(SIZE[3] - 2);
@@ -151,7 +178,7 @@ impl Correction {
 }
 
 /// Lagrange's weights of `N` nodes at the place `x`.
-pub fn weights<const N: usize>(x: f64) -> [f64; N] {
+fn weights<const N: usize>(x: f64) -> [f64; N] {
     std::array::from_fn(|i| {
         let others = (0..N).filter(|&j| j != i);
         others.fold(1.0, |product, j| {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use std::f64::consts::FRAC_PI_2;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::blend::Blend;
 use super::coordinates::Point;
@@ -26,7 +26,7 @@ enum Source {
     /// The map of smooth bearings.
     Smooth(Blend),
     /// A smooth bearing's slice, corrected.
-    Rough(Box<(MobilitySlice, Correction)>),
+    Rough(Box<(Arc<MobilitySlice>, Correction)>),
 }
 
 /// One place of the map, located once; each quantity is interpolated only when it is asked for.
@@ -128,14 +128,15 @@ impl MobilitySlice {
     }
 
     /// The slice of rough bearings. It has a row for each place of the corrections, which stands for `u`.
-    pub(super) fn corrected(&self, correction: Correction) -> Self {
+    pub(super) fn corrected(smooth: &Arc<Self>, correction: Correction) -> Self {
         let last = (SIZE[2] - 1) as f64;
         let lattice = Lattice {
             per_u: last,
             last_u: last,
-            ..self.lattice
+            ..smooth.lattice
         };
-        Self::with_rows(lattice, Source::Rough(Box::new((self.clone(), correction))))
+        let source = Box::new((Arc::clone(smooth), correction));
+        Self::with_rows(lattice, Source::Rough(source))
     }
 
     /// The nodes of row `i`: one `u`, all `s`.
@@ -266,28 +267,22 @@ impl MobilitySlice {
         }
     }
 
-    /// All quantities at a point, interpolated between slices of the same lattice by their weights.
-    pub(super) fn between<const N: usize>(
-        slices: [&Self; N],
-        weights: [f64; N],
-        point: Point,
-    ) -> [f64; CHANNELS] {
+    /// All quantities at a point and a share of the way from one slice to another of the same lattice.
+    pub(super) fn between(slices: [&Self; 2], share: f64, point: Point) -> [f64; CHANNELS] {
         let place = slices[0].place(point);
-        let mut sum = [0.0; CHANNELS];
-        for (slice, weight) in slices.into_iter().zip(weights) {
-            let mut values = [0.0; CHANNELS];
-            for (node, weights) in slice.corners(&place).into_iter().zip(&place.weights) {
-                for (kind, weight) in node.iter().zip(weights) {
-                    for (value, kind) in values.iter_mut().zip(kind) {
-                        *value += weight * kind;
-                    }
+        let [near, far] = slices.map(|slice| slice.corners(&place));
+        let mut sums = [[0.0; CHANNELS]; 2];
+        for ((near, far), weights) in near.into_iter().zip(far).zip(&place.weights) {
+            for ((near, far), weight) in near.iter().zip(far).zip(weights) {
+                for channel in 0..CHANNELS {
+                    sums[0][channel] += weight * near[channel];
+                    sums[1][channel] += weight * far[channel];
                 }
             }
-            for (sum, value) in sum.iter_mut().zip(values) {
-                *sum += weight * value;
-            }
         }
-        sum
+        std::array::from_fn(|channel| {
+            sums[0][channel] + share * (sums[1][channel] - sums[0][channel])
+        })
     }
 
     /// The nodes about a place.

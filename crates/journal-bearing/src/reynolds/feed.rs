@@ -32,7 +32,7 @@ pub struct Feed {
     pub extent: f64,
     /// Length along the axis, m.
     pub length: f64,
-    /// How many; a circumferential groove is one.
+    /// How many: one circumferential groove.
     pub count: u32,
     /// Pressure above that of the bath, Pa.
     pub pressure: f64,
@@ -45,11 +45,13 @@ impl Feed {
         let usable = self.length > 0.0 && self.length < width;
         let must = "shorter than the bearing is wide";
         within("feed length", self.length, usable, must)?;
-        let extent = self.extent;
-        if self.shape != FeedShape::Circumferential {
+        let (extent, count) = (self.extent, f64::from(self.count));
+        if self.shape == FeedShape::Circumferential {
+            let must = "1: a circumferential groove goes all around";
+            within("number of feeds", count, self.count <= 1, must)?;
+        } else {
             let usable = extent > 0.0 && extent < TAU;
             within("feed extent", extent, usable, "between 0 and a turn")?;
-            let count = f64::from(self.count);
             let usable = self.count > 0 && count * extent < TAU;
             let must = "at least 1, and leave room between them";
             within("number of feeds", count, usable, must)?;

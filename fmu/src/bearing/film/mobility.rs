@@ -151,12 +151,15 @@ impl JournalFilm for MobilityFilm {
 
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
         let clearance = at.clearance;
-        let now = self.prepared.instant(bearing, at, true);
-        let ratio = now.ratio;
+        let mut now = self.prepared.instant(bearing, at, true);
+        if !now.touches {
+            let [x, y] = at.eccentricity;
+            now.ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
+        }
         let push = &now.push;
         let pressure = push.film.map_or(0.0, |film| film.max_pressure());
         Motion {
-            eccentricity_ratio: ratio,
+            eccentricity_ratio: now.ratio,
             velocity: push.velocity,
             torque: now.torque(at),
             boundary_torque: push.boundary.torque,
