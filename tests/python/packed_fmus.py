@@ -79,7 +79,7 @@ def packed(fmu, carrier, folder):
         return "nothing to vary or to observe", []
     study(fmu, kind == "CoSimulation", times, inputs, outputs, POINTS, folder)
     more = environment(fmu)
-    done = run("verify", "study.toml", "--points-from", "points.csv", "--validation", "--output", "out", folder=folder, more=more)
+    done = run("verify", "study.toml", "--points-from", "points.csv", "--validation", "--point-timeout", 30, "--output", "out", folder=folder, more=more)
     if done.returncode not in (0, 1):
         return f"not run: {done.stderr.strip()[-120:]}", []
     verdict = done.returncode
@@ -87,7 +87,7 @@ def packed(fmu, carrier, folder):
     if done.returncode:
         return "not packed", [done.stderr.strip()[-160:]]
     wrong = harm(fmu, carrier, kind, times, outputs)
-    done = run("verify", carrier, "--output", "there", folder=folder, more=more)
+    done = run("verify", carrier, "--point-timeout", 30, "--output", "there", folder=folder, more=more)
     met = "The carried result is met again" in done.stdout
     if not met or done.returncode != verdict:
         lines = [line for line in (done.stdout + done.stderr).splitlines() if "differ" in line or "changed" in line or "error" in line]

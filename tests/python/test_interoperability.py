@@ -5,6 +5,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 import zipfile
+from argparse import Namespace
 
 import pytest
 from conftest import ROOT
@@ -90,6 +91,14 @@ def test_a_run_that_crashes_or_says_nothing_has_its_reason():
         _tools.run([sys.executable, "-c", "raise SystemExit(3)"])
     with pytest.raises(_tools.Trouble, match="in place of 3"):
         importers.difference([[1.0]], SAMPLES)
+
+
+def test_an_answer_that_is_none_is_a_reason(fmu):
+    wanted = _tools.Scenario(str(fmu), "2.0", "CoSimulation", "", "", 0.1, 2, 0.2, {}, ["x", "y"], {})
+    row = importers.asked(_tools.Tool("odd", _tools.ALL, ask=lambda *_: {}["y"]), wanted, {"": SAMPLES}, Namespace(environments=fmu.parent))
+    assert (row.verdict, row.words, row.good) == ("refused", "'y'", False)
+    row = importers.asked(_tools.Tool("odd", (_tools.NEW,), ask=lambda *_: {}["y"]), wanted, {"": SAMPLES}, Namespace(environments=fmu.parent))
+    assert (row.verdict, row.good) == ("not for it", None)
 
 
 @pytest.mark.importers

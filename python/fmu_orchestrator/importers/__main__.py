@@ -7,6 +7,7 @@ is fetched but by --install. Exit code 1 where an importer refuses an FMU or dif
 import argparse
 import csv
 import os
+import re
 import sys
 import time
 import xml.etree.ElementTree as ET
@@ -52,8 +53,10 @@ class Row:
 def scenario(fmu: Path, options: argparse.Namespace) -> Scenario:
     """The wanted scenario, or what the FMU suggests, cut to a hundred steps and ten outputs."""
     found = inspect(fmu)
-    real = [one for one in found["variables"] if one["type"] == "Real" and not one.get("dimensions")
-            and one.get("storage") in (None, "Float64")]
+    scalar = [one for one in found["variables"] if one["type"] == "Real" and not one.get("dimensions")
+              and one.get("storage") in (None, "Float64")]
+    # Of names for the same value the first.
+    real = list({one["value_reference"]: one for one in reversed(scalar)}.values())[::-1]
     names = [one["name"] for one in real if one["causality"] == "output"] or \
             [one["name"] for one in real if one["causality"] == "local"]
     experiment = found["default_experiment"] or {}
@@ -64,7 +67,7 @@ def scenario(fmu: Path, options: argparse.Namespace) -> Scenario:
     return Scenario(str(fmu.resolve()), found["fmi_version"], found["interface"].replace("-", "").replace(" ", ""),
                     found["model_identifier"], found["guid"], step, steps, steps * step, start,
                     options.record.split(",") if options.record else names[:MOST_OUTPUTS],
-                    {one["name"]: one["value_reference"] for one in real})
+                    {one["name"]: one["value_reference"] for one in scalar})
 
 
 def references(wanted: Scenario, environments: Path) -> Mapping[str, list[list[float]]]:
@@ -122,12 +125,13 @@ def asked(tool: Tool, wanted: Scenario, expected: Mapping[str, list[list[float]]
             else:
                 leave = round(options.since / wanted.step) if wanted.kind == "ModelExchange" else 0
                 judge(row, answer, expected, options.tolerance or TOLERANCE[wanted.kind], leave)
-    except Trouble as trouble:
+    except (Trouble, LookupError, ValueError) as trouble:  # the last two: an answer that is none
         symptom, limit = tool.limit
-        own = bool(symptom) and symptom in trouble.output
+        own = bool(symptom) and symptom in getattr(trouble, "output", "")
         row.verdict = "not installed" if isinstance(trouble, Missing) else "not for it" if own else "refused"
         row.words = limit if own else str(trouble).removeprefix("not installed: ")
-    row.words = " ".join(row.words.replace(wanted.fmu, row.fmu).split())[:300]
+    # Without the folders of this machine.
+    row.words = " ".join(re.sub(r"(/[\w.~-]+){2,}/(?=[\w.~-])", "", row.words).split())[:300]
     row.seconds = time.monotonic() - begin
     return row
 

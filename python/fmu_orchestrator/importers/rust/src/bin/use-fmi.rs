@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         print(values.iter().copied());
     }
     let description = import.model_description().co_simulation.as_ref();
-    if !description.is_some_and(|cs| cs.common.can_serialize_fmu_state.unwrap_or(false)) {
+    if !description.is_some_and(|cs| cs.can_serialize_fmu_state == Some(true)) {
         return Ok(instance.terminate().map(drop)?);
     }
     // A state must come back as it was, also as bytes.
