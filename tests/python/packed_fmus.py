@@ -112,6 +112,8 @@ def repeated(carrier, folder, times):
                 load.wait()
         if "No difference" not in done.stdout or compared.returncode:
             wrong.append(f"repetition {number}: {done.stdout[-200:]}{compared.stdout[-200:]}")
+        if (number + 1) % 50 == 0:
+            print(f"{number + 1} repetitions of {carrier.name}: {len(wrong)} false alarms", flush=True)
     return wrong
 
 
@@ -136,7 +138,7 @@ def main():
         if options.repetitions and first:
             wrong = repeated(first, Path(work), options.repetitions)
             faults += wrong
-            print(f"{options.repetitions} repetitions of {first.name}: {len(wrong)} false alarms", *wrong[:3], sep="\n")
+            print(*wrong[:3], sep="\n")
     print(", ".join(f"{count} {what}" for what, count in counts.items()), f"; {len(faults)} wrong", sep="")
     return 1 if faults else 0
 
