@@ -28,6 +28,8 @@ value = 0.5
 accuracy = 0.01
 """
 ANALYSES = {
+    "verify": ("verify",),
+    "until": ("verify", "--until", "ci 0.04"),
     "sensitivity": ("sensitivity", "--base", 16),
     "identify": ("identify",),
     "pareto": ("pareto", "--generations", 3, "--population", 8),
@@ -35,8 +37,8 @@ ANALYSES = {
 }
 
 
-def run(*arguments, **environment):
-    command = [PROGRAM, *map(str, arguments)]
+def run(*arguments, prefix=(), **environment):
+    command = [*map(str, prefix), PROGRAM, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, env=os.environ | environment)
 
 
@@ -69,8 +71,8 @@ def launched(study, folder, command, *options, **environment):
     return done
 
 
-@pytest.mark.parametrize("command", ["env", "sh -c 'echo Welcome; printf \"loading modules ...\"; exec \"$@\"' --"])
-def test_workers_by_a_command(command, study, single, tmp_path):
+def test_a_launcher_may_print_lines(study, single, tmp_path):
+    command = "sh -c 'echo Welcome; printf \"loading modules ...\"; exec \"$@\"' --"
     assert launched(study, tmp_path / "out", command).stderr == ""
     assert files(tmp_path / "out") == files(single)
     assert sum(json.loads((tmp_path / "out" / "summary.json").read_text())["run"]["hosts"].values()) == 300
@@ -91,18 +93,24 @@ def test_hosts(study, single, tmp_path):
     assert run["hosts"].keys() <= {"node1", "node2"}
 
 
+def analyse(analysis, study, folder, *more, prefix=(), **environment):
+    """Runs an analysis; its files by name."""
+    name, *options = [str(word).format(verified=study.parent / "single") for word in ANALYSES[analysis]]
+    file = study.with_name("identify.toml") if name == "identify" else study
+    done = run(name, file, *options, "--output", folder, *more, prefix=prefix, **environment)
+    assert done.returncode == 0, done.stderr
+    kept = [file for file in sorted(folder.iterdir()) if file.suffix in (".csv", ".json", ".toml", ".ssv")]
+    texts = {file.name: file.read_bytes() for file in kept}
+    if name == "verify":
+        texts["summary.json"] = files(folder)[-1]
+    assert texts
+    return texts
+
+
 @pytest.mark.parametrize("analysis", ANALYSES)
 def test_every_analysis(analysis, study, single, tmp_path):
-    name, *options = [str(word).format(verified=single) for word in ANALYSES[analysis]]
-    for folder, more in [("here", []), ("there", ["--launcher", "env"])]:
-        file = study.with_name("identify.toml") if name == "identify" else study
-        done = run(name, file, *options, "--jobs", 2, "--output", tmp_path / folder, *more)
-        assert done.returncode == 0, done.stderr
-    here, there = (sorted(file for file in (tmp_path / name).iterdir() if file.is_file()) for name in ("here", "there"))
-    assert [file.name for file in here] == [file.name for file in there] != []
-    for one, other in zip(here, there):
-        if one.suffix in (".csv", ".json", ".toml", ".ssv"):
-            assert one.read_bytes() == other.read_bytes(), one.name
+    here = analyse(analysis, study, tmp_path / "here", "--jobs", 2)
+    assert analyse(analysis, study, tmp_path / "there", "--jobs", 2, "--launcher", "env") == here
 
 
 @pytest.mark.parametrize("fault", ["refuses", "dies", "kills", "garbage", "cuts", "alters", "hangs", "stops"])

@@ -1,7 +1,7 @@
 //! Cuts the points into batches that take a worker a moment: long enough to cost nothing, short
 //! enough that all workers end together.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::points::Job;
 
@@ -18,30 +18,22 @@ const MOST_AFAR: usize = 16_384;
 /// How fast a worker is.
 #[derive(Debug, Default)]
 pub(crate) struct Pace {
-    begun: Option<Instant>,
     size: usize,
 }
 
 impl Pace {
-    pub(crate) fn begin(&mut self) {
-        self.begun = Some(Instant::now());
-    }
-
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::cast_precision_loss
     )]
-    /// Notes that a batch is done, which took so long beyond its computation.
-    pub(crate) fn end(&mut self, jobs: usize, overhead: Duration) {
-        let Some(begun) = self.begun.take() else {
-            return;
-        };
+    /// Notes that a batch is done: how long it took, and how much of that beyond its computation.
+    pub(crate) fn end(&mut self, jobs: usize, took: Duration, overhead: Duration) {
         let (moment, most) = match overhead.is_zero() {
             true => (MOMENT, MOST),
             false => ((overhead * TIMES).clamp(MOMENT, LONGEST), MOST_AFAR),
         };
-        let computed = begun.elapsed().saturating_sub(overhead);
+        let computed = took.saturating_sub(overhead);
         let each = computed.as_secs_f64().max(1e-9) / jobs.max(1) as f64;
         let wanted = (moment.as_secs_f64() / each) as usize;
         // At most fourfold at a time: the first points may be unusual.
@@ -106,5 +98,54 @@ impl<I: Iterator<Item = Job>> Batches<I> {
     pub(crate) fn left(&self) -> Option<usize> {
         let left = self.jobs.size_hint().1?;
         Some(left + self.returned.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cmp::Reverse;
+    use std::collections::BinaryHeap;
+
+    /// How much of their time workers compute such points, where handing over a batch takes so long.
+    fn utilisation(points: &[Duration], workers: usize, overhead: Duration) -> f64 {
+        let all = (0..points.len() as u64).map(|index| Job {
+            index,
+            values: Vec::new(),
+        });
+        let mut batches = Batches::new(all, workers);
+        let (mut paces, mut batch) = (
+            Vec::from_iter((0..workers).map(|_| Pace::default())),
+            Vec::new(),
+        );
+        let mut free =
+            BinaryHeap::from_iter((0..workers).map(|worker| Reverse((Duration::ZERO, worker))));
+        let mut end = Duration::ZERO;
+        while let Some(Reverse((now, worker))) = free.pop() {
+            if !batches.take(&paces[worker], &mut batch) {
+                continue;
+            }
+            let computed: Duration = batch.iter().map(|job| points[job.index as usize]).sum();
+            let took = computed + overhead;
+            paces[worker].end(batch.len(), took, overhead);
+            end = end.max(now + took);
+            free.push(Reverse((now + took, worker)));
+        }
+        points.iter().sum::<Duration>().as_secs_f64() / end.as_secs_f64() / workers as f64
+    }
+
+    /// Points of 1 ms to 1 s, evenly spread in their logarithm, in an order without pattern.
+    fn uneven(count: u64) -> Vec<Duration> {
+        let place = |k: u64| (k as f64 * 0.618_033_988_75).fract();
+        let points = (0..count).map(|k| Duration::from_secs_f64(0.001 * 1000_f64.powf(place(k))));
+        points.collect()
+    }
+
+    #[test]
+    fn uneven_points_leave_no_worker_idle_for_long() {
+        let [quick, slow] = [1, 20].map(Duration::from_millis);
+        assert!(utilisation(&uneven(1000), 8, quick) > 0.97);
+        assert!(utilisation(&uneven(3000), 8, slow) > 0.95);
+        assert!(utilisation(&vec![quick; 100_000], 64, slow) > 0.9);
     }
 }

@@ -78,7 +78,7 @@ const LITTLE: f64 = 5.0;
 const SHARE: f64 = 0.02;
 /// So many audits are made in any case, and so many of the last points, where one takes less than [`SHORT`] or this part of
 /// the time so far.
-const FEW: u32 = 5;
+const FEW: f64 = 5.0;
 const LAST: u32 = 3;
 const SHORT: f64 = 0.05;
 const SHORT_SHARE: f64 = 0.02;
@@ -90,21 +90,49 @@ const FIRST_LICENCE: Duration = Duration::from_secs(60);
 pub(crate) type Proof = (Job, Vec<f64>);
 
 /// Time that was spent on points of one kind, and on their audits.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Spent {
     /// Time for the points, s.
     computed: f64,
     /// Time for audits, s.
     audited: f64,
     /// How many there were.
-    audits: u32,
+    audits: f64,
+    /// How much of the time for the points this supervisor's own workers took, s.
+    here: f64,
+}
+
+/// Time that was spent on points in used processes and on those that ran alone; and how long the audits that are made in any
+/// case took together, s.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Spending {
+    kinds: [Spent; 2],
+    in_any_case: f64,
+}
+
+impl Spending {
+    /// Takes over what others spent: `join` makes one number of two.
+    fn join(&mut self, others: &Self, join: fn(f64, f64) -> f64) {
+        for (spent, other) in self.kinds.iter_mut().zip(&others.kinds) {
+            spent.computed = join(spent.computed, other.computed);
+            spent.audited = join(spent.audited, other.audited);
+            spent.audits = join(spent.audits, other.audits);
+        }
+        self.in_any_case = join(self.in_any_case, others.in_any_case);
+    }
 }
 
 impl Spent {
+    /// How long audits may take now, s. Of what is left for them everywhere, each supervisor has the part that it has computed.
+    fn allowance(&self) -> f64 {
+        let part = self.here / self.computed.max(1e-9);
+        (SHARE * self.computed - self.audited) * part
+    }
+
     /// How many of some points that were just computed are to be audited, where one audit takes `one` seconds;
     /// `last`: there will be no further points.
     fn audits(&self, one: f64, last: bool) -> u32 {
-        let share = (SHARE * self.computed - self.audited) / one.max(1e-6);
+        let share = self.allowance() / one.max(1e-6);
         let usual = if share > 0.0 { share as u32 } else { 0 };
         let cheap = one < SHORT || one < SHORT_SHARE * self.computed;
         let least = match (cheap, last) {
@@ -125,14 +153,10 @@ struct Audits {
     mismatches: u64,
     /// How long one takes, s.
     times: Readings,
-    /// How long those that are made in any case took together, s.
-    in_any_case: f64,
-    /// How many of these stood right behind an odd point.
+    /// How many of those that are made in any case stood right behind an odd point.
     behind_odd: usize,
     /// Those that nobody else was told of.
     latest: Vec<(u64, bool, bool)>,
-    /// How much of the time nobody else was told of, s.
-    untold: f64,
 }
 
 impl Audits {
@@ -194,8 +218,9 @@ pub(crate) struct Policy {
     /// Whether new processes differ among themselves.
     differing: bool,
     audits: Audits,
-    /// Time spent on points in used processes, and on those that ran alone.
-    spent: [Spent; 2],
+    /// Time spent everywhere as far as that is known, and what nobody else was told of.
+    spent: Spending,
+    untold: Spending,
     /// The oddities of the latest points.
     latest: VecDeque<Option<Reason>>,
     /// How many points were computed alone.
@@ -228,9 +253,9 @@ pub(crate) struct Found {
     reason: Option<Reason>,
     /// Points that were computed twice: whether they were the same, and whether they had followed another one.
     audits: Vec<(u64, bool, bool)>,
-    /// How long further audits that are made in any case took here, and how long all of them took everywhere, s.
-    audited: f64,
-    audited_by_all: f64,
+    /// Time spent here since this was told last, and everywhere.
+    spent: Spending,
+    spent_by_all: Spending,
     /// The first file that the FMU changed in its folder.
     pub(crate) changed: Option<String>,
     /// Whether another worker is finding out how points may share processes.
@@ -475,7 +500,7 @@ impl Policy {
             .as_ref()
             .is_some_and(|repeats| repeats.has(index));
         let wanted = chosen || behind_odd && self.audits.behind_odd < ENOUGH;
-        wanted && !self.is_dear() && self.audits.in_any_case + self.time_of_audit() <= LITTLE
+        wanted && !self.is_dear() && self.spent.in_any_case + self.time_of_audit() <= LITTLE
     }
 
     /// The place of a point in the order in which points are audited.
@@ -487,18 +512,21 @@ impl Policy {
 
     /// Notes the time that points took, s.
     pub(crate) fn spend(&mut self, separation: Separation, took: f64) {
-        self.spent[kind(separation)].computed += took;
+        let kind = kind(separation);
+        self.spent.kinds[kind].here += took;
+        for spending in [&mut self.spent, &mut self.untold] {
+            spending.kinds[kind].computed += took;
+        }
     }
 
     /// Whether a point that ran alone is audited, as far as the share of the time goes.
     pub(crate) fn audits_alone(&self) -> bool {
-        let spent = &self.spent[1];
-        SHARE * spent.computed >= spent.audited + self.time_of_audit()
+        self.spent.kinds[1].allowance() >= self.time_of_audit()
     }
 
     /// How many of the points that a used process has just computed are audited beside the chosen ones.
     pub(crate) fn audits_of_used(&self, last: bool) -> u32 {
-        self.spent[0].audits(self.time_of_audit(), last)
+        self.spent.kinds[0].audits(self.time_of_audit(), last)
     }
 
     /// Notes how long an audit took, s; `in_any_case`: whatever share of the time that is.
@@ -509,15 +537,14 @@ impl Policy {
         in_any_case: bool,
         behind_odd: bool,
     ) {
-        let spent = &mut self.spent[kind(separation)];
-        spent.audited += took;
-        spent.audits += 1;
-        let audits = &mut self.audits;
-        audits.times.note(took);
-        let took = if in_any_case { took } else { 0.0 };
-        audits.in_any_case += took;
-        audits.untold += took;
-        audits.behind_odd += usize::from(behind_odd);
+        for spending in [&mut self.spent, &mut self.untold] {
+            let spent = &mut spending.kinds[kind(separation)];
+            spent.audited += took;
+            spent.audits += 1.0;
+            spending.in_any_case += if in_any_case { took } else { 0.0 };
+        }
+        self.audits.times.note(took);
+        self.audits.behind_odd += usize::from(behind_odd);
     }
 
     /// Notes what came of an audit of a point, which another one before it in its process may have spoilt or not.
@@ -591,8 +618,8 @@ impl Policy {
             start: self.start,
             reason: self.reason(),
             audits,
-            audited: std::mem::take(&mut self.audits.untold),
-            audited_by_all: 0.0,
+            spent: std::mem::take(&mut self.untold),
+            spent_by_all: Spending::default(),
             changed: None,
             led: false,
         }
@@ -603,8 +630,7 @@ impl Policy {
         Found {
             reason: None,
             audits: Vec::new(),
-            audited: 0.0,
-            audited_by_all: self.audits.in_any_case,
+            spent_by_all: self.spent,
             ..self.found()
         }
     }
@@ -614,8 +640,8 @@ impl Policy {
         for &(index, agreed, shared) in &found.audits {
             self.audits.note(index, agreed, shared);
         }
-        let in_any_case = &mut self.audits.in_any_case;
-        *in_any_case = (*in_any_case + found.audited).max(found.audited_by_all);
+        self.spent.join(&found.spent, |one, other| one + other);
+        self.spent.join(&found.spent_by_all, f64::max);
         self.led = found.led;
         self.reused |= found.reused;
         self.reason_there = found.reason;

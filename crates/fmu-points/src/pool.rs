@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::sync::{Condvar, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::batch::{Batches, Pace};
 use crate::company::Company;
@@ -136,14 +136,14 @@ fn work<I: Iterator<Item = Job>>(
         if stopped() {
             return Ok(());
         }
-        pace.begin();
+        let begun = Instant::now();
         let mut take = |event| match send.send(Ok(event)) {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         };
         let mut post = Post::new(&mut take, stopped, others);
         let result = worker.run(&batch, &mut post);
-        pace.end(batch.len(), worker.overhead());
+        pace.end(batch.len(), begun.elapsed(), worker.overhead());
         lock()?.end(post.returned());
         change.notify_all();
         result?;

@@ -315,7 +315,8 @@ impl<'a> Pipeline<'a> {
                         self.journal.note(&Note::Crowded(index))?;
                     }
                     self.computed[separation as usize] += 1;
-                    self.progress.step(verified, outcome.is_err());
+                    let answered = || self.crew.map_or_else(BTreeMap::new, Crew::answered);
+                    self.progress.step(verified, outcome.is_err(), answered);
                 }
                 Some(Step::Outcome {
                     index,

@@ -147,7 +147,10 @@ fn what_one_worker_finds_others_heed() {
     }
     finder.sharing = Sharing::Earned(Reuse::Reset);
     finder.audited(7, true, true);
+    finder.spend(Separation::Used, 20.0);
     finder.note_audit(0.5, Separation::Used, true, false);
+    // It spends time, too, and tells of it later.
+    other.spend(Separation::Used, 10.0);
     for _ in 0..2 {
         // What was told is not told again.
         supervisor.adopt(&finder.found());
@@ -155,10 +158,18 @@ fn what_one_worker_finds_others_heed() {
     }
     tell(&mut supervisor, &mut other, true);
     assert_eq!(other.plan(None), Plan::Used(Reuse::Reset));
-    assert_eq!(
-        (supervisor.conduct().audits, supervisor.audits.in_any_case),
-        (1, 0.5)
-    );
+    assert_eq!(supervisor.conduct().audits, 1);
+    supervisor.adopt(&other.found());
+    for policy in [&mut finder, &mut other] {
+        // The audits are a part of the time of all.
+        tell(&mut supervisor, policy, true);
+        let [used, alone] = policy.spent.kinds;
+        // 2 % of 30 s but for the half second: each has the part that it has computed.
+        let tenth = 0.1 * used.here / used.computed;
+        assert!((used.allowance() - tenth).abs() < 1e-12 && [10.0, 20.0].contains(&used.here));
+        assert_eq!((used.computed, used.audited, used.audits), (30.0, 0.5, 1.0));
+        assert_eq!((alone.computed, policy.spent.in_any_case), (0.0, 0.5));
+    }
     other.refute(Separation::Forked);
     supervisor.adopt(&other.found());
     tell(&mut supervisor, &mut finder, false);

@@ -1,5 +1,6 @@
 //! Progress on standard error, when that is a terminal.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -35,8 +36,13 @@ impl Progress {
         }
     }
 
-    /// One more point is done.
-    pub(super) fn step(&mut self, verified: bool, failed: bool) {
+    /// One more point is done; `answered` says how many points each host has answered, where there are several.
+    pub(super) fn step(
+        &mut self,
+        verified: bool,
+        failed: bool,
+        answered: impl FnOnce() -> BTreeMap<String, u64>,
+    ) {
         const RARELY: u64 = 64;
         self.verified += u64::from(verified);
         self.failed += u64::from(failed);
@@ -44,7 +50,7 @@ impl Progress {
         self.bar.inc(1);
         let shown = self.points.is_power_of_two() || self.points.is_multiple_of(RARELY);
         if shown && !self.bar.is_hidden() {
-            let text = message(self.verified, self.failed, self.points);
+            let text = message(self.verified, self.failed, self.points) + &hosts(&answered());
             self.bar.set_message(text);
         }
     }
@@ -68,4 +74,30 @@ fn message(verified: u64, failed: u64, points: u64) -> String {
         String::new()
     };
     format!("{share:.1} % verified{failed}")
+}
+
+/// The hosts with the fewest and the most points.
+fn hosts(answered: &BTreeMap<String, u64>) -> String {
+    let fewest = answered.iter().min_by_key(|(_, points)| **points);
+    let most = answered.iter().max_by_key(|(_, points)| **points);
+    match (fewest, most) {
+        (Some((slow, few)), Some((fast, many))) if slow != fast => {
+            let count = answered.len();
+            format!(", {count} hosts: {slow} {few} .. {fast} {many}")
+        }
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hosts_are_told_where_there_are_several() {
+        let answered =
+            [("a", 7), ("b", 2), ("c", 9)].map(|(host, points)| (host.to_owned(), points));
+        assert_eq!(hosts(&answered.clone().into()), ", 3 hosts: b 2 .. c 9");
+        assert_eq!(hosts(&answered.into_iter().take(1).collect()), "");
+    }
 }
