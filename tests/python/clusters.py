@@ -96,7 +96,7 @@ def wait_for(what, ready, seconds=60):
     end = time.monotonic() + seconds
     while not ready():
         if time.monotonic() > end:
-            raise Missing(f"{what} did not come up within {seconds} s")
+            raise Missing(f"{what} did not come within {seconds} s")
         time.sleep(0.1)
 
 

@@ -1,8 +1,9 @@
 """A launcher with faults: it starts the command behind it, and passes on what that says, up to a fault.
 
-    launched.py FAULT FOLDER TIMES COMMAND...
+    launched.py FAULTS FOLDER COMMAND...
 
-The first TIMES commands in FOLDER meet the fault after some bytes, the others none.
+Of the commands in FOLDER, the first one meets the first of the FAULTS after some bytes, the second one the second, and further ones
+none.
 """
 
 import os
@@ -33,9 +34,11 @@ def number(folder):
         return k
 
 
-def main(fault, folder, times, *command):
-    if number(folder) >= int(times):
+def main(faults, folder, *command):
+    before, faults = number(folder), faults.split(",")
+    if before >= len(faults):
         os.execvp(command[0], command)
+    fault = faults[before]
     if fault == "refuses":
         print("node7: no such node", file=sys.stderr)
         sys.exit(255)

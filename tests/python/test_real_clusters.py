@@ -4,11 +4,18 @@ The long tests install what they need where they may.
 """
 
 import contextlib
+import os
+import subprocess
+import sys
+import textwrap
+import time
 
 import pytest
 
 import clusters
-from test_launcher import ANALYSES, analyse, study, single  # noqa: F401
+from test_acceptance import PROGRAM, ROOT
+from test_cluster import files
+from test_launcher import ANALYSES, analyse, run, single, study  # noqa: F401
 
 
 @contextlib.contextmanager
@@ -42,3 +49,38 @@ def test_a_study_by_ssh(study, tmp_path):  # noqa: F811
 @pytest.mark.parametrize("analysis", ANALYSES)
 def test_every_analysis_on_a_real_cluster(analysis, cluster, study, single, tmp_path):  # noqa: F811
     same(analysis, cluster, study, tmp_path)
+
+
+@pytest.mark.long
+def test_what_many_workers_began_one_machine_ends(study, single, tmp_path):  # noqa: F811
+    out, journal = tmp_path / "out", tmp_path / "out" / "journal.txt"
+    command = [PROGRAM, "verify", study, "--output", out, "--launcher", "env", "--jobs", "64"]
+    begun = subprocess.Popen(command, stdout=subprocess.DEVNULL, env=os.environ | {"FAULTY_PAUSE": "1"})
+    # Some points are done while others are under way.
+    while not journal.exists() or len(journal.read_text().splitlines()) < 20:
+        assert begun.poll() is None
+        time.sleep(0.01)
+    begun.kill()
+    begun.wait()
+    assert run("verify", study, "--output", out, "--jobs", 2, "--resume").returncode == 0
+    assert files(out) == files(single)
+
+
+MANIFEST = """
+import kubernetes_validate, sys, yaml
+for part in yaml.safe_load_all(sys.stdin):
+    kubernetes_validate.validate(part, kubernetes_validate.latest_version(), strict=True)
+"""
+
+
+@pytest.mark.long
+def test_the_manifest_follows_its_schema(tmp_path):
+    pip = [sys.executable, "-m", "pip", "install", "-q", "--target", tmp_path, "kubernetes-validate==1.37.0", "pyyaml"]
+    if subprocess.run(pip, capture_output=True).returncode:
+        pytest.skip("kubernetes-validate cannot be installed")
+    text = (ROOT / "docs" / "cluster.md").read_text()
+    manifest = textwrap.dedent(text[text.index("    apiVersion: batch/v1"):text.index("**PBS**")])
+    for text, code in [(manifest, 0), (manifest.replace("completionMode", "completionMod"), 1)]:
+        done = subprocess.run([sys.executable, "-c", MANIFEST], input=text, text=True, capture_output=True,
+                              env=os.environ | {"PYTHONPATH": str(tmp_path)})
+        assert done.returncode == code, done.stderr

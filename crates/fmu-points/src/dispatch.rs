@@ -105,7 +105,7 @@ pub(crate) enum Order {
     /// The points that follow are of this kind.
     Begin(#[serde(with = "as_json")] Box<Series>),
     /// Points, how many are left besides them, and what is known of the FMU.
-    Run(Vec<Job>, Option<usize>, Found),
+    Run(Vec<Job>, Option<usize>, Box<Found>),
     /// A point while nothing else runs.
     Alone(Job),
     /// What is kept for further points is given back.

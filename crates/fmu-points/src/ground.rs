@@ -5,10 +5,11 @@
 //! all points so far are void, and from then on each has a folder of its own.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use tempfile::TempDir;
 
+use crate::locked::locked;
 use fmu_import::isolation::watch::Watch;
 use fmu_import::{FmuError, Package};
 
@@ -52,7 +53,7 @@ impl Ground {
     /// Whatever a point has changed before its answer came is known here.
     pub(crate) fn changed(&self) -> Option<String> {
         // One at a time: who finds no further event must know of those that another has just taken.
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = locked(&self.state);
         if state.changed.is_none() {
             let place = state.watch.changed().map(|path| match path.to_str() {
                 Some("") => ".".to_owned(),
@@ -65,13 +66,13 @@ impl Ground {
 
     /// Takes it for known that the FMU changes this file.
     pub(crate) fn know(&self, changed: &str) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = locked(&self.state);
         state.changed.get_or_insert_with(|| changed.to_owned());
     }
 
     /// A new folder with the FMU as it came, for one process.
     pub(crate) fn folder(&self) -> Result<TempDir, FmuError> {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = locked(&self.state);
         let package = match &mut state.package {
             Some(package) => package,
             none => none.insert(Package::open(&self.name)?),

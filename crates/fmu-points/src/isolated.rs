@@ -4,12 +4,13 @@ mod comparisons;
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use crate::conduct::{Reason, Separation};
 use crate::failure::Failure;
 use crate::ground::Ground;
+use crate::locked::locked;
 use crate::points::{Event, Job, Limits, Post, RunError, Worker};
 use crate::policy::{Plan, Policy, Wait};
 use crate::process::{Gone, Process};
@@ -474,12 +475,6 @@ impl Worker for Isolated {
         // Others may need the licence that it holds.
         self.using.end();
     }
-}
-
-/// The policy that workers have together.
-pub(crate) fn locked(policy: &Mutex<Policy>) -> MutexGuard<'_, Policy> {
-    // Every change leaves it sound.
-    policy.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Hands over the outcome of a point, and the FMU's warnings before it failed.

@@ -66,6 +66,7 @@ mod join;
 mod launcher;
 mod link;
 mod local;
+mod locked;
 pub mod names;
 pub mod notices;
 pub mod points;

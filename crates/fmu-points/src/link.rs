@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStderr, ChildStdin, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -12,6 +12,7 @@ use fmu_import::isolation::frame::{self, Inbox};
 
 use crate::dispatch::{Greeting, MAGIC, Order, Report, beat};
 use crate::launcher::{Launcher, Place};
+use crate::locked::locked;
 use crate::process;
 use crate::system;
 use crate::wire::{bytes, read};
@@ -127,7 +128,7 @@ impl Link {
 
     /// What a launcher that has started no worker has printed so far.
     pub(crate) fn last_words(&self) -> String {
-        let words = self.words.lock().unwrap_or_else(PoisonError::into_inner);
+        let words = locked(&self.words);
         let text = String::from_utf8_lossy(self.reports.seen());
         let printed = text.lines().rev().find(|line| !line.trim().is_empty());
         let said = words.back().map(String::as_str).or(printed);
@@ -258,7 +259,7 @@ fn keep(words: &Words, line: &str) {
     if line.is_empty() {
         return;
     }
-    let mut words = words.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut words = locked(words);
     if words.len() == LINES {
         words.pop_front();
     }

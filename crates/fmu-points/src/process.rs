@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError};
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
@@ -15,6 +15,7 @@ use tempfile::TempDir;
 use crate::failure::Failure;
 use crate::ground::Ground;
 use crate::join::{Join, split};
+use crate::locked::locked;
 use crate::points::{Job, Limits, RunError};
 use crate::system;
 use crate::task::Case;
@@ -369,16 +370,14 @@ static WORKERS: Mutex<Family> = Mutex::new(Family::new());
 type Family = BTreeMap<u32, Option<ControlGroup>>;
 
 fn family() -> MutexGuard<'static, Family> {
-    // A map of numbers is sound whatever interrupted its last user.
-    WORKERS.lock().unwrap_or_else(PoisonError::into_inner)
+    locked(&WORKERS)
 }
 
 /// The launchers of workers elsewhere.
 static LAUNCHERS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
 fn launchers() -> MutexGuard<'static, BTreeSet<u32>> {
-    // As the workers.
-    LAUNCHERS.lock().unwrap_or_else(PoisonError::into_inner)
+    locked(&LAUNCHERS)
 }
 
 /// Lets a process, a launcher of workers elsewhere, end with this one's workers.

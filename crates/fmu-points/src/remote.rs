@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -19,6 +19,7 @@ use crate::dispatch::{Greeting, News, Order, Report, Series, Terms};
 use crate::failure::Failure;
 use crate::launcher::{Launcher, Place};
 use crate::link::{Cut, Link};
+use crate::locked::locked;
 use crate::points::{Event, Job, Limits, Post, RunError, Worker};
 use crate::policy::{Found, Policy};
 use crate::task::Case;
@@ -513,7 +514,7 @@ impl Remote {
         self.begin(&mut lane);
         let order = match jobs {
             [job] if alone => Order::Alone(job.clone()),
-            _ => Order::Run(jobs.to_vec(), post.left, team.known(number)),
+            _ => Order::Run(jobs.to_vec(), post.left, Box::new(team.known(number))),
         };
         let (end, open) = team.order(&mut lane, &order, jobs, post);
         match end {
@@ -591,9 +592,4 @@ impl Worker for Remote {
     fn overhead(&self) -> Duration {
         self.overhead
     }
-}
-
-/// What workers have together, whatever interrupted its last user: every change leaves it sound.
-fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
-    what.lock().unwrap_or_else(PoisonError::into_inner)
 }

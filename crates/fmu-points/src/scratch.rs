@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -52,8 +52,7 @@ pub(crate) fn shared_name(what: &str) -> String {
 }
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    // A set of paths is sound whatever interrupted its last user.
-    FOLDERS.lock().unwrap_or_else(PoisonError::into_inner)
+    crate::locked::locked(&FOLDERS)
 }
 
 impl Scratch {

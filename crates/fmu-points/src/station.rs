@@ -8,7 +8,7 @@ use std::mem::take;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -17,6 +17,8 @@ use fmu_import::isolation::frame::{self, Inbox};
 
 use crate::crew::{Crew, Place};
 use crate::dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable};
+use crate::launcher::Launcher;
+use crate::locked::locked;
 use crate::points::{Limits, Post, RunError, Worker};
 use crate::policy::Found;
 use crate::shipped::Shipped;
@@ -37,20 +39,23 @@ pub(crate) fn serve() -> io::Result<()> {
     // Whatever came before it, such as a prompt, ends with its line.
     io::stdout().write_all(format!("\n{MAGIC}{said}\n").as_bytes())?;
     io::stdout().flush()?;
+    let output = Arc::new(Mutex::new(Output {
+        ticket: 0,
+        held: Vec::new(),
+        sent: Instant::now(),
+        heard: Instant::now(),
+        patience: Launcher::PATIENCE,
+    }));
+    // The link may be cut already.
+    let watched = Arc::clone(&output);
+    thread::spawn(move || watch(&watched));
     let mut orders = Inbox::new(io::stdin(), 0);
     let Some(terms) = orders.wait()? else {
         return Ok(());
     };
     let terms: Terms = serde_json::from_slice(&terms)?;
     orders.expect(terms.ticket);
-    let output = Arc::new(Mutex::new(Output {
-        ticket: terms.ticket,
-        held: Vec::new(),
-        sent: Instant::now(),
-        heard: Instant::now(),
-    }));
-    let (watched, patience) = (Arc::clone(&output), terms.patience);
-    thread::spawn(move || watch(&watched, patience));
+    locked(&output).meet(&terms);
     let mut next = || -> io::Result<Option<Order>> {
         let Some(order) = orders.wait()? else {
             return Ok(None);
@@ -113,9 +118,16 @@ struct Output {
     held: Vec<News>,
     sent: Instant,
     heard: Instant,
+    patience: Duration,
 }
 
 impl Output {
+    /// Takes note of what the supervisor said first.
+    fn meet(&mut self, terms: &Terms) {
+        (self.ticket, self.patience) = (terms.ticket, terms.patience);
+        self.heard = Instant::now();
+    }
+
     fn hold(&mut self, news: News) -> io::Result<()> {
         self.held.push(news);
         match self.sent.elapsed() < HOLD {
@@ -146,16 +158,17 @@ impl Output {
 }
 
 /// Sends what is held back and signs of life, and ends this process when the supervisor gives none.
-fn watch(output: &Mutex<Output>, patience: Duration) {
-    let beat = beat(patience);
+fn watch(output: &Mutex<Output>) {
     loop {
+        let beat = beat(locked(output).patience);
         thread::sleep(LOOK.min(beat));
         let mut output = locked(output);
         let mut sent = output.send();
-        if output.sent.elapsed() >= beat {
+        // Before its first message the supervisor understands none.
+        if output.ticket != 0 && output.sent.elapsed() >= beat {
             sent = output.say(&Report::Beat);
         }
-        if sent.is_err() || output.heard.elapsed() > patience * 2 {
+        if sent.is_err() || output.heard.elapsed() > output.patience * 2 {
             leave(&output);
             system::leave(1);
         }
@@ -318,9 +331,4 @@ fn open(path: &Path, terms: &Terms) -> Result<Package, Unable> {
             true,
         )),
     }
-}
-
-fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Every change leaves it sound.
-    what.lock().unwrap_or_else(PoisonError::into_inner)
 }
