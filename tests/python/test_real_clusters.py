@@ -66,6 +66,31 @@ def test_what_many_workers_began_one_machine_ends(study, single, tmp_path):  # n
     assert files(out) == files(single)
 
 
+@pytest.mark.long
+def test_a_job_at_its_time_limit_goes_on_later(study, single, tmp_path):  # noqa: F811
+    """The lines of docs/cluster.md; Slurm's signal comes once some points are done."""
+    text = (ROOT / "docs" / "cluster.md").read_text()
+    lines = textwrap.dedent(text[text.index("    orchestrator verify my.toml --launcher \"srun -n1 -c1 --exact\" --jobs 64"):])
+    lines = lines[:lines.index("esac") + 4].replace("orchestrator verify my.toml", f"{PROGRAM} verify {study} --output {tmp_path}/out")
+    script, journal = tmp_path / "job.sh", tmp_path / "out" / "journal.txt"
+
+    def submit(pause):
+        script.write_text(f"#!/bin/bash\nexport FAULTY_PAUSE={pause}\n{lines.replace('--jobs 64', '--jobs 4')}\n")
+        return subprocess.Popen(["sbatch", "--wait", "-n4", "-o", tmp_path / "log", script], env=environment, stdout=subprocess.PIPE)
+    with started(clusters.slurm, tmp_path / "slurm") as slurm:
+        environment = os.environ | slurm.environment
+        job = submit(0.5)
+        while not journal.exists() or len(journal.read_text().splitlines()) < 20:
+            assert job.poll() is None
+            time.sleep(0.05)
+        subprocess.run(["scancel", "--batch", "--signal=TERM", "1"], env=environment, check=True)
+        # Interrupted, as after Ctrl-C.
+        assert job.wait(60) == 130
+        assert "--resume goes on" in (tmp_path / "log").read_text()
+        assert submit(0).wait(60) == 0
+    assert files(tmp_path / "out") == files(single)
+
+
 MANIFEST = """
 import kubernetes_validate, sys, yaml
 for part in yaml.safe_load_all(sys.stdin):
