@@ -4,8 +4,7 @@
 //! FMU: its points are handed out again. Only a point that has cost several workers while it was alone with them has failed.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::Read;
+use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -300,21 +299,11 @@ impl Team {
 
     fn ship(&self, link: &mut Link) -> Result<(), String> {
         let path = &self.terms.fmu;
-        let mut read = || -> std::io::Result<()> {
-            let mut file = File::open(path)?;
-            loop {
-                let mut part = Vec::new();
-                Read::by_ref(&mut file)
-                    .take(PART as u64)
-                    .read_to_end(&mut part)?;
-                let last = part.is_empty();
-                link.order(&Order::Bytes(part));
-                if last {
-                    return Ok(());
-                }
-            }
-        };
-        read().map_err(|error| format!("{}: {error}", path.display()))
+        let all = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        for part in all.chunks(PART).chain([&[][..]]) {
+            link.order(&Order::Bytes(part.to_vec()));
+        }
+        Ok(())
     }
 
     /// Notes that a worker was lost or did not start.

@@ -27,11 +27,15 @@ impl Shipped {
     ) -> io::Result<Self> {
         const PAUSE: Duration = Duration::from_millis(50);
         let folder = std::env::temp_dir().join(scratch::shared_name(digest));
+        #[cfg_attr(not(unix), allow(unused_mut))]
+        let mut builder = fs::DirBuilder::new();
+        // Nobody else may change what is run here.
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
         loop {
-            match fs::create_dir(&folder) {
-                Ok(()) => private(&folder)?,
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(error),
+            match builder.create(&folder) {
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+                _ => {}
             }
             let path = folder.join(scratch::LOCK);
             let lock = OpenOptions::new()
@@ -39,8 +43,11 @@ impl Shipped {
                 .append(true)
                 .read(true)
                 .open(&path);
-            // Its last user may be removing the folder.
-            let Ok(lock) = lock else { continue };
+            let lock = match lock {
+                // Its last user has just removed the folder.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                opened => opened?,
+            };
             match lock.try_lock() {
                 Ok(()) => {
                     let file = folder.join(FILE);
@@ -74,17 +81,6 @@ impl Drop for Shipped {
             let _ = fs::remove_dir_all(&self.folder);
         }
     }
-}
-
-/// Nobody else may change what is run here.
-fn private(folder: &Path) -> io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(folder, fs::Permissions::from_mode(0o700))?;
-    }
-    let _ = folder;
-    Ok(())
 }
 
 fn receive(file: &Path, source: &mut dyn FnMut() -> io::Result<Vec<u8>>) -> io::Result<()> {
@@ -127,6 +123,16 @@ mod tests {
         assert!(Shipped::take(&digest, &mut broken).is_err());
         let folder = path.parent().unwrap();
         assert!(!path.exists());
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Such as a disk without room: nobody waits for what will not be.
+    #[test]
+    fn a_lock_that_cannot_be_made_is_an_error() {
+        let digest = format!("test-of-locks-{}", std::process::id());
+        let folder = std::env::temp_dir().join(scratch::shared_name(&digest));
+        fs::create_dir_all(folder.join(scratch::LOCK)).unwrap();
+        assert!(Shipped::take(&digest, &mut || Ok(Vec::new())).is_err());
         fs::remove_dir_all(folder).unwrap();
     }
 }
