@@ -76,9 +76,9 @@ const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not v
 macro_rules! verdict_help {
     ($example:literal) => {
         concat!(
-            "Verdict: with [verdict] in the study, its `share` of the sampled space must be accepted: 0 verified, 1 not \
-             verified, 3 inconclusive. Without it one point that meets all criteria is enough: 0 verified, 1 not \
-             verified. Other exit codes: 2 a mistake in the call or a file, 130 interrupted (--resume goes on).\n\nExample: ",
+            "Verdict: with [verdict] in the study, its `share` of the sampled space must be accepted; without it, one point \
+             that meets all criteria is enough.\n\nExit codes: 0 verified, 1 not verified, 3 inconclusive (only with \
+             [verdict]), 2 a mistake in the call or a file, 130 interrupted (--resume goes on).\n\nExample: ",
             $example
         )
     };
@@ -92,7 +92,7 @@ pub enum Command {
     Inspect(Inspect),
     /// Looks for faults in an FMU; exit code 1 when it finds an error
     Check(Check),
-    /// Writes a commented starting study from an FMU's own variables
+    /// Writes a first study of an FMU from its own variables, with comments
     Init(Init),
     /// Simulates an FMU once and writes csv: the time, then the outputs
     Simulate(Simulate),

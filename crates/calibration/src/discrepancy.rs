@@ -33,7 +33,7 @@ impl Unknown {
         }
     }
 
-    /// The standard deviation at a place from 0 to 1, which are as probable as any other before the measurement.
+    /// The standard deviation at a place: the prior probability, from 0 to 1, of a smaller one.
     pub fn deviation(&self, place: f64) -> f64 {
         self.scale * (std::f64::consts::FRAC_PI_2 * place).tan()
     }

@@ -74,8 +74,8 @@ pub enum Approximation {
 }
 
 impl Local {
-    /// Takes note of the rise of the sum of squares at an end, where another one was predicted; tells by which factor the
-    /// end should be farther away.
+    /// Compares the rise of the sum of squares at an end with the predicted one, and notes whether the approximation holds.
+    /// Returns by which factor the end should be farther away, if the rise is too small.
     fn take(&mut self, rise: f64, predicted: f64) -> Option<f64> {
         /// Standard deviations at the end, over those predicted: within these the approximation serves.
         const CLOSE: [f64; 2] = [0.9, 1.5];

@@ -321,9 +321,9 @@ impl Law {
         sum / weights
     }
 
-    /// Weights and standard deviations of the normal distributions of which the normal and Student's part together are a
-    /// mixture: Student's number is normal given the chi-square number in its denominator. The trapezoidal rule over the
-    /// logarithm of that number errs by 1e-12.
+    /// The sum of the normal and Student's part as a mixture of normal distributions: gives `take` their weights and standard
+    /// deviations. Student's variable is normal given the chi-square variable in its denominator; the trapezoidal rule over
+    /// the logarithm of that variable errs by 1e-12.
     fn mixture(&self, mut take: impl FnMut(f64, f64)) {
         /// Weights below this part of the largest one are left out.
         const LEAST: f64 = 1e-14;

@@ -225,8 +225,8 @@ impl Drop for Log {
     }
 }
 
-/// The seat of a ticket and whether the ticket was a foreign one. With such a ticket the message is that of the only
-/// instance, where there is only one.
+/// The seat of a ticket, and whether the ticket is foreign. A message with a foreign ticket goes to the only instance, if
+/// there is only one.
 fn seat_of(ticket: usize) -> Option<(&'static Seat, bool)> {
     let seats = locked(&SEATS);
     let taken = |seat: &&'static Seat| seat.taken.load(Ordering::Acquire);

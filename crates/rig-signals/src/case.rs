@@ -33,7 +33,7 @@ pub struct Drive {
     pub unit: String,
     /// How far all its values together may be off: the limit of the sensor's error, in its unit.
     pub accuracy: Option<f64>,
-    /// How far the input may be from the recorded one beside its noise, in its unit.
+    /// How far the input may deviate from the recording, beyond the noise, in its unit.
     pub tolerance: Option<f64>,
     /// Its values.
     pub values: Driven,

@@ -101,7 +101,7 @@ impl Problem {
         0.5 * (low + high)
     }
 
-    /// A base point with the values for its missing runs that make its part of the sum largest, or least.
+    /// A base point, its missing runs filled with the values that make its part of the sum largest (`most`) or least.
     fn worst(&self, row: Triple, t: f64, most: bool) -> Triple {
         let [low, high] = self.range;
         let [base, mixed, apart] = row;

@@ -29,7 +29,8 @@ pub struct Check {
     /// What a build server wants
     #[command(flatten)]
     pub gate: Gate,
-    /// Findings that are known: a TOML file with [[ignore]] entries of `rule`, `reason` and, to be narrow, `variable`
+    /// Known findings, which do not count: a TOML file with [[ignore]] entries of `rule`, `reason` and, for one variable
+    /// only, `variable`
     #[arg(long, value_name = "FILE.toml")]
     pub ignore: Option<PathBuf>,
     /// Time limit for each of the short simulations, s
@@ -124,7 +125,7 @@ pub struct Synchronise {
     /// Also make criteria for the amplitudes of load and torque
     #[arg(long)]
     pub amplitudes: bool,
-    /// Also write a case of this name for a study, case.toml: the inputs, and the signals as curves in case.csv
+    /// Also write a case of this name for a study: case.toml, with csv files of the inputs and of the signals as curves
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
     /// The case is judged, and never fitted

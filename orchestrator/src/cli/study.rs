@@ -99,8 +99,8 @@ fn extra_runs() -> impl TypedValueParser<Value = usize> {
 /// Options of `pack`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "`orchestrator verify MODEL.fmu` runs the study that the FMU carries, on any machine, and compares with its \
-    result: exit code 1 where that is not met.\n\nExample: orchestrator pack studies/rig.toml --output Stand.fmu"
+    after_help = "`orchestrator verify MODEL.fmu` runs the study that the FMU carries, on any machine, and compares the results \
+    with the carried ones: exit code 1 if they differ.\n\nExample: orchestrator pack studies/rig.toml --output Stand.fmu"
 )]
 pub struct Pack {
     /// The study, a TOML file
@@ -108,7 +108,7 @@ pub struct Pack {
     /// The copy of the FMU
     #[arg(long, value_name = "MODEL.fmu")]
     pub output: PathBuf,
-    /// The folder with the study's results [default: `verify --validation` runs it]
+    /// The folder with the study's results [default: the study is run first, by `verify --validation`]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
     /// The FMU, instead of the study's, such as one that carries another study already
@@ -168,8 +168,9 @@ pub struct Merge {
 /// Options of `compare`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Exit codes: 0 the same verdict and no point that changed sides beyond the stated numerical uncertainty, 1 \
-    a difference (with --strict also a changed value), 2 a mistake in the call or a file.\n\nExample: orchestrator compare \
+    after_help = "Exit codes: 0 the same verdict, and no point that meets all criteria in one result only (beyond the stated \
+    numerical uncertainty), 1 a difference (with --strict also a changed value), 2 a mistake in the call or a \
+    file.\n\nExample: orchestrator compare \
     results/release-1 results/rig --output results/changes"
 )]
 pub struct Compare {

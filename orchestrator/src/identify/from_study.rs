@@ -445,7 +445,7 @@ struct Shared {
 }
 
 impl Shared {
-    /// Tells of a channel's error: together with a channel that has the same one from the same sensor.
+    /// Lists a channel's error. Where the same error of the same sensor is listed already, only the channel's name is added.
     fn tell(&mut self, channel: Channel) {
         let same = |known: &&mut Channel| {
             known.kind == channel.kind

@@ -65,7 +65,7 @@ macro_rules! methods {
 methods! {
     /// Finds the parameters that make the measured values most probable
     Identify = identify;
-    /// Finds the widest tolerances of the parameters at which the model still conforms as wanted
+    /// Finds the widest tolerances of the parameters at which the wanted share of points is still accepted, or conforms
     Tolerances = tolerances;
     /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening, ranks, PAWN
     Sensitivity = sensitivity;

@@ -115,7 +115,7 @@ impl Binder<'_> {
         })
     }
 
-    /// The errors of the rows by parts, without and with their noise; none where no uncertainty is stated.
+    /// The parts of the rows' errors (shared, gain, own), without noise and with it; none where no uncertainty is stated.
     fn errors(
         &self,
         curve: &Curve,

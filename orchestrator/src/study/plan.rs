@@ -134,7 +134,7 @@ impl Plan {
         varied
     }
 
-    /// The parameters at a point of the unit cube of those that vary; the others have their medians.
+    /// The parameters at a point of the unit cube. Its axes are the parameters that vary; the others have their medians.
     pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
         // Away from the ends of the unit interval where a distribution reaches to infinity.
         let varied = self.varied().into_iter().zip(cube);

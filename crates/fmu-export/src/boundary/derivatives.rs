@@ -181,7 +181,7 @@ impl<M: Model> Instance<M> {
     }
 
     fn known(&self, variable: &'static Variable<M>, direction: f64) -> Outcome<Known<M>> {
-        // A known must be one that could be set now; after the end, one that could be set before it.
+        // A known must be settable: in initialization as now, otherwise as at a communication point, also after the end.
         let phase = match self.run.phase {
             Phase::Initialization => Phase::Initialization,
             _ => Phase::StepComplete,

@@ -24,7 +24,7 @@ use crate::model::Model;
 #[inline]
 pub fn magic<M: Model>(kind: u64, version: Version) -> u64 {
     static ANCHOR: u8 = 0;
-    // The address differs between libraries. Every call comes through here: the rest is known at compile time.
+    // Every call comes through here, so all but the address, which differs between libraries, is known at compile time.
     let library = (&raw const ANCHOR).addr() as u64;
     library ^ const { hash(M::INFO.identifier) as u64 } ^ kind ^ ((version as u64) << 32)
 }

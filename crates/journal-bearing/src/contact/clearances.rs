@@ -71,7 +71,7 @@ impl ContactFamily {
         let middle = (clearance / (NO_CONTACT * surface.roughness)).ln() / SPACING;
         let touches = !table.nodes.is_empty();
         let bound = |ratio: f64| (middle + ratio.ln() / SPACING).floor();
-        // Both sides have room for a whole polynomial, also where the one at seven roughnesses cuts them short.
+        // Each end has room for the tables of a polynomial, also near seven roughnesses, where all lie on one side.
         let (first, last) = if touches {
             (bound(LEAST) - 4.0, bound(MOST) + 5.0)
         } else {

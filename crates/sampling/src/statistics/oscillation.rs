@@ -201,8 +201,8 @@ impl Recording {
     }
 }
 
-/// The highest peak of a spectrum, if it is as narrow as the window makes that of a sine: two lines of the window beside it
-/// there is less than half of it.
+/// The index of the highest peak of a spectrum, if it is as narrow as that of a sine under the window: less than half as high
+/// at a distance of 2 over the span to either side.
 fn peak(spectrum: &[f64], spacing: f64, span: f64) -> Option<usize> {
     let last = spectrum.len() - 1;
     let lines = |number: f64| (number / (span * spacing)).round() as usize;

@@ -1,4 +1,4 @@
-//! `tolerances`: the widest tolerances of the parameters at which the model still conforms as wanted.
+//! `tolerances`: the widest tolerances of the parameters at which the wanted share of points is still accepted, or conforms.
 
 mod document;
 mod goal;

@@ -13,8 +13,8 @@ use crate::reynolds::error::FilmError;
 use crate::reynolds::lanes::dot;
 use crate::reynolds::settings::{Drive, FilmSettings};
 
-/// A film through which flows less than this share of its content in a step counts as still: its mass balance is judged
-/// by this flow, which is still well above the rounding of the content.
+/// A film counts as still if less than this share of its content flows through it in a step. Its mass balance is then judged
+/// by this flow, which is well above the rounding of the content.
 const STILL: f64 = 1e-5;
 
 /// State, gap, oil, balances and their linearisation. What is not state follows from it or is overwritten before use.
