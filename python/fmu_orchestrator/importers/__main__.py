@@ -53,8 +53,9 @@ class Row:
 def scenario(fmu: Path, options: argparse.Namespace) -> Scenario:
     """The wanted scenario, or what the FMU suggests, cut to a hundred steps and ten outputs."""
     found = inspect(fmu)
-    scalar = [one for one in found["variables"] if one["type"] == "Real" and not one.get("dimensions")
-              and one.get("storage") in (None, "Float64")]
+    # Elements of arrays, which other programs do not name alone, end with their index.
+    scalar = [one for one in found["variables"] if one["type"] == "Real" and one.get("storage") in (None, "Float64")
+              and (found["fmi_version"] == "2.0" or not one["name"].endswith("]"))]
     # Of names for the same value the first.
     real = list({one["value_reference"]: one for one in reversed(scalar)}.values())[::-1]
     names = [one["name"] for one in real if one["causality"] == "output"] or \

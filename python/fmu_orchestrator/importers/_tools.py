@@ -89,8 +89,8 @@ class Tool:
 
 def _last_line(text: str) -> str:
     # What Python says while it ends is no reason.
-    lines = [line.strip() for line in text.partition("Exception ignored in")[0].splitlines() if line.strip()]
-    errors = [line for line in lines if "rror" in line and not line.startswith("note:")]
+    lines = [line.strip() for line in text.partition("Exception ignored in")[0].splitlines() if line.strip() and not line.startswith("note:")]
+    errors = [line for line in lines if "rror" in line]
     return (errors or lines or ["it said nothing"])[-1]
 
 
