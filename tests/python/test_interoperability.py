@@ -48,20 +48,20 @@ def test_other_libraries_of_clang_do_not_pass_for_libclang(files, enough, tmp_pa
 
 
 def test_what_is_installed_runs_and_the_rest_is_named(fmu, tmp_path):
-    forms = [fmu.with_name(name) for name in FORMS]
-    done = matrix(*forms, *SCENARIO, "--environments", tmp_path / "none", "--output", tmp_path, "--junit", tmp_path / "junit.xml",
+    names = [FORMS[0], FORMS[3]]
+    done = matrix(*(fmu.with_name(name) for name in names), *SCENARIO, "--environments", tmp_path / "none", "--output", tmp_path, "--junit", tmp_path / "junit.xml",
                   "--csv", tmp_path / "table.csv", *(part for name in ("orchestrator simulate", "FMPy", "ECOS (ecospy)", "fmi4c",
                   "FMPy validation") for part in ("--only", name)), env={**ENVIRONMENT, "FMI4C": ""})
     assert done.returncode == 1, done.stdout + done.stderr  # FMI4C names nothing that loads
-    for name, same in zip(FORMS, ("identical", "identical", "within", "within")):
+    for name, same in zip(names, ("identical", "within")):
         assert f"{name}  FMPy: {same}" in done.stdout and f"{name}  FMPy validation: accepts it" in done.stdout
     assert f'{FORMS[0]}  ECOS (ecospy): not installed: {_tools.CALL} --install --only "ECOS (ecospy)"' in done.stdout
     assert not (tmp_path / "none").exists()  # nothing is fetched
     suites = ET.parse(tmp_path / "junit.xml").getroot()
     assert [(suite.get("name"), suite.get("tests"), suite.get("failures"), suite.get("skipped")) for suite in suites] == [
-        (FORMS[0], "5", "1", "1"), (FORMS[1], "5", "1", "1"), (FORMS[2], "5", "0", "2"), (FORMS[3], "5", "0", "2")]
+        (FORMS[0], "5", "1", "1"), (FORMS[3], "5", "0", "2")]
     table = (tmp_path / "table.csv").read_text().splitlines()
-    assert table[0].startswith("FMU,orchestrator simulate,FMPy 0") and "ECOS" not in table[0] and len(table) == 5
+    assert table[0].startswith("FMU,orchestrator simulate,FMPy 0") and "ECOS" not in table[0] and len(table) == 3
     assert "FMPy validation" in (tmp_path / "importers.html").read_text()
 
 
