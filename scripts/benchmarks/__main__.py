@@ -104,7 +104,7 @@ SCALING = """\
 `verify studies/paper-table3.toml` with one 150 s step a point, all included.
 
 ![CPU time a point over the number of points](../images/benchmarks-scaling.svg)"""
-LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point. Memory is the peak of resident memory."
+LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point. The file has the peaks of memory."
 FILM = """\
 `crates/journal-bearing/examples/bound.rs` compares a step with the time that this core takes for the multiplications and
 additions of a step."""
