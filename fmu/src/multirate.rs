@@ -62,15 +62,9 @@ pub trait TwoScales {
     fn turns(&self) -> usize {
         1
     }
-    /// Rate of the eccentricity-ratio vector, 1/s, and the flows, `tau` seconds into a turn, at a film viscosity, Pa.s, and a
-    /// clearance, m.
-    fn journal(
-        &self,
-        tau: f64,
-        eccentricity: [f64; 2],
-        viscosity: f64,
-        clearance: f64,
-    ) -> ([f64; 2], Flows);
+    /// The journal at a clearance, m: the rate of the eccentricity-ratio vector, 1/s, and the flows, `tau` seconds into a turn, at
+    /// an eccentricity-ratio vector and a film viscosity, Pa.s.
+    fn journal(&self, clearance: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows);
     /// Film viscosity, Pa.s, at a film temperature, K.
     fn viscosity(&self, film_temperature: f64) -> f64;
     /// Clearance, m, at these temperatures and a mean wear depth, m; positive also where it closes.

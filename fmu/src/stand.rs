@@ -183,15 +183,10 @@ impl Stand {
 
     /// The upper half of Fig. 3 up to the film, `tau` seconds into the step: what drive, load mechanism and oil give it.
     fn situation(&self, tau: f64, y: &Unknowns) -> Situation {
-        let (speed, _, load) = self.driven(tau);
         let temperatures = temperatures(y);
-        Situation {
-            load,
-            eccentricity: [y[0], y[1]],
-            clearance: self.clearance(&temperatures, worn(y)),
-            viscosity: self.fluid.viscosity(temperatures.film),
-            speed,
-        }
+        let viscosity = self.fluid.viscosity(temperatures.film);
+        let clearance = self.clearance(&temperatures, worn(y));
+        self.instant(tau, [y[0], y[1]], viscosity, clearance)
     }
 
     /// The part of the motion that the time integration needs, with the situation that it is one of.
@@ -202,16 +197,33 @@ impl Stand {
         viscosity: f64,
         clearance: f64,
     ) -> (Situation, Drift) {
+        let at = self.instant(tau, eccentricity, viscosity, clearance);
+        let felt = self.feels_side_flow();
+        (at, self.film.drift(&self.bearing, &at, felt))
+    }
+
+    /// Whether the temperatures follow from the side flow.
+    fn feels_side_flow(&self) -> bool {
+        self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal
+    }
+
+    /// The film's situation `tau` seconds into the step, with its place (1), viscosity (Pa.s) and clearance (m) given.
+    #[inline]
+    fn instant(
+        &self,
+        tau: f64,
+        eccentricity: [f64; 2],
+        viscosity: f64,
+        clearance: f64,
+    ) -> Situation {
         let (speed, _, load) = self.driven(tau);
-        let felt = self.thermal.fresh_oil != 0.0 && !self.thermal.isothermal;
-        let at = Situation {
+        Situation {
             load,
             eccentricity,
             clearance,
             viscosity,
             speed,
-        };
-        (at, self.film.drift(&self.bearing, &at, felt))
+        }
     }
 
     /// Shaft speed (rad/s), shaft angle (rad) and load on the journal (N, along x and y), `tau` seconds into the step.

@@ -19,7 +19,7 @@ mod integral;
 pub use crate::roughness::NO_CONTACT;
 use crate::roughness::{Reach, resistance};
 use crate::spline::hermite;
-pub use clearances::ContactFamily;
+pub use clearances::{ContactAt, ContactFamily};
 pub use friction::direction;
 pub use integral::f_5_2;
 use integral::f_5_2_log;

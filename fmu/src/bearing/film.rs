@@ -155,6 +155,22 @@ impl Film {
         self.running.drift(bearing, at, side_flow)
     }
 
+    /// [`drift`](Self::drift) at many instants of one clearance, m.
+    pub fn drift_at<'a>(
+        &'a self,
+        bearing: &'a Bearing,
+        clearance: f64,
+    ) -> impl Fn(&Situation, bool) -> Drift + 'a {
+        let mobility = match &self.running {
+            Running::Mobility(film) => Some(film.at_clearance(clearance)),
+            _ => None,
+        };
+        move |at, side_flow| match &mobility {
+            Some(film) => film.drift(bearing, at, side_flow),
+            None => self.running.drift(bearing, at, side_flow),
+        }
+    }
+
     /// Stiffness and damping about a resting journal; zero before the start.
     pub fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
         let film = self.running.film();

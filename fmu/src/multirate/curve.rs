@@ -99,7 +99,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     ) -> Result<(Self, Orbit), NoLeap> {
         let viscosity = model.viscosity(from.temperatures.film);
         let end = Vector2::from(from.eccentricity);
-        let (_, flows) = model.journal(0.0, from.eccentricity, viscosity, clearance);
+        let (_, flows) = model.journal(clearance)(0.0, from.eccentricity, viscosity);
         let mut curve = Self {
             model,
             clearance,
@@ -304,8 +304,9 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     fn turn(&mut self, viscosity: f64, start: Vector2<f64>) -> Result<Orbit, Failure> {
         let period = self.model.period();
         let steps = self.left.min(MOST_EXPLICIT * self.model.turns());
+        let journal = self.model.journal(self.clearance);
         let rates = |tau: f64, y: &[f64; 2]| {
-            let (velocity, flows) = self.model.journal(tau, *y, viscosity, self.clearance);
+            let (velocity, flows) = journal(tau, *y, viscosity);
             (velocity, [flows.viscous, flows.boundary, flows.side_flow])
         };
         let integrator = DormandPrince {

@@ -210,15 +210,17 @@ mod tests {
             0.2
         }
 
-        fn journal(&self, tau: f64, [x, y]: [f64; 2], viscosity: f64, c: f64) -> ([f64; 2], Flows) {
-            self.looks.set(self.looks.get() + 1);
-            let turning = (tau / 0.2 * std::f64::consts::TAU).sin();
-            let place = 0.5 * c.powf(0.3) * viscosity.powf(-0.1) + 0.1 * turning;
-            let flows = Flows {
-                viscous: 20.0 * viscosity.powf(0.7) * c.powf(-1.5) * (1.0 + x * x),
-                ..Flows::default()
-            };
-            ([20.0 * (place - x), -20.0 * y], flows)
+        fn journal(&self, c: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows) {
+            move |tau, [x, y], viscosity| {
+                self.looks.set(self.looks.get() + 1);
+                let turning = (tau / 0.2 * std::f64::consts::TAU).sin();
+                let place = 0.5 * c.powf(0.3) * viscosity.powf(-0.1) + 0.1 * turning;
+                let flows = Flows {
+                    viscous: 20.0 * viscosity.powf(0.7) * c.powf(-1.5) * (1.0 + x * x),
+                    ..Flows::default()
+                };
+                ([20.0 * (place - x), -20.0 * y], flows)
+            }
         }
 
         fn viscosity(&self, film_temperature: f64) -> f64 {

@@ -264,12 +264,14 @@ mod tests {
             0.2
         }
 
-        fn journal(&self, _: f64, [x, y]: [f64; 2], viscosity: f64, _: f64) -> ([f64; 2], Flows) {
-            let flows = Flows {
-                viscous: (self.0)(300.0 - viscosity.ln() / 0.03),
-                ..Flows::default()
-            };
-            ([-10.0 * x, -10.0 * y], flows)
+        fn journal(&self, _: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows) {
+            move |_, [x, y], viscosity| {
+                let flows = Flows {
+                    viscous: (self.0)(300.0 - viscosity.ln() / 0.03),
+                    ..Flows::default()
+                };
+                ([-10.0 * x, -10.0 * y], flows)
+            }
         }
 
         /// Falls by 3 % per kelvin, as that of oil.

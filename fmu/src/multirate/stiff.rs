@@ -25,8 +25,9 @@ pub(super) fn turn<M: TwoScales>(
         allowed: [place, place, heat, heat, f64::INFINITY, f64::INFINITY],
         budget: Budget::of(steps),
     };
+    let journal = model.journal(clearance);
     let rates = |x: &Course| {
-        let (velocity, flows) = model.journal(x[5], [x[0], x[1]], viscosity, clearance);
+        let (velocity, flows) = journal(x[5], [x[0], x[1]], viscosity);
         let [x, y] = velocity;
         Course::new(x, y, flows.viscous, flows.boundary, flows.side_flow, 1.0)
     };

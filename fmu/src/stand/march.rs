@@ -360,15 +360,14 @@ impl TwoScales for Stand {
         self.turns_of_a_cycle()
     }
 
-    fn journal(
-        &self,
-        tau: f64,
-        eccentricity: [f64; 2],
-        viscosity: f64,
-        clearance: f64,
-    ) -> ([f64; 2], Flows) {
-        let (_, drift) = self.drift(tau, eccentricity, viscosity, clearance);
-        (drift.velocity, drift.flows)
+    fn journal(&self, clearance: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows) {
+        let drift = self.film.drift_at(&self.bearing, clearance);
+        let felt = self.feels_side_flow();
+        move |tau, eccentricity, viscosity| {
+            let at = self.instant(tau, eccentricity, viscosity, clearance);
+            let drift = drift(&at, felt);
+            (drift.velocity, drift.flows)
+        }
     }
 
     fn viscosity(&self, film_temperature: f64) -> f64 {

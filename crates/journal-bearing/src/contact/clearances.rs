@@ -1,10 +1,11 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
 use super::{
-    Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Place, QUANTITIES, Surface, Touch,
+    Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Node, Place, QUANTITIES, Surface, Touch,
 };
 use crate::roughness::Reach;
 use crate::spline::below;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -105,23 +106,15 @@ impl ContactFamily {
 
     /// The same between tables.
     fn between(&self, eccentricity_ratio: f64, clearance: f64) -> Option<Touch> {
-        let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
-        let [start, length] = Reach::along(self.roughness / clearance);
-        let position = (eccentricity_ratio - start) * ((NODES - 1) as f64 / length);
+        let (clearance, start, per_spacing) = self.within(clearance);
+        let position = (eccentricity_ratio - start) * per_spacing;
         if position < 0.0 {
             return None;
         }
         let place = Place::new(position);
-        let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
-        let below = below(x);
-        let lowest = if below >= 0 {
-            (below - 1).max(0)
-        } else {
-            (below - 1).min(1 - THROUGH as i32)
-        };
         let mut quantities = [0.0; QUANTITIES];
-        for (j, weight) in (lowest..).zip(weights(x - f64::from(lowest))) {
-            place.add(self.table(j).ends(place.cell), weight, &mut quantities);
+        for (table, weight) in self.about(clearance) {
+            place.add(table.ends(place.cell), weight, &mut quantities);
         }
         for log in &mut quantities[..LOGARITHMS] {
             *log += self.scale;
@@ -129,11 +122,113 @@ impl ContactFamily {
         Some(place.touch(&quantities, eccentricity_ratio, start))
     }
 
+    /// The contact at one clearance, m, for many eccentricity ratios: its knots are computed once.
+    pub fn with_clearance(&self, clearance: f64) -> ContactAt<'_> {
+        if clearance == self.clearance || self.tables.is_empty() {
+            return ContactAt(Tables::Own(&self.table));
+        }
+        let (clearance, start, per_spacing) = self.within(clearance);
+        ContactAt(Tables::Between {
+            start,
+            per_spacing,
+            scale: self.scale,
+            tables: self.about(clearance),
+            nodes: vec![OnceCell::new(); NODES],
+        })
+    }
+
+    /// A clearance within those that have tables, m; the eccentricity ratio where contact begins, and the knots per eccentricity
+    /// ratio there.
+    #[inline]
+    fn within(&self, clearance: f64) -> (f64, f64, f64) {
+        let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
+        let [start, length] = Reach::along(self.roughness / clearance);
+        (clearance, start, (NODES - 1) as f64 / length)
+    }
+
+    /// The tables about a clearance, m, with their weights.
+    #[inline]
+    fn about(&self, clearance: f64) -> [(&ContactTable, f64); THROUGH] {
+        let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
+        let below = below(x);
+        let lowest = if below >= 0 {
+            (below - 1).max(0)
+        } else {
+            (below - 1).min(1 - THROUGH as i32)
+        };
+        let weights = weights(x - f64::from(lowest));
+        std::array::from_fn(|k| (self.table(lowest + k as i32), weights[k]))
+    }
+
     /// The table with this number.
     fn table(&self, number: i32) -> &ContactTable {
         let last = self.tables.len() - 1;
         let index = usize::try_from(number - self.first).unwrap_or(0).min(last);
         self.tables[index].get_or_init(|| shared(self.roughness, self.first + index as i32))
+    }
+}
+
+/// The contact at one clearance, from [`ContactFamily::with_clearance`].
+#[derive(Clone, Debug)]
+pub struct ContactAt<'a>(Tables<'a>);
+
+#[derive(Clone, Debug)]
+enum Tables<'a> {
+    Own(&'a ContactTable),
+    Between {
+        /// The eccentricity ratio where contact begins, and the knots per eccentricity ratio.
+        start: f64,
+        per_spacing: f64,
+        /// Logarithm of the force over the integrals in the tables, N.
+        scale: f64,
+        /// With their weights.
+        tables: [(&'a ContactTable, f64); THROUGH],
+        nodes: Vec<OnceCell<Node>>,
+    },
+}
+
+impl ContactAt<'_> {
+    /// Contact and film at an eccentricity ratio; `None` where the asperities do not touch.
+    #[inline]
+    pub fn touch(&self, eccentricity_ratio: f64) -> Option<Touch> {
+        let (start, per_spacing, nodes) = match &self.0 {
+            Tables::Own(table) => return table.touch(eccentricity_ratio),
+            Tables::Between {
+                start,
+                per_spacing,
+                nodes,
+                ..
+            } => (*start, per_spacing, nodes),
+        };
+        let position = (eccentricity_ratio - start) * per_spacing;
+        if position < 0.0 {
+            return None;
+        }
+        let place = Place::new(position);
+        let nodes = &nodes[place.cell..=place.cell + 1];
+        let ends = [0, 1].map(|k| nodes[k].get_or_init(|| self.node(place.cell + k)));
+        let mut quantities = [0.0; QUANTITIES];
+        place.add(ends, 1.0, &mut quantities);
+        Some(place.touch(&quantities, eccentricity_ratio, start))
+    }
+
+    /// A knot between tables.
+    #[inline(never)]
+    fn node(&self, i: usize) -> Node {
+        let Tables::Between { scale, tables, .. } = &self.0 else {
+            return Node::default();
+        };
+        let mut sum = Node::default();
+        for (table, weight) in tables {
+            let node = table.nodes[i].get_or_init(|| table.node(i));
+            for (sum, value) in sum.iter_mut().flatten().zip(node.iter().flatten()) {
+                *sum += weight * value;
+            }
+        }
+        for log in &mut sum[0][..LOGARITHMS] {
+            *log += scale;
+        }
+        sum
     }
 }
 
@@ -183,6 +278,14 @@ mod tests {
             let table = ContactTable::new(&surface, c, WIDTH, DIAMETER);
             for e in [0.0, 1e-3, 0.1, 0.3, 0.6, 0.8, 0.9, 0.97, 0.999] {
                 let (contact, expected) = (family.at(e, c), table.at(e));
+                let again = family
+                    .with_clearance(c)
+                    .touch(e)
+                    .map_or(0.0, |touch| touch.contact.force);
+                assert!(
+                    (again - contact.force).abs() <= 1e-13 * contact.force,
+                    "c = {c}, e = {e}"
+                );
                 for (value, expected) in [
                     (contact.force, expected.force),
                     (contact.normal, expected.normal),

@@ -40,7 +40,7 @@ pub use generate::{Sample, exact, exact_between, generate, generate_rough};
 pub use map::{MapError, MobilityMap};
 pub use rough::FINEST;
 pub use slice::{LookUp, MobilitySlice};
-pub use touching::RoughSlices;
+pub use touching::{RoughAt, RoughSlices};
 
 #[cfg(test)]
 mod tests {

@@ -242,7 +242,7 @@ impl MobilitySlice {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn place(&self, point: Point) -> Place {
         let lattice = &self.lattice;
         let across = (point.s * lattice.last_s).clamp(0.0, lattice.last_s);
@@ -268,6 +268,7 @@ impl MobilitySlice {
     }
 
     /// All quantities at a point and a share of the way from one slice to another of the same lattice.
+    #[inline(never)]
     pub(super) fn between(slices: [&Self; 2], share: f64, point: Point) -> [f64; CHANNELS] {
         let place = slices[0].place(point);
         let [near, far] = slices.map(|slice| slice.corners(&place));
@@ -286,7 +287,7 @@ impl MobilitySlice {
     }
 
     /// The nodes about a place.
-    #[inline]
+    #[inline(always)]
     fn corners(&self, place: &Place) -> [&Node; 4] {
         let [i, j] = place.near;
         let (near, far) = (&self.row(i)[j..=j + 1], &self.row(i + 1)[j..=j + 1]);

@@ -8,7 +8,6 @@ use super::coordinates::Point;
 use super::map::MapError;
 use super::rough::Corrections;
 use super::slice::{LookUp, MobilitySlice, ahead};
-use super::table::CHANNELS;
 use crate::contact::Touch;
 use crate::roughness::NO_CONTACT;
 
@@ -94,8 +93,7 @@ impl RoughSlices {
         })
     }
 
-    /// Locates the eccentricity-ratio vector `eps`, whose length is `e`, of a journal that touches so, at a radial clearance (m)
-    /// and under a load along the unit vector `direction`: [`MobilitySlice::look_up`] of a rough bearing.
+    /// [`RoughAt::look_up`] at a radial clearance, m.
     #[inline]
     pub fn look_up(
         &self,
@@ -105,26 +103,19 @@ impl RoughSlices {
         clearance: f64,
         direction: Vector2<f64>,
     ) -> LookUp<'_> {
-        let [cos, sin] = ahead(eps, e, direction);
-        let point = Point {
-            u: touch.place,
-            s: Point::direction(touch.room, cos, sin),
-        };
-        if clearance == self.clearance {
-            let own = self.own.get_or_init(|| self.slice(clearance));
-            return own.look_up_at(point, direction, sin);
-        }
-        LookUp::of(self.between(point, clearance), direction, sin)
+        self.with_clearance(clearance)
+            .look_up(eps, e, touch, direction)
     }
 
-    /// The quantities between two slices: at the same place between first touch and the end of the reach, and in the same
-    /// direction.
-    #[inline(never)]
-    fn between(&self, point: Point, clearance: f64) -> [f64; CHANNELS] {
+    /// The film at one radial clearance, m, for many look-ups.
+    #[inline]
+    pub fn with_clearance(&self, clearance: f64) -> RoughAt<'_> {
+        if clearance == self.clearance {
+            return RoughAt::Own(self.own.get_or_init(|| self.slice(clearance)));
+        }
         let clearance = clearance.clamp(LEAST * self.clearance, MOST * self.clearance);
         let (number, share) = below(clearance / (NO_CONTACT * self.roughness));
-        let slices = [0, 1].map(|k| self.other(number + k));
-        MobilitySlice::between(slices, share, point)
+        RoughAt::Between([0, 1].map(|k| self.other(number + k)), share)
     }
 
     /// The slice with a number.
@@ -141,6 +132,41 @@ impl RoughSlices {
     fn slice(&self, clearance: f64) -> MobilitySlice {
         let correction = self.corrections.at(self.roughness / clearance);
         MobilitySlice::corrected(&self.smooth, correction)
+    }
+}
+
+/// The mobility of a rough bearing at one clearance, from [`RoughSlices::with_clearance`].
+#[derive(Clone, Copy, Debug)]
+pub enum RoughAt<'a> {
+    /// The slice of that clearance.
+    Own(&'a MobilitySlice),
+    /// Two slices about it, and the share of the way between them: quantities are compared at the same place between first touch
+    /// and the end of the reach, and in the same direction.
+    Between([&'a MobilitySlice; 2], f64),
+}
+
+impl<'a> RoughAt<'a> {
+    /// Locates the eccentricity-ratio vector `eps`, whose length is `e`, of a journal that touches so, under a load along the unit
+    /// vector `direction`: [`MobilitySlice::look_up`] of a rough bearing.
+    #[inline]
+    pub fn look_up(
+        &self,
+        eps: Vector2<f64>,
+        e: f64,
+        touch: &Touch,
+        direction: Vector2<f64>,
+    ) -> LookUp<'a> {
+        let [cos, sin] = ahead(eps, e, direction);
+        let point = Point {
+            u: touch.place,
+            s: Point::direction(touch.room, cos, sin),
+        };
+        match *self {
+            Self::Own(slice) => slice.look_up_at(point, direction, sin),
+            Self::Between(slices, share) => {
+                LookUp::of(MobilitySlice::between(slices, share, point), direction, sin)
+            }
+        }
     }
 }
 

@@ -4,9 +4,9 @@ use crate::bearing::friction::{self, Boundary};
 use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
 use crate::bearing::parameters::{Bearing, FilmEnergy};
 use fmu_export::model::Fault;
-use journal_bearing::contact::{Contact, ContactFamily, Touch};
+use journal_bearing::contact::{Contact, ContactAt, ContactFamily, Touch};
 use journal_bearing::mobility::{
-    LookUp, MapError, MobilityMap, MobilitySlice, RoughSlices, SliceFamily,
+    LookUp, MapError, MobilityMap, MobilitySlice, RoughAt, RoughSlices, SliceFamily,
 };
 use journal_bearing::reynolds::mean_gap;
 use nalgebra::Vector2;
@@ -37,6 +37,19 @@ struct Prepared {
     slice: Option<MobilitySlice>,
     /// The film where the asperities touch; `None` between smooth surfaces.
     rough: Option<RoughSlices>,
+}
+
+/// The film at one clearance.
+pub struct AtClearance<'a> {
+    prepared: &'a Prepared,
+    contact: ContactAt<'a>,
+    rough: Option<RoughAt<'a>>,
+}
+
+/// Contact and film where the asperities touch.
+struct Touching<'a> {
+    touch: Touch,
+    rough: Option<RoughAt<'a>>,
 }
 
 /// Factors of the dimensionless quantities, at the clearance as it was measured.
@@ -151,7 +164,7 @@ impl JournalFilm for MobilityFilm {
 
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
         let clearance = at.clearance;
-        let mut now = self.prepared.instant(bearing, at, true);
+        let mut now = self.prepared.instant(bearing, at, true, None);
         if !now.touches {
             let [x, y] = at.eccentricity;
             now.ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
@@ -173,12 +186,30 @@ impl JournalFilm for MobilityFilm {
 
     #[inline]
     fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
-        let now = self.prepared.instant(bearing, at, side_flow);
-        Drift {
-            velocity: now.push.velocity,
-            torque: now.torque(at),
-            flows: now.flows,
+        let now = self.prepared.instant(bearing, at, side_flow, None);
+        now.drift(at)
+    }
+}
+
+impl MobilityFilm {
+    /// The film at a clearance, m, for many instants.
+    pub fn at_clearance(&self, clearance: f64) -> AtClearance<'_> {
+        let prepared = &*self.prepared;
+        let rough = prepared.rough.as_ref();
+        AtClearance {
+            prepared,
+            contact: prepared.contact.with_clearance(clearance),
+            rough: rough.map(|rough| rough.with_clearance(clearance)),
         }
+    }
+}
+
+impl AtClearance<'_> {
+    /// [`JournalFilm::drift`] at an instant of this clearance.
+    #[inline]
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
+        let now = self.prepared.instant(bearing, at, side_flow, Some(self));
+        now.drift(at)
     }
 }
 
@@ -202,6 +233,16 @@ impl Instant<'_> {
         }
     }
 
+    /// What the time integration needs.
+    #[inline(always)]
+    fn drift(&self, at: &Situation) -> Drift {
+        Drift {
+            velocity: self.push.velocity,
+            torque: self.torque(at),
+            flows: self.flows,
+        }
+    }
+
     /// Friction torque on the journal, N.m.
     #[inline(always)]
     fn torque(&self, at: &Situation) -> f64 {
@@ -212,9 +253,15 @@ impl Instant<'_> {
 }
 
 impl Prepared {
-    /// The journal at an instant; the side flow where it is asked for.
+    /// The journal at an instant, with the film at its clearance where that is known; the side flow where it is asked for.
     #[inline(always)]
-    fn instant(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Instant<'_> {
+    fn instant<'a>(
+        &'a self,
+        bearing: &Bearing,
+        at: &Situation,
+        side_flow: bool,
+        known: Option<&AtClearance<'a>>,
+    ) -> Instant<'a> {
         let Situation {
             viscosity,
             speed,
@@ -225,7 +272,16 @@ impl Prepared {
         let wider = clearance / bearing.radial_clearance;
         let e = Vector2::from(at.eccentricity);
         let length = e.norm();
-        let touch = self.contact.touch(length, clearance);
+        let touch = match known {
+            Some(film) => film.contact.touch(length).map(|touch| Touching {
+                touch,
+                rough: film.rough,
+            }),
+            None => (self.contact.touch(length, clearance)).map(|touch| Touching {
+                touch,
+                rough: (self.rough.as_ref()).map(|rough| rough.with_clearance(clearance)),
+            }),
+        };
         let ratio = match touch {
             None => length.min(LARGEST_ECCENTRICITY_RATIO),
             Some(_) => length,
@@ -243,7 +299,7 @@ impl Prepared {
                 let factor = self.factors.couette / wider;
                 viscosity * speed * factor / (1.0 - ratio * ratio).sqrt()
             }
-            Some(touch) => viscosity * speed * (self.factors.shear / wider) * touch.shear,
+            Some(now) => viscosity * speed * (self.factors.shear / wider) * now.touch.shear,
         };
         let squeezed = clearance * push.force.dot(&push.squeeze);
         Instant {
@@ -257,7 +313,7 @@ impl Prepared {
             push,
             ratio,
             touches: touch.is_some(),
-            contact: touch.map_or_else(Contact::default, |touch| touch.contact),
+            contact: touch.map_or_else(Contact::default, |now| now.touch.contact),
             couette,
         }
     }
@@ -268,15 +324,15 @@ impl Prepared {
     /// happens next to standstill only. There friction takes the direction of the sliding, or, where it would turn that
     /// round, the value between that makes the contact stick. So it never drives the journal.
     #[inline(always)]
-    fn rub(
-        &self,
+    fn rub<'a>(
+        &'a self,
         bearing: &Bearing,
         at: &Situation,
         place: (Vector2<f64>, f64),
-        touch: Option<&Touch>,
-    ) -> Push<'_> {
+        touch: Option<&Touching<'a>>,
+    ) -> Push<'a> {
         let friction = match touch {
-            Some(touch) if touch.contact.normal > 0.0 => bearing.contact_friction(at.speed),
+            Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.speed),
             _ => 0.0,
         };
         let push = self.push(bearing, at, place, touch, friction);
@@ -330,16 +386,16 @@ impl Prepared {
     /// contact and friction leave. It moves the journal at `|F|*psi^2/(eta*B*D) * M` in a frame that turns with the mean
     /// speed of journal and bush. The paper's omega must be that mean: half the shaft speed.
     #[inline(always)]
-    fn push(
-        &self,
+    fn push<'a>(
+        &'a self,
         bearing: &Bearing,
         at: &Situation,
         (e, length): (Vector2<f64>, f64),
-        touch: Option<&Touch>,
+        touch: Option<&Touching<'a>>,
         friction: f64,
-    ) -> Push<'_> {
+    ) -> Push<'a> {
         let Situation { load, speed, .. } = *at;
-        let contact = touch.map_or_else(Contact::default, |touch| touch.contact);
+        let contact = touch.map_or_else(Contact::default, |now| now.touch.contact);
         let [along, across] = load;
         let (mut force, mut direction) = (Vector2::new(along, across), Vector2::x());
         let mut magnitude = along;
@@ -353,8 +409,11 @@ impl Prepared {
             direction = force / magnitude;
         }
         let slice = self.slice.as_ref().filter(|_| magnitude > 0.0);
-        let film = slice.map(|slice| match (touch, &self.rough) {
-            (Some(touch), Some(rough)) => rough.look_up(e, length, touch, at.clearance, direction),
+        let film = slice.map(|slice| match touch {
+            Some(Touching {
+                touch,
+                rough: Some(rough),
+            }) => rough.look_up(e, length, touch, direction),
             _ => slice.look_up(e, length, direction),
         });
         let wider = at.clearance / bearing.radial_clearance;
