@@ -76,6 +76,8 @@ pub enum Code {
     Hole,
     /// Recordings make many more steps than the study asks for.
     ManySteps,
+    /// Values depend on the communication step, or on the FMU's solver.
+    CoarseStep,
     /// Nothing is known of swing and drift.
     NotReRun,
     /// The final value is one instant of a signal that swings.

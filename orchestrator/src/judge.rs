@@ -142,6 +142,16 @@ impl Criterion {
         }
     }
 
+    /// What the study allows, in its words: `tolerance 0.75 %`, `at most 85 degC`.
+    pub fn allowed(&self) -> String {
+        let word = if self.limits.is_one_sided() {
+            ""
+        } else {
+            "tolerance "
+        };
+        format!("{word}{}", self.stated_tolerance)
+    }
+
     /// The unit as it stands behind a number, with a blank.
     pub fn unit_behind(&self) -> String {
         behind(self.unit.as_deref())

@@ -7,8 +7,10 @@ use serde::{Deserialize, Deserializer};
 use crate::study::exactly_two;
 use fmu_import::quantity::Quantity;
 use fmu_import::units::{Conversion, known};
+use fmu_points::names::behind;
 use number_tables::files::FileError;
-use number_tables::recorded::{Layout, RecordedTable, Stamp, stamp};
+use number_tables::recorded::{Layout, RecordedTable, Stamp, composed, stamp};
+use result_document::format::number;
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
 use rig_signals::{Accuracy, Bearing, Channel, Derived, RigRecording, Synchronised};
@@ -136,7 +138,7 @@ impl Settings {
     /// # Errors
     /// With file and line, when it cannot be read or says something else.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = number_tables::files::text(path)?;
+        let text = composed(number_tables::files::text(path)?);
         let settings = toml::from_str(&text).map_err(|error| {
             let line = error
                 .span()
@@ -281,13 +283,20 @@ pub struct Recorded<'a> {
 impl Recorded<'_> {
     /// What was left out of each file, for the reader.
     pub fn notes(&self) -> Vec<String> {
+        let name = |table: &RecordedTable| {
+            let name = table.path().file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        let above = self.tables.iter().filter_map(|(table, _)| {
+            let (line, count) = table.above?;
+            Some(format!(
+                "{}: {count} rows above the recording, from line {line} on, are another table and were left out; if they are the \
+                 recording, give `header`, the line of its names",
+                name(table)
+            ))
+        });
         let note = |(table, _): &(RecordedTable, TimeColumn)| {
-            let (line, count) = table.others?;
-            let name = table
-                .path()
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy();
+            let ((line, count), name) = (table.others?, name(table));
             Some(match count {
                 1 => format!("{name}: line {line} holds no number and was left out"),
                 _ => format!(
@@ -308,7 +317,7 @@ impl Recorded<'_> {
         });
         let timeless = (0..self.tables.len()).filter_map(|file| self.timeless(file));
         let notes = self.tables.iter().filter_map(note);
-        notes.chain(plain).chain(timeless).collect()
+        above.chain(notes).chain(plain).chain(timeless).collect()
     }
 
     /// What the reader must know of times without a unit.
@@ -357,9 +366,10 @@ impl Recorded<'_> {
             let row = means.next()?.noise?.row;
             let tolerance = of_zero(signal.tolerance.as_ref()?, &channel.unit).ok()??;
             (row > tolerance).then(|| format!(
-                "{name}: the rows' noise alone ({row:.2e} {unit}) is more than the tolerance ({tolerance} {unit}), so a right model \
+                "{name}: the rows' noise alone ({}{unit}) is more than the tolerance ({tolerance}{unit}), so a right model \
                  fails; use a larger one, or the mean in criteria.toml",
-                unit = channel.unit
+                number(row, 3),
+                unit = behind(Some(channel.unit.as_str()).filter(|unit| *unit != "1"))
             ))
         };
         both.chain(signals).filter_map(note).collect()
@@ -469,6 +479,14 @@ impl Recorded<'_> {
         let to_unit = scaled.then(way);
         let recorded = table.column(column)?;
         let times = self.times(file, signal)?;
+        let clock = table.get(self.time_name(file, Some(signal)));
+        if let Some(fall) = clock
+            .and_then(|clock| clock.fall)
+            .filter(|_| self.tables[file].1.rate.is_none())
+        {
+            let message = format!("line {fall}: the clock jumps back: cut the file there");
+            return Err(FileError::new(table.path(), message));
+        }
         let pairs = times.iter().zip(&recorded.values);
         let known = pairs.filter(|(time, value)| time.is_finite() && value.is_finite());
         let (time, values): (Vec<f64>, Vec<f64>) = known

@@ -66,6 +66,15 @@ def convert(path: str | Path, folder: str | Path | None = None) -> list[Path]:
     return [_write(group, into / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv") for k, group in enumerate(groups, 1)]
 
 
+def is_text(path: Path) -> bool:
+    """Whether ``synchronise`` reads a recording as it is, or it is of no kind that is known here."""
+    ending = path.suffix.lower()
+    if ending not in READERS or ending == ".parquet" or not path.is_file():
+        return True
+    with path.open("rb") as file:
+        return ending == ".dat" and not file.read(3) == b"MDF"
+
+
 def _write(group: Group, path: Path) -> Path:
     names, units, columns = [], [], []
     if group.time is not None:

@@ -78,7 +78,7 @@ def _criterion(name: str, count: Mapping[str, Any]) -> str:
     if count.get("metric") or nominal is None:
         accepted = count["stated_tolerance"]
     elif tolerance is None:
-        accepted = f"{count['lower']:g} … {count['upper']:g} {unit}"
+        accepted = f"{count['lower']:g} .. {count['upper']:g} {unit}"
     else:
         accepted = f"{nominal:g} ± {tolerance:g} {unit}"
     cells = (name, accepted, str(count["passed"]), f"{100 * count['fraction']:.1f} %")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _html, _toml
+from ._convert import convert, is_text
 from ._program import Value, flags, run
 from ._study import Study
 from ._table import Given, Table, given, read
@@ -87,13 +88,14 @@ def synchronise(
 ) -> Synchronised:
     """Turns measured signals into criteria with their uncertainty.
 
-    ``tables`` is a file or a table of pandas, polars, pyarrow or a mapping, or a list of them. ``settings`` are a TOML file, or
-    its content: columns, units, accuracies. ``case`` makes a case of the recording, ``held_out`` one that is never fitted;
+    ``tables`` is a file or a table of pandas, polars, pyarrow or a mapping, or a list of them; MDF4, TDMS, HDF5, MAT and xlsx
+    files are converted to csv files in ``output``, one for each rate. ``settings`` are a TOML file, or its content: columns, units,
+    accuracies. ``case`` makes a case of the recording, ``held_out`` one that is never fitted;
     ``amplitudes`` makes criteria of the amplitudes, too.
     """
     folder = Path(output).absolute()
     several = list(tables) if isinstance(tables, list | tuple) else [tables]
-    files = [given(table, folder) for table in several]
+    files = [file for table in several for file in _files(given(table, folder), folder)]
     file = folder / "settings.toml"
     if isinstance(settings, Mapping):
         folder.mkdir(parents=True, exist_ok=True)
@@ -103,3 +105,8 @@ def synchronise(
     options: dict[str, Value] = {"settings": file, "case": case, "held_out": held_out, "amplitudes": amplitudes, "output": folder}
     done = run("synchronise", *files, *flags(options))
     return Synchronised(folder, done.text)
+
+
+def _files(path: Path, folder: Path) -> list[Path]:
+    """The file, or the csv files that it becomes."""
+    return [path] if is_text(path) else convert(path, folder)

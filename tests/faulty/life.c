@@ -67,6 +67,11 @@ BEHAVES(loops_in_free) {
     return OK;
 }
 
+BEHAVES(fails_and_loops_in_free) {
+    if (moment == FREE && model->fault) loop();
+    return moment == HIT ? ERROR : OK;
+}
+
 BEHAVES(loops_in_instantiate) {
     if (moment == INSTANTIATE) loop();
     return OK;

@@ -90,6 +90,7 @@ LIFE = [
     waiting("loops_in_reset", OK),
     waiting("loops_in_terminate", OK, said="not done after 2 s (fmi2terminate or fmi2freeinstance)"),
     waiting("loops_in_free", OK, said="not done after 2 s (fmi2terminate or fmi2freeinstance)"),
+    waiting("fails_and_loops_in_free", "fmi2Error"),
     waiting("loops_in_second_instantiate", OK),
     Model("fails_to_terminate", said="fmi2terminate"),
     Model("ends_early", results="own", said="ended at 0.5 s"),

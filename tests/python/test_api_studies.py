@@ -194,6 +194,10 @@ def test_recordings_become_criteria(many, fmu, tmp_path, monkeypatch):
     assert curve == str(tmp_path / "ours/case.csv")
     of_file = synchronise(file, tmp_path / "settings.toml", output="file")
     assert of_file.criteria == theirs and of_file.cases == [] and "F_N" in of_file._repr_html_()
+    # A format of its own is converted on the way.
+    pytest.importorskip("scipy.io").savemat(tmp_path / "rig.mat", {name: table[name].to_numpy() for name in table})
+    assert synchronise(tmp_path / "rig.mat", SETTINGS, output="converted").criteria == theirs
+    assert (tmp_path / "converted/rig.csv").is_file()
 
 
 def test_numbers_of_a_request_are_kept(tmp_path, monkeypatch):

@@ -1,5 +1,7 @@
 //! Several minima: all of them, with their parts of the posterior, and a curved valley for the one that it is.
 
+use statrs::distribution::{ContinuousCDF, Normal};
+
 use super::objective::Objective;
 use super::optima::Optimum;
 use super::outcome::IdentificationOutcome;
@@ -16,6 +18,31 @@ fn solved(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, Identificat
     let outcome = IdentificationOutcome::new(problem, &optima, &progress);
     optima.sort_by(|a, b| a.minimum.places[0].total_cmp(&b.minimum.places[0]));
     (optima, outcome)
+}
+
+/// p0 + p1 = 5 +- 0.1, and by a wrong datum p1 = -8 +- 1 where p1 cannot be less than 0: p1 has next to an exponential
+/// distribution from 0 on, and p0 is about 5 less p1, not about 13 as without the bound.
+#[test]
+fn an_interval_holds_its_value_where_a_bound_stops_another_unknown() {
+    let problem = one_case(&[(0.0, 10.0), (0.0, 10.0)], &[(5.0, 0.1), (-8.0, 1.0)]);
+    let sum = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + p[1], p[1]]);
+    let (_, outcome) = solved(&problem, &sum);
+    let [first, second] = &outcome.free[..] else {
+        unreachable!("there are two")
+    };
+    assert_eq!(second.at_bound, Some("lower"));
+    assert!((first.value - 5.0).abs() < 1e-6, "{first:?}");
+    // Quantiles of 5 + N(0, 0.1) - X, where X has the density exp(-(x + 8)^2 / 2) above 0.
+    let steps = || (0..4000).map(|k| 0.0005 * (f64::from(k) + 0.5));
+    let density = |x: f64| (-0.5 * ((x + 8.0).powi(2) - 64.0)).exp();
+    let below = |value: f64| {
+        let part = |x: f64| density(x) * Normal::standard().cdf((value - 5.0 + x) / 0.1);
+        steps().map(part).sum::<f64>() / steps().map(density).sum::<f64>()
+    };
+    let [low, high] = first.interval;
+    let held = below(high) - below(low);
+    assert!((0.94..0.975).contains(&held), "{held}: {low} .. {high}");
+    assert!(low < 5.0 && 5.0 < high, "{low} .. {high}");
 }
 
 #[test]

@@ -9,6 +9,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use sampling::distribution::Distribution;
+use sampling::statistics::moments::{mean, variance};
 
 use super::local::{Minimum, bounded_step};
 use super::objective::{Differences, Linear, Objective};
@@ -39,6 +40,8 @@ pub struct Posterior {
     pub directions: Vec<Direction>,
     /// Precision of each unknown's place that stands for its bounds in the covariance.
     bounds: Vec<f64>,
+    /// The minimum.
+    places: Vec<f64>,
     /// Where the unconstrained normal approximation has its mean: elsewhere than the minimum where that is at a bound.
     centre: Vec<f64>,
     /// Each channel's shared error: the most probable one and its standard deviation.
@@ -88,6 +91,7 @@ impl Posterior {
         let centre = minimum.places.iter().zip(&away);
         Ok(Self {
             centre: centre.map(|(place, away)| place - away).collect(),
+            places: minimum.places.clone(),
             shared: shared(objective, minimum, &linear.shared, &covariance),
             slopes: [linear.slopes, linear.shared],
             without_shared,
@@ -106,16 +110,53 @@ impl Posterior {
     }
 
     /// The interval of an unknown's place that holds it with 95 % probability, between the bounds: of the normal
-    /// approximation cut there, in which the bounds of all others count as their variance. Where most of it lies at a bound,
-    /// it begins there (see [`interval`]).
+    /// approximation cut there and at the bounds at which other unknowns are; the bounds of all others count as their
+    /// variance. Where most of it lies at a bound, it begins there (see [`interval`]). It always holds the minimum's place.
     pub fn interval(&self, unknown: usize) -> [f64; 2] {
+        let mut chosen = self.at_bounds();
+        chosen.retain(|&other| other != unknown);
+        chosen.push(unknown);
+        let last = chosen.len() - 1;
+        let mut covariance = self.covariance.select_rows(&chosen).select_columns(&chosen);
+        let mut means =
+            DVector::from_iterator(chosen.len(), chosen.iter().map(|&k| self.centre[k]));
+        for (k, &other) in chosen[..last].iter().enumerate() {
+            // What follows is linear in this one, of which the bound cuts most away.
+            let [mean, variance] = moments(self.cut(other, means[k], covariance[(k, k)]));
+            let slopes = covariance.column(k) / covariance[(k, k)];
+            let [less, change] = [variance - covariance[(k, k)], mean - means[k]];
+            covariance += less * &slopes * slopes.transpose();
+            means += change * slopes;
+        }
+        let quantile = self.cut(unknown, means[last], covariance[(last, last)]);
+        let [low, high] = interval([0.0, 1.0], quantile);
+        let place = self.places[unknown];
+        [low.min(place), high.max(place)]
+    }
+
+    /// The unknowns that only a bound keeps where they are.
+    fn at_bounds(&self) -> Vec<usize> {
+        let all = 0..self.places.len();
+        let is_beyond = |k: &usize| match self.places[*k] {
+            0.0 => self.centre[*k] < 0.0,
+            1.0 => self.centre[*k] > 1.0,
+            _ => false,
+        };
+        all.filter(is_beyond).collect()
+    }
+
+    /// The quantiles of an unknown's place between its bounds, given mean and variance with its bounds as a variance.
+    fn cut(&self, unknown: usize, mean: f64, variance: f64) -> impl Fn(f64) -> f64 + use<> {
         // What the data and a normal prior say of it. Next to nothing is as good as nothing.
         const NEXT_TO_NOTHING: f64 = 1e-3;
-        let precision = self.covariance[(unknown, unknown)].recip() - self.bounds[unknown];
-        let deviation = precision.max(NEXT_TO_NOTHING).powf(-0.5);
+        let precision = (variance.recip() - self.bounds[unknown]).max(NEXT_TO_NOTHING);
+        let deviation = precision.powf(-0.5);
         // The digits of the normal distribution end farther outside.
         const FAR: f64 = 30.0;
-        let mean = self.centre[unknown].clamp(-FAR * deviation, 1.0 + FAR * deviation);
+        // The variance that stands for the bounds is about the minimum's place.
+        let place = self.places[unknown];
+        let mean = place + (mean - place) / (precision * variance);
+        let mean = mean.clamp(-FAR * deviation, 1.0 + FAR * deviation);
         // Quantiles keep their digits in the lower tail alone.
         let mirrored = mean < 0.5;
         let distribution = Distribution::TruncatedNormal {
@@ -124,10 +165,10 @@ impl Posterior {
             min: Some(0.0),
             max: Some(1.0),
         };
-        interval([0.0, 1.0], |part| match mirrored {
+        move |part| match mirrored {
             true => 1.0 - distribution.quantile(1.0 - part),
             false => distribution.quantile(part),
-        })
+        }
     }
 
     /// By how much the sum of squares rises between two sets of places, by the normal approximation.
@@ -175,6 +216,14 @@ impl Posterior {
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         self.covariance[(a, b)] / (self.deviation(a) * self.deviation(b))
     }
+}
+
+/// Mean and variance, given the quantiles.
+fn moments(quantile: impl Fn(f64) -> f64) -> [f64; 2] {
+    const PARTS: usize = 256;
+    let values = (0..PARTS).map(|k| quantile((k as f64 + 0.5) / PARTS as f64));
+    let values: Vec<f64> = values.collect();
+    [mean(&values), variance(&values, 0)]
 }
 
 /// The interval that holds a number between bounds with 95 % probability, given its quantiles: from the 2.5 % quantile to the

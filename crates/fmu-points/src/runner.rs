@@ -37,6 +37,8 @@ pub struct Runner {
     trusted: bool,
     /// Whether the last point failed because the FMU refused an instance, such as for want of a licence.
     pub(crate) refused: bool,
+    /// The instance of a simulation that failed, until another one is wanted.
+    failed: Option<Held>,
     /// When the last instance was made.
     pub(crate) ready: Option<Instant>,
     /// The FMU's remarks in the last simulation, beside its results.
@@ -85,6 +87,7 @@ impl Runner {
     pub fn new(library: Arc<Library>, task: Task) -> Self {
         Self {
             used: None,
+            failed: None,
             reuse: Reuse::Reset,
             // Where there can be one instance only, there is none to compare with.
             trusted: library.is_for_one_instance(),
@@ -232,9 +235,11 @@ impl Runner {
 
     /// Simulates a point on an instance, and keeps that.
     fn once(&mut self, mut held: Held, values: &[f64]) -> Result<(), Failure> {
-        // An instance that failed is not used again.
-        self.simulate(&mut held, values)
-            .map_err(|call| Failure::from_call(&call))?;
+        if let Err(call) = self.simulate(&mut held, values) {
+            // It is not used again, and freed when its failure has been told: what loops then costs no answer.
+            self.failed = Some(held);
+            return Err(Failure::from_call(&call));
+        }
         // The results stand, but an instance that cannot end properly is not used again.
         if self.terminate(&mut held.instance) {
             self.used = Some(held);
@@ -316,6 +321,7 @@ impl Runner {
 
     /// An instance in its initial state.
     fn prepared(&mut self) -> Result<Held, Failure> {
+        self.failed = None;
         if let Some(mut used) = self.used.take() {
             if used.instance.is_dead() {
                 return Err(Failure::Fatal(

@@ -13,6 +13,7 @@ use crate::parquet;
 use crate::rows::{How, Rows};
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
+pub use layout::composed;
 use layout::{Found, unit};
 pub use stamp::{Clock, Stamp, stamp};
 
@@ -36,6 +37,8 @@ pub struct RecordedTable {
     pub rows: usize,
     /// The first line behind the first row that holds no number, and how many such lines there are.
     pub others: Option<(u64, usize)>,
+    /// The first line of another table above, and how many rows of numbers that has.
+    pub above: Option<(u64, usize)>,
 }
 
 /// A column.
@@ -50,6 +53,8 @@ pub struct Column {
     pub values: Vec<f64>,
     /// The first one of time stamps.
     pub first: Option<Stamp>,
+    /// The line of the first number that is less than the one before.
+    pub fall: Option<u64>,
     /// How many cells are empty.
     pub empty: usize,
     /// How many cells hold something that is no number.
@@ -212,7 +217,11 @@ impl RecordedTable {
         let found = layout::find(path, &text, layout)?;
         let rows = TextRows::new(path, &text, &found);
         drop(text);
-        Self::fill(path, Box::new(rows), found.units, layout)
+        let table = Self::fill(path, Box::new(rows), found.units, layout)?;
+        Ok(Self {
+            above: found.above,
+            ..table
+        })
     }
 
     fn fill(
@@ -239,6 +248,7 @@ impl RecordedTable {
             columns: rows.names().iter().zip(units).map(column).collect(),
             rows: 0,
             others: None,
+            above: None,
         };
         let form = layout.format.as_deref();
         while rows.advance()? {
@@ -393,6 +403,10 @@ impl Column {
                 false => self.empty += 1,
             }
         }
+        let last = || self.values.iter().rev().find(|value| value.is_finite());
+        if value.is_some_and(|value| last().is_some_and(|last| value < *last)) {
+            self.fall.get_or_insert(line);
+        }
         self.values.push(value.unwrap_or(f64::NAN));
     }
 }
@@ -472,6 +486,18 @@ mod tests {
         }
         let lost = table("t,state,F\n0,on,1\nn/a,on,1\n2,on,1\n3,on,2\n").unwrap();
         assert_eq!(lost.first(), "t");
+    }
+
+    #[test]
+    fn what_is_odd_in_a_file_is_known_by_its_line() {
+        let odd = table("t,F\n0,1\n1,2\n0.5,3\n0.7,4\n").unwrap();
+        assert_eq!(odd.column("t").unwrap().fall, Some(4));
+        assert_eq!(odd.column("F").unwrap().fall, None);
+        let two = "raw;bar\n0;0\n10;16\n\nt;p\n0;1,5\n1;1,6\n2;1,7\n";
+        assert_eq!(table(two).unwrap().above, Some((2, 2)));
+        // An umlaut as two characters is the same.
+        let split = table("t,Kra\u{308}fte [N]\n0,1\n1,2\n").unwrap();
+        assert_eq!(split.column("Kr\u{e4}fte").unwrap().values, [1.0, 2.0]);
     }
 
     #[test]

@@ -3,7 +3,9 @@
 use super::clean::clean;
 use super::delay::Delay;
 use super::holes::Holes;
-use super::recording::{Account, Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised};
+use super::recording::{
+    Account, Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised, behind,
+};
 use super::signal::SignalError;
 use super::spectrum::Noise;
 use super::thin::{Polyline, polyline};
@@ -570,7 +572,7 @@ fn about(noise: Noise, unit: &str) -> String {
     let Noise {
         row, equivalent, ..
     } = noise;
-    let mut parts = format!("# noise: {row:.2e} {unit} in a row as recorded");
+    let mut parts = format!("# noise: {row:.2e}{} in a row as recorded", behind(unit));
     if noise.is_shared() {
         parts += &format!(
             "; neighbouring rows share it, so a row counts as one with an independent noise of {equivalent:.2e}"

@@ -62,6 +62,7 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         let (time, values) = channel.within(recording.window());
         let cleaned = clean(&values);
         result.warnings.extend(concerns(channel, &cleaned));
+        result.warnings.extend(frozen(channel, &time, &cleaned));
         let outside = channel.time.len() - time.len();
         let lost = [
             (cleaned.spikes, "spikes"),
@@ -199,6 +200,31 @@ fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
         ));
     }
     concerns
+}
+
+/// Warns of samples in a row at one value, where the signal changes from sample to sample elsewhere.
+fn frozen(channel: &Channel, time: &[f64], cleaned: &Cleaned) -> Option<String> {
+    const FEWEST: usize = 20;
+    const TIMES: usize = 20;
+    let values = &cleaned.values;
+    let places: Vec<usize> = (0..values.len()).collect();
+    let runs = || places.chunk_by(|a, b| values[*a] == values[*b]);
+    let longest = runs().max_by_key(|run| run.len())?;
+    let elsewhere = (values.len() - longest.len()) / (runs().count() - 1).max(1);
+    let [from, to] = [longest[0], longest[longest.len() - 1]];
+    let is_frozen = longest.len() >= FEWEST.max(TIMES * elsewhere) && from + values.len() > to + 1;
+    (is_frozen && elsewhere > 0 && !cleaned.clipped[from]).then(|| {
+        format!(
+            "{} stands at {}{} for {} samples, from {:.3} s to {:.3} s, and changes all the time elsewhere: where the sensor or the \
+             logger hung, leave these cells empty, or give a `window`",
+            channel.name,
+            values[from],
+            recording::behind(&channel.unit),
+            longest.len(),
+            time[from],
+            time[to]
+        )
+    })
 }
 
 fn check(recording: &RigRecording) -> Result<(), SignalError> {

@@ -7,6 +7,14 @@ use super::stationarity::Stationarity;
 use super::uncertainty::{MeasuredValue, from_bound};
 use sampling::statistics::moments::mean;
 
+/// A unit behind a number: nothing of one without a unit.
+pub(crate) fn behind(unit: &str) -> String {
+    match unit {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    }
+}
+
 /// How accurate a sensor is: every error up to plus or minus this much is equally likely.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accuracy {

@@ -527,6 +527,23 @@ fn marks_of_missing_values_do_not_move_the_mean() {
 }
 
 #[test]
+fn a_sensor_that_hangs_is_told() {
+    let (mut recording, _) = with_drive(Vec::new(), Vec::new());
+    let told = |recording: &RigRecording| synchronise(recording).unwrap().warnings.join("\n");
+    assert!(!told(&recording).contains("stands at"));
+    recording.others[0].values[3000..3200].fill(50.3);
+    recording.others[0].values[100..102].fill(50.0);
+    let text = told(&recording);
+    assert!(
+        text.contains("T stands at 50.3 degC for 200 samples, from 30.000 s to 31.990 s"),
+        "{text}"
+    );
+    // Steps stand everywhere.
+    recording.others[0].values = (0..6000).map(|k| f64::from(k / 100 % 7)).collect();
+    assert!(!told(&recording).contains("stands at"));
+}
+
+#[test]
 fn times_that_do_not_grow_have_their_own_remedies() {
     let refused = |change: &dyn Fn(&mut RigRecording)| {
         let (mut recording, _) = with_drive(Vec::new(), Vec::new());

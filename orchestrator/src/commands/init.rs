@@ -29,13 +29,21 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
         Some(path) => Some(Measured::read(path, fmu)?),
         None => None,
     };
-    let schedule = schedule(options, fmu, table.as_ref())?;
+    let mut schedule = schedule(options, fmu, table.as_ref())?;
+    let step = schedule.step;
     let variables = match &table {
         Some(table) => table.columns.iter().map(|c| c.variable).collect(),
         None => measurable(fmu),
     };
-    let signals = run::signals(&isolated, &schedule, &variables)
-        .map_err(|error| run::advice(error, options, fmu, schedule.step))?;
+    let wanted = table
+        .as_ref()
+        .map_or(write::CRITERIA, |table| table.columns.len());
+    let kept = options.step.is_some();
+    let (signals, of_step) = run::settled(&isolated, &mut schedule, &variables, (wanted, kept))
+        .map_err(|error| run::advice(error, options, fmu, step))?;
+    if let Some(told) = &of_step {
+        fmu_points::tell::line!("{told}; the study has {} s", schedule.step);
+    }
     let criteria = match &mut table {
         Some(table) => {
             table.leave_out_infinite(&signals);
@@ -48,6 +56,7 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
         fmu,
         path: relative(&options.fmu, options.output.as_deref()),
         schedule,
+        of_step,
         parameters: parameters(fmu, &options.fmu)?,
         criteria,
     };

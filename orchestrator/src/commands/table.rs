@@ -109,7 +109,10 @@ fn least_met(summary: &Summary, most: usize) -> String {
         shown.truncate(most);
     }
     shown.sort_unstable();
-    let mut text = String::new();
+    let mut text = match shown.is_empty() {
+        true => String::new(),
+        false => heads(summary),
+    };
     for k in &shown {
         let (name, entry) = summary
             .criteria
@@ -128,6 +131,12 @@ fn least_met(summary: &Summary, most: usize) -> String {
     text
 }
 
+/// The heads of the lines of criteria.
+fn heads(summary: &Summary) -> String {
+    let interval = summary.verified_interval.map_or("", |_| "   95 % interval");
+    format!("{:<34}{:>10}{:>10}{interval}\n", "meets", "points", "share")
+}
+
 /// The counts of points by criterion.
 fn counts(summary: &Summary) -> String {
     let mut text = String::new();
@@ -142,15 +151,7 @@ fn counts(summary: &Summary) -> String {
         let _ = writeln!(text, "point {point}: {status}");
     }
     text.push('\n');
-    let heading = match summary.verified_interval {
-        Some(_) => "   95 % interval",
-        None => "",
-    };
-    let _ = writeln!(
-        text,
-        "{:<34}{:>10}{:>10}{heading}",
-        "meets", "points", "share"
-    );
+    text += &heads(summary);
     let criteria = summary
         .criteria
         .iter()

@@ -15,7 +15,7 @@ fn heading(title: &str) -> Block {
 }
 
 fn range([low, high]: [f64; 2]) -> String {
-    format!("{} – {}", percent(low), percent(high))
+    format!("{} .. {}", percent(low), percent(high))
 }
 
 fn dash() -> String {

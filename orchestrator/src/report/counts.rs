@@ -179,7 +179,7 @@ pub(super) fn quantity(value: f64, unit: &str) -> String {
 /// The accepted values, of which one end may be open.
 fn interval([low, high]: [f64; 2], unit: &str) -> String {
     match (low.is_finite(), high.is_finite()) {
-        (true, true) => format!("{} … {}", number(low, 6), quantity(high, unit)),
+        (true, true) => format!("{} .. {}", number(low, 6), quantity(high, unit)),
         (true, false) => format!("at least {}", quantity(low, unit)),
         _ => format!("at most {}", quantity(high, unit)),
     }

@@ -69,7 +69,7 @@ fn compared(comparison: &Comparison) -> [String; 7] {
         number(comparison.u_input, 3),
         known(comparison.u_d),
         format!("{least}{}", number(comparison.u_val, 3)),
-        format!("{least}{low} … {high}"),
+        format!("{least}{low} .. {high}"),
         comparison.dominant.clone(),
     ]
 }
@@ -148,7 +148,7 @@ fn change(change: &Change) -> Vec<String> {
     let interval = change.gain_interval.map(|ends| ends.map(plus));
     let interval = interval.map_or_else(
         || "–".to_owned(),
-        |[low, high]| format!("{low} … {high}{open}"),
+        |[low, high]| format!("{low} .. {high}{open}"),
     );
     let gain = [what.to_owned(), plus(change.gain), interval];
     row(&change.name, gain, &change.prospect)

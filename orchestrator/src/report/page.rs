@@ -69,8 +69,8 @@ pub fn render(report: &Report) -> Result<String, Error> {
     environment.add_template("report.html", include_str!("assets/report.html"))?;
     let (parameters, criteria) = columns.split_at(table.parameters.len());
     let page = context! {
-        study => summary.title.as_deref().unwrap_or(&from.study),
-        model => from.fmu.as_deref(),
+        study => summary.title.as_deref().or(from.fmu.as_deref()).unwrap_or(&from.study),
+        model => from.fmu.as_deref().filter(|_| summary.title.is_some()),
         date => summary.run.as_ref().map(|run| run.date.as_str()),
         style => [
             result_document::svg::STYLE,

@@ -83,7 +83,7 @@ pub fn write(
         friction => vec![number(friction.value, 4), number(friction.expanded(), 2)],
         bearing => bearing.is_some(),
         smoothing => bearing.map(|bearing| bearing.smoothing.to_string()),
-        window => format!("{start} … {end} s"),
+        window => format!("{start} .. {end} s"),
         blocks => delay.blocks,
         warnings => Serde(&result.warnings),
         figures => Serde(&figures),
@@ -106,7 +106,7 @@ fn row(finding: &DerivedCriterion) -> Value {
     let change = |s: &rig_signals::stationarity::Stationarity| {
         let [value, low, high] =
             [s.change.value, s.change.low, s.change.high].map(|v| number(v, 2));
-        format!("{value} ({low} … {high})")
+        format!("{value} ({low} .. {high})")
     };
     let (steady, alarm) = match &finding.stationarity {
         None if finding.statistic == "amplitude" => ("–".to_owned(), false),

@@ -1,6 +1,5 @@
 //! Points of a finished study that are run once more, longer or finer: the best one for its picture, some to see whether their
-//! results had settled, some for the band beside a measured curve, and with `--validation` some for the numerical
-//! uncertainty. None of them changes the verdict, and what fails costs itself alone.
+//! results had settled, some for the band beside a measured curve, and some for the numerical error. None of them changes the verdict, and what fails costs itself alone.
 
 mod band;
 mod best;
@@ -55,12 +54,10 @@ pub fn run(
     wish: &Wish,
 ) -> Result<(), Error> {
     let reruns = Reruns::new(verification, summary, wish)?;
-    if wish.validation {
-        numerical::observe(&reruns, summary);
-    }
     let mut left_out = best::write(&reruns, folder, summary);
     left_out.extend(settled::observe(&reruns, folder, summary));
     left_out.extend(band::write(&reruns, folder, summary));
+    left_out.extend(numerical::observe(&reruns, summary));
     summary.left_out = (!left_out.is_empty()).then(|| left_out.join("; "));
     Ok(write_json(&folder.join("summary.json"), summary)?)
 }

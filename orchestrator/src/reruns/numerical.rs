@@ -1,18 +1,111 @@
-//! `verify --validation`: the numerical uncertainty of the criteria's values, by some points with finer communication
-//! steps, and with finer tolerances of the FMU's solver. The user asks for it, so it takes its time: only each run is limited.
+//! The numerical error of the criteria's values: the best point with half the communication steps and, with `--validation`,
+//! some points with finer steps and with finer tolerances of the FMU's solver. The user asks for these, so they take their
+//! time: only each run is limited.
 
-use super::Reruns;
 use super::finer::refined_case;
+use super::{Halt, Reruns};
+use crate::concern::{Code, Concern};
+use crate::judge::Criterion;
 use crate::results::Summary;
 use conformity::validation::{Comparison, Numerical, Refined, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;
+use result_document::format::number;
 
 /// So many points are refined.
 const POINTS: u64 = 3;
+/// A point with half the steps takes as long as two: 4 % of so many.
+const AFFORDABLE: u64 = 50;
+/// A larger part of an accuracy is notable.
+const PART: f64 = 1.0 / 3.0;
 
-/// Adds to the summary what the refinement shows.
-pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) {
+/// Adds to the summary what the refinement shows; says what is left out.
+pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<String> {
+    let asked = reruns.wish.validation;
+    let is_affordable = summary.points >= AFFORDABLE && reruns.wish.most > 0;
+    let is_random = summary.conduct.as_ref().and_then(|c| c.reproducible) == Some(false);
+    let halved =
+        ((asked || is_affordable) && !is_random).then(|| with_half_the_step(reruns, summary));
+    let (mut doubts, left_out) = match halved {
+        Some(Ok(doubts)) => (doubts, None),
+        Some(Err(halt)) => (
+            Vec::new(),
+            Some(format!("half the communication step was not tried: {halt}")),
+        ),
+        None => (Vec::new(), None),
+    };
+    if asked {
+        let known = validate(reruns, summary);
+        let criteria = summary.criteria.values().map(|count| &count.criterion);
+        let others = criteria
+            .zip(&known)
+            .filter(|(criterion, _)| doubts.iter().all(|(name, _)| *name != criterion.name));
+        let others = others.filter_map(|(criterion, known)| uncertain(criterion, known.standard?));
+        let others: Vec<_> = others.collect();
+        doubts.extend(others);
+    }
+    let doubts = doubts.into_iter().map(|(_, doubt)| doubt);
+    // Wrong values come before what they mean.
+    summary.concerns.splice(0..0, doubts);
+    left_out
+}
+
+/// A doubt about a criterion, with its name.
+type Doubt = (String, Concern);
+
+/// Runs the best point with half the communication steps. The error that this changes by halves with the step, or falls
+/// faster, so twice the change is the error.
+fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doubt>, Halt> {
+    let best = summary.best_point.as_ref();
+    let Some((best, values)) = best.and_then(|best| Some((best, reruns.values(best.point)?)))
+    else {
+        return Ok(Vec::new());
+    };
+    let cases = &reruns.plan().cases;
+    let finer: Vec<Case> = cases
+        .iter()
+        .map(|case| refined_case(case, Refined::Step, 1))
+        .collect();
+    let outcome = reruns
+        .verification
+        .session
+        .outcome(reruns.answer(&finer, values)?);
+    let finer = outcome.map_err(|failure| Halt::Failed(failure.to_string()))?;
+    let judged = reruns.verification.session.judge.criteria.iter();
+    let pairs = judged.zip(reruns.plan().placed_probes()).zip(finer);
+    let doubts = pairs.filter_map(|((criterion, (case, _)), finer)| {
+        let coarse = *best.values.get(&criterion.name)?;
+        let is_notable = 2.0 * (finer - coarse).abs() > PART * criterion.room();
+        is_notable.then(|| {
+            let unit = criterion.unit_behind();
+            let [finer, coarse] = [finer, coarse].map(|value| number(value, 4));
+            let text = format!(
+                "{}: the communication step of {} s is too coarse: with half of it point {} gives {finer}{unit}, not {coarse}{unit} \
+                 ({}); choose a shorter `step`",
+                criterion.name, cases[case].task.schedule.step, best.point, criterion.allowed()
+            );
+            (criterion.name.clone(), Concern::new(Code::CoarseStep, text))
+        })
+    });
+    Ok(doubts.collect())
+}
+
+/// A doubt where the numerical uncertainty is a notable part of the accuracy.
+fn uncertain(criterion: &Criterion, standard: f64) -> Option<Doubt> {
+    let text = format!(
+        "{}: the numerical uncertainty u_num of {}{} is more than a third of what is allowed ({}); choose a shorter `step` or a \
+         smaller tolerance of the FMU's solver",
+        criterion.name,
+        number(standard, 3),
+        criterion.unit_behind(),
+        criterion.allowed()
+    );
+    (standard > PART * criterion.room())
+        .then(|| (criterion.name.clone(), Concern::new(Code::CoarseStep, text)))
+}
+
+/// Adds the numerical uncertainties to the comparisons.
+fn validate(reruns: &Reruns<'_>, summary: &mut Summary) -> Vec<Numerical> {
     let all = numerical(reruns);
     // Curves are all among the criteria, but have no comparison.
     for (name, comparison) in &mut summary.validation {
@@ -24,6 +117,7 @@ pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) {
             *comparison = refined.unwrap_or_else(|| comparison.clone());
         }
     }
+    all
 }
 
 /// The numerical uncertainty of each criterion: the largest of some points.

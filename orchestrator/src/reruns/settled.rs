@@ -292,25 +292,16 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
 /// at the rate of the end.
 fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
     let Criterion {
-        name,
-        statistic,
-        stated_tolerance,
-        ..
+        name, statistic, ..
     } = criterion;
-    let tolerance = criterion.room();
-    let is_one_sided = criterion.limits.is_one_sided();
-    let stated = format!(
-        "{}{stated_tolerance}",
-        if is_one_sided { "" } else { "tolerance " }
-    );
+    let (tolerance, stated) = (criterion.room(), criterion.allowed());
     let unit = criterion.unit_behind();
     let at = |point: Option<u64>| point.map_or_else(String::new, |p| format!(" at point {p}"));
     let mut doubts = Vec::new();
     if *statistic == Statistic::Final && moved.swing > 0.1 * tolerance {
         let text = format!(
-            "{name}: its signal swings by {}{unit} in its last period{}, and the final value is only one instant of it \
-             ({stated}): use `statistic = \"mean\"` with a `window`, or make sure that the \
-             measured value was taken at the same phase",
+            "{name}: its signal swings by {}{unit} in its last period{}, and `final` takes one instant of it ({stated}): use \
+             `statistic = \"mean\"` with a `window`, or measure at the same phase",
             number(moved.swing, 3),
             at(moved.swing_at)
         );
@@ -318,15 +309,14 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
     }
     if moved.drift.abs() > 0.5 * tolerance {
         let text = format!(
-            "{name}: its value still moves when the run ends, by {}{unit} in a time as long as the run{}{} \
-             ({stated}), so the verdict depends on `stop`: simulate longer, or up to the moment of the \
-             measurement",
-            number(moved.drift, 3),
+            "{name}: its value still moves when the run ends: in a run twice as long it {} by another {}{unit}{} ({stated}); \
+             simulate longer, or to the moment of the measurement",
             if without_runs {
-                ", at the rate of its end"
+                "would change"
             } else {
-                ""
+                "changes"
             },
+            number(moved.drift, 3),
             at(moved.drift_at)
         );
         doubts.push(Concern::new(Code::StillMoves, text));
@@ -366,7 +356,7 @@ mod tests {
         assert!(
             doubts[1]
                 .text
-                .contains("0.4 degC in a time as long as the run at point 7"),
+                .contains("in a run twice as long it changes by another -0.4 degC at point 7 (tolerance 0.6 degC);"),
             "{doubts:?}"
         );
         assert_eq!(of(Statistic::Mean, 0.07, -0.4).len(), 1);

@@ -6,7 +6,10 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::improvement::{Halved, Sign as Gain};
-use super::words::{accepted, beyond_validity, capitalised, firmness, guard, looked, unknown};
+use super::summary::CriterionCount;
+use super::words::{
+    accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown,
+};
 use super::{Summary, resampled::presumed};
 use crate::concern::{Concern, Severity};
 use conformity::conclusion::{Conclusion, Requirement, grouped};
@@ -152,8 +155,11 @@ fn answer(summary: &Summary, decision: Decision) -> String {
         1 => "1 point".to_owned(),
         n => format!("{} points", grouped(n)),
     };
-    if summary.failed == summary.points || summary.has_own_values() {
+    if summary.failed == summary.points {
         return own();
+    }
+    if summary.has_own_values() {
+        return format!("{} {}", moves(summary), own());
     }
     let Some(requirement) = required(summary) else {
         let interval = summary.verified_interval.map_or_else(String::new, |ends| {
@@ -184,6 +190,24 @@ fn answer(summary: &Summary, decision: Decision) -> String {
         Decision::NotVerified => format!("No: at {found}."),
         Decision::Inconclusive => format!("The points do not tell: it does at {found}."),
     }
+}
+
+/// How far the criteria's values go within the parameters' ranges.
+fn moves(summary: &Summary) -> String {
+    const NAMED: usize = 3;
+    let range = |(name, entry): (&String, &CriterionCount)| {
+        let [low, high] = entry.reached?.map(|end| number(end, 4));
+        Some(format!(
+            "{name} {low} .. {high}{}",
+            entry.criterion.unit_behind()
+        ))
+    };
+    let all: Vec<String> = summary.criteria.iter().filter_map(range).collect();
+    let more = match all.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        n => format!(", and {n} more"),
+    };
+    format!("{}{more}.", all[..all.len().min(NAMED)].join(", "))
 }
 
 fn decides(summary: &Summary) -> Vec<String> {
@@ -324,10 +348,13 @@ pub fn improve_first(summary: &Summary) -> Option<String> {
     let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
     let Some(first) = by(Gain::Gain) else {
         let nothing = match by(Gain::Open) {
-            Some(_) => "Too few points to say what to improve first: take more (`--points`).",
-            None => "Half an uncertainty or tolerance improves nothing.",
+            Some(_) => format!(
+                "Too few points to say what to improve first: take more ({}`--points`).",
+                enough(summary).map_or_else(String::new, |n| format!("about {}, ", grouped(n)))
+            ),
+            None => "Half an uncertainty or tolerance improves nothing.".to_owned(),
         };
-        return Some(nothing.to_owned());
+        return Some(nothing);
     };
     let what = match first.halved {
         Halved::Uncertainty => "uncertainty of the measured value",

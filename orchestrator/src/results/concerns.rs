@@ -53,7 +53,7 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     }
     let unit = criterion.unit_behind();
     let hint = match mistaken_unit(nominal, criterion.room(), [low, high]) {
-        Some(units) => format!("; their size would fit if {units} had been mistaken: check `unit`"),
+        Some(units) => format!("; the values would fit if {units} were mixed up: check `unit`"),
         None if points < FEWEST => return None,
         None => {
             "; widen the parameters' distributions, or find out what the model misses".to_owned()
@@ -100,7 +100,7 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
     }
     let unit = criterion.unit_behind();
     Some(format!(
-        "{}: the value is {}{unit} at all {points} points, so it tells nothing of the parameters that vary; check \
+        "{}: the value is {}{unit} at all {points} points, so it does not depend on the parameters that vary; check \
          `variable`, vary a parameter that it depends on, or remove the criterion",
         criterion.name,
         short(low)

@@ -36,9 +36,8 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
     let place = plan.and_then(|plan| place(plan, &rows));
     let place = place.map_or_else(String::new, |place| format!(", mostly where {place}"));
     Some(format!(
-        "{} of {} points failed ({reasons}){place}; they count as not {} and not conforming, but are missing from \
-         the validation comparison and from the sensitivities of the criteria that they have no value of: find out why they fail, or cut the distributions to where the \
-         model holds",
+        "{} of {} points failed ({reasons}){place}; they count as not {}, and comparisons and sensitivities leave them out: find \
+         out why they fail, or cut the distributions to where the model works",
         grouped(failed),
         grouped(all),
         summary.met()

@@ -258,6 +258,9 @@ pub struct CriterionCount {
     /// Points that fail this criterion and no other.
     #[serde(default)]
     pub only_failure: u64,
+    /// The least and the greatest value at a point; none where no point has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reached: Option<[f64; 2]>,
     /// The risks of this criterion alone, where its uncertainty is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub risk: Option<Risk>,

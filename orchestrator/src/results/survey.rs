@@ -104,6 +104,9 @@ impl<'a> Survey<'a> {
         }
         let reach = criteria().filter_map(|(k, c)| out_of_reach(c, self.reached[k], self.points));
         summary.doubt(Code::OutOfReach, reach);
+        for (count, reached) in summary.criteria.values_mut().zip(&self.reached) {
+            count.reached = Some(*reached).filter(|[low, high]| low <= high);
+        }
         let unmoved = criteria().filter_map(|(k, c)| unmoved(c, self.reached[k], self.points));
         summary.doubt(Code::Unmoved, unmoved);
         let failed = failed::concern(summary, self.plan, &self.first);
@@ -124,7 +127,7 @@ impl<'a> Survey<'a> {
                 }
                 None => {
                     let text = format!(
-                        "{}: its values are so large that their spread is beyond all numbers; model and measurement are not compared",
+                        "{}: its values are too large to compute their spread, so model and measurement are not compared",
                         criterion.name
                     );
                     summary.doubt(Code::NotCompared, [text]);

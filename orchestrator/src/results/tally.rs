@@ -278,6 +278,7 @@ impl<'a> Tally<'a> {
                 count,
                 binds: self.binds[k],
                 only_failure: self.only_failure[k],
+                reached: None,
                 risk_not_stated: not_stated(criterion, risk.as_ref(), self.resampled),
                 risk: risk.clone().filter(|_| compared),
                 criterion: criterion.clone(),

@@ -19,7 +19,37 @@ pub(super) fn beyond_validity(summary: &Summary) -> Option<String> {
 /// Whether other points would say the same.
 pub(super) fn firmness(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
     let interval = conclusion.other_verdict_interval?;
-    other_verdict(interval, &summary.provenance.method)
+    other_verdict(interval, &summary.provenance.method).or_else(|| few(interval, summary))
+}
+
+/// That a verdict of the one-point rule rests on few points of a design, whose points are not independent.
+fn few([_, most]: [f64; 2], summary: &Summary) -> Option<String> {
+    const UNSURE: f64 = 0.05;
+    let conclusion = summary.conclusion.as_ref()?;
+    let is_few = conclusion.required.is_none() && conclusion.accepted > 0 && most > UNSURE;
+    is_few.then(|| {
+        format!(
+            "The verdict rests on {} of {} points: of others, with another seed, none may be accepted.{}",
+            conclusion.accepted,
+            grouped(summary.points),
+            enough(summary).map_or_else(String::new, |points| format!(
+                " About {} points tell the share to +-30 %.",
+                grouped(points)
+            ))
+        )
+    })
+}
+
+/// How many independent points would tell the share of the accepted ones within 30 % of it; none where these are enough, or
+/// none is accepted.
+pub(super) fn enough(summary: &Summary) -> Option<u64> {
+    const WITHIN: f64 = 0.3;
+    const NINETY_FIVE: f64 = 1.96;
+    let accepted = summary.conclusion.as_ref()?.accepted as f64;
+    let share = accepted / summary.points as f64;
+    let points = (NINETY_FIVE / WITHIN).powi(2) * (1.0 - share) / share;
+    let rounded: f64 = format!("{points:.1e}").parse().ok()?;
+    (rounded.is_finite() && rounded > summary.points as f64).then_some(rounded as u64)
 }
 
 /// How probably other points come to the other verdict.

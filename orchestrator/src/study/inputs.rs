@@ -138,8 +138,8 @@ fn hole(series: &Series, schedule: &Schedule) -> Option<String> {
         .max_by(|a, b| share(*a).total_cmp(&share(*b)));
     let [from, to] = longest.filter(|_| series.times.len() >= FEWEST && !series.hold)?;
     Some(format!(
-        "{}: the recording has no rows between {from} s and {to} s, {:.0} % of the run, where its rows are {} s apart \
-         otherwise; the FMU gets a straight line there: record it without the hole, or cut the run",
+        "{}: the recording has no rows between {from} s and {to} s, {:.0} % of the run (elsewhere they are {} s apart), and \
+         the FMU gets a straight line there: record it without the hole, or cut the run",
         series.slot.name,
         100.0 * share([from, to]),
         short(usual)
@@ -160,8 +160,8 @@ fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<Str
     };
     Some(format!(
         "{}: the FMU gets another input than the recorded one at {rows} between communication points, by up to {} (at \
-         {} s), since it does not take steps of any size (canHandleVariableCommunicationStepSize); make `step` a divisor \
-         of the recording's",
+         {} s), since its steps have one size (no canHandleVariableCommunicationStepSize); make `step` a divisor of the \
+         recording's step",
         series.slot.name,
         format!("{} {unit}", short(most)).trim_end(),
         short(unseen.at),

@@ -264,8 +264,8 @@ impl Plan {
         let concern = |joint: &Joint| {
             let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
             let text = format!(
-                "{}: {points} points repeat the {} rows of the sample; the interval of the verified share takes these rows \
-                 for all that there is, and does not count that they are only a sample: give one with more rows",
+                "{}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow: \
+                 give a sample with more rows",
                 names.collect::<Vec<_>>().join(", "),
                 joint.count()
             );

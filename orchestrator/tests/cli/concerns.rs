@@ -59,6 +59,61 @@ fn a_value_that_still_moves_is_warned_of() {
     assert_eq!(concerns(&verified(&later).1), [""; 0]);
 }
 
+/// Euler's method on a lag, where the true value after 15 time constants is 1 whatever the step is, and after 2 is not.
+#[test]
+fn a_communication_step_that_is_too_coarse_is_warned_of() {
+    let bench = Bench::empty();
+    let description = crate::support::model("Lag", "Lag");
+    bench.fmu("lag.fmu", &["EULER"], &description);
+    bench.fmu("exact.fmu", &[], &description);
+    let coarse = STUDY.replace("step = 0.01", "step = 0.25");
+    let enough = coarse.replace("points = 40", "points = 50");
+    let of = |name: &str, study: &str, options: &[&str]| {
+        bench.write("study.toml", study);
+        let arguments = [
+            &["verify", "study.toml", "--output", name, "--force"],
+            options,
+        ];
+        let said = bench.run(&arguments.concat());
+        assert!(said.code < 2, "{}", said.err);
+        let found = concerns(&bench.summary(name));
+        let found = found
+            .into_iter()
+            .filter(|text| text.contains("communication step"));
+        found.collect::<Vec<String>>()
+    };
+    let found = of("coarse", &enough, &[]);
+    let said = "Y: the communication step of 0.25 s is too coarse: with half of it point ";
+    assert!(found[0].starts_with(said), "{found:?}");
+    assert!(
+        found[0].ends_with(" (tolerance 0.02); choose a shorter `step`"),
+        "{found:?}"
+    );
+    // Shards, other numbers of workers and a run that goes on tell the same.
+    assert_eq!(of("jobs", &enough, &["--jobs", "1"]), found);
+    for part in ["1/2", "2/2"] {
+        let arguments = ["verify", "study.toml", "--shard", part, "--output"];
+        bench.run(&[&arguments[..], &[&format!("part{}", &part[..1])]].concat());
+    }
+    bench.run(&["merge", "part1", "part2", "--output", "merged"]);
+    assert_eq!(concerns(&bench.summary("merged"))[0], found[0]);
+    of("more", &coarse, &[]);
+    assert_eq!(of("more", &enough, &["--resume"]), found);
+    // A run is dear beside a few points, but not to who asks for it.
+    assert_eq!(of("few", &coarse, &[]), [""; 0]);
+    assert_eq!(of("validation", &coarse, &["--validation"]).len(), 1);
+    assert_eq!(of("none", &enough, &["--extra-runs", "0"]), [""; 0]);
+    // Where the step is short enough, or the FMU solves by itself, nothing is said.
+    assert_eq!(
+        of("fine", &enough.replace("step = 0.25", "step = 0.002"), &[]),
+        [""; 0]
+    );
+    assert_eq!(
+        of("exact", &enough.replace("lag.fmu", "exact.fmu"), &[]),
+        [""; 0]
+    );
+}
+
 #[test]
 fn a_final_value_of_a_signal_that_swings_is_warned_of() {
     let study = STUDY

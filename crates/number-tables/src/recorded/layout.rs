@@ -99,9 +99,31 @@ fn decode(bytes: Vec<u8>) -> String {
     let text = String::from_utf8(bytes);
     let text =
         text.unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| windows(byte)).collect());
-    text.strip_prefix('\u{feff}')
-        .map(str::to_owned)
-        .unwrap_or(text)
+    composed(
+        text.strip_prefix('\u{feff}')
+            .map(str::to_owned)
+            .unwrap_or(text),
+    )
+}
+
+/// The text with umlauts as one character each, as keyboards write them: some systems write them as two.
+pub fn composed(text: String) -> String {
+    const UMLAUTS: [(&str, &str); 7] = [
+        ("a\u{308}", "ä"),
+        ("o\u{308}", "ö"),
+        ("u\u{308}", "ü"),
+        ("A\u{308}", "Ä"),
+        ("O\u{308}", "Ö"),
+        ("U\u{308}", "Ü"),
+        ("e\u{301}", "é"),
+    ];
+    let is_split = |text: &str| text.contains(['\u{308}', '\u{301}']);
+    match is_split(&text) {
+        true => UMLAUTS
+            .iter()
+            .fold(text, |text, (split, whole)| text.replace(split, whole)),
+        false => text,
+    }
 }
 
 /// Names, units and the place of the numbers.
@@ -112,6 +134,8 @@ pub(super) struct Found {
     pub units: Vec<Option<String>>,
     /// The first line of numbers, from 0.
     pub first: usize,
+    /// The first line of another table above, from 1, and how many rows of numbers that has.
+    pub above: Option<(u64, usize)>,
 }
 
 /// The cells of a line.
@@ -260,10 +284,14 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
     let earliest = match layout.header {
         Some(header) => (header..first).find(is_row),
         // A single row may hold the numbers of channels.
-        None => (0..first.saturating_sub(1))
-            .find(|line| is_alike(line) && is_row(&(line + 1)))
-            .filter(|begin| !is_other_table(&lines[..first], *begin, separator, &is_value)),
+        None => (0..first.saturating_sub(1)).find(|line| is_alike(line) && is_row(&(line + 1))),
     };
+    let is_other = |begin: &usize| {
+        layout.header.is_none() && is_other_table(&lines[..first], *begin, separator, &is_value)
+    };
+    let other = earliest.filter(is_other);
+    let above_rows = |begin: usize| (begin as u64 + 1, (begin..first).filter(is_row).count());
+    let (above_it, earliest) = (other.map(above_rows), earliest.filter(|_| other.is_none()));
     let first = back(earliest.unwrap_or(first));
     let named = |line: usize| head(lines[line], separator, columns);
     let (names, units) = match layout.header {
@@ -305,6 +333,7 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
         units: units.collect(),
         names: distinct(names),
         first,
+        above: above_it,
     })
 }
 

@@ -2,17 +2,24 @@
 
 use std::time::{Duration, Instant};
 
+use super::write::TOLERANCE;
 use crate::cli::Init;
 use crate::commands::isolated::Isolated;
 use crate::commands::simulate::of_step;
 use crate::error::Error;
 use fmu_import::{Description, Handle, Value, Variable};
 use fmu_points::failure::Failure;
+use fmu_points::names::behind;
 use fmu_points::task::{Schedule, Task};
+use result_document::format::number as digits;
 use sampling::statistics::{Accumulator, Statistic};
 
 /// The longest time of the run.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Half the step changes a criterion's value by less than this part of it, a sixth of its tolerance, where the step is short
+/// enough.
+const SETTLED: f64 = TOLERANCE / 6.0;
 
 /// Less than this part of its range is next to nothing.
 pub(super) const SMALL: f64 = 0.01;
@@ -72,22 +79,113 @@ impl<'a> Signal<'a> {
     /// A statistic that tells of it, and its value. Of what still swings at the end, one instant says little; of what is next
     /// to nothing, its tolerance could be no part.
     pub(super) fn value(&self) -> (Statistic, f64) {
-        let (statistic, value) = match self.turns > 1 {
-            true => (Statistic::Mean, self.mean.result(self.span)),
-            false => (Statistic::Final, self.last),
+        let mut statistic = match self.turns > 1 {
+            true => Statistic::Mean,
+            false => Statistic::Final,
         };
-        match value.abs() < SMALL * (self.most - self.least) {
-            true => (Statistic::Rms, self.rms.result(self.span)),
-            false => (statistic, value),
+        if self.of(statistic).abs() < SMALL * (self.most - self.least) {
+            statistic = Statistic::Rms;
         }
+        (statistic, self.of(statistic))
+    }
+
+    fn of(&self, statistic: Statistic) -> f64 {
+        match statistic {
+            Statistic::Mean => self.mean.result(self.span),
+            Statistic::Rms => self.rms.result(self.span),
+            _ => self.last,
+        }
+    }
+
+    /// How far its value is from that with a coarser step, as a part of what its tolerance is a part of.
+    fn change_from(&self, coarse: &Self) -> f64 {
+        let (statistic, value) = self.value();
+        let range = self.most - self.least;
+        let size = match value.abs() < SMALL * range {
+            true => range,
+            false => value.abs(),
+        };
+        (value - coarse.of(statistic)).abs() / size
     }
 }
 
+/// The numbers of the first ones that move.
+pub(super) fn moving<'s>(
+    signals: &'s [Signal<'_>],
+    most: usize,
+) -> impl Iterator<Item = usize> + 's {
+    let all = 0..signals.len();
+    all.filter(|&k| signals[k].moves()).take(most)
+}
+
+/// Of those that become criteria, `most` of them, the one that a finer step changes most, where that is notable.
+fn changed(coarse: &[Signal<'_>], finer: &[Signal<'_>], most: usize) -> Option<usize> {
+    let change = |k: &usize| finer[*k].change_from(&coarse[*k]);
+    let notable = moving(finer, most).filter(|k| change(k) > SETTLED || change(k).is_nan());
+    notable.max_by(|a, b| change(a).total_cmp(&change(b)))
+}
+
+/// What the FMU's variables do with a step that is short enough for those of them that become criteria, `most` of them;
+/// and a sentence where the first step is not. `schedule` gets the step, unless `kept` or none is short enough.
+pub(super) fn settled<'a>(
+    isolated: &Isolated,
+    schedule: &mut Schedule,
+    variables: &[&'a Variable],
+    (most, kept): (usize, bool),
+) -> Result<(Vec<Signal<'a>>, Option<String>), Error> {
+    const HALVINGS: u32 = 6;
+    let until = Instant::now().checked_add(PATIENCE);
+    let first_step = schedule.step;
+    let with = |step: f64| {
+        let schedule = Schedule { step, ..*schedule };
+        signals(isolated, &schedule, variables, until)
+    };
+    let first = with(first_step)?;
+    let (mut found, mut first_changed, mut is_short_enough) = (None, None, false);
+    for _ in 0..HALVINGS {
+        let (step, signals) = found
+            .as_ref()
+            .map_or((first_step, &first), |(step, signals)| (*step, signals));
+        // An FMU may refuse such a step, and what takes long is no first study.
+        let step = 0.5 * step;
+        let Ok(finer) = with(step) else { break };
+        let Some(changed) = changed(signals, &finer, most) else {
+            is_short_enough = true;
+            break;
+        };
+        first_changed.get_or_insert(changed);
+        found = Some((step, finer));
+    }
+    let (Some((step, signals)), Some(changed)) = (found, first_changed) else {
+        return Ok((first, None));
+    };
+    let (finer, coarse) = (&signals[changed], &first[changed]);
+    let (statistic, value) = finer.value();
+    let unit = behind(finer.variable.unit());
+    let told = format!(
+        "a step of {first_step} s is too coarse: {} is {}{unit} with it, {}{unit} with {step} s{}",
+        finer.variable.name,
+        digits(coarse.of(statistic), 4),
+        digits(value, 4),
+        if is_short_enough {
+            ""
+        } else {
+            ", and changes on: choose a step yourself"
+        }
+    );
+    if kept || !is_short_enough {
+        return Ok((first, Some(told)));
+    }
+    schedule.step = step;
+    Ok((signals, Some(told)))
+}
+
 /// Runs the FMU once and looks at these variables.
-pub(super) fn signals<'a>(
+fn signals<'a>(
     isolated: &Isolated,
     schedule: &Schedule,
     variables: &[&'a Variable],
+    until: Option<Instant>,
 ) -> Result<Vec<Signal<'a>>, Error> {
     let task = Task {
         schedule: *schedule,
@@ -100,7 +198,6 @@ pub(super) fn signals<'a>(
     let mut signals: Vec<Signal<'_>> = variables.iter().map(|v| Signal::new(v)).collect();
     let middle = 0.5 * (schedule.start + schedule.stop);
     let mut before = None;
-    let until = Instant::now().checked_add(PATIENCE);
     isolated.observe(&task, &handles, until, |time, values| {
         let elapsed = time - before.replace(time).unwrap_or(time);
         for (signal, value) in signals.iter_mut().zip(values) {

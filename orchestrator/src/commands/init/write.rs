@@ -18,7 +18,9 @@ const MOST_LINES: usize = 60;
 /// Of a table with many columns, so many parameters are shown all the same.
 const FEWEST_PARAMETERS: usize = 5;
 /// How many outputs become criteria where nothing is measured.
-const CRITERIA: usize = 3;
+pub(super) const CRITERIA: usize = 3;
+/// The tolerance that is written, as a part of the value.
+pub(super) const TOLERANCE: f64 = 0.05;
 
 /// A study to be written.
 #[derive(Debug)]
@@ -27,6 +29,8 @@ pub(super) struct Study<'a> {
     /// The FMU's path, as seen from the study.
     pub(super) path: PathBuf,
     pub(super) schedule: Schedule,
+    /// That the first step was too coarse, in a sentence.
+    pub(super) of_step: Option<String>,
     pub(super) parameters: Vec<(&'a Variable, Shown<'a>)>,
     pub(super) criteria: Criteria,
 }
@@ -244,10 +248,9 @@ fn own(signal: &Signal<'_>, fmu: &Description) -> Vec<String> {
 
 /// A part of the value; where that is next to nothing, of the range.
 fn tolerance(nominal: f64, range: f64) -> String {
-    const PART: f64 = 0.05;
     match nominal.abs() < SMALL * range {
-        true => format!("tolerance = {}", number(rounded(PART * range))),
-        false => format!("tolerance = \"{} %\"", 100.0 * PART),
+        true => format!("tolerance = {}", number(rounded(TOLERANCE * range))),
+        false => format!("tolerance = \"{} %\"", 100.0 * TOLERANCE),
     }
 }
 
@@ -301,7 +304,7 @@ impl Study<'_> {
         let Schedule {
             start, stop, step, ..
         } = self.schedule;
-        let fmu = self.fmu;
+        let (fmu, of_step) = (self.fmu, self.of_step.as_deref());
         let mut lines = vec![
             format!("title = {}", quoted(&fmu.model_name)),
             format!("fmu = {}", file(&self.path)),
@@ -313,7 +316,11 @@ impl Study<'_> {
         }
         lines.extend([
             format!("stop = {} # s", number(stop)),
-            format!("step = {} # s", number(step)),
+            format!(
+                "step = {} # s{}",
+                number(step),
+                of_step.map_or_else(String::new, |told| format!("; {told}"))
+            ),
             String::new(),
             "[design]".to_owned(),
             format!(

@@ -154,7 +154,7 @@ impl Page<'_> {
         let line = |free: &FreeOutcome| {
             let [value, low, high] = told(free);
             let value = with_unit(value, free);
-            format!("{} {value} ({low} … {high}, 95 %)", free.name)
+            format!("{} {value} ({low} .. {high}, 95 %)", free.name)
         };
         free.filter(|_| few).map(line).collect()
     }
@@ -285,7 +285,7 @@ impl Page<'_> {
                 error.name.clone(),
                 error.kind.words().trim_start_matches("a ").to_owned(),
                 format!("{value} {unit}").trim_end().to_owned(),
-                format!("{low} … {high}"),
+                format!("{low} .. {high}"),
                 format!("± {limit}"),
                 format!("{} %", number(100.0 * error.left, 2)),
             ]
@@ -339,8 +339,8 @@ impl Page<'_> {
                         name,
                         with_unit(value, free),
                         match free.at_bound {
-                            Some(side) => format!("{low} … {high}, at its {side} bound"),
-                            None => format!("{low} … {high}"),
+                            Some(side) => format!("{low} .. {high}, at its {side} bound"),
+                            None => format!("{low} .. {high}"),
                         },
                         format!("{} %", number(100.0 * free.left, 2)),
                     ]
@@ -391,7 +391,7 @@ impl Page<'_> {
         let cells = |marginal: &Marginal| {
             let unit = unit(&marginal.unit);
             let ends = marginal.intervals.iter();
-            let ends = ends.map(|ends| ends.map(|v| number(v, 4)).join(" … "));
+            let ends = ends.map(|ends| ends.map(|v| number(v, 4)).join(" .. "));
             [
                 format!("{} {unit}", number(marginal.mean, 4))
                     .trim_end()
@@ -901,10 +901,10 @@ fn note(free: &Free) -> String {
             };
             let centre = number(prior.centre, 5);
             format!(
-                "prior: {centre} {unit} {spread} (one standard deviation), within {min} … {max} {unit}"
+                "prior: {centre} {unit} {spread} (one standard deviation), within {min} .. {max} {unit}"
             )
         }
-        None => format!("prior: anything within {min} … {max} {unit}"),
+        None => format!("prior: anything within {min} .. {max} {unit}"),
     };
     text.trim_end().to_owned()
 }

@@ -288,7 +288,8 @@ impl Asked {
         let usual = || (!study.cases.is_empty()).then(Identification::default);
         let mut settings = study.identify.clone().or_else(usual).ok_or_else(|| {
             study.error(
-                "identify needs a section [identify]; `orchestrator identify --help` shows one",
+                "identify needs to know what is measured: put the criteria into a case, [[cases]] with a name and \
+                 [cases.criteria.X] in place of [criteria.X], or add a section [identify] (`orchestrator identify --help`)",
             )
         })?;
         settings.starts = self.starts.unwrap_or(settings.starts);

@@ -101,7 +101,7 @@ fn evidence<S>(name: &str, level: f64, of: &Domain<S>) -> String {
     let [low, high] = of.interval.map(percent);
     let shown = if of.interval[0] >= level { "" } else { "not " };
     let told = format!(
-        "{name}: {} % of the sampled space. Of it {} % are verified (95 % interval {low} – {high} %), {shown}shown to be {} % \
+        "{name}: {} % of the sampled space. Of it {} % are verified (95 % interval {low} .. {high} %), {shown}shown to be {} % \
          or more by the surrogates and the study's own points, of which {} lie inside, {} of them verified.",
         percent(of.share),
         percent(of.probability),
@@ -114,7 +114,7 @@ fn evidence<S>(name: &str, level: f64, of: &Domain<S>) -> String {
     };
     let [low, high] = fresh.interval.map(percent);
     format!(
-        "{told} Of {} fresh runs inside {} are verified (95 % interval {low} – {high} %): {}.",
+        "{told} Of {} fresh runs inside {} are verified (95 % interval {low} .. {high} %): {}.",
         fresh.points,
         fresh.verified,
         fresh.on(of.interval)
@@ -296,7 +296,7 @@ fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64
     let [low, high] = range(values.iter()).map(|end| number(end, 4));
     out += &text("title", [MIDDLE, SIDE + 38.0], "middle", &across);
     out += &upright([11.0, TOP + SIDE / 2.0], &up);
-    let ends = format!("{low} … {high}");
+    let ends = format!("{low} .. {high}");
     out += &text("tick", [MIDDLE, SIDE + 53.0], "middle", &ends);
     let title = format!("{what} over {across} and {up}: {low} to {high}");
     picture("plot map", [246.0, SIDE + 58.0], &title, &out)

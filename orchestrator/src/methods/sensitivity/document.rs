@@ -101,11 +101,11 @@ fn cell(measure: &Measure, parameter: usize) -> String {
     if low.is_nan() {
         return value;
     }
-    let interval = format!("{value} ({} … {})", number(low, 2), number(high, 2));
+    let interval = format!("{value} ({} .. {})", number(low, 2), number(high, 2));
     match &measure.bounds {
         Some(bounds) => {
             let [low, high] = bounds[parameter].map(|end| number(end, 2));
-            format!("{interval} {{{low} … {high}}}")
+            format!("{interval} {{{low} .. {high}}}")
         }
         None => interval,
     }

@@ -203,7 +203,7 @@ const Live = (() => {
       const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
       const line = (at, of) => `M${of.map((v, i) => `${(WIDTH * (at[i] - times[0]) / span).toFixed(1)},${(HEIGHT - 2 - (HEIGHT - 4) * (high > low ? (v - low) / (high - low) : 0.5)).toFixed(1)}`).join("L")}`;
       const what = curve ? `${name}, the signal and what was measured` : name, ofUnit = !curve && unit && unit !== "1" ? ` ${unit}` : "";
-      make("p", `${what}: ${number(low)} – ${number(high)}${ofUnit} at ${times.length} instants of ${number(span)} s`, place).className = "quiet";
+      make("p", `${what}: ${number(low)} .. ${number(high)}${ofUnit} at ${times.length} instants of ${number(span)} s`, place).className = "quiet";
       const svg = document.createElementNS(NS, "svg");
       svg.setAttribute("viewBox", `0 0 ${WIDTH} ${HEIGHT}`);
       svg.setAttribute("class", "trace");

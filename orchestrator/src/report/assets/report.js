@@ -533,6 +533,8 @@
   addEventListener("hashchange", unfold);
   unfold();
 
+  if (narrow) document.querySelectorAll(".rest").forEach(rest => { rest.open = false; });
+
   // ---- print with everything open ------------------------------------------------------------------------------
   addEventListener("beforeprint", () => document.querySelectorAll("details").forEach(d => { d.open = true; }));
 

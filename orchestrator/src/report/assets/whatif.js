@@ -205,7 +205,7 @@ const WhatIf = (() => {
 
   // ---- what is shown ---------------------------------------------------------------------------------------------------------------
   const percent = share => share === null || share === undefined ? "–" : page.number(100 * share, 4);
-  const ends = interval => interval ? `${percent(interval[0])} – ${percent(interval[1])}` : "";
+  const ends = interval => interval ? `${percent(interval[0])} .. ${percent(interval[1])}` : "";
   let outcome, table, warning, snippet, saved;
   const capital = text => text[0].toUpperCase() + text.slice(1);
   const sentence = () => {
