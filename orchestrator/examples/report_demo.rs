@@ -56,6 +56,7 @@ fn summary(table: &PointTable) -> Summary {
             count: share(&|i| c.ok[i]),
             binds: bindings.filter(|b| b.criterion == k).count() as u64,
             only_failure: share(&|i| table.completed(i) && !c.ok[i] && others(i)).passed,
+            reached: None,
             risk: None,
             risk_not_stated: None,
             criterion: Criterion {

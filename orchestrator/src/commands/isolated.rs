@@ -143,15 +143,20 @@ impl Isolated {
         recorded.and(flushed).map(|()| last)
     }
 
-    /// Simulates, and hands over time and values at every communication point; at `until` it has failed.
+    /// Simulates, and hands over time and values at every communication point; at `until` it has failed. `echo` says whether
+    /// the user reads what the FMU says.
     pub(super) fn observe(
         &self,
         task: &Task,
         variables: &[Handle],
-        until: Option<Instant>,
+        (until, echo): (Option<Instant>, bool),
         mut take: impl FnMut(f64, &[Value]),
     ) -> Result<(), Error> {
-        let mut recording = self.recorder().of(task);
+        let recorder = Recorder {
+            echo,
+            ..self.recorder()
+        };
+        let mut recording = recorder.of(task);
         recording.record(&[], variables, until, |time, values| {
             take(time, values);
             Ok(())

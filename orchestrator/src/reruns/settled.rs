@@ -356,7 +356,7 @@ mod tests {
         assert!(
             doubts[1]
                 .text
-                .contains("in a run twice as long it changes by another -0.4 degC at point 7 (tolerance 0.6 degC);"),
+                .contains("in a run twice as long it changes by another −0.4 degC at point 7 (tolerance 0.6 degC);"),
             "{doubts:?}"
         );
         assert_eq!(of(Statistic::Mean, 0.07, -0.4).len(), 1);

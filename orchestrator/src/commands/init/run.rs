@@ -138,7 +138,9 @@ pub(super) fn settled<'a>(
     let first_step = schedule.step;
     let with = |step: f64| {
         let schedule = Schedule { step, ..*schedule };
-        signals(isolated, &schedule, variables, until)
+        // The same messages again would tell nothing.
+        let end = (until, step == first_step);
+        signals(isolated, &schedule, variables, end)
     };
     let first = with(first_step)?;
     let (mut found, mut first_changed, mut is_short_enough) = (None, None, false);
@@ -185,7 +187,7 @@ fn signals<'a>(
     isolated: &Isolated,
     schedule: &Schedule,
     variables: &[&'a Variable],
-    until: Option<Instant>,
+    end: (Option<Instant>, bool),
 ) -> Result<Vec<Signal<'a>>, Error> {
     let task = Task {
         schedule: *schedule,
@@ -198,7 +200,7 @@ fn signals<'a>(
     let mut signals: Vec<Signal<'_>> = variables.iter().map(|v| Signal::new(v)).collect();
     let middle = 0.5 * (schedule.start + schedule.stop);
     let mut before = None;
-    isolated.observe(&task, &handles, until, |time, values| {
+    isolated.observe(&task, &handles, end, |time, values| {
         let elapsed = time - before.replace(time).unwrap_or(time);
         for (signal, value) in signals.iter_mut().zip(values) {
             let value = match value {
