@@ -3,22 +3,12 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use fmu_import::{ArchiveError, FmuError, FmuFault};
+use fmu_import::FmuError;
 use fmu_points::RunError;
 use fmu_points::failure::Failure;
 use fmu_points::scratch::ScratchError;
-use number_tables::files::{FileError, missing};
-
-/// Why an FMU cannot be used, with a remedy.
-pub fn unusable(error: &FmuError) -> String {
-    match error {
-        FmuError {
-            path,
-            fault: FmuFault::Archive(ArchiveError::Missing),
-        } => format!("{}: {}", path.display(), missing(path)),
-        other => other.to_string(),
-    }
-}
+use number_tables::files::FileError;
+use study::{OpenError, unusable};
 
 /// Why something cannot be done.
 #[derive(Debug, thiserror::Error)]
@@ -101,6 +91,15 @@ impl Error {
     pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| FileError::read(&path, source).into()
+    }
+}
+
+impl From<OpenError> for Error {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Fmu(error) => error.into(),
+            OpenError::File(error) => error.into(),
+        }
     }
 }
 

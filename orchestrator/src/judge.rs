@@ -13,11 +13,6 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use crate::concern::Concern;
-use crate::study::plan::find;
-use crate::study::{
-    BOTH_SIDES, CriterionText, Name, NominalFrom, Study, ToleranceText, first_wrong,
-};
 use conformity::decision::Rule;
 use conformity::measured::{Limits, Measured, Measurement};
 use conformity::risk::Guard;
@@ -33,6 +28,9 @@ use number_tables::files::FileError;
 use parameter_regions::table::CriterionColumn;
 use sampling::statistics::Statistic;
 use sampling::statistics::moments::length;
+use study::concern::Concern;
+use study::plan::find;
+use study::{BOTH_SIDES, CriterionText, Name, NominalFrom, Study, ToleranceText, first_wrong};
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -4,7 +4,6 @@
 pub mod cli;
 pub mod commands;
 pub mod compare;
-pub mod concern;
 pub mod error;
 pub mod identify;
 pub mod judge;
@@ -18,4 +17,3 @@ pub mod reruns;
 pub mod results;
 pub mod session;
 pub mod source;
-pub mod study;

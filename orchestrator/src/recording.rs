@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer};
 
-use crate::study::exactly_two;
 use fmu_import::quantity::Quantity;
 use fmu_import::units::{Conversion, known};
 use fmu_points::names::behind;
@@ -14,6 +13,7 @@ use result_document::format::number;
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
 use rig_signals::{Accuracy, Bearing, Channel, Derived, RigRecording, Synchronised};
+use study::exactly_two;
 
 /// The settings of a recording.
 #[derive(Debug, Deserialize)]

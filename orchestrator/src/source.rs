@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crate::study::plan::Input;
-use crate::study::{ParameterText, Study};
 use number_tables::files::FileError;
 use number_tables::{Column, Table};
 use sampling::design::Design;
 use sampling::distribution::Distribution;
+use study::plan::Input;
+use study::{ParameterText, Study};
 
 /// The points of a run, by index from 0.
 #[derive(Clone, Debug)]

@@ -2,12 +2,12 @@
 
 use crate::error::Error;
 use crate::results::{Summary, traceability};
-use crate::study::plan::Plan;
-use crate::study::ssv;
 use fmu_import::{Description, Value, Variable, digest};
 use fmu_points::task::Case;
 use point_journal::files::write_text;
 use std::path::Path;
+use study::plan::Plan;
+use study::ssv;
 
 const SET: &str = "best.ssv";
 const PROVENANCE: &str = "best.srmd";

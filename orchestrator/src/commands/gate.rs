@@ -4,7 +4,6 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use crate::cli::Gate;
-use crate::concern::{Concern, Severity};
 use crate::error::Error;
 use crate::junit::{self, Outcome, Test};
 use crate::methods::asking::exit_code;
@@ -13,6 +12,7 @@ use crate::results::summary::Count;
 use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use indexmap::IndexMap;
+use study::concern::{Concern, Severity};
 
 /// The exit code of a verdict. Writes its tests where they are wanted.
 pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode, Error> {

@@ -7,7 +7,6 @@ use std::time::Instant;
 
 use super::{complete, gate, output, table};
 use crate::cli;
-use crate::concern::Code;
 use crate::error::Error;
 use crate::judge::Judge;
 use crate::methods::asking::warn;
@@ -16,7 +15,6 @@ use crate::results::summary::{Provenance, Run};
 use crate::results::survey::Survey;
 use crate::results::tally::{Sample, Tally};
 use crate::session::{FileSet, Request, provenance};
-use crate::study::Study;
 use fmu_import::quantity::Scale;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Package};
@@ -25,6 +23,8 @@ use number_tables::Table;
 use point_journal::files::write_text;
 use point_journal::pipeline::folder::Earlier;
 use point_journal::{Lock, lines};
+use study::Study;
+use study::concern::Code;
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let begun = Instant::now();
@@ -149,7 +149,7 @@ fn conversions(
     fmu: Option<&Description>,
 ) -> Result<Vec<Conversion>, Error> {
     let pairs = study.criteria.iter().zip(&judge.criteria);
-    let conversion = |(name, text): (&crate::study::Name, &crate::study::CriterionText), unit| {
+    let conversion = |(name, text): (&study::Name, &study::CriterionText), unit| {
         let Some(column_unit) = text.column_unit.as_deref() else {
             return Ok(Conversion::IDENTITY);
         };

@@ -15,8 +15,8 @@ use crate::options::folder_of;
 use crate::packed::{altered, changed, choose, digests, pack, unpack};
 use crate::results::table;
 use crate::session::{Request, Session};
-use crate::study::Study;
 use fmu_import::Package;
+use study::Study;
 
 /// Where the carried study lies beside the new results.
 const CARRIED: &str = "carried";

@@ -11,11 +11,11 @@ use super::isolated::{Columns, Isolated};
 use super::output;
 use crate::cli::Simulate;
 use crate::error::Error;
-use crate::study::plan::{bare, find, value_of};
-use crate::study::{Setting, ssv};
 use fmu_import::{Description, Package, Value};
 use fmu_points::failure::Failure;
 use fmu_points::task::{Schedule, Task};
+use study::plan::{bare, find, value_of};
+use study::{Setting, ssv};
 
 pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     let mut package = Package::open(&options.fmu)?;

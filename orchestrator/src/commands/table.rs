@@ -5,7 +5,6 @@ use std::path::Path;
 
 use indexmap::IndexMap;
 
-use crate::concern::Concern;
 use crate::report::counted::{readings, risks};
 use crate::results::Summary;
 use crate::results::answer::{Answer, further};
@@ -13,6 +12,7 @@ use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint};
 use fmu_points::Conduct;
 use result_document::wrapped;
+use study::concern::Concern;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
 pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {

@@ -19,14 +19,14 @@ use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
 use crate::results::{Looked, Summary, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
-use crate::study::plan::bare;
-use crate::study::{Name, Setting};
 use fmu_points::names::behind;
 use fmu_points::task::Case;
 use point_journal::pipeline::folder::Earlier;
 use point_journal::pipeline::{Pipeline, Step};
 use point_journal::{Journal, lines};
 use sampling::design::Method;
+use study::plan::bare;
+use study::{Name, Setting};
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;

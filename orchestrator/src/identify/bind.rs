@@ -2,12 +2,6 @@
 
 use super::cases::Columns;
 use super::late::Reading;
-use crate::study::identification::{
-    DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
-};
-use crate::study::limit::gain;
-use crate::study::plan::{Plan, find, slot_of};
-use crate::study::{Name, Study};
 use calibration::discrepancy::Unknown;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind,
@@ -21,6 +15,12 @@ use fmu_import::units::Conversion;
 use fmu_points::task::{Case as Simulation, Probe, Slot};
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
+use study::identification::{
+    DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
+};
+use study::limit::gain;
+use study::plan::{Plan, find, slot_of};
+use study::{Name, Study};
 
 /// How far the bounds of a normal parameter are from its mean, in standard deviations.
 pub(super) const REACH: f64 = 5.0;

@@ -1,8 +1,8 @@
 //! The table of measured cases.
 
-use crate::study::{Identification, Name, Study};
 use number_tables::files::FileError;
 use number_tables::{Column, Table};
+use study::{Identification, Name, Study};
 
 /// The columns of the table that the section names, or a single case without any.
 pub(super) struct Columns {

@@ -13,9 +13,6 @@ use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_difference};
 use super::late::{Read, Reading, late};
 use super::offsets;
 use crate::judge::{Criterion, Judge};
-use crate::study::cases::SEPARATOR;
-use crate::study::plan::{self, Plan};
-use crate::study::{CriterionText, EstimateText, Identification, Name, Study};
 use calibration::digits::rounded;
 use calibration::problem::{
     Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity,
@@ -30,6 +27,9 @@ use fmu_points::task::{Delay, MeasuredCurve, Probe, Schedule, Slot};
 use number_tables::files::FileError;
 use rig_signals::scatter;
 use sampling::distribution::Distribution;
+use study::cases::SEPARATOR;
+use study::plan::{self, Plan};
+use study::{CriterionText, EstimateText, Identification, Name, Study};
 
 /// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as
 /// rounding.

@@ -4,15 +4,15 @@
 use indexmap::{IndexMap, IndexSet};
 
 use super::bind::{Bound, REACH};
-use crate::study::cases::SEPARATOR;
-use crate::study::plan::find;
-use crate::study::{Name, RecordingText, Study};
 use calibration::problem::{Free, Prior, Spacing};
 use conformity::uncertainty::Uncertainty;
 use fmu_import::quantity::{Scale, Sense};
 use fmu_import::{Content, Description};
 use fmu_points::task::{Series, Slot};
 use number_tables::files::FileError;
+use study::cases::SEPARATOR;
+use study::plan::find;
+use study::{Name, RecordingText, Study};
 
 /// A zero error: all cases have it in which the same uncertainty is stated of the same input.
 struct Offset<'a> {

@@ -1,13 +1,13 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
 use super::Criterion;
-use crate::study::limit::{error, limit, part};
-use crate::study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong};
 use conformity::measured::Limits;
 use curves::{Kind, Metric};
 use fmu_import::quantity::Quantity;
 use fmu_import::quantity::Scale;
 use number_tables::files::FileError;
+use study::limit::{error, limit, part};
+use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
@@ -147,8 +147,8 @@ pub(super) fn variant(
 #[cfg(test)]
 mod tests {
     use crate::judge::Judge;
-    use crate::study::Study;
     use std::path::Path;
+    use study::Study;
 
     const STUDY: &str = r#"
 fmu = "a.fmu"

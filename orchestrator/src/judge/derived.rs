@@ -1,13 +1,13 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
 use super::{Judge, distance_unit, product};
-use crate::study::cases::SEPARATOR;
-use crate::study::points::Pairs;
-use crate::study::{CriterionText, Name, Study};
 use conformity::measured::Measurement;
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use number_tables::files::FileError;
+use study::cases::SEPARATOR;
+use study::points::Pairs;
+use study::{CriterionText, Name, Study};
 
 /// A criterion whose error follows from others'.
 #[derive(Clone, Debug)]

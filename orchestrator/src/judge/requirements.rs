@@ -3,10 +3,6 @@
 use toml::Spanned;
 
 use super::{Criterion, Judge, tolerance};
-use crate::concern::{Code, Concern};
-use crate::study::limit::gain;
-use crate::study::points::{Pairs, pairs};
-use crate::study::{CriterionText, Name, Required, Study, first_wrong};
 use conformity::decision::Rule;
 use conformity::measured::{Limits, Measurement};
 use conformity::risk::Guard;
@@ -15,6 +11,10 @@ use fmu_import::quantity::Quantity;
 use fmu_import::quantity::Scale;
 use fmu_import::{Causality, Variable};
 use number_tables::files::FileError;
+use study::concern::{Code, Concern};
+use study::limit::gain;
+use study::points::{Pairs, pairs};
+use study::{CriterionText, Name, Required, Study, first_wrong};
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
 pub(super) fn check_variable(

@@ -6,11 +6,11 @@ use crate::error::Error;
 use crate::options::folder_of;
 use crate::results::Summary;
 use crate::results::origin::Origin;
-use crate::study::Study;
 use number_tables::files;
 use parameter_regions::table::PointTable;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use study::Study;
 
 /// The folder of the finished study that the user names, or that of its results.
 pub(super) fn from(named: Option<&Path>, study: &Path) -> PathBuf {

@@ -3,7 +3,6 @@
 use crate::error::Error;
 use crate::options::Means;
 use crate::session::{Request, Session, Verification};
-use crate::study::Study;
 use fmu_import::Package;
 use fmu_points::crew::Crew;
 use fmu_points::task::Case;
@@ -11,6 +10,7 @@ use point_journal::pipeline::folder::{Earlier, Kept, RunFolder};
 use point_journal::pipeline::{Model, Part, Pipeline};
 use point_journal::{Header, Lock, lines};
 use std::path::{Path, PathBuf};
+use study::Study;
 
 /// A study that is tied to its FMU, whose points are run.
 pub trait Source {

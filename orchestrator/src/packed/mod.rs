@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::results::Summary;
 use crate::session::Request;
-use crate::study::Study;
 use fmu_import::{Package, digest, percent_encoded};
 use manifest::Related;
 use point_journal::files::{draft, keep, make_folder, write_text};
+use study::Study;
 
 /// The folder of the related files in an FMU.
 const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref/";

@@ -4,11 +4,11 @@
 use crate::results::Summary;
 use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
 use crate::results::words::capitalised;
-use crate::study::cases::SEPARATOR;
 use conformity::measured::{Limits, Measured};
 use conformity::risk::Risk;
 use result_document::format::{count, number, percent};
 use result_document::{Block, Column, Table, numbers, words};
+use study::cases::SEPARATOR;
 
 fn heading(title: &str) -> Block {
     Block::Heading(title.to_owned())

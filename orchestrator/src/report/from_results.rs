@@ -14,11 +14,11 @@ use crate::results::choice;
 use crate::results::settled::Settled;
 use crate::results::table;
 use crate::results::words::capitalised;
-use crate::study::Study;
 use parameter_regions::table::PointTable;
 use result_document::Document;
 use result_document::format::count;
 use std::path::Path;
+use study::Study;
 
 impl Report {
     /// Reads `summary.json` and `points.csv`, and `study.toml` where it is kept beside them.

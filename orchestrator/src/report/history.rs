@@ -2,12 +2,12 @@
 
 use super::figures::Series;
 use super::overlay::{Measured, is_of, metric_of};
-use crate::study::Study;
 use indexmap::IndexMap;
 use number_tables::csv_file;
 use parameter_regions::table::PointTable;
 use sampling::statistics::Statistic;
 use std::path::Path;
+use study::Study;
 
 /// The file: `time` in seconds, and the criteria's signals in the criteria's units. Where the study has cases, each of them
 /// has a file, `best-point-1.csv` and so on, in the order of the study.

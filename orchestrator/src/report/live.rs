@@ -1,6 +1,5 @@
 //! The FMU's WebAssembly module and a point's simulation, with which the page simulates points by itself.
 
-use crate::study::plan::Plan;
 use curves::Metric;
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Interface, Package, Value, Version};
@@ -8,6 +7,7 @@ use fmu_points::task::{Delay, Detail, MeasuredCurve, Probe, Schedule, Series, Sl
 use parameter_regions::table::PointTable;
 use sampling::statistics::Statistic;
 use serde::Serialize;
+use study::plan::Plan;
 
 /// How many of the study's points the page compares with the module's.
 const COMPARED: usize = 24;

@@ -3,10 +3,10 @@
 use crate::judge::share;
 use crate::results::Summary;
 use crate::results::summary::CriterionCount;
-use crate::study::Study;
 use conformity::measured::Limits;
 use conformity::uncertainty::{Law, Uncertainty};
 use serde::Serialize;
+use study::Study;
 
 /// The study as the page's script changes it.
 #[derive(Clone, Debug, Serialize)]

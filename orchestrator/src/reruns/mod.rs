@@ -17,7 +17,6 @@ use thiserror::Error;
 use crate::error::Error;
 use crate::results::Summary;
 use crate::session::Verification;
-use crate::study::plan::Plan;
 use budget::Budget;
 pub(crate) use finer::refined_case;
 use fmu_import::{Content, Handle, Package, Value};
@@ -29,6 +28,7 @@ use fmu_points::stop;
 use fmu_points::task::{Case, Task};
 use fmu_points::{Answer, RunError, working_directory};
 use point_journal::files::write_json;
+use study::plan::Plan;
 
 /// The runs that are to be made once more.
 #[derive(Clone, Copy, Debug)]

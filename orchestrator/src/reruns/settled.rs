@@ -7,17 +7,17 @@ use std::thread;
 
 use super::finer::{golden, longer};
 use super::{Halt, Reruns};
-use crate::concern::{Code, Concern};
 use crate::judge::Criterion;
 use crate::report::history;
 use crate::results::Summary;
 use crate::results::settled::Moved;
-use crate::study::plan::Plan;
 use fmu_points::single::Recording;
 use fmu_points::task::{Probe, Schedule, Task};
 use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
+use study::concern::{Code, Concern};
+use study::plan::Plan;
 
 /// So many numbers are held at a time; more would only take memory.
 const MOST_NUMBERS: u64 = 1 << 24;

@@ -11,10 +11,10 @@ use super::words::{
     accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown,
 };
 use super::{Summary, resampled::presumed};
-use crate::concern::{Concern, Severity};
 use conformity::conclusion::{Conclusion, Requirement, grouped};
 use conformity::decision::Decision;
 use result_document::format::number;
+use study::concern::{Concern, Severity};
 
 /// The confidence at which a verdict is firm.
 const USUAL: f64 = 0.95;

@@ -1,10 +1,10 @@
 //! Points without a result: what they leave open of a verdict, and where among the parameters they lie.
 
 use super::{Row, Summary};
-use crate::study::plan::Plan;
 use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
+use study::plan::Plan;
 
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.

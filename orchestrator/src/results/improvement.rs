@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 
 use super::Row;
 use crate::judge::Judge;
-use crate::study::plan::Plan;
 use conformity::decision::Decision;
 use conformity::gain::{self, Pair};
 use conformity::interval::clopper_pearson;
 use conformity::measured::Assessed;
 use conformity::risk::Guard;
 use sampling::distribution::Distribution;
+use study::plan::Plan;
 
 /// So many points tell enough; of a larger study the first ones are taken. With many criteria they are fewer, as each of them
 /// is judged once for each criterion.

@@ -8,13 +8,13 @@ use super::choice::{Best, Even};
 use super::summary::Summary;
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
-use crate::study::plan::Input;
 use conformity::measured::Measurement;
 use conformity::risk::Guard;
 use number_tables::csv_file;
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
 use sampling::statistics::moments::length;
+use study::plan::Input;
 
 /// Writes `points.csv` row by row.
 pub struct Writer<W: Write> {

@@ -2,9 +2,9 @@
 
 use super::summary::Kept;
 use crate::judge::Judge;
-use crate::study::plan::Plan;
 use conformity::likelihood::Likelihood;
 use point_journal::Outcome;
+use study::plan::Plan;
 
 /// Looks for the most probable of the points that are shown to it.
 ///

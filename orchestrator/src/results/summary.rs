@@ -10,15 +10,15 @@ use serde::{Deserialize, Serialize};
 use super::asides::Asides;
 use super::improvement::Improvements;
 use super::settled::Settled;
-use crate::concern::{self, Code, Concern};
 use crate::judge::{Criterion, Judge};
-use crate::study::Dossier;
 use conformity::conclusion::Conclusion;
 use conformity::decision::Decision;
 use conformity::measured::{Limits, Measurement};
 use conformity::risk::Risk;
 use conformity::validation::Comparison;
 use fmu_points::Conduct;
+use study::Dossier;
+use study::concern::{self, Code, Concern};
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -396,7 +396,7 @@ impl ParameterSummary {
     }
 
     /// A study's parameter as the summary lists it.
-    pub fn new(input: &crate::study::plan::Input) -> Self {
+    pub fn new(input: &study::plan::Input) -> Self {
         let distribution = serde_json::to_value(&input.distribution);
         let Ok(serde_json::Value::Object(distribution)) = distribution else {
             unreachable!("a distribution is a name with numbers");

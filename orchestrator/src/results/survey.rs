@@ -8,12 +8,12 @@ use super::improvement::{improvements, most_points};
 use super::probable::MostProbable;
 use super::settled::{Edges, Settled};
 use super::summary::{BestPoint, Summary};
-use crate::concern::Code;
 use crate::judge::Judge;
-use crate::study::plan::Plan;
 use conformity::conclusion::grouped;
 use conformity::validation::{Comparison, Numerical, Spread};
 use point_journal::Outcome;
+use study::concern::Code;
+use study::plan::Plan;
 
 /// Looks at points one by one, in constant memory.
 #[derive(Debug)]

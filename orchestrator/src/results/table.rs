@@ -3,10 +3,10 @@
 use super::{Summary, points, validity};
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
-use crate::study::plan::Input;
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
 use std::path::Path;
+use study::plan::Input;
 
 /// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that
 /// their runs have a result of.

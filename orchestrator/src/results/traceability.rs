@@ -2,11 +2,11 @@
 
 use super::Summary;
 use super::summary::{CriterionCount, ParameterSummary};
-use crate::study::ssv::filled;
 use conformity::conclusion::Conclusion;
 use conformity::measured::Limits;
 use fmu_import::digest;
 use minijinja::{context, value::Serde};
+use study::ssv::filled;
 
 /// A keyword and what is known under it.
 pub type Entry = (String, String);

@@ -17,11 +17,11 @@ use crate::results::survey::Survey;
 use crate::results::tally::{Sample, Tally};
 use crate::results::validity::{self, Validity};
 use crate::results::{Looked, points};
-use crate::study::Study;
-use crate::study::plan::Input;
 use fmu_points::notices::Limit;
 use point_journal::files::{draft, keep, write_json};
 use point_journal::{Finished, Outcome};
+use study::Study;
+use study::plan::Input;
 
 impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to

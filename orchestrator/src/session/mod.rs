@@ -7,12 +7,12 @@ mod verification;
 
 use crate::error::Error;
 use crate::judge::Judge;
-use crate::study::Study;
-use crate::study::plan::Plan;
-use crate::study::points;
 use fmu_import::Package;
 use fmu_points::Answer;
 use point_journal::pipeline::Model;
+use study::Study;
+use study::plan::Plan;
+use study::points;
 
 pub use finale::{FileSet, provenance};
 use point_journal::{Header, Outcome};

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::study::Study;
 use point_journal::files::{write_json, write_text};
 use point_journal::pipeline::Shard;
 use point_journal::pipeline::folder::Earlier;
+use study::Study;
 
 /// The request: all options of the command.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -12,11 +12,11 @@ use number_tables::Table;
 use orchestrator::judge::Judge;
 use orchestrator::results::table;
 use orchestrator::source::Source;
-use orchestrator::study::plan::Plan;
-use orchestrator::study::{Study, ssv};
 use point_journal::{Finished, Journal, lines};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
+use study::plan::Plan;
+use study::{Study, ssv};
 
 const STUDY: &str = r#"
 title = "Mutated"

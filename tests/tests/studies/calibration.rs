@@ -7,11 +7,11 @@ use calibration::objective::{Differences, Objective};
 use fmu_export::model::{Experiment, Model};
 use orchestrator::identify::bind::Bound;
 use orchestrator::judge::Judge;
-use orchestrator::study::Identification;
-use orchestrator::study::Study;
-use orchestrator::study::plan::Plan;
 use plain_bearing_stand::stand::Stand;
 use stand_tests::{StandModel, file, get, package, stand};
+use study::Identification;
+use study::Study;
+use study::plan::Plan;
 
 fn study(name: &str) -> Study {
     Study::read(&file(&format!("studies/{name}.toml"))).unwrap()

@@ -1,8 +1,8 @@
 //! Messages of `identify` for mistaken studies: file, line, column, and the remedy.
 
 use orchestrator::identify::bind::Bound;
-use orchestrator::study::Study;
 use stand_tests::{file, package};
+use study::Study;
 
 const STUDY: &str = r#"fmu = "stand.fmu"
 [simulation]

@@ -1,7 +1,7 @@
 //! The files of an identification.
 
 use crate::error::Error;
-use crate::study::{Identification, Study};
+use study::{Identification, Study};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
 use number_tables::csv_file::{self, CsvFile};

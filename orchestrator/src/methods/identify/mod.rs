@@ -22,7 +22,7 @@ use crate::identify::model::FmuModel;
 use crate::identify::offsets;
 use crate::options::Work;
 use crate::session::Request;
-use crate::study::{Identification, Study};
+use study::{Identification, Study};
 use calibration::cross::outcome::CrossValidation;
 use calibration::cross::{self, Whole, cross_validate};
 use calibration::failures::Excluded;

@@ -3,7 +3,7 @@
 use super::Asked;
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use crate::study::{Identification, Study};
+use study::{Identification, Study};
 use calibration::objective::{Misfit, Objective};
 use calibration::optima::Optimum;
 use calibration::problem::Simulate;

@@ -14,7 +14,7 @@ use crate::options::Work;
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::session::{Request, Session};
-use crate::study::Study;
+use study::Study;
 use parameter_regions::pareto::nsga2;
 use parameter_regions::pareto::study::{Member, Pareto, trade_off};
 use parameter_regions::table::PointTable;

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::judge::{Judge, share};
 use crate::results::table;
-use crate::study::Study;
+use study::Study;
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;

@@ -1,11 +1,11 @@
 use std::path::Path;
 
 use super::*;
-use crate::concern::Code;
 use crate::judge::Judge;
 use crate::results::summary::Provenance;
 use crate::results::tally::{Sample, Tally};
-use crate::study::Study;
+use study::Study;
+use study::concern::Code;
 
 const STUDY: &str = r#"
 fmu = "a.fmu"

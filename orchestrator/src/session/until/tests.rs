@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::study::Study;
+use study::Study;
 
 pub(super) const STUDY: &str = r#"
 fmu = "a.fmu"

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::curves::Binder as CurveBinder;
 use super::input::Input;
+use super::measured::Binder as CurveBinder;
 use super::samples::{self, Together};
 use super::values::{find, slot_of, value_of};
 use super::{CaseText, CriterionText, Name, ParameterText, Setting, Study, inputs, ssv};

@@ -13,7 +13,7 @@ use sampling::statistics::Statistic;
 use sensitivity::methods::RUNS;
 
 fn studies() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies")
 }
 
 fn schema() -> Value {

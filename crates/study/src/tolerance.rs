@@ -52,7 +52,7 @@ impl TryFrom<ToleranceForm> for ToleranceText {
 
 impl ToleranceText {
     /// The largest error of a curve, which has one limit.
-    pub(crate) fn of_curve(&self) -> Result<&Quantity, String> {
+    pub fn of_curve(&self) -> Result<&Quantity, String> {
         match self {
             Self::Even(quantity) => Ok(quantity),
             Self::Uneven { .. } => Err(format!(

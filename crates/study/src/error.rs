@@ -5,8 +5,31 @@ use std::path::Path;
 use toml::Table;
 use toml::de::DeTable;
 
+use fmu_import::{ArchiveError, FmuError, FmuFault};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::files::FileError;
+use number_tables::files::{FileError, missing};
+
+/// Why an FMU cannot be used, with a remedy.
+pub fn unusable(error: &FmuError) -> String {
+    match error {
+        FmuError {
+            path,
+            fault: FmuFault::Archive(ArchiveError::Missing),
+        } => format!("{}: {}", path.display(), missing(path)),
+        other => other.to_string(),
+    }
+}
+
+/// Why the FMU of a study cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// It cannot be used.
+    #[error("{}", unusable(.0))]
+    Fmu(#[from] FmuError),
+    /// The study names a file that is not there.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
 
 /// A text in which errors have a place.
 pub(super) struct Place<'a> {
@@ -260,7 +283,7 @@ fn plain(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::Study;
+    use crate::Study;
 
     #[test]
     fn every_slip_of_the_pen_has_its_place_and_remedy() {

@@ -9,7 +9,7 @@ use fmu_import::quantity::{Quantity, Scale, Sense};
 const ALL: f64 = 1e-9;
 
 /// The ideal value, how far away from it is accepted, and both in words.
-pub(crate) fn limit(
+pub fn limit(
     text: &CriterionText,
     metric: Metric,
     scale: &Scale<'_>,
@@ -47,7 +47,7 @@ pub(crate) fn limit(
 }
 
 /// The largest error, in the criterion's unit.
-pub(crate) fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
+pub fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
     if stated.unit.as_deref() == Some("%") {
         return Err(format!(
             "the tolerance {stated} of a curve is not a part of anything; give it with a unit, or use metric = \"nrmse\""
@@ -63,7 +63,7 @@ pub(crate) fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String>
 }
 
 /// A share, in percent or not.
-pub(crate) fn part(stated: &Quantity) -> Option<f64> {
+pub fn part(stated: &Quantity) -> Option<f64> {
     let part = match stated.unit.as_deref() {
         None => stated.number,
         Some("%") => stated.number / 100.0,
@@ -76,7 +76,7 @@ pub(crate) fn part(stated: &Quantity) -> Option<f64> {
 ///
 /// # Errors
 /// When it is none, or may have been meant in per cent.
-pub(crate) fn gain(stated: &Quantity) -> Result<f64, String> {
+pub fn gain(stated: &Quantity) -> Result<f64, String> {
     let gain = part(stated).filter(|part| *part > 0.0);
     match gain {
         Some(part) if part >= 0.1 && stated.unit.is_none() => Err(format!(

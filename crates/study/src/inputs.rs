@@ -66,7 +66,7 @@ pub(super) fn series(
 ///
 /// # Errors
 /// Says which part is missing, and the remedy.
-pub(crate) fn covers(series: &Series, schedule: &Schedule, words: [&str; 3]) -> Result<(), String> {
+pub fn covers(series: &Series, schedule: &Schedule, words: [&str; 3]) -> Result<(), String> {
     let Some([from, to]) = series.uncovered(schedule) else {
         return Ok(());
     };
@@ -87,25 +87,25 @@ pub(crate) fn covers(series: &Series, schedule: &Schedule, words: [&str; 3]) -> 
 }
 
 /// Whether a variable has its values one after the other, with nothing in between: the mean of two numbers of gears is none.
-pub(crate) fn is_discrete(variable: &Variable, slot: &Slot) -> bool {
+pub fn is_discrete(variable: &Variable, slot: &Slot) -> bool {
     slot.handle.content != Content::Real || variable.variability == Variability::Discrete
 }
 
 /// Whether a variable is an input of rates that are integrated here. These are evaluated within a step, with the input's value
 /// then: one that was held from the step's begin would be late by half a step.
-pub(crate) fn is_integrated(variable: &Variable, fmu: &Description) -> bool {
+pub fn is_integrated(variable: &Variable, fmu: &Description) -> bool {
     fmu.interface == Interface::ModelExchange
         && variable.causality == Causality::Input
         && variable.variability == Variability::Continuous
 }
 
 /// Whether the FMU can take a step to any time.
-pub(crate) fn takes_any_step(fmu: &Description) -> bool {
+pub fn takes_any_step(fmu: &Description) -> bool {
     fmu.capabilities.can_handle_variable_communication_step_size
 }
 
 /// What an FMU gets otherwise than it was on the rig.
-pub(crate) fn doubts(
+pub fn doubts(
     series: &Series,
     schedule: &Schedule,
     scale: &Scale<'_>,
@@ -169,7 +169,7 @@ fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<Str
 }
 
 /// Tells of recordings that make the steps many more than the study asks for.
-pub(crate) fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<String> {
+pub fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<String> {
     const MANY: u64 = 2;
     let more = place(&mut inputs.to_vec(), schedule).len() as u64;
     let steps = schedule.steps();
@@ -192,7 +192,7 @@ fn short(number: f64) -> String {
 ///
 /// # Errors
 /// When it can only be set before, or not at all: FMI 2.0.5, 4.2.4, lets inputs and tunable parameters change.
-pub(crate) fn slot_while_running(variable: &Variable) -> Result<Slot, String> {
+pub fn slot_while_running(variable: &Variable) -> Result<Slot, String> {
     let slot = slot_of(variable)?;
     let tunable = variable.variability == Variability::Tunable;
     match variable.causality {
@@ -210,7 +210,7 @@ pub(crate) fn slot_while_running(variable: &Variable) -> Result<Slot, String> {
 ///
 /// # Errors
 /// When the times do not grow, or the FMU does not allow a value.
-pub(crate) fn follow(
+pub fn follow(
     table: &Table,
     time_column: &str,
     slot: Slot,

@@ -1,0 +1,247 @@
+//! A study's file as a whole.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use fmu_import::{ArchiveError, FmuError, FmuFault, Package, digest, sha256};
+use indexmap::IndexMap;
+use number_tables::files::{self, FileError};
+use sampling::design::Sampling;
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+use toml::Spanned;
+
+use crate::dossier::Dossier;
+use crate::error::{OpenError, Place, unusable};
+use crate::identification::Identification;
+use crate::name::{Name, Pair};
+use crate::sections::{RobustnessText, SensitivityText, TolerancesText};
+use crate::text::{
+    CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation,
+    VariantText,
+};
+
+/// The content of a study file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Study {
+    /// The title of the report.
+    pub title: Option<String>,
+    /// Purpose of the study, for people.
+    pub about: Option<String>,
+    /// The FMU, relative to the study file.
+    pub fmu: Spanned<PathBuf>,
+    /// How long and in which steps.
+    #[serde(default)]
+    pub simulation: Simulation,
+    /// The design: method, number and seed of the points.
+    #[serde(default)]
+    pub design: Sampling,
+    /// The uncertain parameters by the names of FMU variables.
+    #[serde(default)]
+    pub parameters: IndexMap<Name, ParameterText>,
+    /// Correlations between parameters.
+    #[serde(default)]
+    pub correlations: Vec<Spanned<Pair>>,
+    /// Start values that stay as they are, by the names of FMU variables.
+    #[serde(default)]
+    pub fixed: IndexMap<Name, Spanned<Setting>>,
+    /// An SSP parameter set with further start values; those of the study itself count more.
+    pub fixed_from: Option<Spanned<PathBuf>>,
+    /// Inputs that follow a recording, by the names of FMU variables.
+    #[serde(default)]
+    pub inputs: IndexMap<Name, RecordingText>,
+    /// The criteria: measured values with their tolerances.
+    #[serde(default)]
+    pub criteria: IndexMap<Name, CriterionText>,
+    /// Operating points or tests of the model, each with inputs, fixed values and criteria of its own. Where there are
+    /// any, the criteria stand in [`criteria`](Self::criteria), case by case, with names such as `CASE/NAME`.
+    #[serde(default)]
+    pub cases: Vec<CaseText>,
+    /// Which measured values' errors are correlated, and how.
+    #[serde(default)]
+    pub uncertainty_correlations: Vec<Spanned<Pair>>,
+    /// The section `[verdict]`: the share that is required of the model; without it, one point that meets all criteria.
+    pub verdict: Option<Spanned<Required>>,
+    /// Who answers for the verdict, and on which test it rests.
+    pub dossier: Option<Dossier>,
+    /// Other readings of the tolerances, judged beside the criteria's own.
+    #[serde(default)]
+    pub variants: IndexMap<String, VariantText>,
+    /// The section `[identify]`: unknowns, measurements, effort of the search.
+    pub identify: Option<Identification>,
+    /// The section `[sensitivity]`: defaults for the options of that command.
+    #[serde(default)]
+    pub sensitivity: SensitivityText,
+    /// The section `[robustness]`: defaults for the options of that command.
+    #[serde(default)]
+    pub robustness: RobustnessText,
+    /// The goal of `tolerances`.
+    #[serde(default)]
+    pub tolerances: TolerancesText,
+    /// File from which the study was read.
+    #[serde(skip)]
+    pub(crate) path: PathBuf,
+    /// The text of the file.
+    #[serde(skip)]
+    pub(crate) text: String,
+    /// The folder of the files that it names, where that is not its own.
+    #[serde(skip)]
+    pub(crate) base: Option<PathBuf>,
+}
+
+impl Study {
+    /// Reads a study file.
+    ///
+    /// # Errors
+    /// When it cannot be read, with line and column when it is not understood.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let is_fmu = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"));
+        let message = if is_fmu {
+            let path = path.display();
+            format!("is an FMU, where a study is needed: `orchestrator init {path}` writes one")
+        } else if number_tables::is_table(path) {
+            "is a table, where a study (a TOML file) is needed".to_owned()
+        } else {
+            return Self::parse(path, files::text(path)?);
+        };
+        Err(FileError::new(path, message))
+    }
+
+    /// Reads the text of a study that stands, or would stand, at `path`.
+    ///
+    /// # Errors
+    /// With line and column when the text is not understood.
+    pub fn parse(path: &Path, text: String) -> Result<Self, FileError> {
+        let place = Place { path, text: &text };
+        let mut study: Self = toml::from_str(&text).map_err(|error| place.toml(&error))?;
+        study.path = path.to_owned();
+        study.text = text;
+        study.spread_criteria()?;
+        Ok(study)
+    }
+
+    /// Reads the text once more for what another command wants of it: a type with the sections that it
+    /// knows, with places for its errors.
+    ///
+    /// # Errors
+    /// With line and column when the text is not understood.
+    pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
+        toml::from_str(&self.text).map_err(|error| self.place().toml(&error))
+    }
+
+    /// File from which the study was read.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The FMU's path, as seen from here.
+    pub fn fmu_path(&self) -> PathBuf {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        folder.join(self.fmu.as_ref())
+    }
+
+    /// Opens its FMU, or another one instead.
+    ///
+    /// # Errors
+    /// When it cannot be used; where there is none, with the place in the study that names it.
+    pub fn open_fmu(&self, instead: Option<&Path>) -> Result<Package, OpenError> {
+        let named = self.fmu_path();
+        Package::open(instead.unwrap_or(&named)).map_err(|error| match error {
+            FmuError {
+                fault: FmuFault::Archive(ArchiveError::Missing),
+                ..
+            } if instead.is_none() => self.error_at(&self.fmu, unusable(&error)).into(),
+            other => other.into(),
+        })
+    }
+
+    /// Finds the files that the study names as if it still stood in this folder.
+    pub fn rebase(&mut self, folder: PathBuf) {
+        self.base = Some(folder);
+    }
+
+    /// The path of a file that the study names, as seen from here.
+    pub fn path_of(&self, file: &Path) -> PathBuf {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        self.base.as_deref().unwrap_or(folder).join(file)
+    }
+
+    /// The same, in one spelling: two names of one file, such as `a.csv` and `./a.csv`, have one path.
+    pub fn one_path(&self, file: &Path) -> PathBuf {
+        let path = self.path_of(file);
+        path.canonicalize().unwrap_or(path)
+    }
+
+    /// Whether a sample gives several parameters, which are drawn together.
+    pub fn binds_by_samples(&self) -> bool {
+        let files = self.parameters.values().filter_map(|p| p.file.as_ref());
+        let mut files: Vec<PathBuf> = files.map(|file| self.one_path(file.as_ref())).collect();
+        files.sort_unstable();
+        files.windows(2).any(|pair| pair[0] == pair[1])
+    }
+
+    /// The SHA-256 digest of the study's text, and of the inputs, samples and parameter sets that it names, as
+    /// hexadecimal digits.
+    pub fn digest(&self) -> String {
+        let mut bytes = self.text.clone().into_bytes();
+        for file in self.named() {
+            // An unreadable file is reported where it is used.
+            let hash = files::open(&self.path_of(file)).and_then(sha256);
+            bytes.extend(hash.unwrap_or_else(|_| Sha256::digest([]).into()));
+        }
+        digest(&bytes)
+    }
+
+    /// All files that the study names, but the FMU.
+    pub fn files(&self) -> Vec<&Path> {
+        let identify = self.identify.as_ref();
+        let cases = identify.and_then(|identify| identify.cases.as_ref());
+        self.named()
+            .chain(cases.map(|file| file.as_ref().as_path()))
+            .collect()
+    }
+
+    /// The files that a verdict depends on.
+    fn named(&self) -> impl Iterator<Item = &Path> {
+        let of_cases = self.cases.iter().flat_map(|case| case.inputs.values());
+        let inputs = self.inputs.values().chain(of_cases);
+        let inputs = inputs.map(|input| &input.file);
+        let criteria = self.criteria.values();
+        let curves = criteria.filter_map(|text| Some(&text.reference.as_ref()?.file));
+        let samples = self.parameters.values();
+        let samples = samples.filter_map(|parameter| parameter.file.as_ref());
+        let named = inputs.chain(curves).chain(samples);
+        let named = named.chain(&self.fixed_from);
+        named.map(|file| file.as_ref().as_path())
+    }
+
+    /// The study's text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// An error at a place in the file.
+    pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> FileError {
+        self.place().error(at.span().start, message.into())
+    }
+
+    fn place(&self) -> Place<'_> {
+        Place {
+            path: &self.path,
+            text: &self.text,
+        }
+    }
+
+    /// An error of what a name in the file stands for.
+    pub fn error_of(&self, name: &Name, message: impl Display) -> FileError {
+        self.error_at(name, format!("{}: {message}", name.as_ref()))
+    }
+
+    /// An error of a section, or of the study as a whole: at the key that the message names, where the file has it.
+    pub fn error(&self, message: impl Into<String>) -> FileError {
+        self.place().named(message.into())
+    }
+}

@@ -1,0 +1,46 @@
+#![doc = include_str!("../README.md")]
+
+mod bind;
+pub mod cases;
+pub mod concern;
+mod detail;
+pub mod dossier;
+mod error;
+mod file;
+pub mod identification;
+mod input;
+pub mod inputs;
+pub mod limit;
+mod measured;
+mod name;
+mod once;
+pub mod plan;
+pub mod points;
+mod reference;
+mod samples;
+#[cfg(test)]
+mod schema_tests;
+mod sections;
+mod shape;
+pub mod ssv;
+#[cfg(test)]
+mod tests;
+mod text;
+mod tolerance;
+pub mod values;
+mod window;
+
+pub use detail::first_wrong;
+pub use dossier::Dossier;
+pub use error::{BOTH_SIDES, OpenError, unusable};
+pub use file::Study;
+pub use identification::Identification;
+pub use name::{Name, Pair, exactly_two};
+pub use reference::{DelayText, EstimateText, Normalise, ReferenceText};
+pub use sections::{RobustnessText, SensitivityText, TolerancesText};
+pub use text::{
+    CaseText, CriterionText, DerivedText, Extrapolate, LagText, NominalFrom, ParameterText,
+    RecordingText, Required, Setting, Shape, Simulation, VariantText, Varies,
+};
+pub use tolerance::ToleranceText;
+pub use window::Window;
