@@ -4,13 +4,13 @@
 
 use super::finer::refined_case;
 use super::{Halt, Reruns};
-use crate::concern::{Code, Concern};
 use crate::judge::Criterion;
 use crate::results::Summary;
 use conformity::validation::{Comparison, Numerical, Refined, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;
 use result_document::format::number;
+use study::concern::{Code, Concern};
 
 /// So many points are refined.
 const POINTS: u64 = 3;
