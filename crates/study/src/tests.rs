@@ -1,5 +1,7 @@
 //! Tests of the reader of studies.
 
+use std::path::Path;
+
 use super::*;
 
 fn error(text: &str) -> String {
