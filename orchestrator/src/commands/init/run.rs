@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use super::write::TOLERANCE;
 use crate::cli::Init;
 use crate::commands::isolated::Isolated;
 use crate::commands::simulate::of_step;
@@ -17,6 +16,8 @@ use sampling::statistics::{Accumulator, Statistic};
 /// The longest time of the run.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// The tolerance of the study that is written, as a part of the value.
+pub(super) const TOLERANCE: f64 = 0.05;
 /// Half the step changes a criterion's value by less than this part of it, a sixth of its tolerance, where the step is short
 /// enough.
 const SETTLED: f64 = TOLERANCE / 6.0;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::measured::{Column, Measured};
-use super::run::{SMALL, Signal};
+use super::run::{SMALL, Signal, TOLERANCE};
 use crate::error::Error;
 use crate::results::points::number;
 use fmu_import::units::Conversion;
@@ -19,8 +19,6 @@ const MOST_LINES: usize = 60;
 const FEWEST_PARAMETERS: usize = 5;
 /// How many outputs become criteria where nothing is measured.
 pub(super) const CRITERIA: usize = 3;
-/// The tolerance that is written, as a part of the value.
-pub(super) const TOLERANCE: f64 = 0.05;
 
 /// A study to be written.
 #[derive(Debug)]
