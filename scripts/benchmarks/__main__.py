@@ -95,8 +95,7 @@ MULTIRATE = """\
 FILM_LEAPS = """\
 `bearing.film = Reynolds`, 150 s from the given temperatures in one step, with `solver.multirate` on and off."""
 BOUNDARY = """\
-The minimal loop on the packaged FMU over `fmu/examples/direct.rs`, which calls the stand without FMI; both read one output a
-step."""
+The minimal loop on the packaged FMU over `fmu/examples/direct.rs` (no FMI); both read one output a step."""
 ISOLATION = """\
 What a point costs more than in the orchestrator's own process: a message (`--isolation reuse`), or a fork (`--isolation fresh`)."""
 PAPER = "The whole process, with page and files."
@@ -104,10 +103,9 @@ SCALING = """\
 `verify studies/paper-table3.toml` with one 150 s step a point, all included.
 
 ![CPU time a point over the number of points](../images/benchmarks-scaling.svg)"""
-LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point. The file has the peaks of memory."
+LARGEST = "A million points in 15 minutes on two cores are 1.8 ms of CPU time a point."
 FILM = """\
-`crates/journal-bearing/examples/bound.rs` compares a step with the time that this core takes for the multiplications and
-additions of a step."""
+`crates/journal-bearing/examples/bound.rs` compares a step with the time of its multiplications and additions alone."""
 
 
 def main():

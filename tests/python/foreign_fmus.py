@@ -53,7 +53,7 @@ part of this repository, Co-Simulation and Model Exchange each: {points} points 
 fresh process a point, and by `orchestrator verify` three times: undisturbed, with `--isolation fresh`, and killed by SIGKILL on
 the way and resumed. [foreign-fmus.csv](foreign-fmus.csv) has the counts by repository. *Equal*: all outputs agree bit for bit, or
 neither gives a result. *Within*: by 1e-4 of the largest value (Model Exchange: two solvers). *Lost*: only the other has a result.
-*Once*: nothing to vary, one run. Its last columns count what `check` finds.
+*Once*: nothing to vary, one run.
 
 Written on {date} with orchestrator {version}: {summary}
 """
