@@ -1,12 +1,12 @@
 //! The files of an identification.
 
 use crate::error::Error;
-use study::{Identification, Study};
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
 use number_tables::csv_file::{self, CsvFile};
 use point_journal::files::{write_table, write_text, write_texts};
 use std::path::{Path, PathBuf};
+use study::{Identification, Study};
 
 /// Writes all files.
 pub(super) fn write(

@@ -22,7 +22,6 @@ use crate::identify::model::FmuModel;
 use crate::identify::offsets;
 use crate::options::Work;
 use crate::session::Request;
-use study::{Identification, Study};
 use calibration::cross::outcome::CrossValidation;
 use calibration::cross::{self, Whole, cross_validate};
 use calibration::failures::Excluded;
@@ -43,6 +42,7 @@ use fmu_points::names::{did_you_mean, nearest};
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::cube;
+use study::{Identification, Study};
 
 /// The result's file in a folder of results.
 const FILE: &str = "identification.json";

@@ -8,8 +8,6 @@ use serde::Deserialize;
 use super::files::remove;
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use study::identification::PosteriorStart;
-use study::{Identification, Study};
 use calibration::discrepancy::Unknown;
 use calibration::local::End;
 use calibration::objective::Objective;
@@ -22,6 +20,8 @@ use calibration::search::SearchError;
 use number_tables::csv_file;
 use number_tables::files;
 use point_journal::files::write_atomically;
+use study::identification::PosteriorStart;
+use study::{Identification, Study};
 
 /// The most particles: more would be the table's work, not the posterior's.
 const MOST: u64 = 1_000_000;

@@ -3,7 +3,6 @@
 use super::Asked;
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use study::{Identification, Study};
 use calibration::objective::{Misfit, Objective};
 use calibration::optima::Optimum;
 use calibration::problem::Simulate;
@@ -12,6 +11,7 @@ use calibration::search::SearchError;
 use calibration::surrogate::outcome::{RunAgain, SurrogateOutcome};
 use calibration::surrogate::{Replaced, Task, fewest, replaced as made};
 use sampling::design::cube;
+use study::{Identification, Study};
 
 /// The most runs that the fit of a polynomial uses.
 const MOST: u64 = 4000;

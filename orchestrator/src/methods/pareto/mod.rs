@@ -14,12 +14,12 @@ use crate::options::Work;
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::session::{Request, Session};
-use study::Study;
 use parameter_regions::pareto::nsga2;
 use parameter_regions::pareto::study::{Member, Pareto, trade_off};
 use parameter_regions::table::PointTable;
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
+use study::Study;
 
 pub use document::document;
 

@@ -15,14 +15,14 @@ use crate::options::Work;
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::session::{Request, Session};
-use study::Study;
-use study::plan::Plan;
 use confirm::Confirmation;
 use parameter_regions::robustness::{Robustness, region, robustness, rows};
 use parameter_regions::table::PointTable;
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::{Design, Method, Sampling, cube};
+use study::Study;
+use study::plan::Plan;
 
 pub use document::document;
 

@@ -18,8 +18,6 @@ use crate::options::Work;
 use crate::results::origin::Origin;
 use crate::results::{points, table};
 use crate::session::{Request, Session};
-use study::Study;
-use study::plan::Plan;
 use ::sensitivity::method::{self, FirstOrder, Settled, Space};
 use ::sensitivity::methods::{RUNS, named};
 use number_tables::csv_file;
@@ -27,6 +25,8 @@ use outputs::from_runs;
 use parameter_regions::table::PointTable;
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
+use study::Study;
+use study::plan::Plan;
 
 pub use document::document;
 pub use outputs::{Sensitivity, from_points};

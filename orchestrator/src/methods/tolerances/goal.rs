@@ -3,10 +3,10 @@
 use crate::error::Error;
 use crate::judge::{Judge, share};
 use crate::results::table;
-use study::Study;
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;
+use study::Study;
 
 /// A share of accepted points, or a conformance probability.
 #[derive(Clone, Copy, Debug)]

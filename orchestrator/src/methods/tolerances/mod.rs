@@ -16,8 +16,6 @@ use crate::options::Work;
 use crate::results::summary::ParameterSummary;
 use crate::results::table;
 use crate::session::{Request, Session};
-use study::Study;
-use study::plan::{Input, Plan};
 use goal::Goal;
 use number_tables::files::FileError;
 use parameter_regions::table::PointTable;
@@ -27,6 +25,8 @@ use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use result_document::format::number;
 use sampling::design::Joint;
+use study::Study;
+use study::plan::{Input, Plan};
 
 pub use document::document;
 use point_journal::Outcome;
