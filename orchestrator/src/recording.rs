@@ -99,6 +99,7 @@ struct Signal {
     /// The value in `unit` is the scale times the cell, plus the offset.
     scale: Option<f64>,
     offset: Option<f64>,
+    #[serde(default, deserialize_with = "unit")]
     unit: Option<String>,
     /// Of its sensor.
     accuracy: Option<Quantity>,
@@ -112,8 +113,17 @@ struct Signal {
 impl Signal {
     /// Whether the model has it without a unit: values, accuracy and tolerance are taken as they are.
     fn is_plain(&self) -> bool {
-        self.scale.is_none() && matches!(self.unit.as_deref(), Some("1" | "none"))
+        self.scale.is_none() && self.unit.as_deref() == Some("1")
     }
+}
+
+/// A unit. `none` is what people write for 1, which studies know alone.
+fn unit<'de, D: Deserializer<'de>>(text: D) -> Result<Option<String>, D::Error> {
+    let unit: Option<String> = Deserialize::deserialize(text)?;
+    Ok(unit.map(|unit| match unit.as_str() {
+        "none" => "1".to_owned(),
+        _ => unit,
+    }))
 }
 
 #[derive(Debug, Deserialize)]

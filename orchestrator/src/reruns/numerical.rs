@@ -1,6 +1,6 @@
-//! The numerical error of the criteria's values: the best point with half the communication steps and, with `--validation`,
-//! some points with finer steps and with finer tolerances of the FMU's solver. The user asks for these, so they take their
-//! time: only each run is limited.
+//! The numerical error of the criteria's values: the best point, and some others of many, with half the communication steps;
+//! with `--validation` some points with finer steps and with finer tolerances of the FMU's solver. The user asks for these, so
+//! they take their time: only each run is limited.
 
 use super::finer::refined_case;
 use super::{Halt, Reruns};
@@ -16,6 +16,10 @@ use study::concern::{Code, Concern};
 const POINTS: u64 = 3;
 /// A point with half the steps takes as long as two: 4 % of so many.
 const AFFORDABLE: u64 = 50;
+/// Of so many points another one is tried: three simulations more.
+const AMONG: u64 = 100;
+/// More of them say little more.
+const MOST_OTHERS: u64 = 9;
 /// A larger part of an accuracy is notable.
 const PART: f64 = 1.0 / 3.0;
 
@@ -53,36 +57,52 @@ pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<Stri
 /// A doubt about a criterion, with its name.
 type Doubt = (String, Concern);
 
-/// Runs the best point with half the communication steps. The error that this changes by halves with the step, or falls
-/// faster, so twice the change is the error.
+/// Runs points with half the communication steps: the best one, as its values decide most, and of a large study some others,
+/// as a single one may happen to be right. The error that this changes by halves with the step, or falls faster, so twice
+/// the change is the error.
 fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doubt>, Halt> {
-    let best = summary.best_point.as_ref();
-    let Some((best, values)) = best.and_then(|best| Some((best, reruns.values(best.point)?)))
-    else {
-        return Ok(Vec::new());
-    };
+    let session = &reruns.verification.session;
     let cases = &reruns.plan().cases;
-    let finer: Vec<Case> = cases
-        .iter()
-        .map(|case| refined_case(case, Refined::Step, 1))
-        .collect();
-    let outcome = reruns
-        .verification
-        .session
-        .outcome(reruns.answer(&finer, values)?);
-    let finer = outcome.map_err(|failure| Halt::Failed(failure.to_string()))?;
-    let judged = reruns.verification.session.judge.criteria.iter();
-    let pairs = judged.zip(reruns.plan().placed_probes()).zip(finer);
-    let doubts = pairs.filter_map(|((criterion, (case, _)), finer)| {
-        let coarse = *best.values.get(&criterion.name)?;
-        let is_notable = 2.0 * (finer - coarse).abs() > PART * criterion.room();
+    let refined = |case| refined_case(case, Refined::Step, 1);
+    let finer: Vec<Case> = cases.iter().map(refined).collect();
+    let run = |cases: &[Case], values: &[f64]| {
+        let outcome = session.outcome(reruns.answer(cases, values.to_vec())?);
+        outcome.map_err(|failure| Halt::Failed(failure.to_string()))
+    };
+    let criteria = || session.judge.criteria.iter();
+    // Points with their values in the criteria's order, with the study's steps and with half of them.
+    let mut tried = Vec::new();
+    let best = summary.best_point.as_ref();
+    if let Some((best, values)) = best.and_then(|best| Some((best, reruns.values(best.point)?))) {
+        let coarse = criteria().map(|criterion| best.values.get(&criterion.name).copied());
+        let coarse = coarse.map(|value| value.unwrap_or(f64::NAN)).collect();
+        tried.push((best.point, coarse, run(&finer, &values)?));
+    }
+    let others = (summary.points / AMONG).min(MOST_OTHERS);
+    for number in 0..others {
+        let index = number * reruns.verification.source.len() / others;
+        let job = reruns.verification.job(index);
+        // What fails here failed in the study, too, or is the finer run's own trouble.
+        if let Ok(coarse) = run(cases, &job.values)
+            && let Ok(finer) = run(&finer, &job.values)
+        {
+            tried.push((job.index, coarse, finer));
+        }
+    }
+    let placed = reruns.plan().placed_probes();
+    let doubts = criteria().zip(placed).enumerate().filter_map(|(k, (criterion, (case, _)))| {
+        let change = |(_, coarse, finer): &&(u64, Vec<f64>, Vec<f64>)| (finer[k] - coarse[k]).abs();
+        let moved = tried.iter().filter(|tried| change(tried).is_finite());
+        let most = moved.max_by(|a, b| change(a).total_cmp(&change(b)))?;
+        let is_notable = 2.0 * change(&most) > PART * criterion.room();
         is_notable.then(|| {
+            let (point, coarse, finer) = most;
             let unit = criterion.unit_behind();
-            let [finer, coarse] = [finer, coarse].map(|value| number(value, 4));
+            let [finer, coarse] = [finer[k], coarse[k]].map(|value| number(value, 4));
             let text = format!(
-                "{}: the communication step of {} s is too coarse: with half of it point {} gives {finer}{unit}, not {coarse}{unit} \
+                "{}: the communication step of {} s is too coarse: with half of it point {point} gives {finer}{unit}, not {coarse}{unit} \
                  ({}); choose a shorter `step`",
-                criterion.name, cases[case].task.schedule.step, best.point, criterion.allowed()
+                criterion.name, cases[case].task.schedule.step, criterion.allowed()
             );
             (criterion.name.clone(), Concern::new(Code::CoarseStep, text))
         })

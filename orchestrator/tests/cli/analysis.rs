@@ -692,6 +692,10 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
         bench.write("settings.toml", &settings.replace(from, to));
         bench.run(&run)
     };
+    // Studies know no unit `none`.
+    let case = bench.read("m/case.toml");
+    assert_eq!(say("unit = \"1\"", "unit = \"none\"").code, 0);
+    assert_eq!(bench.read("m/case.toml"), case);
     say("offset = \"22.11.2026 13:15:07\"", "offset = \"soon\"").is_mistake(&[
         "settings.toml",
         "offset",
