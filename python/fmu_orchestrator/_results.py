@@ -40,25 +40,18 @@ def interval(found: Any) -> Interval | None:
 
 # Points that a notebook draws unasked.
 MOST_SHOWN = 100_000
-# Metrics of curves that have no unit.
-SHARES = ("nrmse", "corridor", "iso18571")
 
 
-def stated_units(folder: Path, *, of_curves: bool = False) -> dict[str, str]:
-    """The units of the parameters and criteria of the study that was run into a folder, by name: those that it states, else
-    the FMU's; of a curve that of its metric, or with ``of_curves`` that of its values."""
+def units_of_curves(folder: Path) -> dict[str, str]:
+    """The units of the values of the criteria's curves, by name: those that the study that was run into a folder states, else
+    the FMU's."""
     study = tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
-    known = {**study.get("parameters", {}), **study.get("criteria", {})}
+    known = dict(study.get("criteria", {}))
     for case in study.get("cases", []):
         own = {**study.get("criteria", {}), **case.get("criteria", {})}
         known |= {f"{case['name']}/{name}": criterion for name, criterion in own.items()}
     of_fmu = units_of_fmu(load_json(folder / "request.json")["fmu"])
-    return {
-        name: unit
-        for name, one in known.items()
-        if (of_curves or one.get("metric") not in SHARES)
-        and (unit := one.get("unit") or of_fmu.get(one.get("variable", name)))
-    }
+    return {name: unit for name, one in known.items() if (unit := one.get("unit") or of_fmu.get(one.get("variable", name)))}
 
 
 @dataclass(frozen=True)
@@ -240,7 +233,7 @@ class Verification:
         if self.curves is None:
             raise OrchestratorError(f"{self.folder}: the study compares no measured curves")
         nearest = [read(path) for path in sorted(self.folder.glob("best-point*.csv"))]
-        return _plot.curves(self.curves, nearest, self.summary, stated_units(self.folder, of_curves=True))
+        return _plot.curves(self.curves, nearest, self.summary, units_of_curves(self.folder))
 
     def sensitivity(self) -> "Sensitivity":
         """Tells from the points which parameter matters: rank correlations and PAWN indices. `Study.sensitivity` runs designs
@@ -322,16 +315,11 @@ class Sensitivity(Analysis):
     @cached_property
     def runs(self) -> Table:
         """The runs in the order of their design, for the methods of other libraries."""
-        return read(self.folder / "sensitivity-runs.csv", units=self._units)
+        return read(self.folder / "sensitivity-runs.csv", units=self.data.get("units"))
 
     def plot(self) -> "Figure":
         """A picture: for each output the parameters that matter most, with 95 % intervals. Needs matplotlib."""
-        return _plot.effects(self.parameters, self.data["outputs"], self._units())
-
-    def _units(self) -> dict[str, str]:
-        """Those of the study that asked for the runs, or of the one whose points were used."""
-        own = self.folder / "sensitivity"
-        return stated_units(own if (own / "study.toml").exists() else self.folder)
+        return _plot.effects(self.parameters, self.data["outputs"], self.data.get("units", {}))
 
     def _pictures(self) -> "list[_html.Draw]":
         return [self.plot]

@@ -163,7 +163,25 @@ mod tests {
     fn what_the_model_cannot_reach_is_no_certain_fit() {
         let outcome = fitted(measured(&[-5.0], 1.0), &|p, _| p * p);
         assert_eq!(outcome.fit(), Fit::Misses);
-        assert!(text::summary(&outcome).contains("cannot reach the measured values"));
+        let text = text::summary(&outcome);
+        assert!(
+            text.starts_with("The model cannot reach the measured values"),
+            "{text}"
+        );
+    }
+
+    /// A wave of height 1 has several crests, all of them far below 49.
+    #[test]
+    fn of_several_optima_that_miss_none_is_said_to_fit() {
+        let outcome = fitted(measured(&[49.0], 1.0), &|p, _| p.sin());
+        assert!(outcome.ambiguous && outcome.fit() == Fit::Misses);
+        let text = text::summary(&outcome);
+        assert!(
+            text.starts_with("The model cannot reach the measured values"),
+            "{text}"
+        );
+        assert!(text.contains("None of the "), "{text}");
+        assert!(!text.contains("fit the measured values"), "{text}");
     }
 
     /// Noise alone is in order in about 5 % of the records; a wave of its size always is, though the sum of squares is as it

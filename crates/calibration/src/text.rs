@@ -5,7 +5,7 @@ use std::fmt::Write;
 pub use super::digits::digits;
 use super::digits::{cleared, enough, rounded, shown};
 use super::failures::words;
-use super::fit::DOUBTFUL;
+use super::fit::{DOUBTFUL, Fit};
 use super::local::End;
 use super::next;
 use super::optima::Approximation;
@@ -55,7 +55,12 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         false => parameters(&outcome.free, &on_ridges(outcome)),
     };
     let told = outcome.surrogate.as_ref();
+    let (against, doubts) = match outcome.fit() {
+        Fit::Misses => (doubts(outcome), String::new()),
+        _ => (String::new(), doubts(outcome)),
+    };
     [
+        against,
         parameters,
         undetermined(outcome),
         shared(outcome),
@@ -65,18 +70,23 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         discrepancies(outcome),
         residuals(outcome),
         outcome.next.as_ref().map(next::summary).unwrap_or_default(),
-        goodness(outcome),
+        goodness(outcome, &doubts),
     ]
     .concat()
 }
 
 /// All optima, where no single one is the value.
 fn several(outcome: &IdentificationOutcome) -> String {
-    let mut text = format!(
-        "{} distinct sets of parameters fit the measured values, and none of them is \"the\" value: further \
-         measurements must decide.\n",
-        outcome.optima.len()
-    );
+    let found = outcome.optima.len();
+    let mut text = match outcome.fit() {
+        Fit::Misses => format!(
+            "None of the {found} distinct sets of parameters found fits the measured values.\n"
+        ),
+        _ => format!(
+            "{found} distinct sets of parameters fit the measured values, and none of them is \"the\" value: further \
+             measurements must decide.\n"
+        ),
+    };
     for (place, optimum) in outcome.optima.iter().enumerate() {
         text += &format!(
             "\noptimum {}: {:.3} % of the posterior, sum of squares {}, reached by {} searches\n",
@@ -494,12 +504,14 @@ fn one_case(case: &CaseOutcome, outcome: &IdentificationOutcome) -> String {
     lines.join("\n") + "\n"
 }
 
-fn goodness(outcome: &IdentificationOutcome) -> String {
-    let doubts = match outcome.end {
-        End::Converged => outcome.doubts(),
-        _ => Vec::new(),
-    };
-    let doubts: String = doubts.iter().map(|doubt| format!("{doubt}\n")).collect();
+/// What speaks against the fit, a line each, once the search has converged.
+fn doubts(outcome: &IdentificationOutcome) -> String {
+    let converged = outcome.end == End::Converged;
+    let doubts = converged.then(|| outcome.doubts()).into_iter().flatten();
+    doubts.map(|doubt| doubt + "\n").collect()
+}
+
+fn goodness(outcome: &IdentificationOutcome, doubts: &str) -> String {
     let search = &outcome.search;
     format!(
         "\nsum of squares {} with {} degrees of freedom\n{doubts}{} starts screened ({} failed), {} followed down, {}\n{}",

@@ -1,4 +1,4 @@
-//! Ties a study with cases to identification: the criteria of the cases that are not held out are the data.
+//! Ties a study to identification: its criteria are the data, but for those of cases that are held out.
 //!
 //! A criterion's measured value is data with its standard uncertainty. A measured curve is data at each of its times: so the
 //! sum of squares has every sample, and tells parameters apart that one metric of the whole curve could not. Errors that values
@@ -38,7 +38,7 @@ const LEAST: f64 = 0.05;
 const CHANGED: &str = "The uncertainty of such a curve is one error that all its rows share; earlier versions took it as \
                        independent in each row (now: correlation = 0), so their answer was another one";
 
-/// The unknowns and the data of a study with cases.
+/// The unknowns and the data of a study: those of its cases, or of its criteria where it has no cases.
 ///
 /// # Errors
 /// When a criterion or a parameter does not say what identification needs, with its place and the remedy.
@@ -49,10 +49,10 @@ pub fn bind(
 ) -> Result<Bound, FileError> {
     check(study, settings)?;
     let mut fitted = study.fitted();
-    if fitted.cases.is_empty() {
+    if let (Some(first), true) = (study.cases.first(), fitted.cases.is_empty()) {
         let message =
             "every case is held out, so there is nothing to fit; remove `held-out` from one";
-        return Err(study.error_at(&study.cases[0].name, message));
+        return Err(study.error_at(&first.name, message));
     }
     for text in fitted.parameters.values_mut() {
         text.varies = None;
@@ -68,7 +68,10 @@ pub fn bind(
     let names = fitted.cases.iter().map(|case| case.name.as_ref().as_str());
     let names: Vec<&str> = names.collect();
     bound.problem.cases.push(Case {
-        label: names.join(", "),
+        label: match names.is_empty() {
+            true => "1".to_owned(),
+            false => names.join(", "),
+        },
         latents: Vec::new(),
         measured: Vec::new(),
     });
@@ -281,13 +284,13 @@ impl Lags {
     }
 }
 
-/// Refuses other data beside the cases.
+/// Refuses other data beside the criteria.
 fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
-    let advice = "the cases of the study are the data of identify; remove";
+    let advice = "the criteria of the study are the data of identify; remove";
     if let Some(table) = &settings.cases {
         return Err(study.error_at(
             table,
-            format!("{advice} `cases` from [identify], or [[cases]]"),
+            format!("{advice} `cases` from [identify], or the criteria"),
         ));
     }
     let measured = settings.measured.keys().map(|name| (name, "measured"));

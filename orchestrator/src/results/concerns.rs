@@ -1,11 +1,12 @@
 //! Doubts about a verdict of a study that can be judged all the same: a sentence each, with the remedy.
 
 use crate::judge::Criterion;
+use fmu_import::units::{Conversion, known};
 
 /// Fewer points may miss a measured value by chance.
 const FEWEST: u64 = 10;
 
-/// Factors between units that are often mistaken for each other, and offsets.
+/// Factors between units that are often mistaken for each other, and offsets, for values whose unit nobody states.
 const UNITS: [(f64, f64, &str); 16] = [
     (1.0, 273.15, "degC and K"),
     (1.0, -273.15, "K and degC"),
@@ -52,7 +53,13 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
         return None;
     }
     let unit = criterion.unit_behind();
-    let hint = match mistaken_unit(nominal, criterion.room(), [low, high]) {
+    let mistaken = mistaken_unit(
+        criterion.unit.as_deref(),
+        nominal,
+        criterion.room(),
+        [low, high],
+    );
+    let hint = match mistaken {
         Some(units) => format!("; the values would fit if {units} were mixed up: check `unit`"),
         None if points < FEWEST => return None,
         None => {
@@ -107,8 +114,47 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
     ))
 }
 
+/// What a unit may be mistaken for: another one of its kind, or of an unknown kind a thousandth or a thousand of it.
+fn confusions(unit: Option<&str>) -> Vec<(Conversion, String)> {
+    let alike = unit.map(known::alike).unwrap_or_default();
+    let of_kind = alike.iter().flat_map(|other| {
+        let unit = unit.unwrap_or_default();
+        let way = known::between(other, unit);
+        let both = way.map(|way| {
+            let words = |a, b| format!("{} and {}", in_words(a), in_words(b));
+            [
+                (way, words(other, unit)),
+                (way.inverse(), words(unit, other)),
+            ]
+        });
+        both.into_iter().flatten()
+    });
+    let listed = UNITS.iter().filter(|(factor, ..)| match unit {
+        None => true,
+        Some(_) => alike.is_empty() && [1e3, 1e-3].contains(factor),
+    });
+    let listed = listed.map(|&(factor, offset, words)| {
+        let way = Conversion { factor, offset };
+        (way, words.to_owned())
+    });
+    of_kind.chain(listed).collect()
+}
+
+fn in_words(unit: &str) -> &str {
+    match unit {
+        "1" | "-" => "a share",
+        "%" => "per cent",
+        other => other,
+    }
+}
+
 /// The units whose confusion would explain the distance, if any do.
-fn mistaken_unit(nominal: f64, tolerance: f64, [low, high]: [f64; 2]) -> Option<&'static str> {
+fn mistaken_unit(
+    unit: Option<&str>,
+    nominal: f64,
+    tolerance: f64,
+    [low, high]: [f64; 2],
+) -> Option<String> {
     let outside = |value: f64| (low - value).max(value - high).max(0.0);
     // The model need not be right to tell by its order of magnitude which unit its numbers have.
     let room = |value: f64, factor: f64, offset: f64| {
@@ -120,17 +166,15 @@ fn mistaken_unit(nominal: f64, tolerance: f64, [low, high]: [f64; 2]) -> Option<
         }
     };
     let far = outside(nominal);
-    let rest = |&(factor, offset, units): &(f64, f64, &'static str)| {
-        let value = factor * nominal + offset;
+    let rest = |(way, units): (Conversion, String)| {
+        let value = way.value(nominal);
         let rest = outside(value);
-        let room = room(value, factor, offset);
+        let room = room(value, way.factor, way.offset);
         let fits = rest <= room && rest < 0.2 * far;
         fits.then(|| (rest / room, units))
     };
-    let best = UNITS
-        .iter()
-        .filter_map(rest)
-        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let all = confusions(unit).into_iter().filter_map(rest);
+    let best = all.min_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, units)| units)
 }
 
@@ -245,6 +289,27 @@ mod tests {
                     out_of_reach(&criterion(nominal, tolerance), reached, points).unwrap();
                 assert!(warning.contains(units), "{nominal}: {warning}");
             }
+        }
+    }
+
+    /// A length is no angular velocity, and a share no length.
+    #[test]
+    fn units_of_another_kind_are_not_named() {
+        for (unit, nominal, reached, units) in [
+            ("mm", 52.0, [490.0, 550.0], "if cm and mm were"),
+            ("bar", 12.0, [115.0, 125.0], "if MPa and bar were"),
+            ("K", 355.15, [81.0, 83.0], "if K and degC were"),
+            ("-", 5.0, [0.049, 0.052], "if per cent and a share were"),
+            ("N", 5.0, [48.0, 52.0], "widen"),
+            ("J", 300.0, [31.0, 32.0], "widen"),
+            ("J", 300.0, [0.29, 0.31], "such as mm and m"),
+        ] {
+            let criterion = Criterion {
+                unit: Some(unit.into()),
+                ..criterion(nominal, 0.02 * nominal)
+            };
+            let warning = out_of_reach(&criterion, reached, 50).unwrap();
+            assert!(warning.contains(units), "{unit}: {warning}");
         }
     }
 }

@@ -63,6 +63,44 @@ fn verify_leaves_a_page_and_report_writes_it_again() {
         .is_mistake(&["nowhere holds no study"]);
 }
 
+/// A crossing is a time, whatever the variable's unit.
+#[test]
+fn the_columns_of_sensitivity_have_the_units_of_the_criteria() {
+    let bench = bench();
+    let crossing = "statistic = \"crossing\"\nlevel = 0.5\nnominal = 0.7";
+    bench.write("study.toml", &STUDY.replace("nominal = 0.86", crossing));
+    let said = bench.run(&["sensitivity", "study.toml", "--base", "4", "--output", "s"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let units = &json(&bench, "s/sensitivity.json")["units"];
+    assert_eq!(
+        (&units["Y"], &units["lag.length"]),
+        (&"s".into(), &"mm".into())
+    );
+}
+
+/// Criteria without cases are fitted as those of a single case.
+#[test]
+fn identify_takes_plain_criteria_as_one_case() {
+    let bench = Bench::new();
+    let study = STUDY.split("[parameters.\"lag.length\"]").next().unwrap();
+    let free = |name: &str, section: &str| {
+        let criterion =
+            "variable = \"lag.y\"\nnominal = 0.86\ntolerance = 0.02\nuncertainty = 0.01";
+        bench.write(name, &format!("{study}{section}\n{criterion}\n"));
+        let said = bench.run(&[
+            "identify", name, "--output", "found", "--force", "--starts", "4",
+        ]);
+        assert_eq!(said.code, 0, "{}", said.err);
+        json(&bench, "found/identification.json")["free"].clone()
+    };
+    let plain = free("plain.toml", "[criteria.Y]");
+    let case = free("case.toml", "[[cases]]\nname = \"one\"\n[cases.criteria.Y]");
+    assert_eq!(plain, case);
+    // 1 - exp(-2 x) = 0.86
+    let value = plain[0]["value"].as_f64().unwrap();
+    assert!((value - 0.983).abs() < 0.01, "{value}");
+}
+
 #[test]
 fn sensitivity_finds_the_only_parameter_that_matters() {
     let bench = bench();

@@ -601,7 +601,7 @@ fn identify_says_what_it_needs_of_cases() {
     );
     bench
         .run(&["identify", "study.toml"])
-        .is_mistake(&["the cases of the study are the data of identify"]);
+        .is_mistake(&["the criteria of the study are the data of identify"]);
     bench.write("study.toml", &curves(&bench));
     bench
         .run(&["identify", "study.toml", "--cross-validate"])

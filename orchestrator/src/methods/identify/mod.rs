@@ -156,8 +156,9 @@ impl Analysis for Asked {
         let settings = self.settings(&study, seed)?;
         let package = study.open_fmu(request.fmu.as_deref())?;
         let fmu = package.description();
-        // The unknowns and the data are those of the study's cases, or of the section `[identify]`.
-        let bound = match study.cases.is_empty() {
+        // The unknowns and the data are those of the section `[identify]`, or of the study's criteria.
+        let is_stated = study.criteria.is_empty() || !settings.measured.is_empty();
+        let bound = match study.cases.is_empty() && is_stated {
             true => Bound::new(&study, &settings, fmu)?,
             false => from_study::bind(&study, &settings, fmu)?,
         };
@@ -283,13 +284,12 @@ impl Asked {
         posterior::other(path, &bound.problem).map(Some)
     }
 
-    /// The study's settings, overridden by the command line. A study with cases need not have any.
+    /// The study's settings, overridden by the command line. A study with criteria need not have any.
     fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, Error> {
-        let usual = || (!study.cases.is_empty()).then(Identification::default);
+        let usual = || (!study.criteria.is_empty()).then(Identification::default);
         let mut settings = study.identify.clone().or_else(usual).ok_or_else(|| {
             study.error(
-                "identify needs to know what is measured: put the criteria into a case, [[cases]] with a name and \
-                 [cases.criteria.X] in place of [criteria.X], or add a section [identify] (`orchestrator identify --help`)",
+                "identify needs to know what is measured: add [criteria], or a section [identify] (`orchestrator identify --help`)",
             )
         })?;
         settings.starts = self.starts.unwrap_or(settings.starts);

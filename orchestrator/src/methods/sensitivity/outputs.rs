@@ -6,12 +6,16 @@ use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
 use sensitivity::methods::{RUNS, VIEWS};
 use sensitivity::{Estimate, dominant, regional};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The sensitivity of a study's outputs to its parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sensitivity {
     /// The parameters, in the order of all lists below.
     pub parameters: Vec<String>,
+    /// The units of parameters and criteria that have one, by name.
+    #[serde(default)]
+    pub units: BTreeMap<String, String>,
     /// Description of the method and its cost, for people.
     pub method: String,
     /// Runs that it rests on.
@@ -126,7 +130,12 @@ fn of_points(table: &PointTable, outputs: Vec<(String, Vec<f64>)>, seed: u64) ->
         output.dominant = most_important(&output.shown(), &parameters);
         output
     };
+    let of_parameters = table.parameters.iter().map(|p| (&p.name, &p.unit));
+    let of_criteria = table.criteria.iter().map(|c| (&c.name, &c.unit));
+    let units = of_parameters.chain(of_criteria);
+    let units = units.filter(|(_, unit)| !unit.is_empty());
     Sensitivity {
+        units: units.map(|(k, unit)| (k.clone(), unit.clone())).collect(),
         outputs: outputs.into_iter().map(output).collect(),
         method: "Rank correlations and PAWN of existing points".into(),
         runs: table.len(),
