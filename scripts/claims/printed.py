@@ -51,15 +51,18 @@ def slope(x, y):
 
 
 def table_1(one, three):
-    """Per parameter: mean and deviation of Table 3's rows, how many standard errors they are from Table 1's mean, and what 50
-    draws of Table 1 span."""
-    found = {}
+    """Per parameter: mean and deviation of Table 3's rows, how many standard errors they are from Table 1's mean, how many lie
+    outside of its accuracy, and what 50 draws of Table 1 span."""
+    found, within = {}, [True] * len(three)
     for symbol, column in COLUMNS.items():
         values = [row[column] for row in three]
         t = one[symbol]
         found[f"{symbol}_mean"], found[f"{symbol}_sd"] = mean(values), stdev(values)
         found[f"{symbol}_off"] = (mean(values) - t["average"]) / (t["deviation"] / math.sqrt(len(values)))
+        inside = [abs(value - t["nominal"]) < t["accuracy"] + 1e-9 for value in values]
+        found[f"{symbol}_outside"], within = inside.count(False), [a and b for a, b in zip(within, inside)]
         found[f"{symbol}_from"], found[f"{symbol}_to"] = (t["average"] + side * OF_50 * t["deviation"] for side in (-1, 1))
+    found["within_all"] = within.count(True)
     h = one["h"]
     found["h_within"] = 100 * (2 * NormalDist().cdf(h["accuracy"] / h["deviation"]) - 1)
     return found
@@ -100,6 +103,12 @@ def table_3(one, two, three, omega):
 
     printed = [int(r["point"]) for r in three if passes(r, 0.615)]
     absolute = [int(r["point"]) for r in three if passes(r, 0.75)]
+    ten = [r for r in three if int(r["point"]) in NAMED]
+    fill = {name: 100 * (max(r[column] for r in ten) - min(r[column] for r in ten)) / (high[name] - low[name])
+            for name, column in (("F_N", "F_N_N"), ("P_fr", "P_fr_W"))}
+    # Clearances are printed to 0.01 mm, in row 50 to 0.001 mm.
+    off = {int(r["point"]): abs(latent[int(r["point"])] - r["h_mm"]) for r in three}
+    ends = [point for point in off if off[point] > (0.0005 if point == 50 else 0.005) - 1e-6]
     torque = two["M"]
     by_torque = sum(int(r["point"]) in NAMED and abs(r["P_fr_W"] / omega / torque["nominal"] - 1) <= torque["accuracy"] / 100
                     for r in three)
@@ -121,9 +130,23 @@ def table_3(one, two, three, omega):
         "steady_slope": (two["T_bearing"]["nominal"] - two["T_oil"]["nominal"]) / two["P_fr"]["nominal"],
         "thick_low": min(viscosities), "thick_high": max(viscosities),
         "by_torque": by_torque,
+        "fill_load": fill["F_N"], "fill_power": fill["P_fr"], "ends": ", ".join(map(str, ends)),
+        # That ten points drawn at random lie among the 37 of 50 with the right temperatures.
+        "all_ten": 100 * math.comb(37, 10) / math.comb(50, 10),
         "load_nominal": nominal,
         "load_share": 100 * (normal.cdf(high["F_N"]) - normal.cdf(low["F_N"])),
     }
+
+
+def aligned(name, values):
+    """A line of the block of Table 3: a value for each of its points."""
+    return f"{name:14}" + "".join(f"{value:>8}" for value in values)
+
+
+def table_3_lines():
+    """The points, and the clearances that the stand needs for them."""
+    latent = rows(ROOT / "studies" / "calibration-table3.csv")
+    return [aligned("point", (r["point"] for r in latent)), aligned("h in A, mm", (f"{float(r['h_mm']):.4f}" for r in latent))]
 
 
 def swing(two, omega):

@@ -1,5 +1,6 @@
 """What the stand gives: runs of the orchestrator, each the command that docs/paper.md names."""
 
+import cmath
 import csv
 import itertools
 import json
@@ -10,12 +11,13 @@ import tomllib
 from pathlib import Path
 from statistics import mean
 
-from printed import COLUMNS, ROOT, rows
+from printed import COLUMNS, ROOT, aligned, rows, table_3_lines
 
 FMU = ROOT / "dist/PlainBearingStand.fmu"
 STEADY = {"thermal.initialization": "SteadyState"}
 COLD = {"thermal.initialOilTemperature": "22 degC", "thermal.initialBearingTemperature": "22 degC"}
 SWINGING = {"load.eccentricity": "1.27 mm"}
+FLUCTUATING = {"drive.fluctuationAmplitude": "2.5 %"}
 ZERO = 273.15
 MEAN_LOAD = "sensor.loadForceMean"
 # Points for the shares of the sampled space.
@@ -60,6 +62,9 @@ def rig(stand):
     """One turn of the rig in its steady state, and the delay of the torque that makes mu steadiest."""
     found = turn(stand, "rig", {})
     found |= turn(stand, "wide", SWINGING)
+    # Two seconds are the fluctuation's period.
+    power = [row["sensor.frictionPower"] for row in stand.simulate(STEADY | SWINGING | FLUCTUATING, 2, 1e-3)]
+    found |= {"fluctuating_low": min(power), "fluctuating_high": max(power)}
     smooth = stand.simulate({"thermal.isothermal": "true", "bearing.roughness": 0}, 1, 1)[-1]
     found["smooth_power"] = smooth["sensor.frictionPowerMean"]
     found["smooth_mu"] = smooth["sensor.frictionCoefficientMean"]
@@ -82,12 +87,14 @@ def turn(stand, name, settings):
         return sum((value - centre) ** 2 for value in values)
 
     best = min(range(-turn // 4, turn // 4), key=variance)
-    raw = coefficients(0)
+    raw, shifted = coefficients(0), coefficients(best)
+    first, second = (abs(sum(m * cmath.exp(-2j * math.pi * k * i / turn) for i, m in enumerate(torque))) for k in (1, 2))
     return {f"{name}_{key}": value for key, value in {
         "shift": 1e3 * step * best, "force": last[MEAN_LOAD], "torque": last["sensor.frictionTorqueMean"],
         "power": last["sensor.frictionPowerMean"], "mu": last["sensor.frictionCoefficientMean"],
         "bearing": last["sensor.bearingTemperatureMean"] - ZERO, "oil": last["sensor.oilTemperatureMean"] - ZERO,
-        "mu_low": min(raw), "mu_high": max(raw), "power_low": min(power), "power_high": max(power),
+        "mu_low": min(raw), "mu_high": max(raw), "mu_least": min(shifted), "mu_most": max(shifted),
+        "second": 100 * second / first, "power_low": min(power), "power_high": max(power),
         "constant": last["thermal.slowestTimeConstant"], "bath": last["thermal.oilBathCapacity"],
         "share": 100 * last["bearing.contactShare"]}.items()}
 
@@ -121,12 +128,17 @@ def first(holds, low, high, close):
 
 def studies(stand):
     """The paper's 50 points, many more of them, the rows of Table 3, and Table 1 as printed."""
-    fifty, _ = stand.verify("paper-table3", "fifty")
+    fifty, drawn = stand.verify("paper-table3", "fifty")
     many, _ = stand.verify("paper-table3", "many", "--points", MANY)
     table_1, sampled = stand.verify("paper-table1", "table-1")
     _, table_3 = stand.verify("paper-table3", "rows", "--points-from", "studies/calibration-table3.csv")
     found = {"one_verified": table_1["verified"], "one_force": mean(float(row["F_N"]) for row in sampled)}
+    found["not"] = ", ".join(row["point"] for row in table_3 if row["verified"] != "true")
     found["wrong"] = 100 * fifty["risk"]["not_conforming_given_accepted"]
+    temperatures = [float(row["T_bearing"]) for row in drawn]
+    clearances = [float(row["bearing.radialClearance"]) for row in drawn if row["T_bearing.ok"] == "true"]
+    found |= {"coldest": min(temperatures), "hottest": max(temperatures), "h_from": min(clearances), "h_to": max(clearances)}
+    found |= robust_range(stand)
     readings = {"": lambda s: s, "abs_": lambda s: s["variants"]["absolute-bearing-tolerance"]}
     for prefix, read in readings.items():
         few, all_points = (read(summary) for summary in (fifty, many))
@@ -135,9 +147,19 @@ def studies(stand):
             limit = {"temperatures": 37}.get(name, 10)
             found |= {f"{prefix}{name}": passed, f"{prefix}{name}_share": 100 * share,
                       f"{prefix}{name}_chance": 100 * binomial(limit, 50, share)}
-    hidden = {int(row["point"]): float(row["h_mm"]) for row in rows(ROOT / "studies/calibration-table3.csv")}
-    printed = {int(row["point"]): row for row in rows(ROOT / "studies/paper/table3_solutions.csv")}
-    return found, [row_of_table_3(row, printed[int(row["point"])], hidden[int(row["point"])]) for row in table_3]
+    return found, compared_with_table_3(table_3)
+
+
+def robust_range(stand):
+    """The largest box that `robustness` finds from the 50 points, and how many of 1,000 new points in it are verified."""
+    stand.run("robustness", "studies/paper-table3.toml", "--from", stand.folder / "fifty", "--output", stand.folder / "robust",
+              "--confirm", 1000)
+    found = json.loads((stand.folder / "robust" / "robustness.json").read_text(encoding="utf-8"))
+    region = found["region"]
+    limits = dict(zip(found["parameters"], region["limits"]))
+    sides = {"h": limits["bearing.radialClearance"], "F0": limits["load.preload"]}
+    return {f"box_{name}_{end}": value for name, both in sides.items() for end, value in zip(("from", "to"), both)} | {
+        "box_share": 100 * region["share"], "box_verified": region["fresh"]["verified"]}
 
 
 def counts(summary, prefix):
@@ -155,13 +177,18 @@ def binomial(most, count, share):
     return sum(chances[: most + 1]) if most < count * share else sum(chances[most:])
 
 
-def row_of_table_3(row, printed, h):
-    off = {name: float(row[name]) - float(printed[column]) for name, column in
-           {"F_N": "F_N_N", "P_fr": "P_fr_W", "T_oil": "T_oil_degC", "T_bearing": "T_bearing_degC"}.items()}
-    share = 100 * off["P_fr"] / float(printed["P_fr_W"])
-    judged = "yes" if row["verified"] == "true" else "no: " + ", ".join(n for n in off if row[f"{n}.ok"] == "false")
-    return (f"| {row['point']} | {h:.4f} | {off['F_N']:+.2f} | {share:+.2f} | {off['T_oil']:+.3f} "
-            f"| {off['T_bearing']:+.3f} | {judged} |")
+def compared_with_table_3(points):
+    """The block of Table 3: clearances, and what the stand gives less what is printed."""
+    printed = rows(ROOT / "studies/paper/table3_solutions.csv")
+
+    def off(name, column):
+        return [float(ours[name]) - float(row[column]) for ours, row in zip(points, printed, strict=True)]
+
+    shares = [100 * power / float(row["P_fr_W"]) for power, row in zip(off("P_fr", "P_fr_W"), printed)]
+    lines = [aligned("F_N, N", (f"{value:+.2f}" for value in off("F_N", "F_N_N"))),
+             aligned("P_fr, %", (f"{value:+.2f}" for value in shares))]
+    lines += [aligned(f"{name}, K", (f"{value:+.3f}" for value in off(name, f"{name}_degC"))) for name in ("T_oil", "T_bearing")]
+    return "\n".join(table_3_lines() + lines)
 
 
 def pairs(stand):
@@ -199,20 +226,26 @@ def grids(parameters):
 def look(maps, temperatures):
     side = STEPS + 1
     clearance, others, extremes = "bearing.radialClearance", 0, 0
-    beside, alone = [], []
+    beside, alone, widths, hot, cold = [], [], [], [], []
     for index, pair in enumerate(maps):
         field = temperatures[index * side**2: (index + 1) * side**2]
         cells = [field[i * side: (i + 1) * side] for i in range(side)]
+        if "bearing.width" in pair:
+            lines = cells if pair[1] == "bearing.width" else zip(*cells)
+            widths += [line[-1] - line[0] for line in lines]
         if clearance in pair:
-            # The clearance is the first parameter: columns have one clearance each.
+            # The clearance is the first parameter: rows have one clearance each.
             alone.append(max(max(column) - min(column) for column in zip(*cells)))
             beside.append(max(max(row) - min(row) for row in cells))
             continue
         inner = [value for row in cells[1:-1] for value in row[1:-1]]
         edge = [value for i, row in enumerate(cells) for j, value in enumerate(row) if {i, j} & {0, side - 1}]
         extremes += max(inner) > max(edge) + LEAST_EXTREME or min(inner) < min(edge) - LEAST_EXTREME
+        hot.append(max(field))
+        cold.append(min(field))
         others += 1
-    return {"pairs": others, "extremes": extremes, "by_h": max(alone), "beside_h": max(beside)}
+    return {"pairs": others, "extremes": extremes, "by_h": max(alone), "beside_h": max(beside), "coldest": min(cold),
+            "hottest": max(hot), "width_low": min(widths), "width_high": max(widths)}
 
 
 def inside(stand):
@@ -251,6 +284,9 @@ def influence(stand):
         for output in ("T_bearing", "P_fr", "F_N"):
             for variable in COLUMN_OF:
                 found |= {f"{name}_{output}_{COLUMN_OF[variable]}": outputs[output]["total"][variable]}
+        verdict = outputs["verified"]["total"]
+        found |= {f"{name}_verdict_{COLUMN_OF[variable]}": verdict[variable] for variable in COLUMN_OF}
+        found[f"{name}_verdict_most"] = max(verdict[v] for v, symbol in COLUMN_OF.items() if symbol not in ("h", "F0"))
         found[f"{name}_first"] = outputs["T_bearing"]["first"]["bearing.radialClearance"]
     return found
 
@@ -278,4 +314,4 @@ def values(program):
         found, table = studies(stand)
         parts = {"st": found, "in": inside(stand)} | {name: part(stand) for name, part in PARTS.items()}
     flat = {f"{part}_{name}": value for part, group in parts.items() for name, value in group.items()}
-    return flat | {"table_3": "\n".join(table)}
+    return flat | {"table_3": table}
