@@ -100,7 +100,7 @@ pub enum Command {
     Verify(Box<Verify>),
     /// Puts a study with its results into a copy of its FMU; `verify MODEL.fmu` runs it again
     Pack(Pack),
-    /// Applies a study's criteria to outputs in a table, without an FMU
+    /// Applies a study's criteria to outputs in a table; its FMU need not exist
     Judge(Judge),
     /// Runs one point of a study again, with its trajectory
     Replay(Replay),

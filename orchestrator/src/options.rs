@@ -22,10 +22,10 @@ pub struct Parts {
     /// Replace the folder's results, also unfinished ones and those of another study or FMU
     #[arg(long, conflicts_with = "resume")]
     pub force: bool,
-    /// Simulate only one of several equal parts of the points; `merge` joins them
+    /// Simulate only part I of N equal parts of the points (exit code 0 when done); `merge` joins them
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// The same, counted from 0 as array jobs do
+    /// The part, counted from 0, with --shards
     #[arg(long, value_name = "I", requires = "shards", conflicts_with = "shard")]
     shard_index: Option<u64>,
     /// How many parts there are, with --shard-index
@@ -68,7 +68,7 @@ pub struct Means {
     /// The FMU, instead of the study's
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
-    /// The number of parallel simulations [default: the number of cores]
+    /// The number of parallel simulations [default: the cores that this process may use]
     #[arg(long, value_name = "J", allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
     /// Run points in this process: a little faster, but a crash of the FMU ends the run
@@ -114,7 +114,7 @@ pub struct Afar {
     /// The program on the hosts [default: this program's path]
     #[arg(long, value_name = "PATH", requires = "launcher")]
     worker_program: Option<PathBuf>,
-    /// How long a worker may take to start, and be silent, s [default: 30]
+    /// The longest time for a worker to start, or to be silent, s [default: 30]
     #[arg(
         long,
         value_name = "T",

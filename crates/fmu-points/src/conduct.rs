@@ -10,9 +10,9 @@ pub enum Isolation {
     /// Every point alone in a process of its own
     #[default]
     Fresh,
-    /// Processes are used for many points once that is proven, and under audit
+    /// Points share processes once tests show that the FMU allows it; some points are run again, alone
     Audited,
-    /// Processes are used for many points, and not audited
+    /// Points share processes, without checks
     Reuse,
     /// All points in the process of the supervisor.
     #[cfg_attr(feature = "clap", value(skip))]

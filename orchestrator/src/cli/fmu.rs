@@ -128,7 +128,7 @@ pub struct Synchronise {
     /// Also write a case of this name for a study: case.toml, with csv files of the inputs and of the signals as curves
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
-    /// The case is judged, and never fitted
+    /// Mark the case as held out: judged, never fitted
     #[arg(long, requires = "case")]
     pub held_out: bool,
     /// The folder for the results

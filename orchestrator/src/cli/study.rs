@@ -48,11 +48,11 @@ pub struct Verify {
     /// Write points.parquet, too
     #[arg(long)]
     pub parquet: bool,
-    /// End when the 95 % interval of the share is narrow enough, such as "ci 0.01", or with "verdict" when the study's
-    /// [verdict] is decided; at the latest at --points, or a million
+    /// End early: "ci 0.01" when the 95 % interval of the share is 0.01 wide, "verdict" when the study's [verdict] is decided;
+    /// at the latest at --points, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with_all = ["shard", "shard_index"])]
     pub until: Option<Until>,
-    /// Run some points with finer communication steps, too, to tell the numerical uncertainty (ASME V&V 20)
+    /// Run some points with finer communication steps, too, to find the numerical uncertainty (ASME V&V 20)
     #[arg(long, conflicts_with_all = ["shard", "shard_index"])]
     pub validation: bool,
     /// Print the long answer
@@ -69,10 +69,10 @@ pub struct Verify {
         conflicts_with_all = ["until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run", "junit", "strict"]
     )]
     pub rare: Option<RareEvent>,
-    /// Run at most so many points once more, with finer steps and to a later end, to see whether their values have settled
+    /// Rerun at most N points, finer and longer, to see whether their values have settled
     #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
     pub extra_runs: usize,
-    /// Of an FMU in place of a study: the study that it carries [default: the one packed last]
+    /// The study to run, where STUDY is an FMU that carries several [default: the one packed last]
     #[arg(long = "study", id = "carried", value_name = "NAME")]
     pub carried: Option<String>,
     /// For a build server

@@ -37,6 +37,13 @@ pub(super) fn points_of(
         );
         return Err(Error::option("from", message));
     }
+    if table.parameters.is_empty() {
+        let message = format!(
+            "the points in {} have no parameters, so nothing can be said of these; `judge` writes none, `verify` does",
+            folder.display()
+        );
+        return Err(Error::option("from", message));
+    }
     Ok((summary, table))
 }
 

@@ -254,6 +254,12 @@ fn tables_are_judged_by_case() {
     assert_eq!(summary["cases"]["low"]["passed"], 3);
     assert_eq!(summary["cases"]["high"]["passed"], 2);
     assert_eq!(summary["cases"]["high"]["failed"], 1);
+    // What depends on parameters that the table does not have is not told.
+    for analysis in ["robustness", "sensitivity", "pareto"] {
+        bench
+            .run(&[analysis, "cases.toml", "--from", "out"])
+            .is_mistake(&["--from", "no parameters"]);
+    }
     // The variable's name would be that of both cases.
     bench.write("table.csv", "lag.y,lag.temperature\n0.86,13\n");
     bench

@@ -85,10 +85,10 @@ pub struct Asked {
     /// Also predict each case from the others (leave one out), beside the fit and a plain regression
     #[arg(long)]
     pub cross_validate: bool,
-    /// Draw this many sets of parameters from the posterior, too: several modes and curved valleys as they are
+    /// Also draw N sets of parameters from the posterior, whatever its shape
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub posterior: Option<u64>,
-    /// Search and sample on polynomials from at most this many runs of each case, where runs are dear; their error counts
+    /// Search and sample on polynomials fitted to at most N runs of each case; their error counts as an uncertainty
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub surrogate: Option<u64>,
     /// Weigh the model against that of another result on the same data: its identification.json, or its folder

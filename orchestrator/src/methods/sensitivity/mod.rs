@@ -79,7 +79,7 @@ pub struct Options {
     /// Morris screening with R trajectories: R (d + 1) runs
     #[arg(long, value_name = "R", conflicts_with = "shapley")]
     pub morris: Option<u64>,
-    /// Shapley effects, for correlated parameters, too, from N base points: N (d + 1) runs, N 2 d where correlated
+    /// Shapley effects (also of correlated parameters) from N base points: N (d + 1) runs, correlated N 2 d
     #[arg(long, value_name = "N")]
     pub shapley: Option<u64>,
     /// How first-order Sobol indices are estimated [default: the study's, or combined]
