@@ -15,7 +15,7 @@ pub enum Fit {
     /// As a right model would.
     Good,
     /// With as many unknowns as measured values nothing could have shown.
-    Certain,
+    Untested,
     /// Worse than a right model would, in size or in order.
     Misses,
 }
@@ -37,7 +37,7 @@ impl IdentificationOutcome {
     /// How well the model fits.
     pub fn fit(&self) -> Fit {
         match self.probability {
-            None if !self.is_out_of_reach() => Fit::Certain,
+            None if !self.is_out_of_reach() => Fit::Untested,
             Some(_) if self.doubts().is_empty() => Fit::Good,
             _ => Fit::Misses,
         }
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn a_fit_that_was_certain_shows_nothing() {
         let outcome = fitted(measured(&[1.0], 1.0), &|p, _| p);
-        assert_eq!(outcome.fit(), Fit::Certain);
+        assert_eq!(outcome.fit(), Fit::Untested);
         let text = text::summary(&outcome);
         assert!(
             text.contains(

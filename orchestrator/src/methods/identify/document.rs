@@ -114,7 +114,7 @@ impl Page<'_> {
             }
             (End::Converged, true, _) => format!("{} sets of parameters fit", outcome.optima.len()),
             (End::Converged, false, Fit::Good) => "The model fits the measured values".to_owned(),
-            (End::Converged, false, Fit::Certain) => {
+            (End::Converged, false, Fit::Untested) => {
                 "Nothing is left to test the model by".to_owned()
             }
             (End::Converged, false, Fit::Misses) => {
