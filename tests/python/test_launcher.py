@@ -1,10 +1,14 @@
 """Workers that a command starts: whatever becomes of them, the files are those of a run on one machine."""
 
+import fcntl
+import hashlib
 import json
 import os
 import shutil
 import subprocess
 import sys
+import time
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -173,6 +177,36 @@ def test_a_shipped_fmu_leaves_nothing(study, single, tmp_path):
     launched(study, tmp_path / "out", f"env TMPDIR={node}", "--ship")
     assert files(tmp_path / "out") == files(single)
     assert list(node.iterdir()) == []
+
+
+def test_an_fmu_is_sent_once(study, tmp_path):
+    """However many messages that takes."""
+    large, orders = tmp_path / "large.fmu", tmp_path / "orders"
+    shutil.copy(study.parent / "healthy.fmu", large)
+    with zipfile.ZipFile(large, "a") as archive:
+        archive.writestr("resources/data.bin", os.urandom(3 << 20))
+    done = run("verify", study, "--output", tmp_path / "out", "--fmu", large, "--extra-runs", 0, "--jobs", 1, "--ship",
+               "--launcher", f"sh -c 'tee {orders} | \"$@\"' --")
+    assert done.returncode == 0, done.stderr
+    assert orders.stat().st_size < 1.1 * large.stat().st_size
+
+
+@pytest.mark.long
+def test_an_fmu_that_comes_slowly_is_waited_for(study, single, tmp_path):
+    """By all workers of its host: while another one receives it, they are alive, and so is the supervisor."""
+    node, out = tmp_path / "node", tmp_path / "out"
+    folder = node / f"orchestrator-{hashlib.sha256((study.parent / 'healthy.fmu').read_bytes()).hexdigest()}"
+    folder.mkdir(parents=True)
+    command = [PROGRAM, "verify", study, "--output", out, "--launcher", f"env TMPDIR={node}", "--jobs", "1", "--ship",
+               "--launcher-timeout", "2"]
+    with (folder / "in-use").open("w") as receiving:
+        fcntl.flock(receiving, fcntl.LOCK_EX)
+        begun = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+        # Two workers in a row that take so long silence for a lost supervisor would end the run.
+        time.sleep(12)
+        assert begun.poll() is None
+    assert begun.wait() == 0
+    assert files(out) == files(single)
 
 
 @pytest.mark.parametrize("options", [["--hosts", "x"], ["--ship"], ["--launcher", ""], ["--launcher", "env", "--in-process"],

@@ -117,7 +117,7 @@ pub(crate) enum Order {
 /// A message of a worker.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Report {
-    /// It wants the FMU's bytes.
+    /// It wants the next part of the FMU's bytes.
     Wanted,
     /// It has the FMU.
     Ready,

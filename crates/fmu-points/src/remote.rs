@@ -4,7 +4,8 @@
 //! FMU: its points are handed out again. Only a point that has cost several workers while it was alone with them has failed.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -31,8 +32,8 @@ const TRIES: u32 = 8;
 const FIRST_TRIES: u32 = 2;
 /// The longest pause between two tries.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
-/// How much of a shipped FMU goes into a message.
-const PART: usize = 1 << 20;
+/// How much of a shipped FMU goes into a message: a worker must have all of it before it takes the supervisor for silent.
+const PART: u64 = 1 << 18;
 
 /// All workers on other machines, and what they know together.
 #[derive(Debug)]
@@ -266,10 +267,14 @@ impl Team {
         };
         let text = serde_json::to_vec(&terms).expect("terms are plain data");
         link.open(text, terms.ticket);
+        let mut shipped = None;
         loop {
             match link.wait(stopped) {
                 Ok(Report::Ready) => return Ok(Some(link)),
-                Ok(Report::Wanted) => self.ship(&mut link).map_err(Fault::lasting)?,
+                Ok(Report::Wanted) => {
+                    let part = self.part(&mut shipped).map_err(Fault::lasting)?;
+                    link.order(&Order::Bytes(part));
+                }
                 Ok(Report::Unable(how, lasting)) => return Err(Fault { how, lasting }),
                 Ok(_) => return Err(Fault::passing("it answers what was not asked".to_owned())),
                 Err(Cut::Stopped) => return Ok(None),
@@ -297,13 +302,18 @@ impl Team {
         }
     }
 
-    fn ship(&self, link: &mut Link) -> Result<(), String> {
+    /// The next part of the FMU, from its beginning where none is under way; an empty one at its end.
+    fn part(&self, shipped: &mut Option<File>) -> Result<Vec<u8>, String> {
         let path = &self.terms.fmu;
-        let all = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        for part in all.chunks(PART).chain([&[][..]]) {
-            link.order(&Order::Bytes(part.to_vec()));
-        }
-        Ok(())
+        let told = |error: io::Error| format!("{}: {error}", path.display());
+        let file = match shipped.take() {
+            Some(file) => file,
+            None => File::open(path).map_err(told)?,
+        };
+        let mut part = Vec::new();
+        (&file).take(PART).read_to_end(&mut part).map_err(told)?;
+        *shipped = (!part.is_empty()).then_some(file);
+        Ok(part)
     }
 
     /// Notes that a worker was lost or did not start.

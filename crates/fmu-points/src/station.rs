@@ -56,11 +56,23 @@ pub(crate) fn serve() -> io::Result<()> {
     let terms: Terms = serde_json::from_slice(&terms)?;
     orders.expect(terms.ticket);
     locked(&output).meet(&terms);
-    let mut next = || -> io::Result<Option<Order>> {
-        let Some(order) = orders.wait()? else {
+    let heard = Arc::clone(&output);
+    let (send, coming) = channel();
+    // It is heard at any time, also while another worker here receives the FMU.
+    thread::spawn(move || {
+        loop {
+            let order = orders.wait();
+            locked(&heard).heard = Instant::now();
+            let over = !matches!(order, Ok(Some(_)));
+            if send.send(order).is_err() || over {
+                return;
+            }
+        }
+    });
+    let next = || -> io::Result<Option<Order>> {
+        let Some(order) = coming.recv().unwrap_or(Ok(None))? else {
             return Ok(None);
         };
-        locked(&output).heard = Instant::now();
         let order = read(&order).ok_or_else(|| io::Error::other("an order is damaged"))?;
         Ok(Some(order))
     };
