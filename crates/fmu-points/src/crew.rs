@@ -216,8 +216,7 @@ impl Crew {
         if let Some(changed) = &found.changed {
             self.part(changed);
         }
-        let apart = self.changed().is_some();
-        locked(if apart { &self.apart } else { &self.policy }).adopt(found);
+        Policy::adopt_in([&self.policy, &self.apart], found);
     }
 
     /// How the user wishes points to share processes.

@@ -10,11 +10,13 @@
 //! time.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
 use crate::conduct::{Conduct, Isolation, Reason, Separation};
+use crate::locked::locked;
 use crate::points::Job;
 use crate::repeats::{ENOUGH, Repeats};
 use crate::runner::Reuse;
@@ -635,8 +637,19 @@ impl Policy {
         }
     }
 
+    /// Lets the policy take over what others found that it concerns: that of points which share the FMU's folder, or that of
+    /// points with a folder each. What was found in a shared folder, and is told late, says nothing of the others.
+    pub(crate) fn adopt_in([shared, apart]: [&Mutex<Self>; 2], found: &Found) {
+        let policy = if found.changed.is_some() {
+            apart
+        } else {
+            shared
+        };
+        locked(policy).adopt(found);
+    }
+
     /// Takes over what others found: of two findings the stricter one.
-    pub(crate) fn adopt(&mut self, found: &Found) {
+    fn adopt(&mut self, found: &Found) {
         for &(index, agreed, shared) in &found.audits {
             self.audits.note(index, agreed, shared);
         }

@@ -192,7 +192,7 @@ impl Team {
     fn known(&self, lane: usize) -> Found {
         let changed = self.changed();
         let led = *self.state().leading.get_or_insert(lane) != lane;
-        let mut found = self.policy().known();
+        let mut found = locked(&self.policies[usize::from(changed.is_some())]).known();
         (found.changed, found.led) = (changed, led);
         found
     }
@@ -201,7 +201,7 @@ impl Team {
         if let Some(changed) = &found.changed {
             self.know(changed);
         }
-        self.policy().adopt(found);
+        Policy::adopt_in([&self.policies[0], &self.policies[1]], found);
     }
 
     /// Starts the worker of a lane, where there is none; whether there is one now.

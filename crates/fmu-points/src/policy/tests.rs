@@ -176,3 +176,20 @@ fn what_one_worker_finds_others_heed() {
     assert_eq!(finder.plan(None), Plan::Alone(Separation::New));
     assert_eq!(supervisor.conduct().audits, 1);
 }
+
+/// A worker tells what it found before it learnt that the FMU changes its folder. Points with a folder each would be computed in
+/// the shared one again, where they count no more: the run would never end.
+#[test]
+fn what_was_found_in_a_shared_folder_says_nothing_of_folders_apart() {
+    let shared = Mutex::new(Policy::new(Isolation::Audited, false, true));
+    let apart = Mutex::new(Policy::apart(false, true));
+    let mut late = Policy::new(Isolation::Audited, false, true);
+    late.give_up_reproducing();
+    let mut found = late.found();
+    Policy::adopt_in([&shared, &apart], &found);
+    assert_eq!(locked(&apart).alone(), Separation::Apart);
+    assert!(!locked(&apart).differing && locked(&shared).differing);
+    found.changed = Some("log.txt".to_owned());
+    Policy::adopt_in([&shared, &apart], &found);
+    assert!(locked(&apart).differing);
+}
