@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -160,6 +161,22 @@ def test_a_launcher_that_starts_no_worker(command, words, options, study, tmp_pa
     assert done.returncode == 2
     assert words in done.stderr and done.stderr.count("error: ") == 1
     assert len(done.stderr.splitlines()) <= 2, done.stderr
+
+
+def test_nohup_keeps_a_run_when_its_user_leaves(study, single, tmp_path):
+    out, held = tmp_path / "out", tmp_path / "held"
+    held.touch()
+    command = ["nohup", PROGRAM, "verify", study, "--output", out, "--launcher", "env", "--jobs", "2"]
+    begun = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                             env=os.environ | {"FAULTY_FOLDER": str(tmp_path)})
+    # Points wait in the middle of the run: its handlers are set.
+    while not (tmp_path / "begun").exists() or (tmp_path / "begun").stat().st_size <= 20:
+        assert begun.poll() is None
+        time.sleep(0.01)
+    begun.send_signal(signal.SIGHUP)
+    held.unlink()
+    assert begun.wait() == 0
+    assert files(out) == files(single)
 
 
 def test_another_build_is_told(study, tmp_path):

@@ -36,8 +36,7 @@ pub fn flag() -> &'static AtomicBool {
 fn heed() {
     static HEEDED: Once = Once::new();
     HEEDED.call_once(|| {
-        // Without a handler, Ctrl-C ends the process at once; the journal is sound all the same.
-        let _ = ctrlc::set_handler(|| {
+        let handler = || {
             let again = STOP.swap(true, Ordering::Relaxed);
             if !RUNS.load(Ordering::Relaxed) {
                 leave(FAREWELL_AT_ONCE);
@@ -50,6 +49,10 @@ fn heed() {
                 thread::sleep(PATIENCE);
                 leave(FAREWELL);
             });
+        };
+        // Without a handler, Ctrl-C ends the process at once; the journal is sound all the same.
+        system::without_hangup(|| {
+            let _ = ctrlc::set_handler(handler);
         });
     });
 }

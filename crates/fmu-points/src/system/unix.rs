@@ -88,6 +88,21 @@ pub(crate) fn ask_to_end(leader: u32) {
     }
 }
 
+/// Sets a handler of signals, and leaves a hangup ignored where it was before, as by `nohup`.
+pub(crate) fn without_hangup(set: impl FnOnce()) {
+    // SAFETY: zeroes are a valid value of this plain struct, which the call fills.
+    let ignored = unsafe {
+        let mut now: libc::sigaction = std::mem::zeroed();
+        libc::sigaction(libc::SIGHUP, std::ptr::null(), &raw mut now);
+        now.sa_sigaction == libc::SIG_IGN
+    };
+    set();
+    if ignored {
+        // SAFETY: the signal then has no effect; no handler is involved.
+        unsafe { libc::signal(libc::SIGHUP, libc::SIG_IGN) };
+    }
+}
+
 /// The memory of this machine, bytes; `None` where that is not known.
 pub fn memory_of_machine() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;

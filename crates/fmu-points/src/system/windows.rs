@@ -64,6 +64,11 @@ pub(crate) fn kill_group(_: u32) {}
 /// There is no such request here.
 pub(crate) fn ask_to_end(_: u32) {}
 
+/// Sets a handler of signals.
+pub(crate) fn without_hangup(set: impl FnOnce()) {
+    set();
+}
+
 /// Jobs end workers here.
 pub(crate) fn kill_worker(_: u32) {}
 
