@@ -11,6 +11,7 @@ import contextlib
 import os
 import secrets
 import shlex
+import signal
 import socket
 import subprocess
 import sys
@@ -51,13 +52,18 @@ def pass_orders_on(connection):
 
 
 def launch(submit, *command):
+    # The file of the secret is removed, too.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     with socket.create_server(("", 0)) as listener, tempfile.NamedTemporaryFile(dir=".", prefix=".call-") as file:
         secret = secrets.token_bytes(32)
         file.write(secret)
         file.flush()
         task = [sys.executable, os.path.abspath(__file__), "--to", socket.getfqdn(), str(listener.getsockname()[1]),
                 os.path.abspath(file.name), *command]
-        subprocess.run([*shlex.split(submit), *task], stdin=subprocess.DEVNULL, stdout=sys.stderr, check=True)
+        done = subprocess.run([*shlex.split(submit), *task], stdin=subprocess.DEVNULL, stdout=sys.stderr)
+        if done.returncode:
+            # Why is its last line.
+            sys.exit(done.returncode)
         connection = answered(listener, secret)
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     threading.Thread(target=pass_orders_on, args=[connection], daemon=True).start()

@@ -98,6 +98,16 @@ def test_hosts(study, single, tmp_path):
     assert run["hosts"].keys() <= {"node1", "node2"}
 
 
+def test_a_host_that_refuses_is_tried_again_while_others_may_come(study, single, tmp_path):
+    """One host refuses three times, and the other one starts only then."""
+    hosts, starts = tmp_path / "hosts", tmp_path / "starts"
+    hosts.write_text("refuses\nwaits\n")
+    wait = f"until [ -e {starts} ] && [ $(wc -l < {starts}) -ge 3 ]; do sleep 0.05; done"
+    command = f"sh -c 'if [ $0 = refuses ]; then echo >> {starts}; exit 255; fi; {wait}; exec \"$@\"' {{host}}"
+    launched(study, tmp_path / "out", command, "--hosts", hosts)
+    assert files(tmp_path / "out") == files(single)
+
+
 def analyse(analysis, study, folder, *more, prefix=(), **environment):
     """Runs an analysis; its files by name."""
     name, *options = [str(word).format(verified=study.parent / "single") for word in ANALYSES[analysis]]

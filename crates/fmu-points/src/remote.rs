@@ -27,8 +27,9 @@ use crate::working_directory;
 
 /// A point that has cost so many workers, with each of which it was alone, has failed.
 const COSTLY: u32 = 3;
-/// A host that has failed so often in a row is left out; so often before any worker has started anywhere.
+/// A host that has failed so often in a row is left out.
 const TRIES: u32 = 8;
+/// Where all have failed so often before a worker has started anywhere, none will.
 const FIRST_TRIES: u32 = 2;
 /// The longest pause between two tries.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
@@ -53,6 +54,8 @@ struct State {
     possible: usize,
     /// Whether there ever was one.
     ever: bool,
+    /// How many of those that may come had failed so often before that as to be given up if all had.
+    hopeless: usize,
     /// The lane whose worker finds out how points may share processes.
     leading: Option<usize>,
     /// How many workers points have cost.
@@ -322,14 +325,20 @@ impl Team {
         lane.failures += 1;
         let how = format!("{}: {}", lane.host, fault.how);
         let mut state = self.state();
-        let tries = if state.ever { TRIES } else { FIRST_TRIES };
-        if lane.failures < tries && !fault.lasting {
+        state.hopeless += usize::from(!state.ever && lane.failures == FIRST_TRIES);
+        let started = state.ever || state.hopeless < state.possible;
+        if lane.failures < TRIES && !fault.lasting && started {
             let pause = Duration::from_secs(1) * 2_u32.pow(lane.failures - 1);
             lane.next = Instant::now() + pause.min(LONGEST_PAUSE);
             return Ok(());
         }
+        if !started {
+            return Err(RunError::Start(how));
+        }
         lane.out = true;
         state.possible -= 1;
+        let counted = usize::from(lane.failures >= FIRST_TRIES);
+        state.hopeless = state.hopeless.saturating_sub(counted);
         match (state.possible, state.ever) {
             (0, true) => return Err(RunError::NoWorker(how)),
             (0, false) => return Err(RunError::Start(how)),
