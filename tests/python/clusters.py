@@ -192,7 +192,7 @@ KillWait=5
             told = subprocess.run(["sinfo", "-h", "-N", "-o", "%t"], capture_output=True, text=True, env=os.environ | environment)
             return told.stdout.split() == ["idle"] * nodes
         wait_for("Slurm", idle)
-        yield Cluster(["--launcher", "srun -n1 -c1 --exact", "--jobs", 4], ["salloc", "-Q", "-n", "4"], environment)
+        yield Cluster(["--launcher", "srun -n1 -c1 --exact --mem=0", "--jobs", 4], ["salloc", "-Q", "-n", "4"], environment)
 
 
 @contextlib.contextmanager

@@ -70,7 +70,7 @@ def test_what_many_workers_began_one_machine_ends(study, single, tmp_path):  # n
 def test_a_job_at_its_time_limit_goes_on_later(study, single, tmp_path):  # noqa: F811
     """The lines of docs/cluster.md; Slurm's signal comes once some points are done."""
     text = (ROOT / "docs" / "cluster.md").read_text()
-    lines = textwrap.dedent(text[text.index("    orchestrator verify my.toml --launcher \"srun -n1 -c1 --exact\" --jobs 64"):])
+    lines = textwrap.dedent(text[text.index("    orchestrator verify my.toml --launcher \"srun -n1 -c1 --exact --mem=0\" --jobs 64"):])
     lines = lines[:lines.index("esac") + 4].replace("orchestrator verify my.toml", f"{PROGRAM} verify {study} --output {tmp_path}/out")
     script, journal = tmp_path / "job.sh", tmp_path / "out" / "journal.txt"
 

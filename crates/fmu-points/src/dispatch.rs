@@ -77,8 +77,8 @@ pub(crate) struct Terms {
     pub(crate) time: Duration,
     /// How much memory; none for a fair share of the machine's.
     pub(crate) memory: Option<u64>,
-    /// How many workers its machine has, as far as that is known.
-    pub(crate) slots: usize,
+    /// How many workers its machine has; where that is not known, it takes the machine's cores for it.
+    pub(crate) slots: Option<usize>,
     /// Whether points run beside others.
     pub(crate) company: bool,
     /// How the user wishes points to share processes.

@@ -68,16 +68,20 @@ impl Link {
             .spawn()
             .map_err(|error| format!("{}: {error}", command.get_program().display()))?;
         process::enlist(child.id());
+        let thread = |work: Box<dyn FnOnce() + Send>| {
+            let spawned = thread::Builder::new().spawn(work);
+            spawned.map_err(|error| format!("no thread for the launcher's output: {error}"))
+        };
         let streams = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let (Some(orders), Some(reports), Some(errors)) = streams else {
             return Err("a pipe to the launcher is missing".to_owned());
         };
         let words = Words::default();
         let (heard, hear) = (Arc::clone(&words), errors);
-        thread::spawn(move || listen(hear, &heard));
+        thread(Box::new(move || listen(hear, &heard)))?;
         let (send, frames) = channel();
         let beat = beat(launcher.patience);
-        thread::spawn(move || write(orders, &frames, beat));
+        thread(Box::new(move || write(orders, &frames, beat)))?;
         Ok(Self {
             child,
             orders: Some(send),

@@ -89,13 +89,17 @@ fn pass<E: From<RunError>>(
     let (send, receiver) = sync_channel(WAITING);
     thread::scope(|scope| {
         for worker in workers {
-            let (send, jobs, stopped) = (send.clone(), &jobs, &stopped);
-            scope.spawn(move || {
-                if let Err(error) = work(&mut **worker, jobs, stopped, &send) {
+            let (told, jobs, stopped) = (send.clone(), &jobs, &stopped);
+            let spawned = thread::Builder::new().spawn_scoped(scope, move || {
+                if let Err(error) = work(&mut **worker, jobs, stopped, &told) {
                     // The receiver may have gone; then nobody waits for the error either.
-                    let _ = send.send(Err(error));
+                    let _ = told.send(Err(error));
                 }
             });
+            if let Err(error) = spawned {
+                let none = format!("the system has no thread left: {error}; ask for fewer --jobs");
+                let _ = send.send(Err(RunError::Lost(none)));
+            }
         }
         drop(send);
         collect(&receiver, &done, receive)

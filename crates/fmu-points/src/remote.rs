@@ -60,8 +60,8 @@ struct State {
     leading: Option<usize>,
     /// How many workers points have cost.
     costs: BTreeMap<u64, u32>,
-    /// Hosts of which the user was told.
-    told: BTreeSet<String>,
+    /// Hosts of which the user was told, and what.
+    told: BTreeSet<(String, &'static str)>,
     /// How many points each host has answered.
     answered: BTreeMap<String, u64>,
     /// The first file that the FMU changed in its folder.
@@ -131,7 +131,7 @@ impl Team {
             here: working_directory::named_by(package.description()),
             time: limits.time,
             memory: launcher.memory,
-            slots: 1,
+            slots: None,
             company: places.len() > 1,
             isolation,
         };
@@ -256,7 +256,7 @@ impl Team {
                     let lasting = !ever;
                     return Err(Fault { how, lasting });
                 }
-                self.tell(&lane.host, &format!("{how}; it is waited for"));
+                self.tell(&lane.host, "late", &format!("{how}; it is waited for"));
             }
         };
         if lane.place.name.is_none() {
@@ -265,7 +265,7 @@ impl Team {
         self.compare(&greeting).map_err(Fault::lasting)?;
         let terms = Terms {
             ticket: rand::random::<u64>() | 1,
-            slots: lane.place.slots,
+            slots: lane.place.name.is_some().then_some(lane.place.slots),
             ..self.terms.clone()
         };
         let text = serde_json::to_vec(&terms).expect("terms are plain data");
@@ -330,6 +330,11 @@ impl Team {
         if lane.failures < TRIES && !fault.lasting && started {
             let pause = Duration::from_secs(1) * 2_u32.pow(lane.failures - 1);
             lane.next = Instant::now() + pause.min(LONGEST_PAUSE);
+            drop(state);
+            if lane.failures == FIRST_TRIES {
+                let text = format!("{}; it is tried again", fault.how);
+                self.tell(&lane.host, "tried again", &text);
+            }
             return Ok(());
         }
         if !started {
@@ -344,13 +349,9 @@ impl Team {
             (0, false) => return Err(RunError::Start(how)),
             _ => {}
         }
-        let left = state.possible;
         drop(state);
-        let text = format!(
-            "{}; it is left out, and the run goes on with {left} workers",
-            fault.how
-        );
-        self.tell(&lane.host, &text);
+        let text = format!("{}; the run goes on without it", fault.how);
+        self.tell(&lane.host, "left out", &text);
         Ok(())
     }
 
@@ -363,9 +364,9 @@ impl Team {
         }
     }
 
-    /// Tells the user something of a host, once.
-    fn tell(&self, host: &str, text: &str) {
-        let first = self.state().told.insert(host.to_owned());
+    /// Tells the user something of a host, once of each kind.
+    fn tell(&self, host: &str, kind: &'static str, text: &str) {
+        let first = self.state().told.insert((host.to_owned(), kind));
         if first {
             crate::tell::line!("note: {host}: {text}");
         }

@@ -46,9 +46,9 @@ pub(crate) const LOCK: &str = "in-use";
 /// The names of those folders begin so.
 const PREFIX: &str = "orchestrator-";
 
-/// The name of a folder that several processes have together.
+/// The name of a folder that several processes of a user have together.
 pub(crate) fn shared_name(what: &str) -> String {
-    format!("{PREFIX}{what}")
+    format!("{PREFIX}{}-{what}", crate::system::user())
 }
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
-use crate::scratch;
+use crate::{scratch, system};
 
 /// The FMU's file, while somebody here uses it.
 #[derive(Debug)]
@@ -27,6 +27,9 @@ impl Shipped {
     ) -> io::Result<Self> {
         const PAUSE: Duration = Duration::from_millis(50);
         let folder = std::env::temp_dir().join(scratch::shared_name(digest));
+        let at = |error: io::Error| {
+            io::Error::new(error.kind(), format!("{}: {error}", folder.display()))
+        };
         #[cfg_attr(not(unix), allow(unused_mut))]
         let mut builder = fs::DirBuilder::new();
         // Nobody else may change what is run here.
@@ -34,8 +37,19 @@ impl Shipped {
         std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
         loop {
             match builder.create(&folder) {
-                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+                    return Err(at(error));
+                }
                 _ => {}
+            }
+            match fs::symlink_metadata(&folder) {
+                // Its last user has just removed it.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                Ok(known) if !system::is_mine(&known) => {
+                    let others = "another user made it, or others may write there; remove it";
+                    return Err(at(io::Error::other(others)));
+                }
+                known => drop(known.map_err(at)?),
             }
             let path = folder.join(scratch::LOCK);
             let lock = OpenOptions::new()
@@ -44,15 +58,15 @@ impl Shipped {
                 .read(true)
                 .open(&path);
             let lock = match lock {
-                // Its last user has just removed the folder.
+                // Or just now.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-                opened => opened?,
+                opened => opened.map_err(at)?,
             };
             match lock.try_lock() {
                 Ok(()) => {
                     let file = folder.join(FILE);
                     if !file.exists() {
-                        receive(&file, source)?;
+                        receive(&file, source).map_err(at)?;
                     }
                     // Whoever comes in between finds the file.
                     lock.unlock()?;
@@ -85,15 +99,21 @@ impl Drop for Shipped {
 
 fn receive(file: &Path, source: &mut dyn FnMut() -> io::Result<Vec<u8>>) -> io::Result<()> {
     let part = file.with_extension("part");
-    let mut to = File::create(&part)?;
-    loop {
-        let bytes = source()?;
-        if bytes.is_empty() {
-            break;
+    let received = (|| {
+        let mut to = File::create(&part)?;
+        loop {
+            let bytes = source()?;
+            if bytes.is_empty() {
+                return fs::rename(&part, file);
+            }
+            to.write_all(&bytes)?;
         }
-        to.write_all(&bytes)?;
+    })();
+    if received.is_err() {
+        // A full disk would stay full.
+        let _ = fs::remove_file(part);
     }
-    fs::rename(part, file)
+    received
 }
 
 #[cfg(test)]

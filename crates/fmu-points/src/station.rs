@@ -5,6 +5,7 @@
 
 use std::io::{self, Write};
 use std::mem::take;
+use std::num::NonZero;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
@@ -232,9 +233,10 @@ impl Station {
         let place = Place::Processes(
             Limits {
                 time: terms.time,
-                memory: terms
-                    .memory
-                    .unwrap_or_else(|| system::share_of_memory(terms.slots)),
+                memory: terms.memory.unwrap_or_else(|| {
+                    let cores = || thread::available_parallelism().map_or(1, NonZero::get);
+                    system::share_of_memory(terms.slots.unwrap_or_else(cores))
+                }),
             },
             terms.isolation,
         );

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::fs::MetadataExt;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, Command, ExitStatus};
@@ -16,7 +17,7 @@ use fmu_import::isolation::words::Words;
 use fmu_import::isolation::{Keeper, Loss};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::mm::{MapFlags, ProtFlags, mmap_anonymous};
-use rustix::process::{Pid, Signal, kill_process_group};
+use rustix::process::{Pid, Signal, geteuid, kill_process_group};
 use rustix::stdio::dup2_stdin;
 
 pub(crate) use fmu_import::isolation::offspring::{
@@ -86,6 +87,16 @@ pub(crate) fn ask_to_end(leader: u32) {
             let _ = kill_process_group(leader, signal);
         }
     }
+}
+
+/// The user's number.
+pub(crate) fn user() -> u32 {
+    geteuid().as_raw()
+}
+
+/// Whether a folder is this user's, and nobody else may write into it.
+pub(crate) fn is_mine(folder: &fs::Metadata) -> bool {
+    folder.is_dir() && folder.uid() == user() && folder.mode() & 0o022 == 0
 }
 
 /// Sets a handler of signals, and leaves a hangup ignored where it was before, as by `nohup`.
