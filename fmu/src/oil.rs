@@ -242,7 +242,7 @@ impl Nearby {
             *self = Self::about(oil, temperature);
         }
         let x = (temperature - self.centre) * (1.0 / Self::REACH);
-        let terms = self.coefficients.iter().zip(Self::PLACES).rev();
+        let terms = self.coefficients.iter().zip(&Self::PLACES).rev();
         oil.viscosity_scale
             * terms.fold(0.0, |sum, (coefficient, place)| {
                 coefficient + (x - place) * sum

@@ -216,7 +216,7 @@ impl Stand {
         viscosity: f64,
         clearance: f64,
     ) -> Situation {
-        let (speed, _, load) = self.driven(tau);
+        let (speed, load) = self.driven(tau);
         Situation {
             load,
             eccentricity,
@@ -226,18 +226,23 @@ impl Stand {
         }
     }
 
-    /// Shaft speed (rad/s), shaft angle (rad) and load on the journal (N, along x and y), `tau` seconds into the step.
-    fn driven(&self, tau: f64) -> (f64, f64, [f64; 2]) {
-        let command = self.command();
-        let speed = self.drive.speed(&command, tau);
-        let angle = self.state.angle + self.drive.turned(&command, tau);
+    /// Shaft speed (rad/s) and load on the journal (N, along x and y), `tau` seconds into the step.
+    #[inline]
+    fn driven(&self, tau: f64) -> (f64, [f64; 2]) {
+        let speed = self.drive.speed(&self.command(), tau);
         let inputs = &self.inputs;
         let along = inputs.external_force.at(tau) + inputs.external_force_x.at(tau);
-        let along = self.load.force(angle, speed) + along;
-        (speed, angle, [along, inputs.external_force_y.at(tau)])
+        let along = self.load.force(self.angle(tau), speed) + along;
+        (speed, [along, inputs.external_force_y.at(tau)])
+    }
+
+    /// Shaft angle, rad, `tau` seconds into the step.
+    fn angle(&self, tau: f64) -> f64 {
+        self.state.angle + self.drive.turned(&self.command(), tau)
     }
 
     /// The lower half of Fig. 3: rates of the temperatures from friction heat and heat transfer, K/s, at a clearance, m.
+    #[inline]
     fn thermal_rates(
         &self,
         tau: f64,
@@ -250,6 +255,7 @@ impl Stand {
     }
 
     /// Heat sources and flows under these flows of the film.
+    #[inline]
     fn heat_of(
         &self,
         tau: f64,
@@ -355,7 +361,7 @@ impl Stand {
             contact_share: sensors::load_ratio(motion.contact.force, load),
             contact_torque: motion.boundary_torque,
             shaft_speed: at.speed,
-            shaft_angle: self.driven(tau).1,
+            shaft_angle: self.angle(tau),
             hot_radial_clearance: at.clearance,
             journal_velocity: at.clearance * motion.velocity[0],
             wear_depth: worn(y),

@@ -242,10 +242,10 @@ impl Place {
     /// The place at a position along the nodes.
     #[inline]
     fn new(position: f64) -> Self {
-        let cell = (position as usize).min(NODES - 2);
-        let t = position - cell as f64;
+        let cell = (position as u32).min(NODES as u32 - 2);
+        let t = position - f64::from(cell);
         Self {
-            cell,
+            cell: cell as usize,
             t,
             weights: hermite(t.min(1.0)),
         }

@@ -315,7 +315,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         };
         let heat_error =
             HEAT_ERROR * self.tolerance * self.heat * period / self.model.turns() as f64;
-        let along = [heat_error, heat_error, f64::INFINITY];
+        let along = [heat_error; 2];
         let mut y = start.into();
         let explicit = if self.stiff {
             None

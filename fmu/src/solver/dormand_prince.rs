@@ -69,12 +69,12 @@ impl<const N: usize> DormandPrince<N> {
     }
 
     /// The same; `f` gives besides the rates what is to be integrated along the way, without feeding back into the solution, with
-    /// these errors `allowed` in each integral per step. Returns the integrals.
-    pub fn integrate_along<const Q: usize>(
+    /// these errors `allowed` in the first integrals per step, and any in the others. Returns the integrals.
+    pub fn integrate_along<const Q: usize, const CLOSE: usize>(
         &self,
         f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
         y: &mut [f64; N],
-        allowed: [f64; Q],
+        allowed: [f64; CLOSE],
         span: f64,
         step: &mut f64,
     ) -> Result<(Work, [f64; Q]), Failure> {
@@ -89,19 +89,19 @@ impl<const N: usize> DormandPrince<N> {
     }
 
     /// The same; `observe` sees the integrals of each step that is taken.
-    pub fn integrate_observed<const Q: usize>(
+    pub fn integrate_observed<const Q: usize, const CLOSE: usize>(
         &self,
         mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
         y: &mut [f64; N],
-        allowed: [f64; Q],
+        allowed: [f64; CLOSE],
         span: f64,
         step: &mut f64,
         mut observe: impl FnMut(&Passage<Q>),
     ) -> Result<Work, Failure> {
         let mut work = Work::default();
         let mut t = 0.0;
-        let (mut k, mut q) = ([[0.0; N]; 7], [[0.0; Q]; 7]);
-        (k[0], q[0]) = f(0.0, y);
+        let (slopes, integrands) = f(0.0, y);
+        let (mut k, mut q) = ([slopes; 7], [integrands; 7]);
         let mut last_log_error = LEAST_ERROR.ln();
         while t < span {
             let left = span - t;
@@ -155,17 +155,19 @@ impl<const N: usize> DormandPrince<N> {
         k: &mut [[f64; N]; 7],
         q: &mut [[f64; Q]; 7],
     ) -> [f64; N] {
-        let mut at = *y;
+        let mut end = *y;
         for (stage, (row, c)) in A.iter().zip(C).enumerate() {
-            at = *y;
-            for (a, slope) in row.iter().zip(k.iter()).take(stage + 1) {
+            // No reference to this one leaves the loop, so that it may stay in registers.
+            let mut at = *y;
+            for (a, slope) in row[..=stage].iter().zip(&*k) {
                 for (value, slope) in at.iter_mut().zip(slope) {
                     *value += h * a * slope;
                 }
             }
-            (k[stage + 1], q[stage + 1]) = f(t + c * h, &at);
+            end = at;
+            (k[stage + 1], q[stage + 1]) = f(t + c * h, &end);
         }
-        at
+        end
     }
 }
 
@@ -185,19 +187,11 @@ pub struct Passage<const Q: usize> {
 impl<const Q: usize> Passage<Q> {
     /// A step of `h` seconds from the integrands at its stages.
     fn new(from: f64, to: f64, h: f64, stages: &[[f64; Q]; 7]) -> Self {
-        let mut integrals = [0.0; Q];
-        for (i, integral) in integrals.iter_mut().enumerate() {
-            let mean: f64 = A[5]
-                .iter()
-                .zip(stages)
-                .map(|(weight, q)| weight * q[i])
-                .sum();
-            *integral = h * mean;
-        }
+        let means = weighted(&A[5], stages);
         Self {
             from,
             to,
-            integrals,
+            integrals: means.map(|mean| h * mean),
             ends: [stages[0], stages[6]],
         }
     }
@@ -233,12 +227,21 @@ impl<const Q: usize> Passage<Q> {
 /// The step control looks back at no smaller error than this.
 const LEAST_ERROR: f64 = 1e-4;
 
-/// The largest error over what is allowed.
-fn off<const M: usize>(slopes: &[[f64; M]; 7], h: f64, allowed: &[f64; M]) -> f64 {
-    worst((0..M).map(|i| {
-        let difference: f64 = E.iter().zip(slopes).map(|(e, k)| e * k[i]).sum();
-        h * difference / allowed[i]
-    }))
+/// The largest error over what is allowed, of those for which something is.
+fn off<const M: usize>(slopes: &[[f64; M]; 7], h: f64, allowed: &[f64]) -> f64 {
+    let differences = weighted(&E, slopes).into_iter().zip(allowed);
+    worst(differences.map(|(difference, allowed)| h * difference / allowed))
+}
+
+/// The weighted sum of the stages' slopes.
+fn weighted<const M: usize>(weights: &[f64], slopes: &[[f64; M]; 7]) -> [f64; M] {
+    let mut sums = [0.0; M];
+    for (weight, slopes) in weights.iter().zip(slopes) {
+        for (sum, slope) in sums.iter_mut().zip(slopes) {
+            *sum += weight * slope;
+        }
+    }
+    sums
 }
 
 #[cfg(test)]
@@ -290,7 +293,7 @@ mod tests {
         let rates = |t: f64, _: &[f64; 2]| ([0.0, 0.0], integrand(t));
         let (mut y, mut step) = ([1.0, 0.0], 0.5);
         INTEGRATOR
-            .integrate_observed(rates, &mut y, [f64::INFINITY; 2], 3.0, &mut step, |p| {
+            .integrate_observed(rates, &mut y, [], 3.0, &mut step, |p| {
                 passages.push(*p);
             })
             .unwrap();

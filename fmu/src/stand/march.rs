@@ -4,6 +4,7 @@ use super::scout::Turn;
 use super::{EVENTS, SCALES, Stand, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{FilmEnergy, Flows, Interval, Passed};
 use crate::multirate::{self, Departure, NoLeap, TwoScales};
+use crate::oil::Nearby;
 use crate::sensors::{SENSORS, Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
@@ -74,7 +75,7 @@ impl Stand {
         let done = integrator.integrate_observed(
             course,
             &mut y,
-            [f64::INFINITY; SENSORS],
+            [],
             span,
             &mut next_step,
             self.counting_turns(&mut means),
@@ -128,10 +129,11 @@ impl Stand {
         }
         let step = span / steps;
         let mut spare = FILM_STEPS_AT_ONCE;
-        let mut before = self.sense();
+        let mut oil = self.nearby;
+        let mut before = self.sense(&mut oil);
         let mut mean = Turn::default();
         for done in 0..steps as usize {
-            let load = [0.0, step].map(|tau| self.driven(tau).2);
+            let load = [0.0, step].map(|tau| self.driven(tau).1);
             let speed = self.drive.speed(&self.command(), 0.5 * step);
             let viscosity = self.fluid.viscosity(self.state.temperatures.film);
             let interval = Interval {
@@ -171,11 +173,12 @@ impl Stand {
             let angle = self.state.angle;
             self.arrive(step, eccentricity, temperatures);
             self.check_clearance()?;
-            let now = self.sense();
+            let now = self.sense(&mut oil);
             let part = Passage::between(0.0, step, [before, now]);
             self.state.means.add(&part, self.state.angle - angle);
             before = now;
         }
+        self.nearby = oil;
         Ok(mean)
     }
 
@@ -202,9 +205,8 @@ impl Stand {
     }
 
     /// The present readings of the physical stand's sensors.
-    fn sense(&self) -> Sensed {
-        let mut oil = self.nearby;
-        self.course_at(0.0, &unknowns(&self.state), &mut oil).1
+    fn sense(&self, oil: &mut Nearby) -> Sensed {
+        self.course_at(0.0, &unknowns(&self.state), oil).1
     }
 
     /// The temperatures after `span` seconds under constant flows.

@@ -23,7 +23,7 @@ use crate::drive::MOST_TURNS;
 use crate::multirate::{
     self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector,
 };
-use crate::sensors::{SENSORS, Sensed, TurnMeans};
+use crate::sensors::{Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Failure};
 use crate::thermal::Initialization;
 use fmu_export::model::{Fault, Log};
@@ -288,8 +288,7 @@ impl Stand {
         let mut y = *start;
         let mut oil = self.nearby;
         let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil);
-        let any = [f64::INFINITY; SENSORS];
-        let (_, integrals) = integrator.integrate_along(course, &mut y, any, self.cycle(), step)?;
+        let (_, integrals) = integrator.integrate_along(course, &mut y, [], self.cycle(), step)?;
         Ok((y, integrals.map(|integral| integral / self.cycle())))
     }
 

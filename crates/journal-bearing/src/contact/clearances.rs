@@ -157,14 +157,14 @@ impl ContactFamily {
             (below - 1).min(1 - THROUGH as i32)
         };
         let weights = weights(x - f64::from(lowest));
-        std::array::from_fn(|k| (self.table(lowest + k as i32), weights[k]))
-    }
-
-    /// The table with this number.
-    fn table(&self, number: i32) -> &ContactTable {
-        let last = self.tables.len() - 1;
-        let index = usize::try_from(number - self.first).unwrap_or(0).min(last);
-        self.tables[index].get_or_init(|| shared(self.roughness, self.first + index as i32))
+        let index = usize::try_from(lowest - self.first).unwrap_or(0);
+        let index = index.min(self.tables.len() - THROUGH);
+        let tables = &self.tables[index..index + THROUGH];
+        std::array::from_fn(|k| {
+            let number = self.first + (index + k) as i32;
+            let table = tables[k].get_or_init(|| shared(self.roughness, number));
+            (&**table, weights[k])
+        })
     }
 }
 

@@ -29,47 +29,32 @@ enum Source {
     Rough(Box<(Arc<MobilitySlice>, Correction)>),
 }
 
-/// One place of the map, located once; each quantity is interpolated only when it is asked for.
+/// The quantities at one place of the map.
 ///
 /// From [`MobilitySlice::look_up`].
 #[derive(Clone, Copy, Debug)]
-pub struct LookUp<'a> {
-    found: Found<'a>,
+pub struct LookUp {
+    values: [f64; CHANNELS],
     direction: Vector2<f64>,
     /// Sign of the angle from the eccentricity to the load.
     sign: f64,
 }
 
-/// What was found: a place whose quantities have yet to be interpolated, or all of them.
-#[derive(Clone, Copy, Debug)]
-enum Found<'a> {
-    Place(&'a MobilitySlice, Place),
-    Values([f64; CHANNELS]),
-}
-
-impl LookUp<'_> {
-    /// Quantities that are known, under a load along a unit vector at the sine of an angle ahead of the eccentricity.
+impl LookUp {
+    /// The quantities under a load along a unit vector at the sine of an angle ahead of the eccentricity.
+    #[inline]
     pub(super) fn of(values: [f64; CHANNELS], direction: Vector2<f64>, sin: f64) -> Self {
         Self {
-            found: Found::Values(values),
+            values,
             direction,
             sign: if sin < 0.0 { -1.0 } else { 1.0 },
-        }
-    }
-
-    /// Two of the four quantities: `PAIR` 0 is `ln |M|` and the lead, 1 is largest pressure and side flow.
-    #[inline]
-    fn pair<const PAIR: usize>(&self) -> [f64; 2] {
-        match &self.found {
-            Found::Place(slice, place) => slice.pair::<PAIR>(place),
-            Found::Values(values) => [values[2 * PAIR], values[2 * PAIR + 1]],
         }
     }
 
     /// The mobility vector `M`, 1, in the frame in which the load's direction was given.
     #[inline]
     pub fn mobility(&self) -> Vector2<f64> {
-        let [log_mobility, lead] = self.pair::<0>();
+        let [log_mobility, lead, ..] = self.values;
         // A lead beyond a right angle would mean that the film drives the journal. Only extrapolation beyond the table
         // can suggest that.
         let lead = lead.clamp(-FRAC_PI_2, FRAC_PI_2);
@@ -81,13 +66,13 @@ impl LookUp<'_> {
 
     /// The largest film pressure over `F / (B D)`, 1.
     pub fn max_pressure(&self) -> f64 {
-        self.pair::<1>()[0].exp()
+        self.values[2].exp()
     }
 
     /// The oil flow out of both ends together over `F c^3 / (3 eta B^2)`, 1.
     #[inline]
     pub fn side_flow(&self) -> f64 {
-        self.pair::<1>()[1].exp()
+        self.values[3].exp()
     }
 }
 
@@ -227,19 +212,15 @@ impl MobilitySlice {
     /// # Ok::<(), journal_bearing::mobility::MapError>(())
     /// ```
     #[inline]
-    pub fn look_up(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> LookUp<'_> {
+    pub fn look_up(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> LookUp {
         let [cos, sin] = ahead(eps, e, direction);
         self.look_up_at(Point::new(1.0 - e, cos, sin), direction, sin)
     }
 
     /// Locates a point, under a load along a unit vector with this sine of the angle ahead of the eccentricity.
     #[inline]
-    pub(super) fn look_up_at(&self, point: Point, direction: Vector2<f64>, sin: f64) -> LookUp<'_> {
-        LookUp {
-            found: Found::Place(self, self.place(point)),
-            direction,
-            sign: if sin < 0.0 { -1.0 } else { 1.0 },
-        }
+    pub(super) fn look_up_at(&self, point: Point, direction: Vector2<f64>, sin: f64) -> LookUp {
+        LookUp::of(self.at(&self.place(point)), direction, sin)
     }
 
     #[inline(always)]
@@ -247,10 +228,10 @@ impl MobilitySlice {
         let lattice = &self.lattice;
         let across = (point.s * lattice.last_s).clamp(0.0, lattice.last_s);
         let (i, x, excess) = lattice.locate(point.u);
-        let j = (across as usize).min(lattice.ss - 2);
+        let j = (across as u32).min(lattice.ss as u32 - 2);
         let [a0, a1, b0, b1] = hermite(x);
         let along = [a0, a1, b0, b1 + excess];
-        let wide = hermite(across - j as f64);
+        let wide = hermite(across - f64::from(j));
         let corner = |k: usize| {
             let (value, slope) = (along[k & 1], along[2 + (k & 1)]);
             let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
@@ -262,7 +243,7 @@ impl MobilitySlice {
             ]
         };
         Place {
-            near: [i, j],
+            near: [i, j as usize],
             weights: [corner(0), corner(1), corner(2), corner(3)],
         }
     }
@@ -294,16 +275,17 @@ impl MobilitySlice {
         [&near[0], &far[0], &near[1], &far[1]]
     }
 
-    /// Interpolates two of the four quantities.
+    /// Interpolates the quantities.
     #[inline]
-    fn pair<const PAIR: usize>(&self, place: &Place) -> [f64; 2] {
-        let mut sum = [0.0; 2];
+    fn at(&self, place: &Place) -> [f64; CHANNELS] {
+        let mut sums = [0.0; CHANNELS];
         for (node, weights) in self.corners(place).into_iter().zip(&place.weights) {
             for (kind, weight) in node.iter().zip(weights) {
-                sum[0] += weight * kind[2 * PAIR];
-                sum[1] += weight * kind[2 * PAIR + 1];
+                for (sum, quantity) in sums.iter_mut().zip(kind) {
+                    *sum += weight * quantity;
+                }
             }
         }
-        sum
+        sums
     }
 }

@@ -51,8 +51,9 @@ impl Lattice {
     pub fn locate(&self, u: f64) -> (usize, f64, f64) {
         let position = u * self.per_u;
         let inside = position.min(self.last_u);
-        let i = (inside as usize).min(self.last_u as usize - 1);
-        (i, inside - i as f64, position - inside)
+        // Conversions of 32 bits take far fewer instructions than those of a `usize`.
+        let i = (inside as u32).min(self.last_u as u32 - 1);
+        (i as usize, inside - f64::from(i), position - inside)
     }
 }
 

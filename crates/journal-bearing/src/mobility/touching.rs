@@ -102,7 +102,7 @@ impl RoughSlices {
         touch: &Touch,
         clearance: f64,
         direction: Vector2<f64>,
-    ) -> LookUp<'_> {
+    ) -> LookUp {
         self.with_clearance(clearance)
             .look_up(eps, e, touch, direction)
     }
@@ -145,7 +145,7 @@ pub enum RoughAt<'a> {
     Between([&'a MobilitySlice; 2], f64),
 }
 
-impl<'a> RoughAt<'a> {
+impl RoughAt<'_> {
     /// Locates the eccentricity-ratio vector `eps`, whose length is `e`, of a journal that touches so, under a load along the unit
     /// vector `direction`: [`MobilitySlice::look_up`] of a rough bearing.
     #[inline]
@@ -155,7 +155,7 @@ impl<'a> RoughAt<'a> {
         e: f64,
         touch: &Touch,
         direction: Vector2<f64>,
-    ) -> LookUp<'a> {
+    ) -> LookUp {
         let [cos, sin] = ahead(eps, e, direction);
         let point = Point {
             u: touch.place,

@@ -86,9 +86,9 @@ impl Factors {
 }
 
 /// The journal's motion under the part of the load that contact and friction leave to the film.
-struct Push<'a> {
+struct Push {
     /// `None` without a load on the film.
-    film: Option<LookUp<'a>>,
+    film: Option<LookUp>,
     /// The film's share of the load, N, and its magnitude.
     force: Vector2<f64>,
     magnitude: f64,
@@ -99,8 +99,8 @@ struct Push<'a> {
 }
 
 /// The journal's motion with the film and the contact that cause it.
-struct Instant<'a> {
-    push: Push<'a>,
+struct Instant {
+    push: Push,
     /// Eccentricity ratio.
     ratio: f64,
     /// Whether the asperities meet.
@@ -213,7 +213,7 @@ impl AtClearance<'_> {
     }
 }
 
-impl Instant<'_> {
+impl Instant {
     /// The smallest gap at a radial clearance, m; between rough surfaces the mean gap.
     fn gap(&self, bearing: &Bearing, clearance: f64) -> f64 {
         let distance = clearance * (1.0 - self.ratio);
@@ -261,7 +261,7 @@ impl Prepared {
         at: &Situation,
         side_flow: bool,
         known: Option<&AtClearance<'a>>,
-    ) -> Instant<'a> {
+    ) -> Instant {
         let Situation {
             viscosity,
             speed,
@@ -324,13 +324,13 @@ impl Prepared {
     /// happens next to standstill only. There friction takes the direction of the sliding, or, where it would turn that
     /// round, the value between that makes the contact stick. So it never drives the journal.
     #[inline(always)]
-    fn rub<'a>(
-        &'a self,
+    fn rub(
+        &self,
         bearing: &Bearing,
         at: &Situation,
         place: (Vector2<f64>, f64),
-        touch: Option<&Touching<'a>>,
-    ) -> Push<'a> {
+        touch: Option<&Touching<'_>>,
+    ) -> Push {
         let friction = match touch {
             Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.speed),
             _ => 0.0,
@@ -347,7 +347,7 @@ impl Prepared {
     /// The motion at a friction coefficient of at most `most` in either direction. The sliding falls as friction grows; the
     /// coefficient at which it vanishes is found by the Illinois method (Dowell & Jarratt 1971, BIT 11, 168-174).
     #[cold]
-    fn stick<'a>(most: f64, push: impl Fn(f64) -> Push<'a>) -> Push<'a> {
+    fn stick(most: f64, push: impl Fn(f64) -> Push) -> Push {
         const TRIALS: usize = 50;
         const CLOSE: f64 = 1e-12;
         let sliding = |friction: f64| push(friction).boundary.sliding;
@@ -386,14 +386,14 @@ impl Prepared {
     /// contact and friction leave. It moves the journal at `|F|*psi^2/(eta*B*D) * M` in a frame that turns with the mean
     /// speed of journal and bush. The paper's omega must be that mean: half the shaft speed.
     #[inline(always)]
-    fn push<'a>(
-        &'a self,
+    fn push(
+        &self,
         bearing: &Bearing,
         at: &Situation,
         (e, length): (Vector2<f64>, f64),
-        touch: Option<&Touching<'a>>,
+        touch: Option<&Touching<'_>>,
         friction: f64,
-    ) -> Push<'a> {
+    ) -> Push {
         let Situation { load, speed, .. } = *at;
         let contact = touch.map_or_else(Contact::default, |now| now.touch.contact);
         let [along, across] = load;
