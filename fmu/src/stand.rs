@@ -121,6 +121,8 @@ pub struct Stand {
     #[serde(skip)]
     assumed_feed: f64,
     #[serde(skip)]
+    arrival: Remembered<Option<march::Arrival>>,
+    #[serde(skip)]
     slowest: Remembered<slowest::Last>,
     /// The linearised film at the present communication point, once a host has asked for it.
     #[serde(skip)]
@@ -493,6 +495,7 @@ impl Model for Stand {
     }
 
     fn update(&mut self) -> Result<(), Fault> {
+        self.arrival = Remembered::default();
         self.slowest = Remembered::default();
         self.resting = Remembered::default();
         self.fluid.viscosity_scale = self.oil.viscosity_scale;

@@ -1,7 +1,8 @@
 //! Communication steps: turn by turn, or with a leap over whole turns, in whole [cycles](super::cycle).
 
+use super::inputs::INPUTS;
 use super::scout::Turn;
-use super::{EVENTS, SCALES, Stand, Unknowns, temperatures, unknowns, worn};
+use super::{EVENTS, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{FilmEnergy, Flows, Interval, Passed};
 use crate::multirate::{self, Departure, NoLeap, TwoScales};
 use crate::oil::Nearby;
@@ -47,6 +48,16 @@ const FILM_STEPS_PER_STEP: usize = 50;
 /// Most steps of the temperatures within one of a transient film.
 const WARMING_STEPS: usize = 5_000;
 
+/// The unknowns, the inputs' values, the shaft's angle and, where the rates depend on it, the time.
+type Place = (Unknowns, [f64; INPUTS], [f64; 2]);
+
+/// The rates where the last step ended: the last stage that it took is the first one of the next step.
+#[derive(Debug)]
+pub(super) struct Arrival {
+    at: Place,
+    rates: (Unknowns, Sensed),
+}
+
 impl Stand {
     /// Lets `span` seconds pass with every turn resolved.
     pub(super) fn resolve(&mut self, span: f64) -> Result<(), Fault> {
@@ -70,7 +81,16 @@ impl Stand {
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
         let mut oil = self.nearby;
-        let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil);
+        let known = self.arrival.0.take().filter(|known| known.at == self.place());
+        let mut last = (f64::NAN, Default::default());
+        let course = |tau: f64, y: &Unknowns| {
+            let rates = match &known {
+                Some(known) if tau == 0.0 => known.rates,
+                _ => self.course_at(tau, y, &mut oil),
+            };
+            last = (tau, rates);
+            rates
+        };
         let mut means = self.state.means;
         let done = integrator.integrate_observed(
             course,
@@ -80,6 +100,7 @@ impl Stand {
             &mut next_step,
             self.counting_turns(&mut means),
         );
+        let arrived = done.is_ok() && last.0 == span;
         if let Err(failure) = done {
             means = self.state.means;
             let observe = self.counting_turns(&mut means);
@@ -92,7 +113,19 @@ impl Stand {
         self.state.next_step = next_step * slack.powf(-0.2);
         self.state.worn = worn(&y);
         self.arrive(span, [y[0], y[1]], temperatures(&y));
+        if arrived {
+            let (at, rates) = (self.place(), last.1);
+            self.arrival.0 = Some(Arrival { at, rates });
+        }
         self.check_clearance()
+    }
+
+    /// All that the rates follow from besides the parameters.
+    fn place(&self) -> Place {
+        let State { angle, time, .. } = self.state;
+        let time = if self.drive.fluctuates() { time } else { 0.0 };
+        let inputs = self.inputs.all().map(|input| input.value);
+        (unknowns(&self.state), inputs, [angle, time])
     }
 
     /// Takes the parts of the way from the present state over into the means.

@@ -22,8 +22,10 @@ impl Tag {
 
     /// The tag with an attribute.
     pub fn with(mut self, name: &str, value: impl Display) -> Self {
-        self.0
-            .push_str(&format!(" {name}=\"{}\"", escaped(&value.to_string())));
+        // Writing to a String cannot fail.
+        let _ = write!(self.0, " {name}=\"");
+        let _ = write!(Escaped(&mut self.0), "{value}");
+        self.0.push('"');
         self
     }
 
@@ -79,18 +81,27 @@ impl Xml {
     }
 }
 
-fn escaped(text: &str) -> String {
-    text.chars()
-        .fold(String::with_capacity(text.len()), |mut out, character| {
-            match character {
-                '&' => out.push_str("&amp;"),
-                '<' => out.push_str("&lt;"),
-                '>' => out.push_str("&gt;"),
-                '"' => out.push_str("&quot;"),
-                '\n' => out.push_str("&#10;"),
-                '\t' => out.push_str("&#9;"),
-                _ => out.push(character),
-            }
-            out
-        })
+/// Takes an attribute's value. Each instance writes the whole description for its fingerprint, so no value is copied on the way.
+struct Escaped<'a>(&'a mut String);
+
+impl Write for Escaped<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let mut done = 0;
+        for (at, byte) in text.bytes().enumerate() {
+            let instead = match byte {
+                b'&' => "&amp;",
+                b'<' => "&lt;",
+                b'>' => "&gt;",
+                b'"' => "&quot;",
+                b'\n' => "&#10;",
+                b'\t' => "&#9;",
+                _ => continue,
+            };
+            self.0.push_str(&text[done..at]);
+            self.0.push_str(instead);
+            done = at + 1;
+        }
+        self.0.push_str(&text[done..]);
+        Ok(())
+    }
 }

@@ -13,7 +13,7 @@ mod block;
 mod tests;
 
 use super::lanes::LANES;
-use block::{apply, invert, two_blocks};
+use block::{Size, apply, invert, two_blocks};
 
 /// A spike is followed until it has fallen to this share of its largest entry. The factorisation is inexact by this much,
 /// which an iteration with exact residuals tolerates.
@@ -157,7 +157,7 @@ impl Ring {
             let inverse = &self.inverse[column * block..][..block];
             let before = &self.before[column * rows..][..rows];
             let after = &self.after[column * rows..][..rows];
-            let mut size: f64 = 0.0;
+            let mut size = Size::default();
             for k in 0..rows {
                 let source = &mut self.scratch[..rows];
                 source.fill(0.0);
@@ -175,8 +175,9 @@ impl Ring {
                 }
                 let answer = &mut spike[k * rows..][..rows];
                 apply(rows, inverse, source, answer);
-                size = answer.iter().fold(size, |m, x| m.max(x.abs()));
+                size.see(answer);
             }
+            let size = size.largest();
             largest = largest.max(size);
             self.spiked[column] = size > FADED * largest;
         }
@@ -189,8 +190,10 @@ impl Ring {
             let [spike, other] = two_blocks(&mut self.spike, rows, column, next);
             let inverse = &self.inverse[column * block..][..block];
             let after = &self.after[column * rows..][..rows];
-            let fresh = !self.spiked[column];
-            let mut size: f64 = 0.0;
+            if !self.spiked[column] {
+                spike.fill(0.0);
+            }
+            let mut size = Size::default();
             for k in 0..rows {
                 let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
                 let other = &other[k * rows..][..rows];
@@ -200,11 +203,11 @@ impl Ring {
                 apply(rows, inverse, source, answer);
                 let spike = &mut spike[k * rows..][..rows];
                 for j in 0..rows {
-                    spike[j] = if fresh { 0.0 } else { spike[j] } - answer[j];
-                    size = size.max(spike[j].abs());
+                    spike[j] -= answer[j];
                 }
+                size.see(spike);
             }
-            self.spiked[column] = size > FADED * largest;
+            self.spiked[column] = size.largest() > FADED * largest;
         }
     }
 

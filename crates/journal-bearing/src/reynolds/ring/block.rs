@@ -30,6 +30,28 @@ pub fn apply(rows: usize, block: &[f64], x: &[f64], product: &mut [f64]) {
     }
 }
 
+/// The largest magnitudes seen so far, side by side.
+#[derive(Default)]
+pub struct Size([f64; LANES]);
+
+impl Size {
+    /// Takes the values of a column into account.
+    #[inline(always)]
+    pub fn see(&mut self, values: &[f64]) {
+        for lanes in values.as_chunks::<LANES>().0 {
+            for (most, value) in self.0.iter_mut().zip(lanes.map(f64::abs)) {
+                *most = if value > *most { value } else { *most };
+            }
+        }
+    }
+
+    /// The largest of all.
+    #[inline(always)]
+    pub fn largest(&self) -> f64 {
+        self.0.iter().copied().fold(0.0, f64::max)
+    }
+}
+
 /// Inverts a block in place by Gauss-Jordan elimination without pivoting.
 #[inline(always)]
 pub fn invert(rows: usize, block: &mut [f64], scratch: &mut [f64]) {
