@@ -81,7 +81,8 @@ impl Stand {
         let mut y = unknowns(&self.state);
         let mut next_step = self.state.next_step;
         let mut oil = self.nearby;
-        let known = self.arrival.0.take().filter(|known| known.at == self.place());
+        let known = self.arrival.0.take();
+        let known = known.filter(|known| known.at == self.place());
         let mut last = (f64::NAN, Default::default());
         let course = |tau: f64, y: &Unknowns| {
             let rates = match &known {

@@ -38,26 +38,38 @@ fn friction(film: FilmModel, [roughness, clearance]: [f64; 2], load: f64) -> f64
     after(3.0, stand).friction_coefficient
 }
 
-/// Where the asperities cannot carry the load before the mean planes meet, friction rises on to the dry limit, and does not fall
-/// again. The film of the mobility map is within 3 % of the one with flow factors.
+/// Friction falls with the load in a full film, then rises to the dry limit, and does not fall again, also where the asperities
+/// cannot carry the load before the mean planes meet. The film of the mobility map is within 3 % of the one with flow factors, but
+/// for the finest surfaces where friction is least (4.2 % at 50 N): the largest difference of each pair is pinned.
 #[test]
 fn friction_rises_with_the_load_to_the_dry_limit() {
-    for surfaces in [[1e-6, 20e-6], [0.5e-6, 40e-6], [3e-6, 20e-6]] {
-        let mut before = 0.0;
-        for load in [100.0, 1000.0, 5000.0, 15_000.0] {
+    for (surfaces, apart) in [
+        ([0.5e-6, 20e-6], 0.042),
+        ([0.5e-6, 40e-6], 0.016),
+        ([1e-6, 20e-6], 0.026),
+        ([1e-6, 40e-6], 0.018),
+        ([3e-6, 20e-6], 0.008),
+        ([3e-6, 40e-6], 0.006),
+    ] {
+        let mut curve = Vec::new();
+        for load in [5.0, 20.0, 50.0, 100.0, 1000.0, 5000.0, 15_000.0, 20_000.0] {
             let [mobility, reynolds] = FILMS.map(|film| friction(film, surfaces, load));
             assert!(
-                (mobility / reynolds - 1.0).abs() < 0.03,
+                (mobility / reynolds - 1.0).abs() < apart,
                 "{surfaces:?} {load}: {mobility} {reynolds}"
             );
-            assert!(
-                mobility > before,
-                "{surfaces:?} {load}: {mobility} {before}"
-            );
-            before = mobility;
+            curve.push(mobility);
         }
+        let least = curve.iter().copied().fold(f64::INFINITY, f64::min);
+        let lowest = curve.iter().position(|&friction| friction == least);
+        let (down, up) = curve.split_at(lowest.unwrap_or(0));
+        assert!(
+            down.is_sorted_by(|a, b| a > b) && up.is_sorted_by(|a, b| a < b),
+            "{surfaces:?}: {curve:?}"
+        );
         // The pressure's integral around the bush is a little larger than the load.
-        assert!((0.049..0.054).contains(&before), "{surfaces:?}: {before}");
+        let last = curve[curve.len() - 1];
+        assert!((0.049..0.054).contains(&last), "{surfaces:?}: {last}");
     }
 }
 

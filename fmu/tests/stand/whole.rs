@@ -207,6 +207,30 @@ fn a_restored_state_continues_bit_for_bit() {
 }
 
 /// The end of a tilted journal touches the smooth bush in the middle of the step, after steps of the film that went well.
+/// A clone does not know the rates where the last step ended, and computes them anew, whatever has changed since.
+#[test]
+fn rates_taken_over_from_the_last_step_are_those_computed_anew() {
+    let mut stand = start(|stand| stand.drive.fluctuation_amplitude = 0.025);
+    for step in 0..40 {
+        match step % 5 {
+            1 => stand.inputs.speed.value += 1.0,
+            2 => stand.inputs.external_force.slope = 1e3,
+            3 => {
+                stand.oil.viscosity_scale *= 1.01;
+                stand.update().unwrap();
+            }
+            _ => (),
+        }
+        let mut anew = stand.clone();
+        for stand in [&mut stand, &mut anew] {
+            stand
+                .advance(f64::from(step) * 1e-3, 1e-3, &mut ())
+                .unwrap();
+        }
+        assert_eq!(stand.readings(), anew.readings(), "step {step}");
+    }
+}
+
 #[test]
 fn a_failed_step_leaves_the_film_as_it_was() {
     let mut stand = start(|stand| {

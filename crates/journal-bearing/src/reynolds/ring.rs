@@ -251,7 +251,7 @@ impl Ring {
             let before = &self.before[column * rows..][..rows];
             let follows = previous != cut && self.active[previous];
             for x in &mut x {
-                let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
+                let source = &mut self.scratch[..rows];
                 let values = &x[column * rows..][..rows];
                 if follows {
                     let other = &x[previous * rows..][..rows];
@@ -261,8 +261,7 @@ impl Ring {
                 } else {
                     source.copy_from_slice(values);
                 }
-                apply(rows, inverse, source, answer);
-                x[column * rows..][..rows].copy_from_slice(answer);
+                apply(rows, inverse, source, &mut x[column * rows..][..rows]);
             }
         }
         for place in (1..columns - 1).rev() {

@@ -186,7 +186,6 @@ fn mass_error(work: &Workspace, start: &[f64], duration: f64, flow: EndFlow, rot
         .zip(work.balance.mass.iter().zip(start))
         .map(|(area, (mass, start))| area * (mass - start))
         .sum();
-    let moved = flow.through() + work.circulating(rotation);
-    let still = work.still_flow(duration);
-    (stored / duration + flow.out - flow.into - flow.fed).abs() / moved.max(still)
+    let through = work.through(&flow, rotation, duration);
+    (stored / duration + flow.out - flow.into - flow.fed).abs() / through
 }

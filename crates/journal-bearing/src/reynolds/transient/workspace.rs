@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::active_set::ActiveSet;
-use super::balance::Balance;
+use super::balance::{Balance, EndFlow};
 use super::geometry::Geometry;
 use super::linear::{Base, Linear};
 use super::liquid::Liquid;
@@ -201,24 +201,20 @@ impl Workspace {
 
     /// The flow through the film by which a stage's residuals are judged.
     pub fn flow(&self, stage: &Stage<'_>) -> f64 {
-        let ends = self.balance.end_flow();
-        let still = self.still_flow(stage.duration);
-        (ends.through() + self.circulating(stage.rotation)).max(still)
+        self.through(&self.balance.end_flow(), stage.rotation, stage.duration)
+    }
+
+    /// The flow through the ends with the one that the mean rotation carries around, averaged over the columns; at least the flow
+    /// below which a film counts as still in a stage or step of this duration.
+    pub fn through(&self, ends: &EndFlow, rotation: f64, duration: f64) -> f64 {
+        let held = self.balance.held(&self.geometry.cells);
+        let circulating = rotation.abs() * held / std::f64::consts::TAU;
+        (ends.through() + circulating).max(STILL * held / duration)
     }
 
     /// The sum of the absolute contributions to the residuals.
     pub fn turnover(&self, stage: &Stage<'_>) -> f64 {
         let stored = self.balance.held(&self.geometry.cells) / stage.duration;
         stored + self.linear.turnover(&self.state.field)
-    }
-
-    /// The flow that the mean rotation carries around, averaged over the columns.
-    pub fn circulating(&self, rotation: f64) -> f64 {
-        rotation.abs() * self.balance.held(&self.geometry.cells) / std::f64::consts::TAU
-    }
-
-    /// The flow below which a film counts as still in a stage or step of this duration.
-    pub fn still_flow(&self, duration: f64) -> f64 {
-        STILL * self.balance.held(&self.geometry.cells) / duration
     }
 }
