@@ -125,15 +125,17 @@ impl Ring {
     #[inline(always)]
     fn load_block(&mut self, rows: usize, column: usize) {
         let at = column * rows;
+        let entries = [&self.diagonal, &self.below, &self.above];
+        let [diagonal, below, above] = entries.map(|of| &of[at..][..rows]);
         let block = &mut self.inverse[at * rows..][..rows * rows];
-        block.fill(0.0);
-        for j in 0..rows {
-            block[j * rows + j] = self.diagonal[at + j];
-            if j > 0 {
-                block[(j - 1) * rows + j] = self.below[at + j];
+        for (k, line) in block.chunks_exact_mut(rows).enumerate() {
+            line.fill(0.0);
+            line[k] = diagonal[k];
+            if k > 0 {
+                line[k - 1] = above[k - 1];
             }
-            if j + 1 < rows {
-                block[(j + 1) * rows + j] = self.above[at + j];
+            if k + 1 < rows {
+                line[k + 1] = below[k + 1];
             }
         }
     }
