@@ -1,8 +1,10 @@
 //! The settings file of `synchronise`: the columns of recordings and their treatment.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer};
+use toml::Spanned;
 
 use fmu_import::quantity::Quantity;
 use fmu_import::units::{Conversion, known};
@@ -46,6 +48,11 @@ pub struct Settings {
     /// The part of the record to use, s.
     #[serde(default, deserialize_with = "window")]
     window: Option<[f64; 2]>,
+    /// When the model starts: a time of the recording, or a time stamp.
+    start: Option<Spanned<String>>,
+    /// The line of `start`.
+    #[serde(skip)]
+    start_line: usize,
     /// Smoothing of load and torque.
     #[serde(default = "usual_smoothing")]
     smoothing: Smoothing,
@@ -149,14 +156,15 @@ impl Settings {
     /// With file and line, when it cannot be read or says something else.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = composed(number_tables::files::text(path)?);
-        let settings = toml::from_str(&text).map_err(|error| {
-            let line = error
-                .span()
-                .map_or(1, |span| text[..span.start].matches('\n').count() + 1);
+        let line = |span: Range<usize>| text[..span.start].matches('\n').count() + 1;
+        let settings: Self = toml::from_str(&text).map_err(|error| {
+            let line = error.span().map_or(1, line);
             FileError::new(path, format!("line {line}: {}", error.message()))
         })?;
+        let start = settings.start.as_ref().map(Spanned::span);
         Ok(Self {
             path: path.to_owned(),
+            start_line: start.map_or(1, line),
             ..settings
         })
     }
@@ -442,17 +450,35 @@ impl Recorded<'_> {
         let Some(text) = &time.offset else {
             return Ok(0.0);
         };
-        if let (Some(zero), Some(stamp)) = (self.zero, stamp(text, time.format.as_deref()))
+        self.moment("time: offset", text, time.format.as_deref())
+    }
+
+    /// A time of the recording, s, from a time or a time stamp.
+    fn moment(&self, key: &str, text: &str, format: Option<&str>) -> Result<f64, FileError> {
+        if let (Some(zero), Some(stamp)) = (self.zero, stamp(text, format))
             && zero.clock == stamp.clock
         {
             return Ok((stamp.nanoseconds - zero.nanoseconds) as f64 * 1e-9);
         }
         let quantity: Quantity = text.parse().map_err(|message| {
             self.settings.wrong(format!(
-                "time: offset: {message}, and no time stamp like those of another file"
+                "{key}: {message}, and no time stamp like those of a file"
             ))
         })?;
-        self.settings.si("time: offset", &quantity, "s")
+        self.settings.si(key, &quantity, "s")
+    }
+
+    /// When the model starts, s.
+    fn start(&self) -> Result<Option<f64>, FileError> {
+        let Some(text) = &self.settings.start else {
+            return Ok(None);
+        };
+        let key = format!("line {}: start", self.settings.start_line);
+        let mut formats = self
+            .tables
+            .iter()
+            .filter_map(|(_, time)| time.format.as_deref());
+        self.moment(&key, text.get_ref(), formats.next()).map(Some)
     }
 
     /// A channel in its own unit, or in `si`.
@@ -551,7 +577,10 @@ impl Recorded<'_> {
         let having: Vec<usize> = (0..self.tables.len()).filter(have).collect();
         match having.as_slice() {
             [file] => Ok(*file),
-            [] => self.tables[0].0.column(column).map(|_| 0),
+            [] => {
+                let tables: Vec<_> = self.tables.iter().map(|(table, _)| table).collect();
+                Err(RecordedTable::none_has(&tables, column))
+            }
             _ => Err(settings.wrong(format!(
                 "{key}: several files have a column `{column}`; add `file`, which counts from 1"
             ))),
@@ -625,12 +654,25 @@ impl Recorded<'_> {
         if bearing.is_none() && others.is_empty() {
             return Err(settings.wrong("no signal is named; add signals.NAME = { column = ..., variable = ..., accuracy = ... }"));
         }
-        Ok(RigRecording {
+        let start = self.start()?;
+        let recording = RigRecording {
             bearing,
             others,
             window: settings.window,
+            start,
             confidence: settings.confidence.unwrap_or(0.99),
-        })
+        };
+        let ends = recording.signals().filter_map(|signal| signal.time.last());
+        let window = settings.window.map(|[_, to]| to);
+        let end = ends.copied().chain(window).fold(f64::INFINITY, f64::min);
+        match start.filter(|start| *start >= end) {
+            Some(start) => Err(settings.wrong(format!(
+                "line {}: start: {start} s is not before {} s, where a signal or the window ends; give an earlier time",
+                settings.start_line,
+                number(end, 6)
+            ))),
+            None => Ok(recording),
+        }
     }
 
     fn bearing(&self, load: &Signal, torque: &Signal) -> Result<Bearing, FileError> {

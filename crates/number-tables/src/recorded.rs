@@ -311,17 +311,26 @@ impl RecordedTable {
     /// # Errors
     /// When there is none.
     pub fn column(&self, name: &str) -> Result<&Column, FileError> {
-        self.get(name).ok_or_else(|| {
-            let names = self.columns.iter().map(|column| column.name.as_str());
-            let bare = self.columns.iter().map(|column| column.bare.as_str());
-            let suggestion = did_you_mean(nearest(name, bare));
-            const MANY: usize = 20;
-            let known: Vec<&str> = names.take(MANY).collect();
-            self.wrong(format!(
-                "there is no column `{name}`{suggestion}; it has {}",
-                known.join(", ")
-            ))
-        })
+        self.get(name).ok_or_else(|| Self::none_has(&[self], name))
+    }
+
+    /// That none of some tables, of which there is at least one, has a column, with the names that they have.
+    pub fn none_has(tables: &[&Self], name: &str) -> FileError {
+        const MANY: usize = 20;
+        let columns = tables.iter().flat_map(|table| &table.columns);
+        let suggestion = did_you_mean(nearest(name, columns.map(|column| column.bare.as_str())));
+        let has = |table: &Self| {
+            let names = table.columns.iter().map(|column| column.name.as_str());
+            names.take(MANY).collect::<Vec<_>>().join(", ")
+        };
+        let others: String = tables[1..]
+            .iter()
+            .map(|table| format!("; {} has {}", table.path.display(), has(table)))
+            .collect();
+        tables[0].wrong(format!(
+            "there is no column `{name}`{suggestion}; it has {}{others}",
+            has(tables[0])
+        ))
     }
 
     fn wrong(&self, message: String) -> FileError {

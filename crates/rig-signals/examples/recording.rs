@@ -60,6 +60,7 @@ fn main() -> Result<(), SignalError> {
         bearing: Some(bearing),
         others: Vec::new(),
         window: None,
+        start: None,
         confidence: 0.99,
     };
     let answer = synchronise(&recording)?;

@@ -4,7 +4,7 @@ use super::clean::clean;
 use super::delay::Delay;
 use super::holes::Holes;
 use super::recording::{
-    Account, Accuracy, Channel, DerivedCriterion, RigRecording, Synchronised, behind,
+    Account, Accuracy, Channel, DerivedCriterion, EARLY, RigRecording, Synchronised, behind,
 };
 use super::signal::SignalError;
 use super::spectrum::Noise;
@@ -60,6 +60,7 @@ struct Measured<'a> {
     channel: &'a Channel,
     time: Vec<f64>,
     values: Vec<f64>,
+    early: usize,
     spikes: usize,
     marks: usize,
     clipped: usize,
@@ -75,7 +76,7 @@ struct Input<'a> {
     drive: &'a Drive,
     line: Polyline,
     /// What was left out, and how many samples.
-    lost: [(usize, &'static str); 2],
+    lost: [(usize, &'static str); 3],
     /// The longest time without samples.
     hole: Option<[f64; 2]>,
 }
@@ -94,7 +95,7 @@ pub struct Case<'a> {
     tables: Vec<Rows>,
     curves: Vec<Measured<'a>>,
     inputs: Vec<Input<'a>>,
-    /// The first time of the recording.
+    /// When the model starts.
     begin: f64,
 }
 
@@ -131,11 +132,11 @@ impl<'a> Case<'a> {
         let mut tables: Vec<Rows> = Vec::new();
         let mut curves = Vec::new();
         for channel in recording.signals() {
-            let cleaned = clean(&channel.values);
-            let samples = channel
-                .time
-                .iter()
-                .zip(cleaned.values.iter().zip(&cleaned.clipped));
+            let (time, values) = channel.within([recording.begin(), f64::INFINITY]);
+            let early = channel.time.len() - time.len();
+            let cleaned = clean(&values);
+            let samples = cleaned.values.iter().zip(&cleaned.clipped);
+            let samples = time.iter().zip(samples);
             // Of a sample at the end of the sensor's range nobody knows the true value.
             let good = samples.filter(|(_, (value, clipped))| value.is_finite() && !**clipped);
             let (time, values): (Vec<f64>, Vec<f64>) =
@@ -154,6 +155,7 @@ impl<'a> Case<'a> {
             }
             curves.push(Measured {
                 channel,
+                early,
                 spikes: cleaned.spikes,
                 marks: cleaned.marks,
                 clipped: cleaned.clipped_count(),
@@ -167,14 +169,16 @@ impl<'a> Case<'a> {
         }
         let recorded = drives.iter().filter_map(|drive| match &drive.values {
             Driven::Constant(_) => None,
-            Driven::Recorded(channel) => Some(Input::new(channel, drive)),
+            Driven::Recorded(channel) => Some(Input::new(channel, drive, recording.begin())),
         });
         let inputs: Vec<Input<'a>> = recorded.collect();
         let firsts = curves.iter().map(|curve| curve.channel);
         let firsts = firsts.chain(inputs.iter().map(|input| input.channel));
         let firsts = firsts.filter_map(|channel| channel.time.first().copied());
         Self {
-            begin: firsts.fold(f64::INFINITY, f64::min),
+            begin: recording
+                .start
+                .unwrap_or_else(|| firsts.fold(f64::INFINITY, f64::min)),
             recording,
             result,
             drives,
@@ -184,7 +188,7 @@ impl<'a> Case<'a> {
         }
     }
 
-    /// The first and the last time of a table; times count from the first row of the recording.
+    /// The first and the last time of a table; times count from the model's start.
     fn span(&self, table: usize) -> [f64; 2] {
         let time = &self.tables[table].time;
         [time.first(), time.last()].map(|end| end.map_or(0.0, |time| time - self.begin))
@@ -320,6 +324,7 @@ impl<'a> Case<'a> {
         let account = |curve: &Measured<'_>| {
             let beside = curve.time.len() - self.tables[curve.table].time.len();
             curve.channel.account(&[
+                (curve.early, EARLY),
                 (curve.spikes, "spikes"),
                 (curve.marks, "at a value far from all others"),
                 (curve.clipped, "clipped"),
@@ -332,7 +337,10 @@ impl<'a> Case<'a> {
     /// The case as TOML. The tolerances are the user's to add, where the settings have none: no recording knows how far the
     /// model may be off.
     pub fn to_toml(&self, frame: &Frame<'_>) -> String {
-        let mut out = String::from("# Times count from the first row of the recording.\n");
+        let mut out = match self.recording.start {
+            None => "# Times count from the first row of the recording.\n".to_owned(),
+            Some(start) => format!("# The model starts at {start} s of the recording.\n"),
+        };
         for (curve, account) in self.curves.iter().zip(self.accounts()) {
             let file = Self::file(curve.table);
             out += &format!("# {file}, {account}.\n");
@@ -521,20 +529,30 @@ impl<'a> Case<'a> {
 const INPUTS: &str = "case-inputs.csv";
 
 impl<'a> Input<'a> {
-    fn new(channel: &'a Channel, drive: &'a Drive) -> Self {
-        let cleaned = clean(&channel.values);
-        let pairs = channel.time.iter().zip(&cleaned.values);
+    /// An input from the model's start on, when it has the value between its rows.
+    fn new(channel: &'a Channel, drive: &'a Drive, start: f64) -> Self {
+        let early = channel.before(start).saturating_sub(1);
+        let (all, cleaned) = (&channel.time[early..], clean(&channel.values[early..]));
+        let pairs = all.iter().zip(&cleaned.values);
         let (time, values): (Vec<f64>, Vec<f64>) =
             pairs.filter(|(_, value)| value.is_finite()).unzip();
+        let mut line = polyline(&time, &values, drive.tolerance);
+        let value = line.time.first().map(|_| at(&line, start));
+        if let (Some(first), Some(value)) =
+            (line.time.first_mut().filter(|first| **first < start), value)
+        {
+            (*first, line.values[0]) = (start, value);
+        }
         Self {
             channel,
             drive,
-            line: polyline(&time, &values, drive.tolerance),
+            line,
             lost: [
+                (early, EARLY),
                 (cleaned.spikes, "spikes"),
                 (cleaned.marks, "at a value far from all others"),
             ],
-            hole: Holes::of(&channel.time, &cleaned).longest(),
+            hole: Holes::of(all, &cleaned).longest(),
         }
     }
 

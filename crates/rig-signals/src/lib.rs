@@ -63,10 +63,12 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         let cleaned = clean(&values);
         result.warnings.extend(concerns(channel, &cleaned));
         result.warnings.extend(frozen(channel, &time, &cleaned));
-        let outside = channel.time.len() - time.len();
+        let early = channel.before(recording.begin());
+        let outside = channel.time.len() - time.len() - early;
         let lost = [
             (cleaned.spikes, "spikes"),
             (cleaned.marks, "at a value far from all others"),
+            (early, recording::EARLY),
             (outside, "outside of the window"),
         ];
         result.accounts.push(channel.account(&lost));

@@ -66,6 +66,11 @@ impl Channel {
             .unzip()
     }
 
+    /// How many samples are before a time.
+    pub(crate) fn before(&self, time: f64) -> usize {
+        self.time.iter().filter(|known| **known < time).count()
+    }
+
     /// What became of its rows: those that were lost for these reasons, too, are not used.
     pub(crate) fn account(&self, reasons: &[(usize, &'static str)]) -> Account {
         let lost = self
@@ -83,6 +88,9 @@ impl Channel {
         }
     }
 }
+
+/// Why rows before the model's start are not used.
+pub(crate) const EARLY: &str = "before the model's start";
 
 /// What became of the rows of a channel: those that are used and those that are not are all of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -145,14 +153,22 @@ pub struct RigRecording {
     pub others: Vec<Channel>,
     /// The part of the record to use, s.
     pub window: Option<[f64; 2]>,
+    /// When the model starts, s: earlier rows are not used. Without it, with the first row.
+    pub start: Option<f64>,
     /// Confidence of the tests of stationarity, such as 0.99.
     pub confidence: f64,
 }
 
 impl RigRecording {
-    /// The part of the record to use, s: all of it where the user names none.
+    /// The part of the record to use, s: all of it from the model's start on where the user names none.
     pub(crate) fn window(&self) -> [f64; 2] {
-        self.window.unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+        let [from, to] = self.window.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        [from.max(self.begin()), to]
+    }
+
+    /// When the model starts, s, where the user says so.
+    pub(crate) fn begin(&self) -> f64 {
+        self.start.unwrap_or(f64::NEG_INFINITY)
     }
 
     /// The time of a turn of the shaft, s; `None` where it does not turn.

@@ -87,6 +87,7 @@ fn recording(creep: f64) -> RigRecording {
             oil,
         )],
         window: None,
+        start: None,
         confidence: 0.99,
     }
 }
@@ -377,6 +378,7 @@ fn every_row_is_used_or_told() {
             bearing: None,
             others: vec![fast.0, slow.0],
             window: (combination % 3 == 0).then_some([2.0, 18.0]),
+            start: None,
             confidence: 0.99,
         };
         let result = synchronise(&recording).unwrap();
@@ -433,6 +435,7 @@ fn with_drive(time: Vec<f64>, values: Vec<f64>) -> (RigRecording, [case::Drive; 
         bearing: None,
         others: vec![signal],
         window: None,
+        start: None,
         confidence: 0.99,
     };
     let drive = case::Drive {
@@ -504,6 +507,44 @@ fn spikes_and_holes_of_inputs_are_told() {
     assert!(
         error.contains("from 1000.000 s to 1059.990 s and the signals from 0.000 s"),
         "{error}"
+    );
+}
+
+/// The speed climbs by 1 rpm in each second, so it has 14.305 rpm when the model starts, between two rows.
+#[test]
+fn rows_before_the_models_start_are_left_out_and_told() {
+    let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 100.0).collect();
+    let (mut recording, drives) = with_drive(time.clone(), time);
+    recording.start = Some(14.305);
+    let result = synchronise(&recording).unwrap();
+    assert_eq!(
+        result.accounts[0].to_string(),
+        "T: 6000 rows, 4569 used, 1431 before the model's start"
+    );
+    let case = case::Case::new(&recording, &result, &drives);
+    assert_eq!(
+        case.accounts()[0].to_string(),
+        result.accounts[0].to_string()
+    );
+    let text = case.to_toml(&frame());
+    for line in [
+        "# The model starts at 14.305 s of the recording.\n",
+        "n: 6000 rows, 4570 used, 1430 before the model's start for a line with",
+        "simulation = { stop = 45.685 }\n",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    let tables = case.tables();
+    let second = |place: usize| tables[place].1.lines().nth(1).unwrap();
+    assert!(second(0).starts_with("0.005000000,"), "{}", second(0));
+    assert_eq!(second(1), "0.000000000,1.43050000e1");
+    // Where nothing was recorded yet, the first value holds.
+    recording.start = Some(-2.0);
+    let result = synchronise(&recording).unwrap();
+    let text = case::Case::new(&recording, &result, &drives).to_toml(&frame());
+    assert!(
+        text.contains("extrapolate = \"hold\"") && text.contains("window = { from = 2, "),
+        "{text}"
     );
 }
 

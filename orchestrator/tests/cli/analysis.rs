@@ -734,6 +734,32 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     let case = bench.read("m/case.toml");
     assert_eq!(say("unit = \"1\"", "unit = \"none\"").code, 0);
     assert_eq!(bench.read("m/case.toml"), case);
+    // What was recorded before the model starts is left out, and told.
+    let start = |text: &str| {
+        say(
+            "\n[[files]]\ntime = { column = \"t\"",
+            &format!("\nstart = \"{text}\"\n[[files]]\ntime = {{ column = \"t\""),
+        )
+    };
+    for text in ["0.5 s", "22.11.2026 13:15:07,5"] {
+        let said = start(text);
+        for line in [
+            "# The model starts at 0.5 s of the recording.",
+            "# case.csv, Y: 2000 rows, 1500 used, 500 before the model's start.",
+            "# case-2.csv, T: 20 rows, 15 used, 5 before the model's start.",
+        ] {
+            assert!(said.out.contains(line), "{line}: {} {}", said.out, said.err);
+        }
+        for table in ["case", "case-2", "case-inputs"] {
+            assert!(
+                bench
+                    .read(&format!("m/{table}.csv"))
+                    .contains("\n0.000000000,")
+            );
+        }
+    }
+    start("5 s").is_mistake(&["settings.toml: line 2: start: 5 s is not before 1.9 s"]);
+    start("5 kg").is_mistake(&["settings.toml: line 2: start: ", "kg"]);
     say("offset = \"22.11.2026 13:15:07\"", "offset = \"soon\"").is_mistake(&[
         "settings.toml",
         "offset",
@@ -743,6 +769,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
         "fast.csv",
         "no column `U_z`",
         "did you mean",
+        "it has t [ms], u [-], U_y (V); slow.txt has Zeit, T",
     ]);
     say("variable = \"lag.y\",", "").is_mistake(&[
         "settings.toml",
