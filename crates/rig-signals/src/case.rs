@@ -366,8 +366,12 @@ impl<'a> Case<'a> {
             );
         }
         out += &format!(
-            "[[cases]]\nname = {}\n{}simulation = {{ stop = {} }}\n",
+            "[[cases]]\nname = {}\n{}{}simulation = {{ stop = {} }}\n",
             quoted(frame.name),
+            match self.result.doubts.as_slice() {
+                [] => String::new(),
+                doubts => format!("concerns = {}\n", toml::Value::from(doubts.to_vec())),
+            },
             if frame.held_out {
                 "held-out = true\n"
             } else {

@@ -62,7 +62,7 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         let (time, values) = channel.within(recording.window());
         let cleaned = clean(&values);
         result.warnings.extend(concerns(channel, &cleaned));
-        result.warnings.extend(frozen(channel, &time, &cleaned));
+        result.doubts.extend(frozen(channel, &time, &cleaned));
         let early = channel.before(recording.begin());
         let outside = channel.time.len() - time.len() - early;
         let lost = [
@@ -73,6 +73,7 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         ];
         result.accounts.push(channel.account(&lost));
     }
+    result.warnings.extend(result.doubts.clone());
     Ok(result)
 }
 

@@ -263,6 +263,8 @@ pub struct Synchronised {
     pub findings: Vec<DerivedCriterion>,
     /// Caveats for the reader.
     pub warnings: Vec<String>,
+    /// What a verdict must say, too: a part of the curves is doubtful.
+    pub doubts: Vec<String>,
     /// What became of the rows of each channel.
     pub accounts: Vec<Account>,
 }

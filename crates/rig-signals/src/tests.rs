@@ -579,6 +579,11 @@ fn a_sensor_that_hangs_is_told() {
         text.contains("T stands at 50.3 degC for 200 samples, from 30.000 s to 31.990 s"),
         "{text}"
     );
+    let result = synchronise(&recording).unwrap();
+    let case = case::Case::new(&recording, &result, &[]).to_toml(&frame());
+    let study: toml::Table = case.parse().unwrap();
+    let said = study["cases"][0]["concerns"][0].as_str().unwrap();
+    assert!(said.starts_with("T stands at 50.3 degC"), "{said}");
     // Steps stand everywhere.
     recording.others[0].values = (0..6000).map(|k| f64::from(k / 100 % 7)).collect();
     assert!(!told(&recording).contains("stands at"));

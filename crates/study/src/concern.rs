@@ -74,6 +74,8 @@ pub enum Code {
     MissedRows,
     /// A recording has a hole, which a straight line bridges.
     Hole,
+    /// What `synchronise` found doubtful in a recording.
+    Doubtful,
     /// Recordings make many more steps than the study asks for.
     ManySteps,
     /// Values depend on the communication step, or on the FMU's solver.

@@ -36,7 +36,7 @@ pub struct Plan {
     pub correlation: Option<Correlation>,
     /// The parameters that are drawn from samples, by file; those of one file together.
     pub joints: Vec<Joint>,
-    /// Doubts about the inputs that follow recordings.
+    /// Doubts about recordings.
     of_inputs: Vec<Concern>,
 }
 
@@ -65,7 +65,9 @@ impl Plan {
             let binder = Binder { study: &study, fmu };
             let (further, task, doubts) = binder.task(case, varied.clone())?;
             outputs.extend(further);
-            of_inputs.extend(doubts.into_iter().map(|doubt| match case {
+            let stated = case.iter().flat_map(|case| &case.concerns);
+            let stated = stated.map(|text| Concern::new(Code::Doubtful, text));
+            of_inputs.extend(doubts.into_iter().chain(stated).map(|doubt| match case {
                 Some(case) => Concern {
                     text: format!("case {}: {}", case.name.as_ref(), doubt.text),
                     ..doubt

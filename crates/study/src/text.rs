@@ -24,6 +24,9 @@ pub struct CaseText {
     pub name: Name,
     /// A remark for people.
     pub about: Option<String>,
+    /// What is doubtful about its recordings: a verdict says it, too.
+    #[serde(default)]
+    pub concerns: Vec<String>,
     /// How long and in which steps, as far as that differs from the section `[simulation]`.
     #[serde(default)]
     pub simulation: Simulation,
