@@ -49,7 +49,8 @@ impl Shipped {
                     let others = "another user made it, or others may write there; remove it";
                     return Err(at(io::Error::other(others)));
                 }
-                known => drop(known.map_err(at)?),
+                Err(error) => return Err(at(error)),
+                Ok(_) => {}
             }
             let path = folder.join(scratch::LOCK);
             let lock = OpenOptions::new()
