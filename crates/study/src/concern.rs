@@ -1,5 +1,7 @@
 //! Doubts about the verdict of a study that can be judged all the same, with the remedy.
 
+use std::fmt;
+
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// A doubt about a verdict.
@@ -9,8 +11,11 @@ pub struct Concern {
     pub code: Code,
     /// How far it touches the verdict.
     pub severity: Severity,
-    /// A sentence for people.
+    /// What is doubtful: a sentence for people, without its full stop.
     pub text: String,
+    /// What to do about it: a sentence of its own. Summaries of earlier versions end the text with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remedy: Option<String>,
 }
 
 impl Concern {
@@ -25,20 +30,24 @@ impl Concern {
             code,
             severity,
             text,
+            remedy: None,
         }
     }
 
-    /// What is doubtful, and the remedy, which ends the texts of this version's warnings behind a colon or semicolon.
-    pub fn parts(&self) -> (&str, Option<&str>) {
-        let text = self.text.as_str();
-        let end = [": ", "; "]
-            .into_iter()
-            .filter_map(|mark| text.rfind(mark))
-            .max();
-        match end.filter(|_| self.severity == Severity::Warning && self.code != Code::Other) {
-            Some(end) => (&text[..end], Some(&text[end + 2..])),
-            None => (text, None),
-        }
+    /// The same with what to do about it.
+    #[must_use]
+    pub fn remedied(self, remedy: impl Into<String>) -> Self {
+        let remedy = Some(remedy.into());
+        Self { remedy, ..self }
+    }
+}
+
+impl fmt::Display for Concern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)?;
+        self.remedy
+            .iter()
+            .try_for_each(|remedy| write!(f, ". {remedy}"))
     }
 }
 
@@ -152,12 +161,17 @@ mod tests {
             r#"{"code":"not-re-run","severity":"note","text":"no point was re-run"}"#
         );
         let later = text.replace("not-re-run", "of-later");
-        let all = format!("[{text}, {later}, \"Y: it moves\"]");
+        let moves = Concern::new(Code::StillMoves, "Y: it moves").remedied("Simulate longer.");
+        assert_eq!(moves.to_string(), "Y: it moves. Simulate longer.");
+        let remedied = serde_json::to_string(&moves).unwrap();
+        assert!(remedied.ends_with(r#","text":"Y: it moves","remedy":"Simulate longer."}"#));
+        let all = format!("[{text}, {later}, \"Y: it moves\", {remedied}]");
         let all = read(&mut serde_json::Deserializer::from_str(&all)).unwrap();
         let later = Concern {
             code: Code::Other,
             ..new.clone()
         };
-        assert_eq!(all, [new, later, Concern::new(Code::Other, "Y: it moves")]);
+        let old = Concern::new(Code::Other, "Y: it moves");
+        assert_eq!(all, [new, later, old, moves]);
     }
 }

@@ -57,8 +57,7 @@ pub(super) fn series(
     };
     let inputs = study.inputs.iter().map(&mut bind);
     let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
-    let many = many_steps(&inputs, schedule);
-    concerns.extend(many.map(|text| Concern::new(Code::ManySteps, text)));
+    concerns.extend(many_steps(&inputs, schedule));
     Ok((inputs, concerns))
 }
 
@@ -111,16 +110,12 @@ pub fn doubts(
     scale: &Scale<'_>,
 ) -> impl Iterator<Item = Concern> + use<> {
     let missed = missed(series, schedule, scale);
-    let missed = missed.map(|text| Concern::new(Code::MissedRows, text));
-    let hole = hole(series, schedule);
-    missed
-        .into_iter()
-        .chain(hole.map(|text| Concern::new(Code::Hole, text)))
+    missed.into_iter().chain(hole(series, schedule))
 }
 
 /// Warns of a hole in a recording, over which the input is a straight line that nobody measured. Few rows are the corners of a
 /// line that somebody drew.
-fn hole(series: &Series, schedule: &Schedule) -> Option<String> {
+fn hole(series: &Series, schedule: &Schedule) -> Option<Concern> {
     const FEWEST: usize = 20;
     const USUAL: f64 = 10.0;
     const SHARE: f64 = 0.1;
@@ -137,17 +132,19 @@ fn hole(series: &Series, schedule: &Schedule) -> Option<String> {
         .filter(is_hole)
         .max_by(|a, b| share(*a).total_cmp(&share(*b)));
     let [from, to] = longest.filter(|_| series.times.len() >= FEWEST && !series.hold)?;
-    Some(format!(
-        "{}: the recording has no rows between {from} s and {to} s, {:.0} % of the run (elsewhere they are {} s apart), and \
-         the FMU gets a straight line there: record it without the hole, or cut the run",
-        series.slot.name,
+    let name = &series.slot.name;
+    let text = format!(
+        "{name}: the recording has no rows between {from} s and {to} s, {:.0} % of the run (elsewhere they are {} s apart), and \
+         the FMU gets a straight line there",
         100.0 * share([from, to]),
         short(usual)
-    ))
+    );
+    let remedy = format!("Record {name} without the hole, or cut the run so that it has none.");
+    Some(Concern::new(Code::Hole, text).remedied(remedy))
 }
 
 /// Warns of rows of a recording that an FMU of fixed steps cannot follow.
-fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<String> {
+fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<Concern> {
     let unseen = Some(series)
         .filter(|series| !series.each_row)
         .and_then(|series| series.unseen(schedule))?;
@@ -158,27 +155,30 @@ fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<Str
         1 => "1 row".to_owned(),
         rows => format!("{rows} rows"),
     };
-    Some(format!(
+    let text = format!(
         "{}: the FMU gets another input than the recorded one at {rows} between communication points, by up to {} (at \
-         {} s), since its steps have one size (no canHandleVariableCommunicationStepSize); make `step` a divisor of the \
-         recording's step",
+         {} s), since its steps have one size (no canHandleVariableCommunicationStepSize)",
         series.slot.name,
         format!("{} {unit}", short(most)).trim_end(),
         short(unseen.at),
-    ))
+    );
+    let remedy = "Make `step` under [simulation] a divisor of the recording's step.";
+    Some(Concern::new(Code::MissedRows, text).remedied(remedy))
 }
 
 /// Tells of recordings that make the steps many more than the study asks for.
-pub fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<String> {
+pub fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<Concern> {
     const MANY: u64 = 2;
     let more = place(&mut inputs.to_vec(), schedule).len() as u64;
     let steps = schedule.steps();
     (more >= MANY * steps).then(|| {
-        format!(
+        let text = format!(
             "the recorded inputs have {more} rows between the communication points, and each takes a step of its own: {} \
-             steps rather than {steps}; where they are noise, smooth and thin the recordings",
+             steps rather than {steps}",
             more + steps
-        )
+        );
+        let remedy = "Smooth and thin recorded inputs whose rows are noise.";
+        Concern::new(Code::ManySteps, text).remedied(remedy)
     })
 }
 

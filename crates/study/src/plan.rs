@@ -66,7 +66,8 @@ impl Plan {
             let (further, task, doubts) = binder.task(case, varied.clone())?;
             outputs.extend(further);
             let stated = case.iter().flat_map(|case| &case.concerns);
-            let stated = stated.map(|text| Concern::new(Code::Doubtful, text));
+            let remedy = "Look at the recordings that `synchronise` doubts, and measure again where a sensor was at fault.";
+            let stated = stated.map(|text| Concern::new(Code::Doubtful, text).remedied(remedy));
             of_inputs.extend(doubts.into_iter().chain(stated).map(|doubt| match case {
                 Some(case) => Concern {
                     text: format!("case {}: {}", case.name.as_ref(), doubt.text),
@@ -237,12 +238,16 @@ impl Plan {
             (1.0 - inside >= LARGE && input.distribution.varies()).then(|| {
                 let text = format!(
                     "{}: {:.0} % of the distribution lies outside of what the FMU allows ({}{unit}); such points \
-                     fail and count as not verified: cut the distribution there (`truncated-normal`), or correct it",
+                     fail and count as not verified",
                     input.name,
                     100.0 * (1.0 - inside),
                     slot.allowed_text(|limit| inverse.value(limit)),
                 );
-                Concern::new(Code::RefusedDistribution, text)
+                let remedy = format!(
+                    "Cut the distribution of {} to what the FMU allows (`truncated-normal`), or correct it.",
+                    input.name
+                );
+                Concern::new(Code::RefusedDistribution, text).remedied(remedy)
             })
         };
         let pairs = self.inputs.iter().zip(&self.slots);
@@ -253,7 +258,7 @@ impl Plan {
     /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
     pub fn tell_of_inputs(&self) {
         for doubt in &self.of_inputs {
-            fmu_points::tell::line!("note: {}", doubt.text);
+            fmu_points::tell::line!("note: {doubt}");
         }
     }
 
@@ -265,13 +270,13 @@ impl Plan {
             .filter(|joint| (joint.count() as u64) < points);
         let concern = |joint: &Joint| {
             let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
+            let names = names.collect::<Vec<_>>().join(", ");
             let text = format!(
-                "{}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow: \
-                 give a sample with more rows",
-                names.collect::<Vec<_>>().join(", "),
+                "{names}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow",
                 joint.count()
             );
-            Concern::new(Code::RepeatedSample, text)
+            let remedy = format!("Give {names} a sample of {points} rows or more.");
+            Concern::new(Code::RepeatedSample, text).remedied(remedy)
         };
         few.map(concern).collect()
     }

@@ -89,7 +89,7 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
     });
     let mut named: IndexMap<String, usize> = IndexMap::new();
     let doubts = warnings(summary).map(|concern| {
-        let text = concern.text.clone();
+        let text = concern.to_string();
         let count = named.entry(concern.code.name()).or_insert(0);
         *count += 1;
         let name = match count {

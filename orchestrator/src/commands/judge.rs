@@ -24,7 +24,6 @@ use point_journal::files::write_text;
 use point_journal::pipeline::folder::Earlier;
 use point_journal::{Lock, lines};
 use study::Study;
-use study::concern::Code;
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let begun = Instant::now();
@@ -81,10 +80,8 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     };
     let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
     survey.complete(&mut summary);
-    summary.doubt(
-        Code::RepeatedRows,
-        concerns::repeated(repeated, tally.points),
-    );
+    let repeated = concerns::repeated(repeated, tally.points);
+    summary.concerns.extend(repeated);
     summary.dossier = study.dossier.clone();
     summary.run = Some(Run::since(begun, 0, 0));
     if let Some(files) = files {

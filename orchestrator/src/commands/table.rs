@@ -228,7 +228,7 @@ fn most_probable(summary: &Summary) -> String {
 fn remarks(summary: &Summary) -> String {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
-    let doubt = |concern: &Concern| format!("{}: {}", concern.severity.name(), concern.text);
+    let doubt = |concern: &Concern| format!("{}: {concern}", concern.severity.name());
     let doubts = summary.concerns.iter().map(doubt);
     let remarks = conduct.chain(asides).chain(summary.left_out_remark());
     remarks

@@ -155,13 +155,13 @@ impl Judge {
             .unzip();
         let Some(place) = places.first() else { return };
         let message = format!(
-            "no measured value yet: the nominal value of {} comes from a run of the model itself; write measured values into the study in its place and \
-             remove `nominal-from`",
+            "no measured value yet: the nominal value of {} comes from a run of the model itself",
             names.join(", ")
         );
         let warning = study.error_at(place, message).to_string();
+        let remedy = "Write measured values into the study in place of the model's own, and remove `nominal-from`.";
         self.warnings
-            .push(Concern::new(Code::NominalFromModel, warning));
+            .push(Concern::new(Code::NominalFromModel, warning).remedied(remedy));
     }
 
     fn correlated(&self, study: &Study) -> Result<Measurement, FileError> {
@@ -265,12 +265,16 @@ impl Judge {
             if factor >= widest {
                 let message = format!(
                     "the guard band of {factor} expanded uncertainties leaves nothing of {}'s tolerance {}, \
-                     so that no point can be accepted; give one below {:.3}, measure better or widen the tolerance",
-                    criterion.name, criterion.stated_tolerance, widest
+                     so that no point can be accepted",
+                    criterion.name, criterion.stated_tolerance
+                );
+                let remedy = format!(
+                    "Give a guard band below {widest:.3}, measure {} better or widen its tolerance.",
+                    criterion.name
                 );
                 let warning = study.error_at(band, message).to_string();
                 self.warnings
-                    .push(Concern::new(Code::GuardBandTooWide, warning));
+                    .push(Concern::new(Code::GuardBandTooWide, warning).remedied(remedy));
             }
         }
     }
@@ -310,14 +314,18 @@ impl Judge {
                 continue;
             };
             let message = format!(
-                "{}: the measured value {reading}{} is itself beyond the limit ({}); correct one of them, or expect the model to fail",
+                "{}: the measured value {reading}{} is itself beyond the limit ({})",
                 criterion.name,
                 criterion.unit_behind(),
                 criterion.wanted()
             );
             let warning = study.error_at(name, message).to_string();
+            let remedy = format!(
+                "Correct the measured value of {} or its limit, unless the model shall fail as the specimen did.",
+                criterion.name
+            );
             self.warnings
-                .push(Concern::new(Code::MeasuredBeyondLimit, warning));
+                .push(Concern::new(Code::MeasuredBeyondLimit, warning).remedied(remedy));
         }
     }
 
@@ -331,8 +339,7 @@ impl Judge {
             if !criterion.limits.is_one_sided() && error.expanded > minus.min(plus) {
                 let message = format!(
                     "{}: the uncertainty {} exceeds the tolerance {}, so that accepted points often \
-                     do not conform; add `risk` under [verdict], measure better or widen the \
-                     tolerance",
+                     do not conform",
                     criterion.name,
                     // As the study says it, where that is all of it.
                     match (&text.uncertainty, criterion.uncertainty) {
@@ -346,8 +353,10 @@ impl Judge {
                 let warning = study
                     .error_at(&Spanned::new(place, ()), message)
                     .to_string();
+                let remedy = "Add `risk` under [verdict], or measure better what is less sure than its tolerance, or widen that \
+                              tolerance.";
                 self.warnings
-                    .push(Concern::new(Code::UncertaintyAboveTolerance, warning));
+                    .push(Concern::new(Code::UncertaintyAboveTolerance, warning).remedied(remedy));
             }
         }
     }

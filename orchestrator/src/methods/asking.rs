@@ -312,6 +312,6 @@ pub fn exit_code(verdict: Option<Decision>) -> ExitCode {
 /// Says what the user should know of a study that can be used all the same.
 pub fn warn(judge: &Judge) {
     for warning in &judge.warnings {
-        fmu_points::tell::line!("warning: {}", warning.text);
+        fmu_points::tell::line!("warning: {warning}");
     }
 }

@@ -89,7 +89,7 @@ pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
     let concerns = summary
         .concerns
         .iter()
-        .map(|concern| format!("{}: {}.", concern.severity.name(), concern.text));
+        .map(|concern| format!("{}: {concern}", concern.severity.name()));
     let watched = summary.settled.iter().filter_map(Settled::remark);
     conduct
         .chain(asides)

@@ -101,10 +101,11 @@ fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doub
             let [finer, coarse] = [finer[k], coarse[k]].map(|value| number(value, 4));
             let text = format!(
                 "{}: the communication step of {} s is too coarse: with half of it point {point} gives {finer}{unit}, not {coarse}{unit} \
-                 ({}); choose a shorter `step`",
+                 ({})",
                 criterion.name, cases[case].task.schedule.step, criterion.allowed()
             );
-            (criterion.name.clone(), Concern::new(Code::CoarseStep, text))
+            let concern = Concern::new(Code::CoarseStep, text);
+            (criterion.name.clone(), concern.remedied("Choose a shorter `step` under [simulation]."))
         })
     });
     Ok(doubts.collect())
@@ -113,15 +114,16 @@ fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doub
 /// A doubt where the numerical uncertainty is a notable part of the accuracy.
 fn uncertain(criterion: &Criterion, standard: f64) -> Option<Doubt> {
     let text = format!(
-        "{}: the numerical uncertainty u_num of {}{} is more than a third of what is allowed ({}); choose a shorter `step` or a \
-         smaller tolerance of the FMU's solver",
+        "{}: the numerical uncertainty u_num of {}{} is more than a third of what is allowed ({})",
         criterion.name,
         number(standard, 3),
         criterion.unit_behind(),
         criterion.allowed()
     );
-    (standard > PART * criterion.room())
-        .then(|| (criterion.name.clone(), Concern::new(Code::CoarseStep, text)))
+    let remedy =
+        "Choose a shorter `step` under [simulation], or a smaller tolerance of the FMU's solver.";
+    let concern = Concern::new(Code::CoarseStep, text).remedied(remedy);
+    (standard > PART * criterion.room()).then(|| (criterion.name.clone(), concern))
 }
 
 /// Adds the numerical uncertainties to the comparisons.

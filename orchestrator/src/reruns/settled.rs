@@ -61,7 +61,7 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
         let text = format!(
             "no point was re-run longer and finer, so whether results swing or had settled is not known: {reason}"
         );
-        summary.doubt(Code::NotReRun, [text]);
+        summary.concerns.push(Concern::new(Code::NotReRun, text));
         let best = summary.best_point.as_ref().map(|best| best.point);
         runs.extend(best.map(|best| (best, recorded(plan, folder, summary))));
     }
@@ -300,17 +300,16 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
     let mut doubts = Vec::new();
     if *statistic == Statistic::Final && moved.swing > 0.1 * tolerance {
         let text = format!(
-            "{name}: its signal swings by {}{unit} in its last period{}, and `final` takes one instant of it ({stated}): use \
-             `statistic = \"mean\"` with a `window`, or measure at the same phase",
+            "{name}: its signal swings by {}{unit} in its last period{}, and `final` takes one instant of it ({stated})",
             number(moved.swing, 3),
             at(moved.swing_at)
         );
-        doubts.push(Concern::new(Code::Swings, text));
+        let remedy = "Compare means of signals that swing (`statistic = \"mean\"` with a `window`), or measure at the same phase.";
+        doubts.push(Concern::new(Code::Swings, text).remedied(remedy));
     }
     if moved.drift.abs() > 0.5 * tolerance {
         let text = format!(
-            "{name}: its value still moves when the run ends: in a run twice as long it {} by another {}{unit}{} ({stated}); \
-             simulate longer, or to the moment of the measurement",
+            "{name}: its value still moves when the run ends: in a run twice as long it {} by another {}{unit}{} ({stated})",
             if without_runs {
                 "would change"
             } else {
@@ -319,7 +318,8 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
             number(moved.drift, 3),
             at(moved.drift_at)
         );
-        doubts.push(Concern::new(Code::StillMoves, text));
+        let remedy = "Simulate until the values rest, or to the moment of the measurement (`stop` under [simulation]).";
+        doubts.push(Concern::new(Code::StillMoves, text).remedied(remedy));
     }
     doubts
 }
@@ -356,7 +356,7 @@ mod tests {
         assert!(
             doubts[1]
                 .text
-                .contains("in a run twice as long it changes by another −0.4 degC at point 7 (tolerance 0.6 degC);"),
+                .contains("in a run twice as long it changes by another −0.4 degC at point 7 (tolerance 0.6 degC)"),
             "{doubts:?}"
         );
         assert_eq!(of(Statistic::Mean, 0.07, -0.4).len(), 1);

@@ -250,7 +250,7 @@ pub fn further(summary: &Summary) -> Vec<String> {
         .collect()
 }
 
-/// Doubts without their remedies; those of one kind are told of the first criterion, with the names of the others.
+/// Doubts; those of one kind are told of the first criterion, with the names of the others.
 fn doubts(summary: &Summary) -> Vec<String> {
     let mut told: Vec<(&Concern, Vec<&str>)> = Vec::new();
     for concern in &summary.concerns {
@@ -274,11 +274,9 @@ fn doubts(summary: &Summary) -> Vec<String> {
             ),
             names => format!(" (as well: {})", names.join(", ")),
         };
-        let (doubt, _) = concern.parts();
         // The title says it.
-        let doubt = doubt
-            .strip_prefix("no measured value yet: ")
-            .unwrap_or(doubt);
+        let title = "no measured value yet: ";
+        let doubt = concern.text.strip_prefix(title).unwrap_or(&concern.text);
         capitalised(&format!("{}: {doubt}{others}.", concern.severity.name()))
     };
     told.into_iter().map(sentence).collect()
@@ -306,10 +304,9 @@ fn decisive(summary: &Summary) -> Option<String> {
 
 fn next(summary: &Summary, decision: Decision) -> Vec<String> {
     let mut list = Vec::new();
-    let remedies = summary.concerns.iter().filter_map(|c| c.parts().1);
     let mut seen = BTreeSet::new();
-    let remedies = remedies.filter(|remedy| seen.insert(*remedy));
-    list.extend(remedies.map(|remedy| capitalised(&format!("{remedy}."))));
+    let remedies = summary.concerns.iter().flat_map(|c| &c.remedy);
+    list.extend(remedies.filter(|remedy| seen.insert(*remedy)).cloned());
     if let Some(failed) = summary.first_failure.as_ref() {
         list.push(format!(
             "The first failure is point {}: {}.",

@@ -2,6 +2,7 @@
 
 use crate::judge::Criterion;
 use fmu_import::units::{Conversion, known};
+use study::concern::{Code, Concern};
 
 /// Fewer points may miss a measured value by chance.
 const FEWEST: u64 = 10;
@@ -36,7 +37,7 @@ const UNITS: [(f64, f64, &str); 16] = [
 
 /// Warns of a measured value that lies beyond the values of all points, given the least and the greatest of these. Values
 /// within the expanded uncertainty do not contradict it. A few points may miss it by chance, but not by a unit.
-pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<String> {
+pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<Concern> {
     // Equal curves are rare, and no unit explains that.
     if criterion.metric.is_some() {
         return None;
@@ -59,19 +60,24 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
         criterion.room(),
         [low, high],
     );
-    let hint = match mistaken {
-        Some(units) => format!("; the values would fit if {units} were mixed up: check `unit`"),
+    let (hint, remedy) = match mistaken {
+        Some(units) => (
+            format!("; the values would fit if {units} were mixed up"),
+            "Check the `unit` of each criterion that no point reaches.",
+        ),
         None if points < FEWEST => return None,
-        None => {
-            "; widen the parameters' distributions, or find out what the model misses".to_owned()
-        }
+        None => (
+            String::new(),
+            "Widen the parameters' distributions, or find out what the model misses.",
+        ),
     };
-    Some(format!(
+    let text = format!(
         "{}: no point reaches the measured value {nominal}{unit}; the points lie between {} and {}{unit}{hint}",
         criterion.name,
         short(low),
         short(high)
-    ))
+    );
+    Some(Concern::new(Code::OutOfReach, text).remedied(remedy))
 }
 
 /// Whether equal values can hardly come from two points. Rounded or discrete ones can: one of them has six digits at least.
@@ -87,31 +93,34 @@ pub fn is_telling(values: &[f64]) -> bool {
 
 /// Warns of rows of a table that repeat earlier ones: each counts as an independent point. A few rows may be equal by
 /// chance.
-pub fn repeated(repeated: u64, points: u64) -> Option<String> {
+pub fn repeated(repeated: u64, points: u64) -> Option<Concern> {
     const FEW: u64 = 10;
     (repeated > 0 && repeated >= points / FEW).then(|| {
-        format!(
+        let text = format!(
             "{repeated} of {points} rows have the same values of all criteria as an earlier one, to the last digit, and each \
-             of them counts as an independent point; if rows were written more than once, remove the copies"
-        )
+             of them counts as an independent point"
+        );
+        let remedy = "Remove the copies of rows that were written more than once.";
+        Concern::new(Code::RepeatedRows, text).remedied(remedy)
     })
 }
 
 /// Warns of a criterion whose value is the same at all points, given the least and the greatest: it only says again what
 /// one run says.
-pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<String> {
+pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<Concern> {
     const ROUNDING: f64 = 1e-12;
     let same = high - low <= ROUNDING * low.abs().max(high.abs());
     if points < FEWEST || low > high || !same {
         return None;
     }
     let unit = criterion.unit_behind();
-    Some(format!(
-        "{}: the value is {}{unit} at all {points} points, so it does not depend on the parameters that vary; check \
-         `variable`, vary a parameter that it depends on, or remove the criterion",
+    let text = format!(
+        "{}: the value is {}{unit} at all {points} points, so it does not depend on the parameters that vary",
         criterion.name,
         short(low)
-    ))
+    );
+    let remedy = "Check the `variable` of each criterion that does not move, vary a parameter that it depends on, or remove it.";
+    Some(Concern::new(Code::Unmoved, text).remedied(remedy))
 }
 
 /// What a unit may be mistaken for: another one of its kind, or of an unknown kind a thousandth or a thousand of it.
@@ -213,11 +222,11 @@ mod tests {
         let t = criterion(82.0, 0.6);
         assert_eq!(out_of_reach(&t, [81.0, 83.0], 100), None);
         assert_eq!(out_of_reach(&t, [80.0, 81.5], 9), None);
-        let far = out_of_reach(&t, [80.0, 81.5], 10).unwrap();
+        let far = out_of_reach(&t, [80.0, 81.5], 10).unwrap().to_string();
         assert!(far.starts_with(
             "T: no point reaches the measured value 82; the points lie between 80.000 and 81.500"
         ));
-        assert!(far.contains("widen"), "{far}");
+        assert!(far.contains(". Widen"), "{far}");
         assert_eq!(
             out_of_reach(&t, [f64::INFINITY, f64::NEG_INFINITY], 10),
             None
@@ -250,7 +259,7 @@ mod tests {
     fn rows_that_repeat_others_are_named() {
         assert_eq!(repeated(0, 5), None);
         assert_eq!(repeated(9, 100), None);
-        let warning = repeated(999, 1000).unwrap();
+        let warning = repeated(999, 1000).unwrap().text;
         assert!(warning.starts_with("999 of 1000 rows have the same values"));
         assert!(repeated(1, 3).is_some());
     }
@@ -258,7 +267,7 @@ mod tests {
     #[test]
     fn a_value_that_is_the_same_at_all_points_is_warned_of() {
         let t = criterion(82.0, 0.6);
-        let warning = unmoved(&t, [81.8, 81.8], 10).unwrap();
+        let warning = unmoved(&t, [81.8, 81.8], 10).unwrap().text;
         assert!(warning.starts_with("T: the value is 81.800 at all 10 points"));
         assert!(unmoved(&t, [0.0, 0.0], 10).is_some());
         assert_eq!(unmoved(&t, [81.8, 81.8], 9), None);
@@ -271,7 +280,8 @@ mod tests {
     fn zero_has_no_mistaken_unit() {
         for reached in [[0.0, 0.0], [2e-16, 5e-16]] {
             let warning = out_of_reach(&criterion(1.0, 0.5), reached, 50).unwrap();
-            assert!(warning.contains("widen the parameters"), "{warning}");
+            let remedy = warning.remedy.unwrap();
+            assert!(remedy.starts_with("Widen the parameters"), "{remedy}");
         }
     }
 
@@ -285,8 +295,9 @@ mod tests {
             (0.02, 0.001, [19.0, 20.5], "such as m and mm"),
         ] {
             for points in [3, 50] {
-                let warning =
-                    out_of_reach(&criterion(nominal, tolerance), reached, points).unwrap();
+                let warning = out_of_reach(&criterion(nominal, tolerance), reached, points)
+                    .unwrap()
+                    .text;
                 assert!(warning.contains(units), "{nominal}: {warning}");
             }
         }
@@ -300,15 +311,15 @@ mod tests {
             ("bar", 12.0, [115.0, 125.0], "if MPa and bar were"),
             ("K", 355.15, [81.0, 83.0], "if K and degC were"),
             ("-", 5.0, [0.049, 0.052], "if per cent and a share were"),
-            ("N", 5.0, [48.0, 52.0], "widen"),
-            ("J", 300.0, [31.0, 32.0], "widen"),
+            ("N", 5.0, [48.0, 52.0], "Widen"),
+            ("J", 300.0, [31.0, 32.0], "Widen"),
             ("J", 300.0, [0.29, 0.31], "such as mm and m"),
         ] {
             let criterion = Criterion {
                 unit: Some(unit.into()),
                 ..criterion(nominal, 0.02 * nominal)
             };
-            let warning = out_of_reach(&criterion, reached, 50).unwrap();
+            let warning = out_of_reach(&criterion, reached, 50).unwrap().to_string();
             assert!(warning.contains(units), "{unit}: {warning}");
         }
     }

@@ -4,11 +4,12 @@ use super::{Row, Summary};
 use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
+use study::concern::{Code, Concern};
 use study::plan::Plan;
 
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.
-pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) -> Option<String> {
+pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) -> Option<Concern> {
     let Summary {
         failed,
         points: all,
@@ -24,10 +25,11 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
         .collect();
     let reasons = reasons.join(", ");
     if failed == all {
-        return Some(format!(
-            "no point has a result ({reasons}), so the model was not compared with the measurement: see `orchestrator \
-             check` and the first failure"
-        ));
+        let text = format!(
+            "no point has a result ({reasons}), so the model was not compared with the measurement"
+        );
+        let remedy = "Find out why all points fail: `orchestrator check` looks at the FMU.";
+        return Some(Concern::new(Code::FailedPoints, text).remedied(remedy));
     }
     let rows = points
         .iter()
@@ -35,13 +37,19 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
     let rows: Vec<(&[f64], bool)> = rows.collect();
     let place = plan.and_then(|plan| place(plan, &rows));
     let place = place.map_or_else(String::new, |place| format!(", mostly where {place}"));
-    Some(format!(
-        "{} of {} points failed ({reasons}){place}; they count as not {}, and comparisons and sensitivities leave them out: find \
-         out why they fail, or cut the distributions to where the model works",
+    let text = format!(
+        "{} of {} points failed ({reasons}){place}; they count as not {}, and comparisons and sensitivities leave them out",
         grouped(failed),
         grouped(all),
         summary.met()
-    ))
+    );
+    let which = match failed {
+        1 => "a point fails".to_owned(),
+        n => format!("{} points fail", grouped(n)),
+    };
+    let remedy =
+        format!("Find out why {which}, or cut the distributions to where the model works.");
+    Some(Concern::new(Code::FailedPoints, text).remedied(remedy))
 }
 
 /// The parameter that sets marked points, such as failed ones, apart most, if any does: the largest distance between the

@@ -18,7 +18,7 @@ use conformity::risk::Risk;
 use conformity::validation::Comparison;
 use fmu_points::Conduct;
 use study::Dossier;
-use study::concern::{self, Code, Concern};
+use study::concern::{self, Concern};
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -147,12 +147,6 @@ impl Summary {
         all.truncate(MOST);
         all.sort_unstable();
         all
-    }
-
-    /// Adds doubts of one kind.
-    pub fn doubt(&mut self, code: Code, texts: impl IntoIterator<Item = String>) {
-        let concerns = texts.into_iter().map(|text| Concern::new(code, text));
-        self.concerns.extend(concerns);
     }
 
     /// A sentence on what was left out.

@@ -12,7 +12,7 @@ use crate::judge::Judge;
 use conformity::conclusion::grouped;
 use conformity::validation::{Comparison, Numerical, Spread};
 use point_journal::Outcome;
-use study::concern::Code;
+use study::concern::{Code, Concern};
 use study::plan::Plan;
 
 /// Looks at points one by one, in constant memory.
@@ -72,7 +72,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Warns of points beyond what the model is valid for.
-    fn beyond_validity(&self, summary: &Summary) -> Option<String> {
+    fn beyond_validity(&self, summary: &Summary) -> Option<Concern> {
         let validity = summary.asides.as_ref()?.validity.as_ref()?;
         let which = match summary.verified {
             0 => String::new(),
@@ -89,9 +89,8 @@ impl<'a> Survey<'a> {
         let place = place.map_or_else(String::new, |place| {
             format!(". They lie mostly where {place}")
         });
-        Some(format!(
-            "{told}{place}; validity.csv lists them: cut the distributions to where the model holds, or show that it holds there"
-        ))
+        let remedy = "Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points).";
+        Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied(remedy))
     }
 
     /// Adds to the summary what was seen.
@@ -99,20 +98,26 @@ impl<'a> Survey<'a> {
         let criteria = || self.judge.criteria.iter().enumerate();
         for warning in &self.judge.warnings {
             // Without the study's path, which may differ from run to run.
-            let text = warning.text.split_once(": ").map(|(_, text)| text);
-            summary.doubt(warning.code, text.map(str::to_owned));
+            let (_, text) = warning
+                .text
+                .split_once(": ")
+                .expect("its place comes first");
+            summary.concerns.push(Concern {
+                text: text.to_owned(),
+                ..warning.clone()
+            });
         }
         let reach = criteria().filter_map(|(k, c)| out_of_reach(c, self.reached[k], self.points));
-        summary.doubt(Code::OutOfReach, reach);
+        summary.concerns.extend(reach);
         for (count, reached) in summary.criteria.values_mut().zip(&self.reached) {
             count.reached = Some(*reached).filter(|[low, high]| low <= high);
         }
         let unmoved = criteria().filter_map(|(k, c)| unmoved(c, self.reached[k], self.points));
-        summary.doubt(Code::Unmoved, unmoved);
+        summary.concerns.extend(unmoved);
         let failed = failed::concern(summary, self.plan, &self.first);
-        summary.doubt(Code::FailedPoints, failed);
+        summary.concerns.extend(failed);
         let beyond = self.beyond_validity(summary);
-        summary.doubt(Code::BeyondValidity, beyond);
+        summary.concerns.extend(beyond);
         for (k, criterion) in criteria() {
             // The comparison is about a measured number.
             let spread = self.spreads[k]
@@ -130,7 +135,7 @@ impl<'a> Survey<'a> {
                         "{}: its values are too large to compute their spread, so model and measurement are not compared",
                         criterion.name
                     );
-                    summary.doubt(Code::NotCompared, [text]);
+                    summary.concerns.push(Concern::new(Code::NotCompared, text));
                 }
             }
         }

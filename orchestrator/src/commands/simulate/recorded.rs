@@ -95,7 +95,7 @@ pub(super) fn inputs(
             covers(&series, schedule, words).map_err(wrong)?;
         }
         for concern in doubts(&series, schedule, &scale) {
-            fmu_points::tell::line!("note: {}", concern.text);
+            fmu_points::tell::line!("note: {concern}");
         }
         Ok(series)
     };

@@ -152,13 +152,18 @@ fn a_verdict_whose_points_are_mostly_wrong_has_a_sign_of_its_own() {
     // A warning is a doubt, too; a note is none.
     summary.conclusion.as_mut().unwrap().risk = None;
     assert_eq!(Answer::new(&summary).sign, Sign::Yes);
-    summary.doubt(Code::NotReRun, ["no point was re-run".to_owned()]);
+    let note = Concern::new(Code::NotReRun, "no point was re-run");
+    summary.concerns.push(note);
     assert_eq!(Answer::new(&summary).sign, Sign::Yes);
-    let moves = |name: &str| format!("{name}: its value still moves: simulate longer");
-    summary.doubt(Code::StillMoves, ["T", "F"].map(moves));
+    let moves = |name: &str| {
+        let text = format!("{name}: its value still moves; but slowly");
+        Concern::new(Code::StillMoves, text).remedied("Simulate longer.")
+    };
+    summary.concerns.extend(["T", "F"].map(moves));
     let answer = Answer::new(&summary);
     assert_eq!(answer.sign, Sign::Doubt);
-    let told = "Warning: T: its value still moves (as well: F).".to_owned();
+    let told = "Warning: T: its value still moves; but slowly (as well: F).".to_owned();
     assert!(answer.decides.contains(&told), "{answer:?}");
-    assert_eq!(answer.next[0], "Simulate longer.");
+    let simulate = answer.next.iter().filter(|next| *next == "Simulate longer.");
+    assert_eq!(simulate.count(), 1, "{answer:?}");
 }
