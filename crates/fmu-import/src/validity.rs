@@ -11,6 +11,11 @@ pub fn alike(one: &str, other: &str) -> bool {
     without_numbers(one).eq(without_numbers(other))
 }
 
+/// What a message has in common with those that differ in their numbers alone.
+pub fn kind(message: &str) -> String {
+    without_numbers(message).collect()
+}
+
 /// Whether a message is to be kept beside these: it is the first of its kind, and there are not too many kinds.
 pub fn is_further<'a>(message: &str, mut kept: impl ExactSizeIterator<Item = &'a str>) -> bool {
     kept.len() < KINDS && !kept.any(|other| alike(message, other))

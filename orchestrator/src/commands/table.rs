@@ -9,7 +9,7 @@ use crate::report::counted::{readings, risks};
 use crate::results::Summary;
 use crate::results::answer::{Answer, further};
 use crate::results::asides::Asides;
-use crate::results::summary::{Count, FailedPoint};
+use crate::results::summary::{Count, FailedPoint, FailureKind};
 use fmu_points::Conduct;
 use result_document::wrapped;
 use study::concern::Concern;
@@ -142,13 +142,14 @@ fn counts(summary: &Summary) -> String {
     let mut text = String::new();
     let failed = match summary.failed {
         0 => String::new(),
-        failed => format!(", {failed} of them failed ({})", reasons(&summary.failures)),
+        failed => format!(", {failed} of them failed"),
     };
     // Writing to a String cannot fail.
     let plural = if summary.points == 1 { "" } else { "s" };
     let _ = writeln!(text, "{} point{plural}{failed}", summary.points);
-    if let Some(FailedPoint { point, status }) = &summary.first_failure {
-        let _ = writeln!(text, "point {point}: {status}");
+    for FailureKind { points, first } in &summary.failure_kinds {
+        let FailedPoint { point, status } = first;
+        let _ = writeln!(text, "{points:>8} as point {point}: {status}");
     }
     text.push('\n');
     text += &heads(summary);
@@ -193,14 +194,6 @@ fn line(text: &mut String, what: &str, count: &Count) {
         let _ = write!(text, "   {low:.1} .. {high:.1} %");
     }
     text.push('\n');
-}
-
-fn reasons(failures: &IndexMap<String, u64>) -> String {
-    let reasons: Vec<String> = failures
-        .iter()
-        .map(|(reason, count)| format!("{reason}: {count}"))
-        .collect();
-    reasons.join(", ")
 }
 
 /// The point with the largest product of prior density and likelihood, which need not be the nearest.

@@ -11,9 +11,11 @@ use super::planes::planes;
 use crate::error::Error;
 use crate::results::Summary;
 use crate::results::answer::{Answer, Sign};
+use crate::results::summary::FailureKind;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::conclusion::grouped;
 use conformity::risk::Risk;
+use fmu_import::validity::kind;
 use fmu_points::tell::is_hidden;
 use indexmap::IndexMap;
 use minijinja::{Environment, Value, context, value::Serde};
@@ -22,7 +24,7 @@ use result_document::format::{count, number, percent, with_unit};
 use result_document::{Document, marked};
 use sampling::statistics::moments::{deviation, mean};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::cmp::Reverse;
 
 /// More bytes are packed. Fewer are read at once, and in browsers that cannot unpack, too.
 const MOST_PLAIN: usize = 300_000;
@@ -141,7 +143,7 @@ pub fn render(report: &Report) -> Result<String, Error> {
             conformance.as_deref(),
             report.pictured().as_deref(),
         )),
-        failures => Serde(failures(table, (total > table.len()).then_some(&summary.failures))),
+        failures => Serde(failures(table, summary)),
         histories => histories(report),
         curves => report.history.iter().any(|series| series.measured.is_some()),
         documents => report.documents.iter().map(section).collect::<Vec<_>>(),
@@ -361,47 +363,38 @@ fn sampled_from(table: &PointTable) -> Vec<(&str, &str)> {
         .collect()
 }
 
-/// Reasons of failure, how often, and the first points of each.
-fn failures(
-    table: &PointTable,
-    whole: Option<&IndexMap<String, u64>>,
-) -> Vec<(String, String, String)> {
+/// Reasons of failure that differ in their numbers alone: that of the first point, how often, and the first points of each.
+fn failures(table: &PointTable, summary: &Summary) -> Vec<(String, String, String)> {
     const LISTED: usize = 12;
-    // Of some points, the classes of reasons are known with their exact counts, but not each reason.
-    let class = |status: &str| {
-        let classes = whole.into_iter().flat_map(IndexMap::keys);
-        classes
-            .into_iter()
-            .find(|class| status.starts_with(*class))
-            .cloned()
-    };
-    let mut reasons: BTreeMap<String, Vec<u64>> = BTreeMap::new();
-    if let Some(whole) = whole {
-        let none = whole.keys().map(|class| (class.clone(), Vec::new()));
-        reasons.extend(none);
-    }
+    let mut drawn: IndexMap<String, Vec<usize>> = IndexMap::new();
     for i in (0..table.len()).filter(|&i| !table.completed(i)) {
-        let status = &table.status[i];
-        let reason = class(status).unwrap_or_else(|| status.clone().into_owned());
-        reasons.entry(reason).or_default().push(table.ids[i]);
+        drawn.entry(kind(&table.status[i])).or_default().push(i);
     }
-    let number = |(reason, ids): &(String, Vec<u64>)| {
-        let known = whole.and_then(|whole| whole.get(reason));
-        known.map_or(ids.len(), |count| *count as usize)
+    let row = |(reason, points, of): (&str, u64, &[usize])| {
+        let ids = of.iter().take(LISTED).map(|&i| table.ids[i].to_string());
+        let mut list: Vec<String> = ids.collect();
+        if points > list.len() as u64 {
+            list.push("…".into());
+        }
+        (reason.to_owned(), grouped(points), list.join(", "))
     };
-    let mut rows: Vec<_> = reasons.into_iter().collect();
-    rows.sort_by_key(|row| std::cmp::Reverse(number(row)));
-    rows.into_iter()
-        .map(|row| {
-            let count_of = number(&row);
-            let (reason, ids) = row;
-            let mut list: Vec<String> = ids.iter().take(LISTED).map(u64::to_string).collect();
-            if count_of > list.len() {
-                list.push("…".into());
-            }
-            (reason, count(count_of), list.join(", "))
+    let counted = summary.failure_kinds.iter();
+    let mut rows: Vec<_> = counted
+        .map(|FailureKind { points, first }| {
+            let of = drawn.get(&kind(&first.status));
+            (&*first.status, *points, of.map_or(&[][..], Vec::as_slice))
         })
-        .collect()
+        .collect();
+    // Summaries of older versions do not count them.
+    if rows.is_empty() {
+        rows.extend(
+            drawn
+                .values()
+                .map(|of| (&*table.status[of[0]], of.len() as u64, &**of)),
+        );
+        rows.sort_by_key(|(_, points, _)| Reverse(*points));
+    }
+    rows.into_iter().map(row).collect()
 }
 
 /// A number of points that need not be whole.

@@ -67,6 +67,9 @@ pub struct Summary {
     /// The first point that failed, for the reason that is the most frequent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_failure: Option<FailedPoint>,
+    /// Failures whose reasons differ in their numbers alone, the most frequent first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failure_kinds: Vec<FailureKind>,
     /// The uncertain parameters.
     pub parameters: Vec<ParameterSummary>,
     /// The point nearest to the measurement, among those that meet all criteria if any does.
@@ -213,6 +216,16 @@ pub struct FailedPoint {
     pub point: u64,
     /// Why it has none, as in the `status` column of `points.csv`.
     pub status: String,
+}
+
+/// Points without a result for reasons that differ in their numbers alone.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FailureKind {
+    /// How many points.
+    pub points: u64,
+    /// The first of them.
+    #[serde(flatten)]
+    pub first: FailedPoint,
 }
 
 /// How many points meet a condition.

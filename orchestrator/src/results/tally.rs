@@ -1,12 +1,14 @@
 //! The counts of `summary.json`.
 
+use std::cmp::Reverse;
+
 use indexmap::IndexMap;
 
 use super::failed;
 use super::resampled::{not_stated, told};
 use super::summary::{
-    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, Kept, ParameterSummary,
-    Provenance, Summary, VariantCount,
+    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept,
+    ParameterSummary, Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
 use conformity::conclusion::{Conclusion, Ruling, grouped};
@@ -14,6 +16,8 @@ use conformity::decision::{Decision, randomised};
 use conformity::looks::Looks;
 use conformity::measured::Limits;
 use conformity::risk::RiskTally;
+use fmu_import::validity;
+use fmu_points::failure::Failure;
 use fmu_points::notices::{Notices, Replicates};
 use point_journal::Outcome;
 
@@ -39,7 +43,8 @@ pub struct Tally<'a> {
     look: u64,
     /// How many points were counted.
     pub points: u64,
-    failures: IndexMap<String, (u64, FailedPoint)>,
+    /// With their classes, by what they say but for its numbers.
+    failures: IndexMap<String, (&'static str, FailureKind)>,
     stated: Counts,
     variants: Vec<Counts>,
     binds: Vec<u64>,
@@ -156,16 +161,28 @@ impl<'a> Tally<'a> {
                     self.best = Some((rank, Kept::new(label, parameters, values)));
                 }
             }
-            Err(failure) => {
-                let first = || FailedPoint {
-                    point: label,
-                    status: failure.to_string(),
-                };
-                let class = failure.class().to_owned();
-                self.failures.entry(class).or_insert_with(|| (0, first())).0 += 1;
-            }
+            Err(failure) => self.add_failure(label, failure),
         }
         verdict
+    }
+
+    fn add_failure(&mut self, label: u64, failure: &Failure) {
+        const MOST_KINDS: usize = 20;
+        let (class, status) = (failure.class(), failure.to_string());
+        let mut kind = validity::kind(&status);
+        // An FMU may say another thing each time.
+        if self.failures.len() >= MOST_KINDS && !self.failures.contains_key(&kind) {
+            class.clone_into(&mut kind);
+        }
+        let first = FailedPoint {
+            point: label,
+            status,
+        };
+        let (_, of_kind) = self
+            .failures
+            .entry(kind)
+            .or_insert((class, FailureKind { points: 0, first }));
+        of_kind.points += 1;
     }
 
     fn count_cases(&mut self, outcome: &Outcome, verdict: &PointVerdict, replicate: usize) {
@@ -198,7 +215,7 @@ impl<'a> Tally<'a> {
     }
 
     fn failed(&self) -> u64 {
-        self.failures.values().map(|(count, _)| count).sum()
+        self.failures.values().map(|(_, kind)| kind.points).sum()
     }
 
     fn count(&self, passed: &Passed) -> Count {
@@ -286,13 +303,15 @@ impl<'a> Tally<'a> {
             (name, count)
         });
         let variants = judge.variants.iter().zip(&self.variants);
-        let counts = self.failures.iter();
-        let mut failures: IndexMap<String, u64> = counts
-            .map(|(class, (count, _))| (class.clone(), *count))
-            .collect();
+        let mut failures: IndexMap<String, u64> = IndexMap::new();
+        for (class, kind) in self.failures.values() {
+            *failures.entry((*class).to_owned()).or_default() += kind.points;
+        }
         failures.sort_unstable_keys();
+        let kinds = self.failures.values().map(|(_, kind)| kind.clone());
+        let mut failure_kinds: Vec<FailureKind> = kinds.collect();
         // Ties between reasons go to the one that occurred first.
-        let usual = self.failures.values().rev().max_by_key(|(count, _)| count);
+        failure_kinds.sort_by_key(|kind| Reverse(kind.points));
         let best = self.best.as_ref();
         Summary {
             title,
@@ -312,7 +331,8 @@ impl<'a> Tally<'a> {
                 .map(|(variant, counts)| self.variant(variant, counts))
                 .collect(),
             failures,
-            first_failure: usual.map(|(_, first)| first.clone()),
+            first_failure: failure_kinds.first().map(|kind| kind.first.clone()),
+            failure_kinds,
             best_point: best.map(|(_, kept)| BestPoint::new(judge, &parameters, kept)),
             parameters,
             provenance,

@@ -448,7 +448,29 @@ fn tables_of_other_programs() {
     // A point that failed in the other program counts as failed here, too.
     let said = judge("point,Y\n1,0.85\n2,\n3,nan\n");
     assert!(
-        said.contains("\n3 points, 2 of them failed (not finite: 2)"),
+        said.contains("\n3 points, 2 of them failed\n       2 as point 2: not finite: lag.y\n"),
         "{said}"
     );
+}
+
+/// FMI 2.0.5, 2.2.7: a constant never changes, whatever its causality.
+#[test]
+fn a_constant_does_not_vary() {
+    let bench = Bench::empty();
+    for causality in ["local", "output"] {
+        let constant = format!("causality=\"{causality}\" variability=\"constant\"");
+        let description = model(
+            "name=\"lag.rate\" valueReference=\"1\" causality=\"parameter\" variability=\"fixed\"",
+            &format!("name=\"lag.rate\" valueReference=\"1\" {constant}"),
+        );
+        bench.fmu("lag.fmu", &[], &description);
+        bench.write("study.toml", STUDY);
+        let said = bench.run(&["verify", "study.toml"]);
+        said.is_mistake(&[
+            "study.toml:",
+            "lag.rate",
+            "it is a constant; only parameters and inputs can be set",
+        ]);
+        assert_eq!(said.err.lines().count(), 1, "{}", said.err);
+    }
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::judge::Judge;
 use crate::results::summary::Provenance;
 use crate::results::tally::{Sample, Tally};
+use fmu_points::failure::Failure;
 use study::Study;
 use study::concern::Code;
 
@@ -164,6 +165,51 @@ fn a_verdict_whose_points_are_mostly_wrong_has_a_sign_of_its_own() {
     assert_eq!(answer.sign, Sign::Doubt);
     let told = "Warning: T: its value still moves; but slowly (as well: F).".to_owned();
     assert!(answer.decides.contains(&told), "{answer:?}");
-    let simulate = answer.next.iter().filter(|next| *next == "Simulate longer.");
+    let simulate = answer
+        .next
+        .iter()
+        .filter(|next| *next == "Simulate longer.");
     assert_eq!(simulate.count(), 1, "{answer:?}");
+}
+
+#[test]
+fn failures_are_told_by_their_kinds() {
+    let study = Study::parse(Path::new("s.toml"), STUDY.to_owned()).unwrap();
+    let judge = Judge::new(&study, None).unwrap();
+    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    for label in 1..=200 {
+        let failure = match label % 4 {
+            0 => Failure::Timeout,
+            1 => Failure::Error(format!("singular at t = {label} (fmi2DoStep)")),
+            _ => Failure::Error(format!("no film at h2 = {} um", -0.5 * label as f64)),
+        };
+        tally.add(label, &[], &Err(failure), None);
+    }
+    let summary = tally.summary(None, Provenance::default(), Vec::new());
+    let kinds = summary.failure_kinds.iter();
+    let kinds: Vec<String> = kinds
+        .map(|kind| format!("{} {} {}", kind.points, kind.first.point, kind.first.status))
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            "100 2 fmi2Error: no film at h2 = -1 um",
+            "50 1 fmi2Error: singular at t = 1 (fmi2DoStep)",
+            "50 4 timeout"
+        ]
+    );
+    assert_eq!(summary.failures["fmi2Error"], 150);
+    assert_eq!(summary.failed, 200);
+    // Texts of which no two are alike are counted by their class in the end.
+    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    for label in 0..1000 {
+        let failure = Failure::Error("x".repeat(label + 1));
+        tally.add(label as u64, &[], &Err(failure), None);
+    }
+    let summary = tally.summary(None, Provenance::default(), Vec::new());
+    let kinds = &summary.failure_kinds;
+    assert_eq!(
+        (kinds.len(), kinds[0].points, kinds[0].first.point),
+        (21, 980, 20)
+    );
 }
