@@ -8,7 +8,7 @@ class OrchestratorError(Exception):
 
 
 class OrchestratorWarning(UserWarning):
-    """A remark of the program on a study that it can use all the same."""
+    """A remark of the program on a study that it can use all the same, or a doubt about its verdict."""
 
 
 class Interrupted(KeyboardInterrupt):

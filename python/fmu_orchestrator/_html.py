@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = {"verified": "#1a7f37", "not verified": "#b3261e", "inconclusive": "#8a6100"}
-# The signs of the terminal's first screen, and where its words begin.
-SIGNS = {"✓ ": COLOURS["verified"], "! ": COLOURS["inconclusive"], "✗ ": COLOURS["not verified"], "? ": COLOURS["inconclusive"]}
+# The signs of the terminal's first screen.
+SIGNS = {"✓": COLOURS["verified"], "!": COLOURS["inconclusive"], "✗": COLOURS["not verified"], "?": COLOURS["inconclusive"]}
+# Where its words begin.
 LABEL = 9
 # The share of accepted points from which a verdict is doubtful.
 MOST = 0.5
@@ -38,7 +39,7 @@ def verification(summary: Mapping[str, Any], said: str, pictures: Iterable[Draw]
 def _first_screen(said: str) -> str:
     """The terminal's first screen: a sign with the verdict, then what was asked, the answer, what decides it, what is next."""
     first, *lines = said.split("\n\n")[0].splitlines() or [""]
-    if not lines or first[:2] not in SIGNS:
+    if not lines or first[:2].strip() not in SIGNS:
         return ""
     parts: list[list[str]] = []
     for line in lines:
@@ -48,29 +49,43 @@ def _first_screen(said: str) -> str:
             parts.append([label])
         parts[-1].append(line[LABEL:].strip())
     told = "".join(f"<p><b>{escape(label)}</b> {escape(' '.join(words))}</p>" for label, *words in parts)
-    return f'<p style="color: {SIGNS[first[:2]]}"><b>{escape(first)}</b></p>{told}'
+    return f'<p style="color: {SIGNS[first[0]]}"><b>{escape(first)}</b></p>{told}'
 
 
 def _verdict(summary: Mapping[str, Any]) -> str:
     """The same of results that were read from a folder: the verdict and its warnings."""
-    warnings = [f"<li>{escape(said)}</li>" for said in map(_said, summary.get("concerns", [])) if said]
-    wrong = (summary.get("risk") or {}).get("not_conforming_given_accepted") or 0.0
-    doubt = summary["verdict"] == "verified" and (warnings or wrong > MOST)
-    colour = COLOURS["inconclusive" if doubt else summary["verdict"]]
-    words = f'<p style="color: {colour}"><b>{"! " if doubt else ""}{escape(_sentence(summary["verdict_words"]))}</b></p>'
+    warnings = [f"<li>{escape(said)}</li>" for said in doubts(summary)]
+    wrong = _wrong(summary)
+    first = headline(summary)
+    words = f'<p style="color: {SIGNS[first[0]]}"><b>{escape(first)}</b></p>'
     risk = f"<p>{100 * wrong:.0f} % of the accepted points are expected not to conform.</p>" if wrong else ""
     return words + risk + (f"<ul>{''.join(warnings)}</ul>" if warnings else "")
 
 
-def _sentence(words: str) -> str:
-    return words[:1].upper() + words[1:] + "."
+def headline(summary: Mapping[str, Any]) -> str:
+    """The verdict in words behind its sign, as the terminal has it."""
+    verdict, words = summary["verdict"], str(summary["verdict_words"])
+    sign = {"verified": "✓", "not verified": "✗", "inconclusive": "?"}[verdict]
+    if any(count.get("nominal_from") for count in summary["criteria"].values()):
+        sign = "?"
+    elif verdict == "verified" and (doubts(summary) or _wrong(summary) > MOST or _is_odd(summary)):
+        sign = "!"
+    return f"{sign} {words[:1].upper()}{words[1:]}."
 
 
-def _said(concern: Any) -> str:
-    """What a concern says, where it is a warning; earlier versions wrote the text alone."""
-    if isinstance(concern, str):
-        return concern
-    return str(concern["text"]) if concern["severity"] != "note" else ""
+def doubts(summary: Mapping[str, Any]) -> list[str]:
+    """The concerns that are warnings, each with its remedy; earlier versions wrote a sentence alone."""
+    concerns = [{"text": one, "severity": ""} if isinstance(one, str) else one for one in summary.get("concerns", [])]
+    return [". ".join(filter(None, (one["text"], one.get("remedy")))) for one in concerns if one["severity"] != "note"]
+
+
+def _wrong(summary: Mapping[str, Any]) -> float:
+    return (summary.get("risk") or {}).get("not_conforming_given_accepted") or 0.0
+
+
+def _is_odd(summary: Mapping[str, Any]) -> bool:
+    """Whether points that ran twice gave other results."""
+    return summary.get("reproducible") is False or bool(summary.get("audit_mismatches"))
 
 
 def _criterion(name: str, count: Mapping[str, Any]) -> str:

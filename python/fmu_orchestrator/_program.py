@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -27,6 +28,8 @@ class Done:
 
     code: int
     text: str
+    said: str = ""
+    """Its remarks."""
 
 
 def flags(options: Mapping[str, Value]) -> Iterator[str]:
@@ -78,7 +81,7 @@ def run(
     remark(said)
     if process.returncode not in results:
         raise OrchestratorError(complaint(said, process.returncode))
-    return Done(process.returncode, text)
+    return Done(process.returncode, text, said)
 
 
 def units_of_fmu(fmu: str | os.PathLike[str]) -> dict[str, str]:
@@ -115,7 +118,15 @@ def remark(said: str) -> None:
     for line in said.splitlines():
         kind, _, text = line.partition(": ")
         if kind in ("warning", "note"):
-            warnings.warn(text, OrchestratorWarning, stacklevel=4)
+            warn(text)
+
+
+def warn(text: str) -> None:
+    """A warning at the line that called the package."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back and str(frame.f_globals.get("__name__")).startswith(f"{__package__}."):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, OrchestratorWarning, stacklevel=level)
 
 
 def complaint(said: str, code: int) -> str:

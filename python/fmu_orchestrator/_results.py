@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _html, _plot
 from ._errors import OrchestratorError
-from ._program import run, units_of_fmu
+from ._program import run, units_of_fmu, warn
 from ._table import Kind, Table, read
 
 if TYPE_CHECKING:
@@ -153,6 +153,15 @@ def _risks(found: Any) -> Risks | None:
     )
 
 
+def told(result: "Verification", said: str) -> "Verification":
+    """Passes doubts about a verdict on as warnings, but for those that the program said while it ran."""
+    remarks = said.splitlines()
+    for doubt in _html.doubts(result.summary):
+        if not any(remark.endswith(doubt) for remark in remarks):
+            warn(doubt)
+    return result
+
+
 class Verification:
     """A study that was verified, or a table that was judged; all of it is in ``folder``."""
 
@@ -254,7 +263,12 @@ class Verification:
         return cases
 
     def __repr__(self) -> str:
-        return f"<Verification: {self.verdict.words}; {self.folder}>"
+        return f"<Verification: {_html.headline(self.summary)[:-1]}; {self.folder}>"
+
+    def __str__(self) -> str:
+        """What the terminal shows; of results that were read from a folder the verdict and its warnings."""
+        doubts = (f"warning: {doubt}" for doubt in _html.doubts(self.summary))
+        return self.text.rstrip() or "\n".join([_html.headline(self.summary), *doubts])
 
     def _repr_html_(self) -> str:
         # Reading a million points takes longer than a glance at the answer may.

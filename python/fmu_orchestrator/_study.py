@@ -1,6 +1,5 @@
 """Studies: loaded, verified, analysed."""
 
-import json
 import os
 import tempfile
 import tomllib
@@ -16,9 +15,9 @@ from ._files import study_path
 from ._function import StudyFunction
 from ._program import Done, Value, flags, run
 from ._progress import Progress, Show
-from ._results import Identification, Pareto, Robustness, Sensitivity, Tolerances, Verification
+from ._results import Identification, Pareto, Robustness, Sensitivity, Tolerances, Verification, told
 from ._table import Given, csv_of, given
-from ._toml import Keep, changed, placed
+from ._toml import Keep, changed, placed, refuse_unknown
 
 # Exit codes that are answers: verified or done, not verified, inconclusive.
 ANSWERS = (0, 1, 3)
@@ -109,10 +108,13 @@ class Study:
     def with_(self, *, points: int | None = None, seed: int | None = None, **changes: Any) -> "Study":
         """Another study, which differs in some values: ``study.with_(points=200, **{"criteria.T.nominal": 81.5})``.
 
-        ``points`` and ``seed`` are those of the design. Other names are dotted, as in TOML; None takes a key out.
+        ``points`` and ``seed`` are those of the design. Other names are dotted, as in TOML; None takes a key out. A name that
+        no study knows is refused.
         """
         design = {f"design.{name}": value for name, value in (("points", points), ("seed", seed)) if value is not None}
-        return Study(changed(self.content, design | changes), name=self.name, folder=self.folder)
+        content = changed(self.content, design | changes)
+        refuse_unknown(self.content, content, changes)
+        return Study(content, name=self.name, folder=self.folder)
 
     def __getitem__(self, section: str) -> Any:
         """A part of the content: ``study["design"]["points"] = 200``."""
@@ -162,7 +164,7 @@ class Study:
         options: dict[str, Value] = {"points": points, "seed": seed, "points_from": table, "until": until}
         options |= {"validation": validation, "extra_runs": extra_runs}
         done = self._run("verify", folder, options, running)
-        return Verification(folder, done.text)
+        return told(Verification(folder, done.text), done.said)
 
     def judge(self, table: Given, *, output: StrPath | None = None, force: bool = False) -> Verification:
         """Applies the criteria to outputs in a table, without simulating: a file, or columns as `verify` takes them.
@@ -175,7 +177,7 @@ class Study:
             file = given(table, Path(place))
             forced = ["--force"] if force else []
             done = run("judge", self._file(folder, force=force), file, f"--output={folder}", *forced, results=ANSWERS)
-        return Verification(folder, done.text, keep)
+        return told(Verification(folder, done.text, keep), done.said)
 
     def sensitivity(
         self,
@@ -314,12 +316,12 @@ class Study:
     def _text(self, keep: Keep) -> str:
         return MARK + _toml.text(placed(self.content, self.folder, keep))
 
-    def _file(self, folder: Path, *, force: bool = False, resume: bool = False) -> Path:
+    def _file(self, folder: Path, *, force: bool = False) -> Path:
         """The file that the program reads: the study's own, or its content in the folder of the results."""
         if self.path is not None and self._is_file:
             return self.path
         text, file = self._text(lambda table: given(table, folder)), folder / "study.toml"
-        if not force and not _is_free(file, text, resume):
+        if not force and not _is_free(file, text):
             # The program then says what the folder holds.
             self._temporary = tempfile.TemporaryDirectory(prefix="study-")
             file = Path(self._temporary.name) / "study.toml"
@@ -346,7 +348,7 @@ class Study:
         try:
             return run(
                 command,
-                self._file(folder, force=bool(settings.get("force")), resume=bool(settings.get("resume"))),
+                self._file(folder, force=bool(settings.get("force"))),
                 f"--output={folder}",
                 *flags({**options, **settings}),
                 results=ANSWERS,
@@ -372,18 +374,12 @@ def _parsed(text: str) -> dict[str, Any]:
         raise OrchestratorError(f"study: {error}") from error
 
 
-def _is_free(file: Path, text: str, resume: bool) -> bool:
-    """Whether a study may be written there: nothing is there, or what an earlier run of such a study has left."""
+def _is_free(file: Path, text: str) -> bool:
+    """Whether a study may be written there: nothing is there, the study itself, or one that has not run."""
     try:
         there = file.read_text(encoding="utf-8")
     except FileNotFoundError:
         return True
     except (OSError, ValueError):
         return False
-    if there == text or not there.startswith(MARK):
-        return there == text
-    try:
-        request = json.loads((file.parent / "request.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return True
-    return not resume and os.path.abspath(request["study"]) == os.path.abspath(file)
+    return there == text or (there.startswith(MARK) and not (file.parent / "request.json").exists())

@@ -4,13 +4,16 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
+from difflib import get_close_matches
+from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
 from ._errors import OrchestratorError
+from ._files import HOME
 from ._table import is_table
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
@@ -93,6 +96,44 @@ def changed(content: Mapping[str, Any], changes: Mapping[str, Any]) -> Content:
     for name, value in changes.items():
         _assign(copy, name, value)
     return copy
+
+
+def refuse_unknown(before: Mapping[str, Any], after: Content, names: Iterable[str]) -> None:
+    """Refuses dotted names with a key that no study knows, or with a new table that lacks what such a table needs, as
+    misspelt."""
+    for name in names:
+        schema: Any = _schema()
+        old: Any = before
+        new: Any = after
+        for part in _parts(after, name):
+            if isinstance(new, list):
+                schema, new = schema.get("items", {}), _case(new, part, name)
+                old = next((case for case in old or () if case.get("name") == part), {})
+            else:
+                known = schema.get("properties", {})
+                others = schema.get("additionalProperties", {})
+                if part not in known and others is False:
+                    raise OrchestratorError(f"{name}: no study has `{part}` there{_nearest(part, known)}")
+                schema, new = known.get(part, others), new.get(part)
+                kept, old = old, old.get(part, {}) if isinstance(old, Mapping) else {}
+            schema = _schema()["$defs"][schema["$ref"].split("/")[-1]] if "$ref" in schema else schema
+            if not isinstance(new, Mapping | list):
+                break
+            if isinstance(new, Mapping) and not old and not new.keys() >= set(schema.get("required", ())):
+                raise OrchestratorError(f"{name}: there is no `{part}`{_nearest(part, kept)}")
+
+
+@cache
+def _schema() -> Content:
+    schema: Content = json.loads((HOME / "studies" / "study.schema.json").read_text(encoding="utf-8"))
+    return schema
+
+
+def _nearest(name: str, known: Iterable[str]) -> str:
+    near, all_known = get_close_matches(name, known, 1), ", ".join(known)
+    if near:
+        return f"; did you mean `{near[0]}`?"
+    return f"; there are {all_known}" if all_known else "; a name with dots stands in quotes"
 
 
 def _assign(content: Content, name: str, value: Any) -> None:

@@ -101,13 +101,18 @@ def test_remarks_are_warnings(tmp_path):
     # A sensor that is worse than what it is to decide on.
     text = PAPER.read_text().replace("../dist", str(ROOT / "dist"))
     study.write_text(text.replace('uncertainty = "0.5 degC"', 'uncertainty = "0.7 degC"'))
-    said = command("judge", study, TABLE3).stderr.splitlines()
+    said = command("verify", study, "--points", 4, "--output", tmp_path / "theirs").stderr.splitlines()
     remarks = [line.partition(": ")[2] for line in said if line.startswith(("warning: ", "note: "))]
     assert "T_oil: the uncertainty 0.7 degC" in remarks[0]
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        Study.load(study).judge(TABLE3)
-    assert [str(warning.message) for warning in caught if warning.category is OrchestratorWarning] == remarks
+        result = Study.load(study).verify(points=4, output=tmp_path / "ours")
+    ours = [warning for warning in caught if warning.category is OrchestratorWarning]
+    said = [str(warning.message) for warning in ours]
+    assert said[: len(remarks)] == remarks and {warning.filename for warning in ours} == {__file__}
+    # Doubts that only the result shows follow; each is told once.
+    doubts = [concern["text"] for concern in result.summary["concerns"] if concern["severity"] == "warning"]
+    assert len(doubts) > 1 and all(sum(doubt in one for one in said) == 1 for doubt in doubts)
 
 
 def test_sensitivity_is_the_command_lines(verified, tmp_path):

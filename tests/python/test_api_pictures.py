@@ -13,6 +13,7 @@ from python_package import ENVIRONMENT, PAPER
 
 from fmu_orchestrator import Identification, OrchestratorError, Study, Verification
 from fmu_orchestrator._html import COLOURS, verification
+from fmu_orchestrator._html import headline as headline_of
 from fmu_orchestrator._plot import limits, points
 from fmu_orchestrator._table import Table
 
@@ -146,12 +147,25 @@ def test_no_library_takes_names_for_values(verified):
 def test_a_notebook_shows_verdict_warnings_pictures_page(verified):
     html = Verification.load(verified.folder)._repr_html_()
     root = xml.etree.ElementTree.fromstring(f"<div>{html}</div>")
-    warnings = [one["text"] for one in verified.summary["concerns"] if one["severity"] == "warning"]
+    warnings = [f"{one['text']}. {one['remedy']}" for one in verified.summary["concerns"] if one["severity"] == "warning"]
     assert [item.text for item in root.iter("li")] == warnings and warnings
     order = [html.index(part) for part in (verified.verdict.words[1:], "<li>", "data:image/png", "report.html")]
     assert order == sorted(order)
     # Warnings are as large as the verdict, which has the colour of doubt.
     assert "size" not in html and COLOURS["inconclusive"] in html and COLOURS["verified"] not in html
+
+
+def test_a_printed_result_has_the_sign_of_the_terminal(verified):
+    assert str(verified) == verified.text.rstrip() and str(verified).startswith("! Verified, with doubts\n")
+    headline, *doubts = str(Verification.load(verified.folder)).splitlines()
+    assert headline == "! Verified by the one-point rule: 12 of 60 points." and f"<Verification: {headline[:-1]};" in repr(verified)
+    assert doubts and all(doubt.startswith("warning: ") for doubt in doubts)
+    sure = {**verified.summary, "concerns": [], "risk": None}
+    assert headline_of(sure)[0] == "✓" and headline_of({**sure, "audit_mismatches": 1})[0] == "!"
+    for verdict, sign in [("not verified", "✗"), ("inconclusive", "?")]:
+        assert headline_of({**verified.summary, "verdict": verdict})[0] == sign
+    name, criterion = next(iter(sure["criteria"].items()))
+    assert headline_of({**sure, "criteria": {name: {**criterion, "nominal_from": "model"}}})[0] == "?"
 
 
 SCREEN = """! Verified, with doubts

@@ -127,7 +127,8 @@ def test_mistakes_are_told_with_a_place_that_is_there(tmp_path, monkeypatch):
         Study("my.toml")
     with pytest.raises(OrchestratorError, match="cannot hold"):
         Study({"fmu": object()}).verify(output=tmp_path / "none")
-    wrong = Study(STUDY).with_(**{"criteria.P.nominall": 3})
+    wrong = Study(STUDY)
+    wrong["criteria"]["P"]["nominall"] = 3
     for _ in range(2):
         # Once more, as nothing was run.
         with pytest.raises(OrchestratorError, match="nominall") as error:
@@ -137,6 +138,28 @@ def test_mistakes_are_told_with_a_place_that_is_there(tmp_path, monkeypatch):
     assert Study(STUDY).verify(output=tmp_path / "wrong").verdict.points == 6
 
 
+@pytest.mark.parametrize("name, words", [
+    ("criteria.P.nominall", "no study has `nominall` there; did you mean `nominal`?"),
+    ("verdikt.share", "no study has `verdikt` there; did you mean `verdict`?"),
+    ("criteria.PP.nominal", "there is no `PP`; did you mean `P`?"),
+    ("criteria.Friction.nominal", "there is no `Friction`; there are P"),
+    ("inputs.drive.speed", "there is no `drive`; a name with dots stands in quotes"),
+    ("cases.one.fixd", "no study has `fixd` there; did you mean `fixed`?"),
+])
+def test_misspelt_names_are_refused(name, words):
+    study = Study({**STUDY, "cases": [{"name": "one", "fixed": {}}]})
+    with pytest.raises(OrchestratorError) as error:
+        study.with_(**{name: 3})
+    assert str(error.value) == f"{name}: {words}"
+
+
+def test_new_names_that_a_study_may_have_are_taken():
+    news = {"criteria.F.variable": "sensor.loadForce", "criteria.F.at-most": "900 N", "verdict.share": "5 %", 'fixed."load.stiffness"': 90,
+            "criteria.P.window.from": "1 s", 'inputs."drive.speed"': {"file": "n.csv"}, "simulation.warm-up": None}
+    study = Study(STUDY).with_(**news)
+    assert study.criteria == ["P", "F"] and study["inputs"]["drive.speed"]["file"] == "n.csv"
+
+
 def test_results_of_others_are_not_replaced(tmp_path, monkeypatch):
     monkeypatch.chdir(ROOT)
     file = Study(STUDY).save(tmp_path / "file.toml")
@@ -144,6 +167,10 @@ def test_results_of_others_are_not_replaced(tmp_path, monkeypatch):
     with pytest.raises(OrchestratorError, match="holds results of another study file"):
         Study(STUDY).with_(points=3).verify(output=tmp_path / "out")
     assert len(kept.points) == 6 and tomllib.loads((kept.folder / "study.toml").read_text()) == file.content
+    ours = Study(STUDY).verify(output=tmp_path / "ours")
+    with pytest.raises(OrchestratorError, match="holds results of another study file"):
+        Study(STUDY).with_(seed=3).verify(output=tmp_path / "ours")
+    assert Study(STUDY).verify(output=tmp_path / "ours").verdict == ours.verdict
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/study.toml").write_text("mine")
     with pytest.raises(OrchestratorError, match="was there before any run"):
