@@ -428,8 +428,11 @@ impl Variable {
 
     /// Whether an importer may set it before the start.
     pub fn is_settable(&self) -> bool {
-        self.variability != Variability::Constant
-            && matches!(self.causality, Causality::Parameter | Causality::Input)
-            || self.causality == Causality::Local && self.kind.start_value().is_some()
+        let has_part = match self.causality {
+            Causality::Parameter | Causality::Input => true,
+            Causality::Local => self.kind.start_value().is_some(),
+            _ => false,
+        };
+        has_part && self.variability != Variability::Constant
     }
 }

@@ -175,6 +175,7 @@ mod tests {
             window: None,
             curve: None,
             detail: None,
+            unit: None,
         };
         let task = Task {
             schedule: Schedule {

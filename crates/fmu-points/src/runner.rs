@@ -196,6 +196,7 @@ impl Runner {
         {
             Some(index) => {
                 let mut variable = self.scene.task.observed[index].name.clone();
+                variable += &self.scene.why_none(index).unwrap_or_default();
                 if let Some(time) = self.notices.ended {
                     variable += &format!(" (the FMU ended the simulation at {time} s)");
                 }

@@ -83,6 +83,9 @@ pub struct Probe {
     /// A number that the statistic needs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detail: Option<Detail>,
+    /// The variable's unit, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
 }
 
 /// A number without which a statistic is not complete.
@@ -123,6 +126,7 @@ impl Probe {
             window: None,
             curve: None,
             detail: None,
+            unit: variable.unit().map(str::to_owned),
         })
     }
 

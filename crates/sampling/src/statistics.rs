@@ -164,6 +164,14 @@ impl Accumulator {
     pub fn add(&mut self, elapsed: f64, value: f64) {
         self.add_all(std::iter::once((elapsed, value)));
     }
+
+    /// The range of the values so far, where these never crossed the level whose crossing is asked for.
+    pub fn uncrossed(&self) -> Option<[f64; 2]> {
+        match &self.0 {
+            Collector::Crossing(crossing) => crossing.uncrossed(),
+            _ => None,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -388,6 +396,11 @@ mod tests {
         assert_eq!(at(3.0, Direction::Rising), 0.75);
         assert_eq!(at(0.0, Direction::Either), 2.25);
         assert!(at(3.5, Direction::Either).is_nan());
+        let mut low = Accumulator::crossing(3.5, Direction::Either);
+        low.add_all(values.into_iter());
+        assert_eq!(low.uncrossed(), Some([-1.0, 3.0]));
+        low.add(1.0, 4.0);
+        assert_eq!(low.uncrossed(), None);
         // What comes before a crossing must be known, what comes after need not.
         let broken = |place: usize| {
             let mut signal = Accumulator::crossing(1.0, Direction::Falling);

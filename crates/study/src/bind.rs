@@ -127,6 +127,7 @@ impl Binder<'_> {
                 window: None,
                 curve: self.curve(name, criterion, &scale, &handle, schedule)?,
                 detail: self.detail(name, criterion, variable, schedule)?,
+                unit: variable.unit().map(str::to_owned),
             };
             Ok((scale.conversion.inverse(), probe))
         };

@@ -407,6 +407,7 @@ impl Binder<'_> {
             window: None,
             curve: None,
             detail: None,
+            unit: None,
         };
         Ok((probe, scale))
     }

@@ -70,6 +70,13 @@ fn the_time_of_an_event_is_judged() {
     let said = bench.run(&["verify", "study.toml", "--output", "never", "--verbose"]);
     assert_eq!(said.code, 3, "{}", said.err);
     assert!(said.out.contains("not finite: 6"), "{}", said.out);
+    let why = "not finite: lag.temperature never falls to 278.15 K, but stays within 273.15 .. ";
+    assert!(
+        said.out.contains(&format!("       6 as point 1: {why}")),
+        "{}",
+        said.out
+    );
+    assert!(bench.read("never/report.html").contains(why));
     for (keys, words) in [
         (own.replace("level = 0.5\n", ""), "needs `level`"),
         (own.replace("0.6 s", "0.6 K"), "no unit of time"),

@@ -82,6 +82,14 @@ impl Collector {
         }
     }
 
+    /// The range of a signal that never crossed the level whose crossing is asked for.
+    pub(super) fn uncrossed(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Event(accumulator, _) => accumulator.uncrossed(),
+            _ => None,
+        }
+    }
+
     /// To which draws of the measured curve the last result conforms; none where that was not asked.
     pub(super) fn conforming(&mut self) -> Option<Replicates> {
         match self {
@@ -237,6 +245,7 @@ mod tests {
             window: None,
             curve: Some(Arc::new(curve)),
             detail: None,
+            unit: None,
         }
     }
 

@@ -12,7 +12,7 @@ pub(super) struct Gauge {
     /// The number of the probe.
     pub(super) probe: usize,
     window: [f64; 2],
-    collector: Collector,
+    pub(super) collector: Collector,
     /// When it looked first and last, s.
     seen: Option<[f64; 2]>,
 }

@@ -2,9 +2,11 @@
 
 use super::gauge::Gauge;
 use super::watched::Watched;
+use crate::names::behind;
 use crate::notices::Notices;
-use crate::task::{Probe, Task, place};
+use crate::task::{Detail, Probe, Task, place};
 use fmu_import::{Call, Content, End, Instance};
+use sampling::statistics::Direction;
 
 /// A case, and what is gathered while it is simulated.
 #[derive(Debug)]
@@ -110,6 +112,31 @@ impl Scene {
             time = next;
         }
         Ok(())
+    }
+
+    /// Why a result is no number, as far as that is known.
+    pub(super) fn why_none(&self, result: usize) -> Option<String> {
+        let watched = &self.watched;
+        let watched = watched.probes.iter().zip(&watched.collectors);
+        let gauges = self.gauges.iter();
+        let gauges = gauges.map(|gauge| (&gauge.probe, &gauge.collector));
+        let (_, collector) = watched.chain(gauges).find(|(probe, _)| **probe == result)?;
+        let probe = &self.task.observed[result];
+        let (Some(Detail::Level(level, direction)), [low, high]) =
+            (probe.detail, collector.uncrossed()?)
+        else {
+            return None;
+        };
+        let crosses = match direction {
+            Direction::Either => "crosses",
+            Direction::Rising => "rises to",
+            Direction::Falling => "falls to",
+        };
+        let unit = behind(probe.unit.as_deref());
+        let [low, high] = [low, high].map(|value| format!("{value:.5e}").parse().unwrap_or(value));
+        Some(format!(
+            " never {crosses} {level}{unit}, but stays within {low} .. {high}{unit}"
+        ))
     }
 
     /// Empties what is gathered.

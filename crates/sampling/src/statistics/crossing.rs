@@ -42,6 +42,8 @@ pub struct Crossing {
     time: f64,
     /// When it came there; not a number where a value up to then was none, or infinite.
     passed: Option<f64>,
+    /// The least and the greatest value up to then.
+    range: Option<[f64; 2]>,
 }
 
 impl Crossing {
@@ -52,6 +54,11 @@ impl Crossing {
             direction,
             ..Self::default()
         }
+    }
+
+    /// The range of a signal that never came to the level.
+    pub fn uncrossed(&self) -> Option<[f64; 2]> {
+        self.range.filter(|_| self.passed.is_none())
     }
 }
 
@@ -73,6 +80,8 @@ impl Collect for Crossing {
                 self.passed = Some(self.time + share * elapsed);
             }
             self.last = Some(value);
+            let [low, high] = self.range.unwrap_or([value; 2]);
+            self.range = Some([low.min(value), high.max(value)]);
             self.time += elapsed;
         }
     }
