@@ -148,6 +148,33 @@ impl Probe {
         }
     }
 
+    /// One that reads the variable at a time of the model's clock, s, in the unit of a measured curve.
+    pub fn at_row(&self, curve: &MeasuredCurve, time: f64) -> Self {
+        Self {
+            curve: Some(Arc::new(curve.read_at(time))),
+            ..self.clone()
+        }
+    }
+
+    /// When it reads a row of a curve, on the model's clock, s.
+    pub(crate) fn row(&self) -> Option<f64> {
+        let curve = self.curve.as_ref().filter(|curve| curve.reads)?;
+        curve.times.first().copied()
+    }
+
+    /// Whether the other one reads a later row of the same curve.
+    pub(crate) fn goes_on_in(&self, next: &Self) -> bool {
+        let conversion = |probe: &Self| {
+            let curve = probe.curve.as_ref();
+            curve.map(|curve| [curve.factor, curve.offset])
+        };
+        let rows = self.row().zip(next.row());
+        rows.is_some_and(|(row, later)| row < later)
+            && self.handle == next.handle
+            && self.window == next.window
+            && conversion(self) == conversion(next)
+    }
+
     /// An accumulator of its statistic.
     pub fn accumulator(&self) -> Accumulator {
         match self.detail {

@@ -5,8 +5,6 @@
 //! share, such as the zero error and the gain of a sensor, are sources of the problem. Tolerances play no part: they say what
 //! is accepted, not how well it was measured.
 
-use std::sync::Arc;
-
 use indexmap::IndexMap;
 
 use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_difference};
@@ -404,7 +402,7 @@ impl Recorded<'_> {
         first: usize,
     ) -> Result<(Vec<Datum>, Read), String> {
         let rows = self.curve.times.iter().zip(&self.curve.values);
-        let data = rows.clone().zip(own).map(|((time, &value), &accuracy)| {
+        let data = rows.zip(own).map(|((time, &value), &accuracy)| {
             // Without the rounding of times that were shifted by a delay.
             let time = (time * 1e9).round() / 1e9;
             (
@@ -415,23 +413,10 @@ impl Recorded<'_> {
         let read = match lags.0.is_empty() {
             false => late(probe, self.curve, schedule, lags, first)?,
             true => {
-                let probe = |(&time, &value): (&f64, &f64)| Probe {
-                    curve: Some(Arc::new(MeasuredCurve {
-                        times: vec![time],
-                        values: vec![value],
-                        band: Vec::new(),
-                        errors: None,
-                        resampling: None,
-                        reads: true,
-                        ..self.curve.clone()
-                    })),
-                    ..probe.clone()
-                };
+                let probes = self.curve.shown_times();
+                let probes = probes.map(|time| probe.at_row(self.curve, time));
                 let numbers = first..first + own.len();
-                (
-                    rows.map(probe).collect(),
-                    numbers.map(Reading::Value).collect(),
-                )
+                (probes.collect(), numbers.map(Reading::Value).collect())
             }
         };
         Ok((data.collect(), read))

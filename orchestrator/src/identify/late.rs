@@ -93,18 +93,9 @@ pub(super) fn late(
     let count = (span / step).ceil() as usize + 1;
     let step = span / (count - 1) as f64;
     let lags = Arc::new(lags);
-    let probes = (0..count).map(|number| Probe {
-        curve: Some(Arc::new(MeasuredCurve {
-            times: vec![(from + number as f64 * step).clamp(schedule.start, schedule.stop)],
-            values: vec![0.0],
-            band: Vec::new(),
-            errors: None,
-            resampling: None,
-            delay: Delay::Known(0.0),
-            reads: true,
-            ..curve.clone()
-        })),
-        ..probe.clone()
+    let probes = (0..count).map(|number| {
+        let time = (from + number as f64 * step).clamp(schedule.start, schedule.stop);
+        probe.at_row(curve, time)
     });
     let readings = times.iter().map(|&time| {
         Reading::Late(Late {

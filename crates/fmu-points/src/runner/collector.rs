@@ -19,11 +19,19 @@ pub(super) enum Collector {
     Curve(Box<Comparison>),
     /// The value at a time between communication points.
     Value(Sampler),
+    /// Those at the rows of a curve, each the result of a probe, and their conversion: a factor and an offset.
+    Rows(Sampler, [f64; 2]),
 }
 
 impl Collector {
-    pub(super) fn new(probe: &Probe) -> Self {
+    /// One for a probe, or for several that read a curve row by row.
+    pub(super) fn new(probes: &[Probe]) -> Self {
+        let probe = &probes[0];
         match (&probe.curve, probe.detail) {
+            (Some(curve), _) if curve.reads => {
+                let times = probes.iter().filter_map(Probe::row);
+                Self::Rows(Sampler::new(times.collect()), [curve.factor, curve.offset])
+            }
             (Some(curve), _) => Self::Curve(Box::new(Comparison::new(curve))),
             (None, Some(Detail::At(time))) => Self::Value(Sampler::new(vec![time])),
             (None, Some(Detail::Turns(_, turn))) => Self::Turns(MeanOverTurns::new(turn)),
@@ -34,13 +42,14 @@ impl Collector {
     }
 
     /// Forgets all values.
-    pub(super) fn restart(&mut self, probe: &Probe) {
+    pub(super) fn restart(&mut self, probes: &[Probe]) {
+        let probe = &probes[0];
         match self {
             Self::Statistic(accumulator) => *accumulator = probe.accumulator(),
             Self::Event(accumulator, first) => (*accumulator, *first) = (probe.accumulator(), None),
-            Self::Turns(_) | Self::Periods(_) => *self = Self::new(probe),
+            Self::Turns(_) | Self::Periods(_) => *self = Self::new(probes),
             Self::Curve(comparison) => comparison.restart(),
-            Self::Value(sampler) => sampler.restart(),
+            Self::Value(sampler) | Self::Rows(sampler, _) => sampler.restart(),
         }
     }
 
@@ -56,7 +65,7 @@ impl Collector {
             Self::Turns(mean) => mean.add(elapsed, value, f64::NAN),
             Self::Periods(mean) => mean.add(elapsed, value, f64::NAN),
             Self::Curve(comparison) => comparison.add(time, value),
-            Self::Value(sampler) => sampler.add(time, value),
+            Self::Value(sampler) | Self::Rows(sampler, _) => sampler.add(time, value),
         }
     }
 
@@ -69,16 +78,30 @@ impl Collector {
         }
     }
 
-    /// The result of the values, over `span` seconds; not a number where a curve was not reached to its end, or a
-    /// value not at all.
-    pub(super) fn result(&mut self, span: f64) -> f64 {
+    /// The result of the values for each of its probes, over `span` seconds; not a number where a curve was not reached to its
+    /// end, or a value not at all.
+    pub(super) fn results(&mut self, span: f64, results: &mut [f64]) {
+        let Self::Rows(sampler, [factor, offset]) = self else {
+            results[0] = self.result(span);
+            return;
+        };
+        results.fill(f64::NAN);
+        let values = sampler.finish().unwrap_or_default();
+        for (result, value) in results.iter_mut().zip(values) {
+            *result = *factor * value + *offset;
+        }
+    }
+
+    fn result(&mut self, span: f64) -> f64 {
         match self {
             Self::Statistic(accumulator) => accumulator.result(span),
             Self::Event(accumulator, first) => first.unwrap_or(f64::NAN) + accumulator.result(span),
             Self::Turns(mean) => mean.result(),
             Self::Periods(mean) => mean.result(),
             Self::Curve(comparison) => comparison.result(),
-            Self::Value(sampler) => sampler.finish().map_or(f64::NAN, |values| values[0]),
+            Self::Value(sampler) | Self::Rows(sampler, _) => {
+                sampler.finish().map_or(f64::NAN, |values| values[0])
+            }
         }
     }
 
@@ -183,9 +206,6 @@ impl Comparison {
                 }
             }
         };
-        if measured.reads {
-            return model.first().copied().unwrap_or(f64::NAN);
-        }
         let pair = Pair {
             band: &measured.band,
             normaliser: measured.normaliser,
@@ -216,6 +236,7 @@ fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<
 mod tests {
     use std::sync::Arc;
 
+    use super::super::scene::together;
     use super::*;
     use curves::Metric;
     use fmu_import::{Content, Handle};
@@ -251,9 +272,10 @@ mod tests {
 
     /// The model is t in its own unit, in steps of a second.
     fn error(probe: &Probe, until: i32) -> f64 {
-        let mut collector = Collector::new(probe);
+        let probes = std::slice::from_ref(probe);
+        let mut collector = Collector::new(probes);
         for _ in 0..2 {
-            collector.restart(probe);
+            collector.restart(probes);
             for time in (0..=until).map(f64::from) {
                 collector.add(time, 1.0, time);
             }
@@ -277,9 +299,10 @@ mod tests {
                 detail: Some(Detail::At(time)),
                 ..probe(Delay::Known(0.0))
             };
-            let mut collector = Collector::new(&probe);
+            let probes = [probe];
+            let mut collector = Collector::new(&probes);
             for _ in 0..2 {
-                collector.restart(&probe);
+                collector.restart(&probes);
                 for time in [0.0, 0.5, 2.0] {
                     collector.add(time, f64::NAN, time * time);
                 }
@@ -291,6 +314,31 @@ mod tests {
         assert_eq!(at(1.5), 0.25 + 3.75 / 1.5);
         assert_eq!(at(2.0), 4.0);
         assert!(at(2.1).is_nan());
+    }
+
+    /// Rows of one curve are read by one look, whose values are those of a look each.
+    #[test]
+    fn rows_are_read_together() {
+        let whole = probe(Delay::Known(0.0));
+        let curve = whole.curve.as_ref().unwrap();
+        let mut rows: Vec<Probe> = [0.5, 1.25, 3.0].map(|at| whole.at_row(curve, at)).into();
+        rows.push(whole.at_row(curve, 2.0));
+        rows.push(whole.clone());
+        assert_eq!(together(&rows, 0..5), [0..3, 3..4, 4..5]);
+        assert_eq!(together(&rows, [0, 2].into_iter()), [0..1, 2..3]);
+        let mut collector = Collector::new(&rows[..3]);
+        for until in [4, 2] {
+            collector.restart(&rows[..3]);
+            for time in (0..=until).map(f64::from) {
+                collector.add(time, 1.0, time * time);
+            }
+            let mut results = [0.0; 3];
+            collector.results(f64::NAN, &mut results);
+            match until {
+                4 => assert_eq!(results, [5.0, 17.5, 90.0]),
+                _ => assert!(results.iter().all(|value| value.is_nan())),
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! A variable that is read by itself while a point runs: one that is no real number, or any where a criterion has a window
 //! of its own.
 
+use std::ops::Range;
+
 use super::collector::Collector;
 use crate::notices::Replicates;
 use crate::task::Probe;
@@ -9,8 +11,8 @@ use fmu_import::{Call, Instance};
 /// A probe, and what it has seen so far.
 #[derive(Debug)]
 pub(super) struct Gauge {
-    /// The number of the probe.
-    pub(super) probe: usize,
+    /// The numbers of its probes.
+    pub(super) probes: Range<usize>,
     window: [f64; 2],
     pub(super) collector: Collector,
     /// When it looked first and last, s.
@@ -18,29 +20,31 @@ pub(super) struct Gauge {
 }
 
 impl Gauge {
-    /// One for a probe that looks at the `usual` window where it has none of its own, s.
-    pub(super) fn new(number: usize, probe: &Probe, usual: [f64; 2]) -> Self {
+    /// One for probes that look at the `usual` window where they have none of their own, s.
+    pub(super) fn new(numbers: Range<usize>, observed: &[Probe], usual: [f64; 2]) -> Self {
+        let probes = &observed[numbers.clone()];
         Self {
-            probe: number,
-            window: probe.window.unwrap_or(usual),
-            collector: Collector::new(probe),
+            window: probes[0].window.unwrap_or(usual),
+            collector: Collector::new(probes),
+            probes: numbers,
             seen: None,
         }
     }
 
     /// Forgets all that it has seen.
-    pub(super) fn restart(&mut self, probe: &Probe) {
-        self.collector.restart(probe);
+    pub(super) fn restart(&mut self, observed: &[Probe]) {
+        self.collector.restart(&observed[self.probes.clone()]);
         self.seen = None;
     }
 
     /// Looks at the variable, if the time is in the window; rounding of times counts as nothing.
     pub(super) fn look(
         &mut self,
-        probe: &Probe,
+        observed: &[Probe],
         time: f64,
         instance: &mut Instance,
     ) -> Result<(), Call> {
+        let probe = &observed[self.probes.start];
         let [from, to] = self.window;
         let rounding = 1e-9 * (from.abs() + to.abs());
         if time < from - rounding || time > to + rounding {
@@ -64,13 +68,14 @@ impl Gauge {
         self.seen.is_some()
     }
 
-    /// What came of it, with the draws of a measured curve to which it conforms. Without a value there is no result,
+    /// Puts down what came of it; the draws of a measured curve to which it conforms. Without a value there is no result,
     /// which is found out by everyone who asks for one.
-    pub(super) fn result(&mut self) -> (f64, Option<Replicates>) {
-        let result = match self.seen {
-            Some([first, last]) => self.collector.result(last - first),
-            None => f64::NAN,
-        };
-        (result, self.collector.conforming())
+    pub(super) fn finish(&mut self, results: &mut [f64]) -> Option<Replicates> {
+        let results = &mut results[self.probes.clone()];
+        match self.seen {
+            Some([first, last]) => self.collector.results(last - first, results),
+            None => results.fill(f64::NAN),
+        }
+        self.collector.conforming()
     }
 }

@@ -1,5 +1,7 @@
 //! A case as it is simulated: its settings and inputs, and what is gathered on the way.
 
+use std::ops::Range;
+
 use super::gauge::Gauge;
 use super::watched::Watched;
 use crate::names::behind;
@@ -26,6 +28,25 @@ pub(super) struct Scene {
     pub(super) results: Vec<f64>,
 }
 
+/// The numbers of probes in groups: those that read a curve row by row need one look for all rows.
+pub(super) fn together(
+    observed: &[Probe],
+    numbers: impl Iterator<Item = usize>,
+) -> Vec<Range<usize>> {
+    let mut groups: Vec<Range<usize>> = Vec::new();
+    for number in numbers {
+        match groups.last_mut() {
+            Some(last)
+                if last.end == number && observed[number - 1].goes_on_in(&observed[number]) =>
+            {
+                last.end += 1;
+            }
+            _ => groups.push(number..number + 1),
+        }
+    }
+    groups
+}
+
 impl Scene {
     pub(super) fn new(number: usize, mut task: Task) -> Self {
         let stops = place(&mut task.inputs, &task.schedule);
@@ -35,16 +56,18 @@ impl Scene {
         let over_time = over_time.filter(|(_, probe)| has_windows || !probe.is_final());
         let (probes, others): (Vec<_>, Vec<_>) =
             over_time.partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
+        let [probes, others] = [probes, others]
+            .map(|of| together(&task.observed, of.iter().map(|(number, _)| *number)));
         let usual = [task.schedule.window_start, task.schedule.stop];
         let gauges = others.into_iter();
         Self {
             number,
             gauges: gauges
-                .map(|(number, probe)| Gauge::new(number, probe, usual))
+                .map(|probes| Gauge::new(probes, &task.observed, usual))
                 .collect(),
             has_windows,
             shifts: vec![0.0; task.inputs.len()],
-            watched: Watched::new(&task, probes.iter().map(|(number, _)| *number).collect()),
+            watched: Watched::new(&task, probes),
             results: vec![0.0; task.observed.len()],
             stops,
             task,
@@ -142,11 +165,11 @@ impl Scene {
     /// Empties what is gathered.
     pub(super) fn forget(&mut self) {
         let watched = &mut self.watched;
-        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            collector.restart(&self.task.observed[*index]);
+        for (probes, collector) in watched.probes.iter().zip(&mut watched.collectors) {
+            collector.restart(&self.task.observed[probes.clone()]);
         }
         for gauge in &mut self.gauges {
-            gauge.restart(&self.task.observed[gauge.probe]);
+            gauge.restart(&self.task.observed);
         }
     }
 
@@ -158,14 +181,12 @@ impl Scene {
         notices: &mut Notices,
     ) -> Result<(), Call> {
         let watched = &mut self.watched;
-        for (index, collector) in watched.probes.iter().zip(&mut watched.collectors) {
-            self.results[*index] = collector.result(span);
+        for (probes, collector) in watched.probes.iter().zip(&mut watched.collectors) {
+            collector.results(span, &mut self.results[probes.clone()]);
             notices.conforming.extend(collector.conforming());
         }
         for gauge in &mut self.gauges {
-            let (result, conforming) = gauge.result();
-            self.results[gauge.probe] = result;
-            notices.conforming.extend(conforming);
+            notices.conforming.extend(gauge.finish(&mut self.results));
         }
         if !self.has_windows {
             let finals = self.task.observed.iter().zip(&mut self.results);

@@ -79,7 +79,7 @@ impl Scene {
     ) -> Result<(), Call> {
         self.watched.read(instance, last, time - last)?;
         let mut gauges = self.gauges.iter_mut();
-        gauges.try_for_each(|gauge| gauge.look(&self.task.observed[gauge.probe], time, instance))
+        gauges.try_for_each(|gauge| gauge.look(&self.task.observed, time, instance))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Real variables that are read at every communication point while a point runs.
 
+use std::ops::Range;
+
 use super::collector::Collector;
 use super::steps::Together;
 use crate::task::Task;
@@ -16,19 +18,21 @@ pub(super) struct Watched {
     /// How many of them there may be.
     pub(super) most: usize,
     pub(super) collectors: Vec<Collector>,
-    /// The numbers of the probes.
-    pub(super) probes: Vec<usize>,
+    /// The numbers of each collector's probes.
+    pub(super) probes: Vec<Range<usize>>,
 }
 
 impl Watched {
     /// How many values are gathered at the most before they are looked at: so few that the nearest cache holds them.
     const GATHERED: usize = 1024;
 
-    pub(super) fn new(task: &Task, probes: Vec<usize>) -> Self {
-        let observed = || probes.iter().map(|&index| &task.observed[index]);
+    pub(super) fn new(task: &Task, probes: Vec<Range<usize>>) -> Self {
+        let observed = || probes.iter().map(|probes| &task.observed[probes.clone()]);
         let most = (Self::GATHERED / probes.len().max(1)).clamp(1, Together::MOST);
         Self {
-            references: observed().map(|probe| probe.handle.reference).collect(),
+            references: observed()
+                .map(|probes| probes[0].handle.reference)
+                .collect(),
             values: vec![0.0; most * probes.len()],
             steps: Together::default(),
             most,
@@ -89,7 +93,7 @@ fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], val
             Collector::Curve(comparison) => {
                 comparison.add_steps(begins, sizes, &values[number..], count);
             }
-            Collector::Value(sampler) => {
+            Collector::Value(sampler) | Collector::Rows(sampler, _) => {
                 sampler.add_steps(begins, sizes, &values[number..], count);
             }
         }

@@ -77,6 +77,20 @@ pub enum Delay {
 }
 
 impl MeasuredCurve {
+    /// What reads the model at a time of its own clock, s.
+    pub(super) fn read_at(&self, time: f64) -> Self {
+        Self {
+            times: vec![time],
+            values: vec![0.0],
+            band: Vec::new(),
+            errors: None,
+            resampling: None,
+            delay: Delay::Known(0.0),
+            reads: true,
+            ..*self
+        }
+    }
+
     /// The times on the model's clock, as pictures have them; those of the measurement where the delay is to be found.
     pub fn shown_times(&self) -> impl Iterator<Item = f64> + '_ {
         let delay = match self.delay {
