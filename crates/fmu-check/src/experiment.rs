@@ -25,7 +25,15 @@ pub(crate) fn columns(fmu: &Description) -> Vec<&Variable> {
 /// How many steps a probe takes.
 const STEPS: f64 = 10.0;
 
-/// A few steps of the suggested experiment, or of another where that is of no use.
+/// A few steps of an experiment.
+pub(crate) fn first_steps(whole: Schedule) -> Schedule {
+    Schedule {
+        stop: whole.stop.min(whole.start + STEPS * whole.step),
+        ..whole
+    }
+}
+
+/// The suggested experiment, or another where that is of no use.
 pub(crate) fn schedule(fmu: &Description) -> Schedule {
     let mut schedule = Schedule::suggested(fmu);
     let passes = schedule.stop > schedule.start;
@@ -35,9 +43,14 @@ pub(crate) fn schedule(fmu: &Description) -> Schedule {
     if !(schedule.step > 0.0 && schedule.step.is_finite()) {
         schedule.step = (schedule.stop - schedule.start) / 500.0;
     }
-    schedule.stop = schedule.stop.min(schedule.start + STEPS * schedule.step);
     schedule.tolerance = schedule.tolerance.filter(|tolerance| *tolerance > 0.0);
     schedule
+}
+
+/// When the last step of a schedule's size ends before the suggested stop time, s: a shorter one may be refused.
+pub(crate) fn last_whole_step(fmu: &Description, schedule: &Schedule) -> f64 {
+    let Schedule { start, step, .. } = *schedule;
+    start + ((self::schedule(fmu).stop - start) / step + 1e-6).floor() * step
 }
 
 /// The same number of steps, of another size.

@@ -5,6 +5,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -25,8 +26,6 @@ pub(crate) enum Life {
     InTurn,
     /// Two instances at once, their steps in turn.
     Together,
-    /// One with half the step size.
-    Halved,
 }
 
 /// The task.
@@ -37,6 +36,19 @@ pub(crate) struct Setup {
     pub(crate) schedule: Schedule,
     pub(crate) columns: Vec<Handle>,
     pub(crate) changed: Vec<(u32, Value)>,
+    /// One row is kept of so many steps.
+    pub(crate) every: u64,
+    /// Where a simulation ends early, with what is kept of it.
+    pub(crate) end: End,
+}
+
+/// An end of a simulation before its stop time, which is no failure.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct End {
+    /// After so many steps.
+    pub(crate) steps: Option<u64>,
+    /// After so long.
+    pub(crate) time: Option<Duration>,
 }
 
 /// What a probe tells.
@@ -128,10 +140,6 @@ impl Probe<'_> {
         self.report.types_platform = library.types_platform();
         match self.setup.life {
             Life::Alone => self.whole(library, ""),
-            Life::Halved => {
-                self.schedule.step /= 2.0;
-                self.whole(library, "")
-            }
             Life::Reset => self.twice_on_one(library, &[]),
             Life::Changed => self.twice_on_one(library, &self.setup.changed),
             Life::InTurn => {
@@ -240,9 +248,17 @@ impl Probe<'_> {
     /// Takes all steps, of several instances in turn.
     fn steps(&mut self, lives: &mut [&mut Live]) {
         let points = self.schedule.points();
-        for index in 0..points.steps {
+        let Setup { every, end, .. } = self.setup;
+        let (count, begun) = (
+            end.steps.unwrap_or(u64::MAX).min(points.steps),
+            Instant::now(),
+        );
+        for index in 0..count {
             let (time, next) = (points.at(index), points.at(index + 1));
-            self.at(&format!("fmi2DoStep at {time} s"));
+            let is_kept = (index + 1).is_multiple_of(*every) || index + 1 == count;
+            if index.is_multiple_of(*every) {
+                self.at(&format!("fmi2DoStep at {time} s"));
+            }
             for live in lives.iter_mut().filter(|live| live.open) {
                 let Live { instance, run, .. } = &mut **live;
                 let mut at = next;
@@ -255,10 +271,17 @@ impl Probe<'_> {
                     run.ended = Some(at);
                     outcome = Ok(());
                 }
-                let outcome = outcome.and_then(|()| note(instance, self.setup, at, run));
+                let outcome = outcome.and_then(|()| match is_kept || run.ended.is_some() {
+                    true => note(instance, self.setup, at, run),
+                    false => Ok(()),
+                });
                 run.refused = matches!(&outcome, Err(call) if call.status == Status::Discard);
                 run.failure = outcome.err().map(|call| call.to_string());
                 live.open = run.failure.is_none() && run.ended.is_none();
+            }
+            let is_over = || end.time.is_some_and(|time| begun.elapsed() > time);
+            if is_kept && is_over() || lives.iter().all(|live| !live.open) {
+                break;
             }
         }
     }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::child::{self, Outcome};
-use crate::compare::{difference, largest_change};
+use crate::compare::{Change, changes, difference};
 use crate::hit::{Breach, Hit};
-use crate::probe::{Life, Run, Setup};
+use crate::probe::{End, Life, Run, Setup};
 use crate::{experiment, simulated};
 use fmu_import::isolation::watch::Snapshot;
 use fmu_import::{Description, Package, Variable};
@@ -44,9 +44,11 @@ impl<'a> Probes<'a> {
         let setup = Setup {
             fmu: std::path::absolute(unpacked)?,
             life: Life::Alone,
-            schedule: experiment::schedule(fmu),
+            schedule: experiment::first_steps(experiment::schedule(fmu)),
             columns: columns.iter().map(|variable| variable.handle()).collect(),
             changed: experiment::changed(fmu),
+            every: 1,
+            end: End::default(),
         };
         Ok(Self {
             fmu,
@@ -247,8 +249,8 @@ impl<'a> Probes<'a> {
                 "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)"
                     .to_owned(),
             ),
-            // These are one run.
-            Life::Alone | Life::Halved => return Ok(None),
+            // It is one run.
+            Life::Alone => return Ok(None),
         };
         let outcome = self.later(life, None)?;
         let runs = match sound(&outcome, 2) {
@@ -277,29 +279,56 @@ impl<'a> Probes<'a> {
         Ok(text.map(|text| unlike(rule, &what, &text)))
     }
 
-    /// How much half the step changes. It may: a note.
+    /// How much half the step changes up to the suggested stop time, or as far as a simulation gets in a second.
     fn halved(&mut self, whole: &Run) -> io::Result<Option<Breach>> {
-        const MUCH: f64 = 0.01;
+        const ROWS: u64 = 200;
+        const TIME: Duration = Duration::from_secs(1);
         // Where it ends depends on the step that it refuses.
         if whole.ended.is_some() {
             return Ok(None);
         }
-        let outcome = self.later(Life::Halved, None)?;
-        let text = match sound(&outcome, 1) {
-            Err(text) => Some(format!("with half the communication step, {text}")),
-            Ok(runs) => {
-                let most = largest_change(&self.columns, whole, &runs[0]);
-                let most = most.filter(|(share, _)| *share > MUCH);
-                most.map(|(share, name)| {
-                    let step = self.setup.schedule.step;
-                    format!(
-                        "with half the communication step of {step} s, {name} changes by {:.2} % of its size",
-                        100.0 * share
-                    )
-                })
+        let schedule = &mut self.setup.schedule;
+        schedule.stop = experiment::last_whole_step(self.fmu, schedule).max(schedule.stop);
+        let (step, stop, steps) = (schedule.step, schedule.stop, schedule.steps());
+        self.setup.every = steps.div_ceil(ROWS);
+        self.setup.end.time = Some(TIME);
+        let coarse = self.run(Life::Alone, None, self.patience)?;
+        let coarse = match (&coarse.fate, sound(&coarse, 1)) {
+            (Some(fate), _) if fate == child::TIMEOUT => return Ok(None),
+            (_, Ok(runs)) => &runs[0],
+            (_, Err(text)) => {
+                let text = format!("up to its stop time of {stop} s, {}", self.shortened(&text));
+                return Ok(Some(("early-end", Hit::plain(text))));
             }
         };
-        Ok(text.map(|text| ("step-size", Hit::plain(text))))
+        let reached = coarse.times.last().copied().unwrap_or(stop);
+        let taken = match reached < stop {
+            true => self.setup.every * (coarse.rows.len() as u64 - 1),
+            false => steps,
+        };
+        self.setup.schedule.step /= 2.0;
+        self.setup.every *= 2;
+        self.setup.end = End {
+            steps: Some(2 * taken),
+            time: None,
+        };
+        let finer = self.later(Life::Alone, None)?;
+        let finer = match sound(&finer, 1) {
+            Err(text) => {
+                let text = format!("with half the communication step, {text}");
+                return Ok(Some(("step-size", Hit::plain(text))));
+            }
+            Ok(runs) => &runs[0],
+        };
+        let less = match reached < stop {
+            true => format!("; it was tried up to {reached} s of {stop} s, for want of time"),
+            false => String::new(),
+        };
+        let found = much(changes(&self.columns, coarse, finer));
+        Ok(found.map(|(rule, text)| {
+            let text = format!("with half the communication step of {step} s, {text}{less}");
+            (rule, Hit::plain(text))
+        }))
     }
 
     /// A message without the folder into which the FMU was unpacked.
@@ -330,6 +359,28 @@ fn sound(outcome: &Outcome, count: usize) -> Result<&[Run], String> {
 /// The first of some runs, where there is one.
 fn first(outcome: &Outcome) -> Option<&Run> {
     outcome.report.as_ref()?.runs.first()
+}
+
+/// The variable of those that change much which changes most on average, where that is no matter of single moments: a jump that
+/// comes a step later. Then it is a warning.
+fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
+    const MUCH: f64 = 0.01;
+    let much = changes.into_iter().filter(|change| change.most > MUCH);
+    let Change { name, most, mean } = much.max_by(|a, b| a.mean.total_cmp(&b.mean))?;
+    let rule = if mean > MUCH {
+        "step-coarse"
+    } else {
+        "step-size"
+    };
+    let text = match most.is_finite() {
+        true => format!(
+            "{name} changes by up to {:.2} % of its range, {:.2} % on average",
+            100.0 * most,
+            100.0 * mean
+        ),
+        false => format!("{name} is a finite number with one of the steps alone"),
+    };
+    Some((rule, text))
 }
 
 /// A life that is not as one alone.

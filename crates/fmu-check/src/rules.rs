@@ -156,7 +156,8 @@ pub static RULES: &[Rule] = &[
     rule("life-reset", Error, "FMI 2.0.5, 2.1.6", "fmi2Reset takes everything back", Elsewhere),
     rule("life-again", Error, "FMI 2.0.5, 2.1.5", "a second instance is as the first", Elsewhere),
     rule("life-instances", Error, "FMI 2.0.5, 4.3.1", "several instances do not disturb each other, or canBeInstantiatedOnlyOncePerProcess is set", Elsewhere),
-    rule("step-size", Note, "FMI 2.0.5, 4.2.2", "the communication step hardly changes the values", Elsewhere),
+    rule("step-coarse", Warning, "a study would be wrong", "half the suggested communication step hardly changes the values", Elsewhere),
+    rule("step-size", Note, "FMI 2.0.5, 4.2.2", "half the communication step never changes a value much, and is taken", Elsewhere),
     // Rules of FMI 3.0 alone.
     rule("three-token", Error, "FMI 3.0.2, 2.4", "instantiationToken is there", Three(three::token)),
     rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(definitions::serialized_states)),
