@@ -64,9 +64,36 @@ fn told(message: &str) -> String {
     let end = ends.into_iter().flatten().min().unwrap_or(message.len());
     let parts = message[..end].split("\n\n");
     let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
-    let line = parts.collect::<Vec<_>>().join("; ") + "; --help shows what there is";
+    let parts: Vec<String> = parts.collect();
+    let line = of_the_study(&parts[0]).unwrap_or_else(|| parts.join("; "));
+    let line = line + "; --help shows what there is";
     let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
     WORDS.iter().fold(line, replaced)
+}
+
+/// The fault that an option is a key of the study's file: what looks like it among the options is no help then.
+fn of_the_study(fault: &str) -> Option<String> {
+    const SCHEMA: &str = include_str!("../../studies/study.schema.json");
+    let option = fault.strip_prefix("unexpected argument '--")?;
+    let key = option.split_once("' found")?.0;
+    let schema: serde_json::Value = serde_json::from_str(SCHEMA).ok()?;
+    let sections = schema["properties"].as_object()?.iter();
+    let has = |(_, section): &(&String, &serde_json::Value)| {
+        let parts = section["$ref"]
+            .as_str()
+            .and_then(|at| at.strip_prefix("#/$defs/"));
+        parts.is_some_and(|name| schema["$defs"][name]["properties"].get(key).is_some())
+    };
+    let sections: Vec<String> = sections
+        .filter(has)
+        .map(|(name, _)| format!("[{name}]"))
+        .collect();
+    (!sections.is_empty()).then(|| {
+        format!(
+            "{fault}; `{key}` is set in the study, under {}",
+            sections.join(" or ")
+        )
+    })
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call or a file, \
@@ -165,6 +192,10 @@ mod tests {
             (
                 "o verify s --ponits 3",
                 "unexpected argument '--ponits' found; a similar argument exists: '--points'",
+            ),
+            (
+                "o identify s --descents 3",
+                "unexpected argument '--descents' found; `descents` is set in the study, under [identify]",
             ),
             (
                 "o verify",
