@@ -1,5 +1,7 @@
 //! Whether a fit speaks for the model: by the size of the misfits, and by their order along each measured curve.
 
+use serde::Serialize;
+
 use super::digits::rounded;
 use super::next::Group;
 use super::order::Order;
@@ -10,7 +12,8 @@ use super::problem::Estimate;
 pub const DOUBTFUL: f64 = 0.05;
 
 /// How well the model fits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Fit {
     /// As a right model would.
     Good,
@@ -32,6 +35,12 @@ impl IdentificationOutcome {
             Order::of(&curve.name, &residuals, estimates.iter().find(is_its))
         });
         self.orders = orders.collect();
+        self.ambiguous = self.has_several() && self.fit() != Fit::Misses;
+    }
+
+    /// Whether there are several optima.
+    pub fn has_several(&self) -> bool {
+        self.optima.len() > 1
     }
 
     /// How well the model fits.
@@ -174,7 +183,12 @@ mod tests {
     #[test]
     fn of_several_optima_that_miss_none_is_said_to_fit() {
         let outcome = fitted(measured(&[49.0], 1.0), &|p, _| p.sin());
-        assert!(outcome.ambiguous && outcome.fit() == Fit::Misses);
+        assert!(outcome.has_several() && !outcome.ambiguous && outcome.fit() == Fit::Misses);
+        let section = text::fixed_section("s.toml", 0, &outcome, &[]);
+        assert!(
+            section.contains(": all miss the measured values."),
+            "{section}"
+        );
         let text = text::summary(&outcome);
         assert!(
             text.starts_with("The model cannot reach the measured values"),

@@ -9,6 +9,7 @@ pub mod failures;
 pub mod fit;
 pub mod local;
 pub mod next;
+pub mod numerical;
 pub mod objective;
 pub mod optima;
 #[cfg(test)]

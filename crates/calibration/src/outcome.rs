@@ -9,6 +9,7 @@ use super::expected::Expected;
 use super::failures::{Edge, Excluded};
 use super::local::{End, Minimum};
 use super::next::NextOutcome;
+use super::numerical::NumericalError;
 use super::optima::{Approximation, Optimum};
 use super::order::Order;
 use super::posterior::{Direction, UNDETERMINED};
@@ -31,9 +32,9 @@ pub struct IdentificationOutcome {
     /// What is assumed beyond what is stated, a sentence each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Whether several distinct sets of parameters could be the right one: then none of them is the value.
+    /// Whether several distinct sets of parameters fit, so that none of them is the value.
     pub ambiguous: bool,
-    /// All of them.
+    /// All distinct sets, whether they fit or are the best of those that do not.
     pub optima: Vec<OptimumOutcome>,
     /// Why the last search ended.
     pub end: End,
@@ -75,6 +76,9 @@ pub struct IdentificationOutcome {
     /// The model's unknown discrepancies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub discrepancies: Vec<Discrepancy>,
+    /// The model's numerical error at the first optimum, where half the steps were tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub numerical_error: Option<NumericalError>,
     /// What would narrow the parameters most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next: Option<NextOutcome>,
@@ -291,6 +295,7 @@ impl IdentificationOutcome {
                 progress.screened.iter().map(Option::is_some),
             ),
             discrepancies: Vec::new(),
+            numerical_error: None,
             next: None,
             cross_validation: None,
             surrogate: None,

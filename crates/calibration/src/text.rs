@@ -8,6 +8,7 @@ use super::failures::words;
 use super::fit::{DOUBTFUL, Fit};
 use super::local::End;
 use super::next;
+use super::numerical::NumericalError;
 use super::optima::Approximation;
 use super::outcome::{CaseOutcome, DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 use super::problem::{SharedKind, Spacing};
@@ -22,11 +23,23 @@ pub fn fixed_section(
     outcome: &IdentificationOutcome,
     others: &[String],
 ) -> String {
+    let misses = outcome.fit() == Fit::Misses;
     let mut text = match outcome.optima.len() {
-        0 | 1 => format!("# The optimum of {study}.\n[fixed]\n"),
+        0 | 1 => format!(
+            "# The optimum of {study}{}.\n[fixed]\n",
+            if misses {
+                ", which misses the measured values"
+            } else {
+                ""
+            }
+        ),
         of => format!(
-            "# Optimum {} of {of} of {study}: the data do not tell which.\n[fixed]\n",
-            place + 1
+            "# Optimum {} of {of} of {study}: {}.\n[fixed]\n",
+            place + 1,
+            match misses {
+                true => "all miss the measured values",
+                false => "the data do not tell which",
+            }
         ),
     };
     for free in outcome
@@ -50,7 +63,7 @@ pub fn fixed_section(
 
 /// A summary for people.
 pub fn summary(outcome: &IdentificationOutcome) -> String {
-    let parameters = match outcome.ambiguous {
+    let parameters = match outcome.has_several() {
         true => several(outcome),
         false => parameters(&outcome.free, &on_ridges(outcome)),
     };
@@ -60,6 +73,7 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         _ => (String::new(), doubts(outcome)),
     };
     [
+        warning(outcome),
         against,
         parameters,
         undetermined(outcome),
@@ -73,6 +87,15 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         goodness(outcome, &doubts),
     ]
     .concat()
+}
+
+/// What makes the parameters doubtful, however well they fit.
+fn warning(outcome: &IdentificationOutcome) -> String {
+    let doubt = outcome
+        .numerical_error
+        .as_ref()
+        .and_then(NumericalError::doubt);
+    doubt.map_or_else(String::new, |doubt| format!("warning: {doubt}\n\n"))
 }
 
 /// All optima, where no single one is the value.
@@ -161,7 +184,7 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
     if open.is_empty() {
         return confirmed(outcome);
     }
-    let which = if outcome.ambiguous {
+    let which = if outcome.has_several() {
         " at optimum 1"
     } else {
         ""
@@ -200,7 +223,7 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
 /// Whether a sample of the posterior confirms the intervals of a search that has converged to a single optimum.
 fn confirmed(outcome: &IdentificationOutcome) -> String {
     let clear = outcome.optima.iter().all(|optimum| optimum.edge.is_clear());
-    if outcome.ambiguous || !clear || outcome.end != End::Converged {
+    if outcome.has_several() || !clear || outcome.end != End::Converged {
         return String::new();
     }
     let Some(sample) = &outcome.posterior else {
@@ -348,7 +371,7 @@ fn excluded(outcome: &IdentificationOutcome) -> String {
         excluded.message
     );
     for (place, optimum) in outcome.optima.iter().enumerate() {
-        let name = match outcome.ambiguous {
+        let name = match outcome.has_several() {
             true => format!("optimum {}", place + 1),
             false => "the optimum".to_owned(),
         };
@@ -432,7 +455,7 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
     if let ([case], false) = (&outcome.cases[..], outcome.worst.is_empty()) {
         return one_case(case, outcome);
     }
-    let which = if outcome.ambiguous {
+    let which = if outcome.has_several() {
         "\nAt optimum 1:"
     } else {
         ""
@@ -478,7 +501,7 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
 fn one_case(case: &CaseOutcome, outcome: &IdentificationOutcome) -> String {
     let name = |residual: &Residual| residual.quantity.chars().count();
     let width = case.residuals.iter().map(name).max().unwrap_or(0).max(5);
-    let which = match outcome.ambiguous {
+    let which = match outcome.has_several() {
         true => "At optimum 1:\n",
         false => "",
     };

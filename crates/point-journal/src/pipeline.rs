@@ -437,6 +437,48 @@ impl<'a> Pipeline<'a> {
         complete.ok_or_else(|| Error::Shard(self.done()))
     }
 
+    /// The outcomes of points whose simulations are others, each in a new process; the journal does not have them. None where
+    /// the FMU gives other results in every process, since theirs would tell nothing.
+    ///
+    /// # Errors
+    /// When no worker can be started, and when Ctrl-C has ended the run.
+    pub fn apart(
+        &self,
+        cases: &[Case],
+        points: &[Vec<f64>],
+    ) -> Result<Option<Vec<Outcome>>, Error> {
+        let reproducible = |crew: &&Crew| crew.conduct().reproducible != Some(false);
+        let Some(crew) = self.crew.filter(reproducible) else {
+            return Ok(None);
+        };
+        let size = crew.size().min(points.len());
+        let mut workers: Vec<_> = (0..size).map(|_| crew.auditor(cases)).collect();
+        let values = points.iter().map(|point| self.model.values(point));
+        let values: Vec<Vec<f64>> = values.collect();
+        let job = |index: u64| Job {
+            index,
+            values: values[index as usize].clone(),
+        };
+        let mut outcomes = vec![None; points.len()];
+        fmu_points::run(
+            &mut workers,
+            0..points.len() as u64,
+            &job,
+            &|_| Vec::new(),
+            &mut Company::default(),
+            stop::flag(),
+            |event| {
+                if let Event::Answer(index, answer, _) = event {
+                    let outcome = self.model.outcome(answer.map(|result| result.values));
+                    outcomes[index as usize] = Some(outcome);
+                }
+                Ok::<_, Error>(ControlFlow::Continue(()))
+            },
+        )?;
+        let all: Option<Vec<Outcome>> = outcomes.into_iter().collect();
+        all.map(Some).ok_or_else(|| self.interrupted())
+    }
+
     /// Computes the open points of a set.
     fn fill(
         &mut self,

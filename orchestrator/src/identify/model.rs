@@ -50,6 +50,15 @@ impl<'a, 'b> FmuModel<'a, 'b> {
         self.pipeline.borrow().say(text);
     }
 
+    /// The communication steps of its simulations, s: each size once.
+    pub fn steps(&self) -> Vec<f64> {
+        let simulations = self.bound.simulations.iter();
+        let mut steps: Vec<f64> = simulations.map(|case| case.task.schedule.step).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.dedup();
+        steps
+    }
+
     /// Why there are no further predictions, once they were refused.
     pub fn halted(self) -> Option<Error> {
         self.halted.into_inner()
@@ -65,28 +74,55 @@ impl<'a, 'b> FmuModel<'a, 'b> {
         let known = self.bound.known[query.case].iter().copied();
         known.chain(sought).collect()
     }
+
+    /// The predictions of queries, given the outcomes of their points.
+    fn predicted(
+        &self,
+        queries: &[Query],
+        outcomes: Result<Vec<Outcome>, point_journal::Error>,
+    ) -> Result<Vec<Prediction>, NoPrediction> {
+        let outcomes = outcomes.map_err(|halt| {
+            *self.halted.borrow_mut() = Some(halt.into());
+            NoPrediction::Stopped
+        })?;
+        let predicted = |(query, outcome): (&Query, Outcome)| {
+            let readings = outcome.map_err(|failure| failure.to_string())?;
+            let values = self.bound.readings.iter();
+            Ok(values
+                .map(|reading| reading.value(&readings, &query.free))
+                .collect())
+        };
+        Ok(queries.iter().zip(outcomes).map(predicted).collect())
+    }
+
+    fn points(&self, queries: &[Query]) -> Vec<Vec<f64>> {
+        queries.iter().map(|query| self.point(query)).collect()
+    }
 }
 
 impl Simulate for FmuModel<'_, '_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        let points: Vec<Vec<f64>> = queries.iter().map(|query| self.point(query)).collect();
-        let asked = self.pipeline.borrow_mut().ask(&points);
-        match asked {
-            Ok(outcomes) => {
-                let pairs = queries.iter().zip(outcomes);
-                let predicted = |(query, outcome): (&Query, Outcome)| {
-                    let readings = outcome.map_err(|failure| failure.to_string())?;
-                    let values = self.bound.readings.iter();
-                    Ok(values
-                        .map(|reading| reading.value(&readings, &query.free))
-                        .collect())
-                };
-                Ok(pairs.map(predicted).collect())
-            }
-            Err(halt) => {
-                *self.halted.borrow_mut() = Some(halt.into());
-                Err(NoPrediction::Stopped)
-            }
+        let asked = self.pipeline.borrow_mut().ask(&self.points(queries));
+        self.predicted(queries, asked)
+    }
+}
+
+/// The same FMU with half the communication steps; its runs are in no journal.
+pub struct Finer<'a, 'b, 'c>(pub &'a FmuModel<'b, 'c>);
+
+impl Simulate for Finer<'_, '_, '_> {
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        let Self(model) = self;
+        let mut cases = model.bound.simulations.clone();
+        for case in &mut cases {
+            case.task.schedule.step *= 0.5;
+        }
+        let pipeline = model.pipeline.borrow();
+        match pipeline.apart(&cases, &model.points(queries)).transpose() {
+            Some(outcomes) => model.predicted(queries, outcomes),
+            None => Err(NoPrediction::Here(
+                "the FMU gives other results each time".to_owned(),
+            )),
         }
     }
 }

@@ -125,10 +125,15 @@ impl AnalysisResult {
     ) -> Result<(), Error> {
         if let Some(told) = Validity::of_journal(of.package.description(), folder)? {
             self.text += &format!("\nwarning: {told}\n");
-            self.content
-                .insert("beyond_validity".to_owned(), told.into());
+            self.add("beyond_validity", &told);
         }
         Ok(())
+    }
+
+    /// Adds something to the file.
+    pub(super) fn add(&mut self, name: &str, value: &impl Serialize) {
+        self.content
+            .insert(name.to_owned(), serde_json::json!(value));
     }
 
     /// Writes the file.

@@ -184,6 +184,64 @@ fn a_wrong_setting_loses_to_the_right_one() {
         .is_mistake(&["--posterior"]);
 }
 
+/// Euler's method with steps h makes (1 - r h)^(1/h) of exp(-r), so it takes 1.1 for (1 - exp(-1.1 h)) / h.
+#[test]
+fn a_step_that_moves_a_parameter_is_warned_of() {
+    let bench = Bench::empty();
+    let description = crate::support::model("Lag", "Lag");
+    bench.fmu("euler.fmu", &["EULER"], &description);
+    bench.fmu("exact.fmu", &[], &description);
+    let study = |fmu: &str, step: f64| {
+        let exact = 1.0 - (-1.1_f64).exp();
+        format!(
+            r#"
+fmu = "{fmu}"
+[simulation]
+stop = 1
+step = {step}
+[fixed]
+"drive.u" = 1
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.8
+max = 1.4
+[criteria.Y]
+variable = "lag.y"
+nominal = {exact}
+tolerance = 0.1
+uncertainty = 0.006
+"#
+        )
+    };
+    let (said, outcome) = identify(&bench, &study("euler.fmu", 0.25), &[]);
+    let error = 1.1 - (1.0 - (-1.1_f64 * 0.25).exp()) / 0.25;
+    let moved = &outcome["numerical_error"]["free"][0];
+    let higher = moved["higher"].as_f64().unwrap();
+    assert!((higher / error - 1.0).abs() < 0.2, "{higher} of {error}");
+    let concern = &outcome["concerns"][0];
+    assert_eq!(concern["code"], "coarse-step", "{concern}");
+    let text = concern["text"].as_str().unwrap();
+    let begin = "the communication step of 0.25 s is too coarse: with finer ones lag.rate would be about 0.12 ";
+    assert!(text.starts_with(begin), "{text}");
+    assert!(text.ends_with("; choose a shorter `step`"), "{text}");
+    let first = format!("warning: {text}\n");
+    assert!(said.out.starts_with(&first), "{}", said.out);
+    let page = bench.read("out/report.html");
+    assert!(page.contains(&format!("Warning: {begin}")), "{page}");
+    assert!(page.contains("class=\"verdict no\""), "{page}");
+    for (fmu, step) in [("euler.fmu", 0.001), ("exact.fmu", 0.25)] {
+        let (said, outcome) = identify(&bench, &study(fmu, step), &[]);
+        assert_eq!(outcome["concerns"], serde_json::json!([]), "{fmu}");
+        assert!(!said.out.contains("coarse"), "{fmu}: {}", said.out);
+        assert!(
+            outcome["numerical_error"]["free"][0]["part"]
+                .as_f64()
+                .unwrap()
+                < 0.1
+        );
+    }
+}
+
 /// A curve that is later than it states, and a sensor whose zero is off: the page has fit, sensors and parameters.
 #[test]
 fn a_late_curve_and_a_zero_error_are_found_and_shown() {

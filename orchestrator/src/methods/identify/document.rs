@@ -93,6 +93,7 @@ impl Page<'_> {
             ].concat(),
             links, good, headline, told,
             values => self.values(),
+            warnings => self.warnings(),
             count => self.outcome.free.len(),
             sections => documents.iter().map(Document::as_html).collect::<String>(),
             text => self.text,
@@ -108,7 +109,7 @@ impl Page<'_> {
         let outcome = self.outcome;
         let values = count(self.bound.problem.values());
         let fit = outcome.fit();
-        let headline = match (outcome.end, outcome.ambiguous, fit) {
+        let headline = match (outcome.end, outcome.has_several(), fit) {
             (End::Converged, true, Fit::Misses) => {
                 "No set of parameters fits the measured values".to_owned()
             }
@@ -142,15 +143,23 @@ impl Page<'_> {
             number(outcome.cost, 4),
             outcome.degrees_of_freedom
         );
-        let good = outcome.end == End::Converged && !outcome.ambiguous && fit == Fit::Good;
+        let good = outcome.end == End::Converged
+            && !outcome.has_several()
+            && fit == Fit::Good
+            && self.warnings().is_empty();
         (good, headline, told)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let concerns = super::concerns(self.outcome).into_iter();
+        concerns.map(|concern| concern.text).collect()
     }
 
     /// The parameters in a line each, where there are few and no doubt which set of them it is.
     fn values(&self) -> Vec<String> {
         const FEW: usize = 4;
         let free = self.outcome.free.iter();
-        let few = free.len() <= FEW && !self.outcome.ambiguous;
+        let few = free.len() <= FEW && !self.outcome.has_several();
         let line = |free: &FreeOutcome| {
             let [value, low, high] = told(free);
             let value = with_unit(value, free);
@@ -330,7 +339,7 @@ impl Page<'_> {
             .enumerate()
             .flat_map(|(place, optimum)| {
                 optimum.free.iter().map(move |free| {
-                    let name = match self.outcome.ambiguous {
+                    let name = match self.outcome.has_several() {
                         true => format!("{}, optimum {}", free.name, place + 1),
                         false => free.name.clone(),
                     };

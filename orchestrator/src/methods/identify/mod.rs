@@ -18,7 +18,7 @@ use super::setup::{Source, SourceParts};
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::identify::from_study;
-use crate::identify::model::FmuModel;
+use crate::identify::model::{Finer, FmuModel};
 use crate::identify::offsets;
 use crate::options::Work;
 use crate::session::Request;
@@ -28,11 +28,12 @@ use calibration::failures::Excluded;
 use calibration::fit;
 use calibration::local::{End, Minimum};
 use calibration::next::NextOutcome;
+use calibration::numerical::NumericalError;
 use calibration::objective::Objective;
 use calibration::outcome::IdentificationOutcome;
-use calibration::problem::{Problem, Simulate};
+use calibration::problem::{NoPrediction, Problem, Simulate};
 use calibration::remembered::Remembered;
-use calibration::rounds;
+use calibration::rounds::{self, Searched};
 use calibration::sample::outcome::Evidence;
 use calibration::sample::{self, Sample};
 use calibration::search::{self, Progress, SearchError};
@@ -42,6 +43,7 @@ use fmu_points::names::{did_you_mean, nearest};
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::cube;
+use study::concern::{Code, Concern};
 use study::{Identification, Study};
 
 /// The result's file in a folder of results.
@@ -264,6 +266,8 @@ impl Analysis for Asked {
         };
         page.write(folder)?;
         let mut result = AnalysisResult::new(&outcome, None, text, FILE);
+        result.add("fit", &outcome.fit());
+        result.add("concerns", &concerns(&outcome));
         result.code = code;
         Ok(result)
     }
@@ -367,6 +371,10 @@ fn find(
             notes: bound.notes.clone(),
             ..searched.outcome()
         };
+        // A search that was cut short has no time for it, and its end is told.
+        if outcome.end != End::Time {
+            look_closer(&mut outcome, &searched, &model)?;
+        }
         outcome.look_along(&document::curves(bound), &bound.problem.estimates);
         if outcome.fit() == fit::Fit::Misses {
             outcome.notes.extend(offsets::held(bound));
@@ -390,7 +398,7 @@ fn find(
         let narrow = document::to_narrow(problem, &outcome, options.narrow.as_deref());
         outcome.next = narrow.map(|parameter| {
             // Of several optima, or of common means, the sample is about more than the first one.
-            let is_one = !outcome.ambiguous && problem.populations.is_empty();
+            let is_one = !outcome.has_several() && problem.populations.is_empty();
             let trusted = outcome.posterior.as_ref().is_some_and(|told| told.trusted);
             let sample = sample.as_ref().filter(|_| is_one && trusted);
             let groups = document::groups(bound);
@@ -403,6 +411,40 @@ fn find(
         Some(halt) => halt,
         None => Error::Search(error.to_string()),
     })
+}
+
+/// Tries half the communication steps at the first optimum.
+fn look_closer(
+    outcome: &mut IdentificationOutcome,
+    searched: &Searched,
+    model: &FmuModel<'_, '_>,
+) -> Result<(), SearchError> {
+    let Searched {
+        problem, optima, ..
+    } = searched;
+    model.say("half the communication step".to_owned());
+    let finer = Finer(model);
+    // It takes no derivatives.
+    let finer = Objective::new(problem, &finer, f64::NAN).misfit(&optima[0].minimum.places);
+    match finer {
+        Ok(finer) => {
+            let steps = model.steps();
+            outcome.numerical_error =
+                Some(NumericalError::new(problem, &optima[0], &finer, steps));
+        }
+        Err(NoPrediction::Here(why)) => outcome.notes.push(format!(
+            "Half the communication step was not tried: {why}."
+        )),
+        Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
+    }
+    Ok(())
+}
+
+/// The doubts about a result, for programs.
+fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
+    let coarse = outcome.numerical_error.as_ref().and_then(NumericalError::doubt);
+    let coarse = coarse.map(|text| Concern::new(Code::CoarseStep, text));
+    coarse.into_iter().collect()
 }
 
 /// Predicts each case from the others.
