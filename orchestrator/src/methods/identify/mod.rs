@@ -429,12 +429,11 @@ fn look_closer(
     match finer {
         Ok(finer) => {
             let steps = model.steps();
-            outcome.numerical_error =
-                Some(NumericalError::new(problem, &optima[0], &finer, steps));
+            outcome.numerical_error = Some(NumericalError::new(problem, &optima[0], &finer, steps));
         }
-        Err(NoPrediction::Here(why)) => outcome.notes.push(format!(
-            "Half the communication step was not tried: {why}."
-        )),
+        Err(NoPrediction::Here(why)) => outcome
+            .notes
+            .push(format!("Half the communication step was not tried: {why}.")),
         Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
     }
     Ok(())
@@ -442,7 +441,10 @@ fn look_closer(
 
 /// The doubts about a result, for programs.
 fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
-    let coarse = outcome.numerical_error.as_ref().and_then(NumericalError::doubt);
+    let coarse = outcome
+        .numerical_error
+        .as_ref()
+        .and_then(NumericalError::doubt);
     let coarse = coarse.map(|text| Concern::new(Code::CoarseStep, text));
     coarse.into_iter().collect()
 }
