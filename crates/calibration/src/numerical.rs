@@ -101,7 +101,10 @@ impl NumericalError {
         }
     }
 
-    /// What speaks against the steps, with the remedy; none where the error is small.
+    /// What to do about steps that are too coarse.
+    pub const REMEDY: &'static str = "Choose a shorter `step` under [simulation].";
+
+    /// What speaks against the steps; none where the error is small.
     pub fn doubt(&self) -> Option<String> {
         let moved = self.free.iter().filter(|moved| moved.part > PART);
         let moved: Vec<String> = moved.map(Moved::words).collect();
@@ -116,7 +119,7 @@ impl NumericalError {
         };
         let steps: Vec<String> = self.steps.iter().map(f64::to_string).collect();
         Some(format!(
-            "the communication step of {} s is too coarse: {told}; choose a shorter `step`",
+            "the communication step of {} s is too coarse: {told}",
             steps.join(" and ")
         ))
     }
@@ -187,7 +190,7 @@ mod tests {
         assert_eq!(
             found.doubt().unwrap(),
             "the communication step of 0.5 s is too coarse: with finer ones p would be about 0.1 lower (interval +-0.088), which the \
-             intervals leave out; choose a shorter `step`"
+             intervals leave out"
         );
     }
 

@@ -95,7 +95,9 @@ fn warning(outcome: &IdentificationOutcome) -> String {
         .numerical_error
         .as_ref()
         .and_then(NumericalError::doubt);
-    doubt.map_or_else(String::new, |doubt| format!("warning: {doubt}\n\n"))
+    doubt.map_or_else(String::new, |doubt| {
+        format!("warning: {doubt}. {}\n\n", NumericalError::REMEDY)
+    })
 }
 
 /// All optima, where no single one is the value.

@@ -142,8 +142,10 @@ impl Scene {
         let watched = &self.watched;
         let watched = watched.probes.iter().zip(&watched.collectors);
         let gauges = self.gauges.iter();
-        let gauges = gauges.map(|gauge| (&gauge.probe, &gauge.collector));
-        let (_, collector) = watched.chain(gauges).find(|(probe, _)| **probe == result)?;
+        let gauges = gauges.map(|gauge| (&gauge.probes, &gauge.collector));
+        let (_, collector) = watched
+            .chain(gauges)
+            .find(|(probes, _)| probes.contains(&result))?;
         let probe = &self.task.observed[result];
         let (Some(Detail::Level(level, direction)), [low, high]) =
             (probe.detail, collector.uncrossed()?)

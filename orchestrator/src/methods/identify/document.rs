@@ -152,7 +152,7 @@ impl Page<'_> {
 
     fn warnings(&self) -> Vec<String> {
         let concerns = super::concerns(self.outcome).into_iter();
-        concerns.map(|concern| concern.text).collect()
+        concerns.map(|concern| concern.to_string()).collect()
     }
 
     /// The parameters in a line each, where there are few and no doubt which set of them it is.

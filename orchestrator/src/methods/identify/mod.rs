@@ -445,7 +445,8 @@ fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
         .numerical_error
         .as_ref()
         .and_then(NumericalError::doubt);
-    let coarse = coarse.map(|text| Concern::new(Code::CoarseStep, text));
+    let coarse =
+        coarse.map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY));
     coarse.into_iter().collect()
 }
 
