@@ -9,7 +9,7 @@ use crate::units::{Conversion, UnitError, Units};
 use crate::value::{Content, Handle, Value};
 use crate::version::Version;
 
-/// A model description of FMI 2.0 or 3.0 for Co-Simulation.
+/// A model description of FMI 2.0 or 3.0.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Description {
     /// The version of FMI as it is written, such as `2.0`.
@@ -44,6 +44,10 @@ pub struct Description {
     pub units: Units,
     /// The variables by name, in the order of the file.
     pub variables: IndexMap<String, Variable>,
+    /// The structural parameters, by value references, that have other values than in the file, since
+    /// [`Package::resize`](crate::Package::resize).
+    #[serde(skip)]
+    pub sizes: Vec<(u32, u64)>,
     /// Variables that cannot be used here, with the reasons.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub unusable: IndexMap<String, String>,
@@ -73,7 +77,7 @@ impl Interface {
     }
 }
 
-/// The declarations of a description of Model Exchange.
+/// The declarations of a description of Model Exchange, and of Co-Simulation with event mode.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExchangeSizes {
     /// How many continuous states there are.
@@ -82,6 +86,8 @@ pub struct ExchangeSizes {
     pub indicators: usize,
     /// Whether the FMU need not be told of completed steps.
     pub completed_not_needed: bool,
+    /// Whether a step of Co-Simulation cannot be cut where an event is due: the event then follows the step.
+    pub even_steps: bool,
 }
 
 /// Something in a model description that is not as the standard wants it, and was read all the same.
@@ -142,8 +148,8 @@ pub struct Capabilities {
     /// A step may end before its communication point (FMI 3.0).
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub might_return_early_from_do_step: bool,
-    /// The importer may handle events itself (FMI 3.0). It need not, and does not here: the FMU then handles them
-    /// within its steps.
+    /// The importer may handle events itself (FMI 3.0). It does so here where the FMU has clocks or refuses to run
+    /// otherwise; else the FMU handles them within its steps.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_event_mode: bool,
 }
@@ -167,7 +173,7 @@ pub struct DefaultExperiment {
 pub enum Causality {
     /// Set before the start.
     Parameter,
-    /// The size of arrays (FMI 3.0), which here keeps its start value.
+    /// The size of arrays (FMI 3.0), set by [`Package::resize`](crate::Package::resize).
     StructuralParameter,
     /// Follows from other parameters.
     CalculatedParameter,
@@ -218,6 +224,9 @@ pub struct Variable {
     pub causality: Causality,
     /// When it may change.
     pub variability: Variability,
+    /// The value references of the clocks at whose ticks it is set and computed (FMI 3.0).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub clocks: Vec<u32>,
     /// Its type with the attributes of that type.
     #[serde(flatten)]
     pub kind: Kind,
@@ -255,12 +264,14 @@ pub enum Storage {
     UInt64,
     Boolean,
     String,
+    Binary,
     Enumeration,
+    Clock,
 }
 
 impl Storage {
     /// The smallest and the largest number of a type, where these bind: no value beyond them can be passed.
-    pub(crate) fn range(self) -> (Option<i64>, Option<i64>) {
+    pub(crate) fn range(self) -> (Option<i128>, Option<i128>) {
         match self {
             Self::Int8 => (Some(i8::MIN.into()), Some(i8::MAX.into())),
             Self::UInt8 => (Some(0), Some(u8::MAX.into())),
@@ -273,10 +284,12 @@ impl Storage {
         }
     }
 
-    /// Whether a text is a value of an `UInt64` that is legal, but too large to be kept here.
-    pub(crate) fn cannot_keep(self, text: &str) -> bool {
-        let value = text.trim().parse::<u64>().ok();
-        self == Self::UInt64 && value.is_some_and(|value| i64::try_from(value).is_err())
+    /// The whole number of a text, where 64 bits of the type hold it.
+    pub(crate) fn whole(self, text: &str) -> Option<i128> {
+        match self {
+            Self::UInt64 => text.parse::<u64>().ok().map(i128::from),
+            _ => text.parse::<i64>().ok().map(i128::from),
+        }
     }
 }
 
@@ -304,11 +317,11 @@ pub enum Kind {
     /// A whole number.
     Integer {
         /// The start value.
-        start: Option<i64>,
+        start: Option<i128>,
         /// The smallest value.
-        min: Option<i64>,
+        min: Option<i128>,
         /// The largest value.
-        max: Option<i64>,
+        max: Option<i128>,
     },
     /// Yes or no.
     Boolean {
@@ -323,10 +336,45 @@ pub enum Kind {
     /// One of several named values.
     Enumeration {
         /// The start value.
-        start: Option<i64>,
+        start: Option<i128>,
         /// The names and their values.
-        items: Vec<(String, i64)>,
+        items: Vec<(String, i128)>,
     },
+    /// A clock (FMI 3.0): whether it has ticked since the last communication point.
+    Clock(Timing),
+}
+
+/// When a clock ticks, in s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Timing {
+    /// What determines its ticks.
+    #[serde(rename = "interval_variability")]
+    pub by: Ticking,
+    /// From one tick to the next, where the description says that.
+    pub interval: Option<f64>,
+    /// From the start to the first tick, likewise.
+    pub shift: Option<f64>,
+    /// Of those that tick together, one of a smaller number comes first.
+    pub priority: Option<u32>,
+}
+
+/// What determines the ticks of a clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Ticking {
+    /// An interval.
+    Constant,
+    /// An interval that is known after the initialisation.
+    Fixed,
+    /// An interval that changes with parameters.
+    Tunable,
+    /// An interval that is known at the tick before.
+    Changing,
+    /// An interval that becomes known at any event.
+    Countdown,
+    /// The importer, or of outputs the FMU.
+    #[default]
+    Triggered,
 }
 
 impl Description {
@@ -356,7 +404,7 @@ impl Kind {
         match self {
             Self::Real { .. } => Content::Real,
             Self::Integer { .. } | Self::Enumeration { .. } => Content::Integer,
-            Self::Boolean { .. } => Content::Boolean,
+            Self::Boolean { .. } | Self::Clock(_) => Content::Boolean,
             Self::String { .. } => Content::Text,
         }
     }
@@ -370,6 +418,7 @@ impl Kind {
             }
             Self::Boolean { start } => start.map(Value::Boolean),
             Self::String { start } => start.clone().map(Value::String),
+            Self::Clock(_) => None,
         }
     }
 
@@ -426,13 +475,14 @@ impl Variable {
         }
     }
 
-    /// Whether an importer may set it before the start.
+    /// Whether an importer may set it before the start. The ticks of a clock are set where nothing else determines them.
     pub fn is_settable(&self) -> bool {
         let has_part = match self.causality {
             Causality::Parameter | Causality::Input => true,
             Causality::Local => self.kind.start_value().is_some(),
             _ => false,
         };
-        has_part && self.variability != Variability::Constant
+        let is_due = matches!(self.kind, Kind::Clock(timing) if timing.by != Ticking::Triggered);
+        has_part && !is_due && self.variability != Variability::Constant
     }
 }

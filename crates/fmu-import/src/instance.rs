@@ -71,12 +71,24 @@ impl Instance {
         self.simulation.set_up(experiment)
     }
 
+    /// Sets structural parameters, by their value references, before anything else is set: see
+    /// [`Package::resize`](crate::Package::resize).
+    ///
+    /// # Errors
+    /// When the FMU refuses.
+    pub fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), Call> {
+        match sizes {
+            [] => Ok(()),
+            sizes => self.simulation.resize(sizes),
+        }
+    }
+
     /// Enters and leaves initialisation mode.
     ///
     /// # Errors
     /// When the FMU cannot be initialised.
     pub fn initialise(&mut self) -> Result<(), Call> {
-        self.simulation.initialise(&[])
+        self.simulation.initialise(&mut |_| Ok(()))
     }
 
     /// Reads real variables, by the references of their [handles](crate::Variable::handle).

@@ -35,9 +35,9 @@ pub use description::{
 pub use instance::Instance;
 pub use library::{Library, LibraryError, percent_encoded};
 pub use logger::complaints;
-pub use package::{FmuError, FmuFault, Package, digest, hexadecimal, sha256};
+pub use package::{FmuError, FmuFault, Package, digest, sha256};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};
-pub use value::{Content, Handle, Value};
+pub use value::{Content, Handle, Value, bytes_of, hexadecimal};
 pub use version::Version;
 pub use xml::XmlError;

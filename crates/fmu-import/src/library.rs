@@ -18,7 +18,7 @@ use crate::component::Common;
 use crate::description::{
     Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable,
 };
-use crate::exchange::{self, Exchange};
+use crate::exchange::{self, Clocks, Exchange};
 use crate::floating_point::{Mode, within};
 use crate::fmi2;
 use crate::fmi3::{self, Element};
@@ -42,8 +42,9 @@ enum Functions {
 pub struct Library {
     functions: Functions,
     common: Common,
-    /// Those of Model Exchange, and what the description says of it.
+    /// Those of Model Exchange or of event mode, and what the description says of it.
     exchange: Option<(exchange::Functions, ExchangeSizes)>,
+    clocks: Clocks,
     birth: Birth,
     /// The mode in which the binary's initialisers left the processor.
     pub(crate) mode: Mode,
@@ -96,11 +97,12 @@ impl Library {
             },
             common: Common::find(&symbols, states)?,
             exchange: match interface {
-                Interface::CoSimulation => None,
-                Interface::ModelExchange => {
-                    Some((exchange::Functions::find(&symbols)?, description.exchange))
-                }
-            },
+                Interface::CoSimulation if !description.capabilities.has_event_mode => None,
+                Interface::CoSimulation => exchange::Functions::find(&symbols, interface).ok(),
+                Interface::ModelExchange => Some(exchange::Functions::find(&symbols, interface)?),
+            }
+            .map(|functions| (functions, description.exchange)),
+            clocks: Clocks::find(&symbols, description),
             once: description
                 .capabilities
                 .can_be_instantiated_only_once_per_process,
@@ -124,8 +126,31 @@ impl Library {
 
     /// Creates a component.
     pub(crate) fn instantiate(&self, name: &str) -> Result<Box<dyn Simulation>, Call> {
+        let is_exchange = self.birth.interface == Interface::ModelExchange;
+        let handles = is_exchange || self.clocks.are_there();
+        let mut exchange = self.exchange.filter(|_| handles);
+        let mut model = self.component(name, exchange.is_some());
+        if model.is_err() && exchange.is_none() && self.exchange.is_some() {
+            // The FMU may want its events handled.
+            if let Ok(other) = self.component(name, true) {
+                (model, exchange) = (Ok(other), self.exchange);
+            }
+        }
+        let mut model = model?;
+        model.hear(&self.birth.categories);
+        Ok(match exchange {
+            None => model,
+            Some((functions, declared)) => {
+                let (inputs, clocks) = (Arc::clone(&self.inputs), self.clocks.clone());
+                Box::new(Exchange::new(model, functions, declared, inputs, clocks))
+            }
+        })
+    }
+
+    /// A component alone; `events` says whether events are handled here.
+    fn component(&self, name: &str, events: bool) -> Result<Box<dyn Simulation>, Call> {
         let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
-        let mut model: Box<dyn Simulation> = match &self.functions {
+        Ok(match &self.functions {
             Functions::Two(functions) => {
                 Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?)
             }
@@ -134,17 +159,10 @@ impl Library {
                 common,
                 Arc::clone(elements),
                 birth,
+                events,
                 caller,
                 name,
             )?),
-        };
-        model.hear(&birth.categories);
-        Ok(match self.exchange {
-            None => model,
-            Some((functions, declared)) => {
-                let inputs = Arc::clone(&self.inputs);
-                Box::new(Exchange::new(model, functions, declared, inputs))
-            }
         })
     }
 

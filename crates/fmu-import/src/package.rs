@@ -15,6 +15,7 @@ use crate::description::Description;
 use crate::isolation::watch::Snapshot;
 use crate::library::{Library, LibraryError};
 use crate::parse::{self, DescriptionError};
+use crate::value::hexadecimal;
 use crate::xml;
 
 /// Why an FMU cannot be used.
@@ -84,7 +85,7 @@ impl Package {
         let archive = Archive::open(path).map_err(FmuFault::from);
         let mut archive = archive.map_err(unusable)?;
         let description = archive.description().map_err(FmuFault::from);
-        let description = description.and_then(|xml| Ok(parse::description(&xml)?));
+        let description = description.and_then(|xml| Ok(parse::description(&xml, &[])?));
         let description = description.map_err(unusable)?;
         Ok(Self {
             path: path.to_owned(),
@@ -92,6 +93,20 @@ impl Package {
             description,
             unpacked: None,
         })
+    }
+
+    /// Reads the description again with these values of structural parameters, by their value references: its arrays have
+    /// these sizes. Simulations set them with [`Instance::resize`](crate::Instance::resize).
+    ///
+    /// # Errors
+    /// When it cannot be read any more.
+    pub fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), FmuError> {
+        if sizes != self.description.sizes {
+            let xml = self.archive.description().map_err(FmuFault::from);
+            let read = xml.and_then(|xml| Ok(parse::description(&xml, sizes)?));
+            self.description = read.map_err(|fault| self.unusable(fault))?;
+        }
+        Ok(())
     }
 
     /// Path of the FMU.
@@ -258,9 +273,4 @@ pub fn sha256(mut from: impl Read) -> io::Result<[u8; 32]> {
             count => hash.update(&buffer[..count]),
         }
     }
-}
-
-/// Bytes as lower-case hexadecimal digits.
-pub fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -53,8 +53,11 @@ pub enum DescriptionError {
     Identifier(String),
 }
 
-/// Reads a model description.
-pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
+/// Reads a model description, with these values of structural parameters.
+pub(crate) fn description(
+    bytes: &[u8],
+    sizes: &[(u32, u64)],
+) -> Result<Description, DescriptionError> {
     let content = decode(bytes);
     let document = xml::parse(&content)?;
     let root = document.root_element();
@@ -88,6 +91,7 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
         default_experiment: reader.default_experiment(root),
         log_categories: log_categories(root),
         units: reader.units(root),
+        sizes: sizes.to_vec(),
         ..Description::default()
     };
     match standard {
@@ -109,6 +113,10 @@ pub(crate) fn description(bytes: &[u8]) -> Result<Description, DescriptionError>
             .capabilities
             .can_handle_variable_communication_step_size = true;
     }
+    let can_vary = description
+        .capabilities
+        .can_handle_variable_communication_step_size;
+    description.exchange.even_steps = !can_vary;
     description.remarks = reader.remarks;
     Ok(description)
 }
@@ -292,6 +300,7 @@ impl Reader {
             completed_not_needed: self
                 .boolean(node, "completedIntegratorStepNotNeeded")
                 .unwrap_or(false),
+            even_steps: false,
         }
     }
 
@@ -371,10 +380,11 @@ impl Reader {
         match &mut kind {
             Kind::Real { start, .. } => *start = self.number(element, "start"),
             Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => {
-                *start = self.number::<i32>(element, "start").map(i64::from);
+                *start = self.number::<i32>(element, "start").map(i128::from);
             }
             Kind::Boolean { start } => *start = self.boolean(element, "start"),
             Kind::String { start } => *start = element.attribute("start").map(str::to_owned),
+            Kind::Clock(_) => {}
         }
         Some(Variable {
             name,
@@ -384,6 +394,7 @@ impl Reader {
             description: node.attribute("description").map(str::to_owned),
             causality: self.choice(node, "causality"),
             variability: self.choice(node, "variability"),
+            clocks: Vec::new(),
             kind,
         })
     }
@@ -455,16 +466,17 @@ impl Reader {
                 nominal: self.number(source("nominal"), "nominal"),
             },
             ("Boolean", _) => Kind::Boolean { start: None },
-            ("String", _) => Kind::String { start: None },
+            ("String" | "Binary", _) => Kind::String { start: None },
             ("Enumeration", _) => Kind::Enumeration {
                 start: None,
                 items: declared.map_or_else(Vec::new, |node| self.items(node)),
             },
             (_, None) => Kind::Integer {
                 start: None,
-                min: self.number::<i32>(min, "min").map(i64::from),
-                max: self.number::<i32>(max, "max").map(i64::from),
+                min: self.number::<i32>(min, "min").map(i128::from),
+                max: self.number::<i32>(max, "max").map(i128::from),
             },
+            ("Clock", _) => Kind::Clock(self.timing(node, declared)),
             (_, Some(storage)) => {
                 let (least, most) = storage.range();
                 Kind::Integer {
@@ -476,18 +488,14 @@ impl Reader {
         }
     }
 
-    /// Reads a bound of whole numbers; none where it lies beyond what can be set here.
-    fn bound(&mut self, node: Node<'_, '_>, name: &str, storage: Storage) -> Option<i64> {
-        let beyond = node
-            .attribute(name)
-            .is_some_and(|text| storage.cannot_keep(text));
-        if beyond {
-            return None;
+    fn bound(&mut self, node: Node<'_, '_>, name: &str, storage: Storage) -> Option<i128> {
+        match storage {
+            Storage::UInt64 => self.number::<u64>(node, name).map(i128::from),
+            _ => self.number::<i64>(node, name).map(i128::from),
         }
-        self.number(node, name)
     }
 
-    fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i64)> {
+    fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i128)> {
         children(declared, "Item")
             .filter_map(|item| {
                 let value = self.number::<i32>(item, "value")?.into();

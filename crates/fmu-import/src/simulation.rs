@@ -95,6 +95,9 @@ impl Batch<'_> {
     }
 }
 
+/// What is done with a component in initialisation mode.
+pub(crate) type Within<'a> = &'a mut dyn FnMut(&mut dyn Simulation) -> Result<(), Call>;
+
 /// A component of a binary, called by the functions of its version. [`Instance`](crate::Instance) documents the
 /// methods.
 ///
@@ -104,8 +107,12 @@ pub(crate) trait Simulation: Debug + Send {
     fn hear(&mut self, categories: &[String]);
     /// Announces the experiment.
     fn set_up(&mut self, experiment: Experiment) -> Result<(), Call>;
-    /// Enters initialisation mode, sets these inputs, and leaves it.
-    fn initialise(&mut self, inputs: &[(u32, Value)]) -> Result<(), Call>;
+    /// Sets structural parameters, by their value references; FMI 2.0 has none.
+    fn resize(&mut self, _: &[(u32, u64)]) -> Result<(), Call> {
+        Ok(())
+    }
+    /// Enters initialisation mode, does what is to be done within it, and leaves it.
+    fn initialise(&mut self, within: Within<'_>) -> Result<(), Call>;
     /// Reads real variables, as many as there are references and places.
     fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call>;
     /// Reads a variable of any kind.
@@ -116,6 +123,10 @@ pub(crate) trait Simulation: Debug + Send {
     fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call>;
     /// Lets time pass, s.
     fn step(&mut self, time: f64, step: f64) -> Result<(), Call>;
+    /// Lets time pass, s, up to the next return of the FMU: the time that it reached, and whether there is an event.
+    fn part(&mut self, time: f64, step: f64) -> Result<(f64, bool), Call> {
+        self.step(time, step).map(|()| (time + step, false))
+    }
     /// Lets several steps pass and reads after each; how many were taken and read, and why not all.
     fn steps(&mut self, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
         for (taken, (&time, &size)) in batch.times.iter().zip(batch.sizes).enumerate() {

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 pub enum Value {
     /// A real number, in the variable's unit.
     Real(f64),
-    /// A whole number, or an item of an enumeration.
-    Integer(i64),
+    /// A whole number of any type of FMI, or an item of an enumeration.
+    Integer(i128),
     /// Yes or no.
     Boolean(bool),
-    /// A text.
+    /// A text; the bytes of a binary variable as hexadecimal digits, as FMI 3.0 writes its start value.
     String(String),
 }
 
@@ -50,7 +50,7 @@ impl Content {
         match self {
             Self::Real => Value::Real(number),
             // A cast of a float saturates.
-            Self::Integer => Value::Integer(number.round() as i64),
+            Self::Integer => Value::Integer(number.round() as i128),
             Self::Boolean => Value::Boolean(number >= 0.5),
             Self::Text => Value::String(number.to_string()),
         }
@@ -80,6 +80,21 @@ impl Value {
     }
 }
 
+/// Bytes as lower-case hexadecimal digits.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The bytes that hexadecimal digits stand for, two each; `None` where the text is something else.
+pub fn bytes_of(digits: &str) -> Option<Vec<u8>> {
+    let pairs = digits.as_bytes().chunks(2).map(|pair| {
+        let pair = std::str::from_utf8(pair).ok()?;
+        let is_pair = pair.len() == 2 && pair.bytes().all(|digit| digit.is_ascii_hexdigit());
+        is_pair.then(|| u8::from_str_radix(pair, 16).ok())?
+    });
+    pairs.collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,7 +104,7 @@ mod tests {
         for (content, number, back) in [
             (Content::Real, 0.3, 0.3),
             (Content::Integer, 2.5, 3.0),
-            (Content::Integer, 1e300, i64::MAX as f64),
+            (Content::Integer, 1e300, i128::MAX as f64),
             (Content::Boolean, 0.5, 1.0),
             (Content::Boolean, 0.49, 0.0),
         ] {
@@ -97,5 +112,14 @@ mod tests {
         }
         assert_eq!(Content::Text.value(0.5), Value::String("0.5".to_owned()));
         assert!(Content::Text.value(0.5).number().is_nan());
+    }
+
+    #[test]
+    fn digits_become_bytes() {
+        assert_eq!(bytes_of("00fFa0"), Some(vec![0, 255, 160]));
+        assert_eq!(bytes_of(""), Some(Vec::new()));
+        for wrong in ["0", "0g", "+1", "äö", " 0"] {
+            assert_eq!(bytes_of(wrong), None, "{wrong}");
+        }
     }
 }

@@ -1,9 +1,10 @@
-//! The equations of an FMU for Model Exchange: the functions of both versions, which differ in few signatures.
+//! The equations of an FMU for Model Exchange: the functions of both versions, which differ in few signatures; of
+//! Co-Simulation with event mode those of its events.
 
 use std::ffi::c_int;
 
 use crate::call::{Call, Status};
-use crate::description::ExchangeSizes;
+use crate::description::{ExchangeSizes, Interface};
 use crate::simulation::Simulation;
 use crate::symbols::{Component, Function, LibraryError, Plain, Symbols};
 use crate::value::Value;
@@ -41,13 +42,16 @@ enum Special {
         count_states: Function<Count>,
         count_indicators: Function<Count>,
     },
+    /// Co-Simulation of FMI 3.0.
+    Steps(Function<UpdateDiscreteStates>),
 }
 
 /// The functions of Model Exchange.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Functions {
     enter_event_mode: Function<Plain>,
-    enter_continuous_time_mode: Function<Plain>,
+    /// Into continuous-time mode, or step mode.
+    leave_event_mode: Function<Plain>,
     set_time: Function<SetTime>,
     set_continuous_states: Function<Write>,
     get_derivatives: Function<Read>,
@@ -59,7 +63,20 @@ pub(crate) struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub(crate) fn find(symbols: &Symbols<'_>) -> Result<Self, LibraryError> {
+    pub(crate) fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
+        if interface == Interface::CoSimulation {
+            return Ok(Self {
+                enter_event_mode: symbols.need("EnterEventMode")?,
+                leave_event_mode: symbols.need("EnterStepMode")?,
+                set_time: symbols.find("SetTime"),
+                set_continuous_states: symbols.find("SetContinuousStates"),
+                get_derivatives: symbols.find("GetContinuousStateDerivatives"),
+                get_event_indicators: symbols.find("GetEventIndicators"),
+                get_continuous_states: symbols.find("GetContinuousStates"),
+                get_nominals: symbols.find("GetNominalsOfContinuousStates"),
+                special: Special::Steps(symbols.need("UpdateDiscreteStates")?),
+            });
+        }
         let rates = match symbols.version {
             Version::Two => "GetDerivatives",
             Version::Three => "GetContinuousStateDerivatives",
@@ -68,7 +85,7 @@ impl Functions {
         let read = |name| symbols.need_if(symbols.version == Version::Three, name);
         Ok(Self {
             enter_event_mode: symbols.need("EnterEventMode")?,
-            enter_continuous_time_mode: symbols.need("EnterContinuousTimeMode")?,
+            leave_event_mode: symbols.need("EnterContinuousTimeMode")?,
             set_time: symbols.need("SetTime")?,
             set_continuous_states: symbols.need("SetContinuousStates")?,
             get_derivatives: symbols.need(rates)?,
@@ -112,7 +129,7 @@ pub(super) struct Plant {
     /// The component, by which variables are read and written.
     pub(super) model: Box<dyn Simulation>,
     pub(super) functions: Functions,
-    /// The declarations in a description of FMI 2.0.
+    /// The declarations of the description.
     pub(super) declared: ExchangeSizes,
     pub(super) ramps: Vec<Ramp>,
 }
@@ -133,7 +150,13 @@ impl Plant {
         match self.functions.special {
             Special::Two { completed, .. } => completed.name,
             Special::Three { completed, .. } => completed.name,
+            Special::Steps(_) => "fmi3DoStep",
         }
+    }
+
+    /// Whether it takes steps by itself.
+    pub(super) fn steps(&self) -> bool {
+        matches!(self.functions.special, Special::Steps(_))
     }
 
     /// A failure of the integration itself.
@@ -161,6 +184,7 @@ impl Plant {
     pub(super) fn sizes(&mut self) -> Result<[usize; 2], Call> {
         match self.functions.special {
             Special::Two { .. } => Ok([self.declared.states, self.declared.indicators]),
+            Special::Steps(_) => Ok([0; 2]),
             Special::Three {
                 count_states,
                 count_indicators,
@@ -171,6 +195,9 @@ impl Plant {
 
     /// Takes the FMU to a time and states, with the inputs that vary linearly.
     pub(super) fn place(&mut self, time: f64, states: &[f64]) -> Result<(), Call> {
+        if self.steps() {
+            return Ok(());
+        }
         self.set_time(time)?;
         if !states.is_empty() {
             self.set_states(states)?;
@@ -252,6 +279,7 @@ impl Plant {
                 })?;
                 Ok([event, ends].map(|flag| flag != 0))
             }
+            Special::Steps(_) => Ok([false; 2]),
             Special::Three { completed, .. } => {
                 let (mut event, mut ends) = (0, 0);
                 // SAFETY: the component is alive, and both places are valid.
@@ -270,8 +298,7 @@ impl Plant {
 
     /// Leaves event mode.
     pub(super) fn leave_events(&mut self) -> Result<(), Call> {
-        let leave = self.functions.enter_continuous_time_mode;
-        self.model.base_mut().plain(leave)
+        self.model.base_mut().plain(self.functions.leave_event_mode)
     }
 
     /// Makes a round of events.
@@ -285,7 +312,7 @@ impl Plant {
                 let EventInfo { flags, next } = info;
                 (flags.map(|flag| flag != 0), next)
             }
-            Special::Three { update, .. } => {
+            Special::Three { update, .. } | Special::Steps(update) => {
                 let (mut flags, mut next) = ([0; 5], 0.0);
                 let [again, ends, nominals, states, known] = &mut flags;
                 // SAFETY: the component is alive, and the six places are valid.

@@ -1,8 +1,10 @@
-//! The way of a Model Exchange FMU from one communication point to the next, with its events.
+//! The way of an FMU from one communication point to the next, with its events.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::are_near;
+use super::clocks::Clocks;
 use super::equations::{Functions, Plant};
 use super::rosenbrock::Rosenbrock;
 use crate::call::{Call, End, Status};
@@ -26,11 +28,11 @@ pub(super) enum Mode {
     New,
     /// In event mode.
     Events,
-    /// In continuous-time mode.
+    /// In continuous-time mode, or step mode.
     Continuous,
 }
 
-/// A simulation of an FMU for Model Exchange.
+/// A simulation of an FMU whose events are handled here.
 #[derive(Debug)]
 pub(crate) struct Exchange {
     pub(super) plant: Plant,
@@ -38,6 +40,7 @@ pub(crate) struct Exchange {
     pub(super) inputs: Arc<HashMap<Handle, bool>>,
     /// The inputs that were set before the initialisation and may be set within it only.
     pub(super) waiting: Vec<(u32, Value)>,
+    pub(super) clocks: Clocks,
     pub(super) mode: Mode,
     pub(super) march: March,
 }
@@ -49,6 +52,7 @@ impl Exchange {
         functions: Functions,
         declared: ExchangeSizes,
         inputs: Arc<HashMap<Handle, bool>>,
+        clocks: Clocks,
     ) -> Self {
         Self {
             plant: Plant {
@@ -59,6 +63,7 @@ impl Exchange {
             },
             inputs,
             waiting: Vec::new(),
+            clocks,
             mode: Mode::New,
             march: March::default(),
         }
@@ -118,11 +123,6 @@ fn crossed(before: &[f64], after: &[f64]) -> bool {
     pairs.any(|(before, after)| (*before > 0.0) != (*after > 0.0))
 }
 
-/// Whether two times, s, differ by rounding only.
-fn are_near(one: f64, other: f64) -> bool {
-    (one - other).abs() <= 4.0 * f64::EPSILON * other.abs()
-}
-
 /// A step that was taken: its length, s, and the states at its end.
 struct Taken {
     length: f64,
@@ -142,6 +142,7 @@ impl Exchange {
             from
         };
         let mut events = 0;
+        self.clocks.pass_point();
         if self.mode == Mode::Events {
             self.settle()?;
         } else {
@@ -153,7 +154,9 @@ impl Exchange {
         }
         while self.march.time < self.goal(to) && !self.march.ended {
             let to = self.goal(to);
-            let next = self.march.next.filter(|next| *next < to);
+            let (time, cuts) = (self.march.time, !self.plant.declared.even_steps);
+            let soon = |next: &f64| *next < to && (cuts || *next <= time);
+            let next = self.march.next.filter(soon);
             let is_due = |time: f64| next.is_some_and(|next| next <= time);
             let mut event = is_due(self.march.time);
             if !event {
@@ -216,20 +219,23 @@ impl Exchange {
         // At first no states have been read.
         let is_first = self.march.step == 0.0;
         let (mut states, mut nominals) = (is_first, is_first);
+        let time = self.march.time;
         for round in 0.. {
+            self.clocks.tick(&mut *self.plant.model, time)?;
             let update = self.plant.update()?;
             states |= update.states;
             nominals |= update.nominals;
-            self.march.next = update.next;
             if update.ends {
                 self.march.ended = true;
                 return Ok(());
             }
-            if !update.again {
+            let ticks_again = self.clocks.follow(&mut *self.plant.model, time)?;
+            let next = update.next.into_iter().chain(self.clocks.next());
+            self.march.next = next.min_by(f64::total_cmp);
+            if !update.again && !ticks_again {
                 break;
             }
             if round == MOST_ROUNDS {
-                let time = self.march.time;
                 return Err(self.plant.failed(format!(
                     "the events at {time} s do not settle in {MOST_ROUNDS} rounds"
                 )));
@@ -256,6 +262,12 @@ impl Exchange {
 
     /// Takes one step towards a time, s. Whether an event is to be handled at its end.
     fn stride(&mut self, to: f64) -> Result<bool, Call> {
+        if self.plant.steps() {
+            let (time, step) = (self.march.time, to - self.march.time);
+            let (reached, event) = self.plant.model.part(time, step)?;
+            self.march.time = if reached == time + step { to } else { reached };
+            return Ok(event);
+        }
         let Taken {
             length,
             states,

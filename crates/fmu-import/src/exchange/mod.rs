@@ -1,23 +1,31 @@
-//! Model Exchange: the FMU gives rates, and the importer integrates them.
+//! Model Exchange: the FMU gives rates, and the importer integrates them; and events, which it handles in Co-Simulation with
+//! event mode, too: there the FMU takes the steps between them.
 //!
 //! Between two communication points the states follow a Rosenbrock method whose error is controlled in every state,
 //! by its nominal value. Steps end exactly at communication points, at the time events that the FMU announces, and
 //! at the crossings of its event indicators, which are found by shorter steps of the same method rather than by
-//! interpolation. Inputs have their value of that time in every evaluation.
+//! interpolation. Inputs have their value of that time in every evaluation. Clocks of FMI 3.0 tick at events.
 
+mod clocks;
 mod equations;
 mod march;
 mod rosenbrock;
 
 use crate::call::Call;
 use crate::component::Base;
-use crate::simulation::{Experiment, Simulation};
+use crate::simulation::{Experiment, Simulation, Within};
 use crate::symbols::Saved;
-use crate::value::{Handle, Value};
+use crate::value::{Content, Handle, Value};
+pub(crate) use clocks::Clocks;
 pub(crate) use equations::Functions;
 use equations::Ramp;
 pub(crate) use march::Exchange;
 use march::{March, Mode};
+
+/// Whether two times, s, differ by rounding only.
+fn are_near(one: f64, other: f64) -> bool {
+    (one - other).abs() <= 4.0 * f64::EPSILON * other.abs()
+}
 
 impl Simulation for Exchange {
     fn base(&self) -> &Base {
@@ -30,9 +38,9 @@ impl Simulation for Exchange {
 
     fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
         self.march = March::new(experiment);
-        // The tolerance is this solver's. FMUs of Dymola warn at every point when they are told one.
+        // The tolerance is that of who integrates. FMUs of Dymola warn at every point when they are told one.
         let told = Experiment {
-            tolerance: None,
+            tolerance: experiment.tolerance.filter(|_| self.plant.steps()),
             ..experiment
         };
         self.plant.model.set_up(told)
@@ -42,9 +50,19 @@ impl Simulation for Exchange {
         self.plant.model.hear(categories);
     }
 
-    fn initialise(&mut self, _: &[(u32, Value)]) -> Result<(), Call> {
+    fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), Call> {
+        self.plant.model.resize(sizes)
+    }
+
+    fn initialise(&mut self, _: Within<'_>) -> Result<(), Call> {
         let waiting = std::mem::take(&mut self.waiting);
-        self.plant.model.initialise(&waiting)?;
+        let (clocks, start) = (&mut self.clocks, self.march.time);
+        self.plant.model.initialise(&mut |model| {
+            for (reference, value) in &waiting {
+                model.set(*reference, value)?;
+            }
+            clocks.begin(model, start)
+        })?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;
         let sizes = self.plant.sizes()?;
@@ -54,19 +72,37 @@ impl Simulation for Exchange {
     }
 
     fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+        if self.clocks.are_there() {
+            for (&reference, place) in references.iter().zip(into) {
+                let content = Content::Real;
+                *place = self.value(Handle { reference, content })?.number();
+            }
+            return Ok(());
+        }
         self.plant.model.reals(references, into)
     }
 
     fn value(&mut self, handle: Handle) -> Result<Value, Call> {
-        self.plant.model.value(handle)
+        match self.clocks.value(handle) {
+            Some(value) => Ok(value),
+            None => self.plant.model.value(handle),
+        }
     }
 
     fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
         self.plant.ramps.retain(|ramp| ramp.reference != reference);
         let content = value.content();
-        let is_continuous = self.inputs.get(&Handle { reference, content });
+        let handle = Handle { reference, content };
+        if self.mode != Mode::New && self.clocks.hold(handle, value) {
+            return Ok(());
+        }
+        let ticks = self.clocks.trigger(handle, value);
+        if ticks == Some(false) {
+            return Ok(());
+        }
+        let is_continuous = self.inputs.get(&handle);
         // By the standard a discrete input is set in initialisation or event mode only.
-        if self.mode == Mode::New && is_continuous == Some(&false) {
+        if self.mode == Mode::New && is_continuous == Some(&false) && ticks.is_none() {
             self.waiting.push((reference, value.clone()));
             return Ok(());
         }
@@ -75,7 +111,10 @@ impl Simulation for Exchange {
             self.plant.enter_events()?;
             self.mode = Mode::Events;
         }
-        self.plant.model.set(reference, value)
+        match ticks {
+            Some(_) => Ok(()),
+            None => self.plant.model.set(reference, value),
+        }
     }
 
     fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
@@ -99,6 +138,7 @@ impl Simulation for Exchange {
         self.mode = Mode::New;
         self.plant.ramps.clear();
         self.waiting.clear();
+        self.clocks.reset();
         self.march = March::default();
         self.plant.model.reset()
     }

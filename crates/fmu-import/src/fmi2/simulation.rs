@@ -8,7 +8,7 @@ use crate::call::Call;
 use crate::caller::Caller;
 use crate::component::{Base, Common, c_string};
 use crate::description::Interface;
-use crate::simulation::{Batch, Birth, Experiment, Simulation};
+use crate::simulation::{Batch, Birth, Experiment, Simulation, Within};
 use crate::value::{Content, Handle, Value};
 
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
@@ -100,11 +100,9 @@ impl Simulation for Model {
         })
     }
 
-    fn initialise(&mut self, inputs: &[(u32, Value)]) -> Result<(), Call> {
+    fn initialise(&mut self, within: Within<'_>) -> Result<(), Call> {
         self.base.plain(self.functions.enter_initialization_mode)?;
-        for (reference, value) in inputs {
-            self.set(*reference, value)?;
-        }
+        within(self)?;
         self.base.exit_initialization_mode()
     }
 

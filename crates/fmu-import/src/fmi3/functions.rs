@@ -3,7 +3,7 @@
 use std::ffi::{c_char, c_int, c_void};
 
 use crate::description::Interface;
-use crate::symbols::{self, Component, Function, LibraryError, Symbols};
+use crate::symbols::{self, Component, Function, LibraryError, Plain, Symbols};
 
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T, usize) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T, usize) -> c_int;
@@ -45,6 +45,17 @@ pub(super) enum Instantiates {
 type DoStep =
     unsafe extern "C" fn(Component, f64, f64, bool, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
 
+type GetBinary =
+    unsafe extern "C" fn(Component, *const u32, usize, *mut usize, *mut *const u8, usize) -> c_int;
+type SetBinary = unsafe extern "C" fn(
+    Component,
+    *const u32,
+    usize,
+    *const usize,
+    *const *const u8,
+    usize,
+) -> c_int;
+
 /// To read and write variables of one type. Some FMUs leave out those of types that they have not.
 pub(super) type Access<T> = symbols::Access<Get<T>, Set<T>>;
 
@@ -70,6 +81,9 @@ pub(crate) struct Functions {
     /// Bytes, as an FMU may write others than 0 and 1.
     pub(super) boolean: Access<u8>,
     pub(super) string: Access<*const c_char>,
+    pub(super) binary: symbols::Access<GetBinary, SetBinary>,
+    pub(super) enter_configuration_mode: Function<Plain>,
+    pub(super) exit_configuration_mode: Function<Plain>,
 }
 
 impl Functions {
@@ -100,6 +114,9 @@ impl Functions {
             uint64: symbols.access("UInt64"),
             boolean: symbols.access("Boolean"),
             string: symbols.access("String"),
+            binary: symbols.access("Binary"),
+            enter_configuration_mode: symbols.find("EnterConfigurationMode"),
+            exit_configuration_mode: symbols.find("ExitConfigurationMode"),
         })
     }
 }

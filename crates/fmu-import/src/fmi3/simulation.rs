@@ -1,7 +1,7 @@
 //! A component of FMI 3.0.
 //!
-//! One for Co-Simulation is created without event mode: the FMU handles its events within its steps, as FMI 3.0 demands of every FMU, and
-//! inputs may be set between any two of them.
+//! One for Co-Simulation without event mode handles its events within its steps, and inputs may be set between any two of
+//! them. With event mode a step may end early, and `exchange` handles the events.
 
 use std::collections::HashMap;
 use std::ptr;
@@ -14,7 +14,7 @@ use crate::caller::Caller;
 use crate::component::{Base, Common, c_string};
 use crate::description::Storage;
 use crate::logger::fmu_import_log;
-use crate::simulation::{Birth, Experiment, Simulation};
+use crate::simulation::{Birth, Experiment, Simulation, Within};
 use crate::symbols::Saved;
 use crate::value::{Handle, Value};
 
@@ -40,12 +40,13 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    /// Creates a component.
+    /// Creates a component; `events` lets its caller handle the events of Co-Simulation.
     pub(crate) fn new(
         functions: Functions,
         common: Common,
         elements: Arc<[Element]>,
         birth: &Birth,
+        events: bool,
         mut caller: Caller,
         name: &str,
     ) -> Result<Self, Call> {
@@ -65,8 +66,8 @@ impl Model {
                         resources,
                         false,
                         false,
-                        false,
-                        false,
+                        events,
+                        events,
                         ptr::null(),
                         0,
                         environment,
@@ -115,8 +116,9 @@ impl Model {
         self.together = numbers.to_vec();
         true
     }
+}
 
-    /// Lets time pass up to the next return of the FMU, s. The time that it reached, and whether it wants no further step.
+impl Simulation for Model {
     fn part(&mut self, time: f64, step: f64) -> Result<(f64, bool), Call> {
         let (mut event, mut terminate, mut early) = (0_u8, 0_u8, 0_u8);
         let mut reached = f64::NAN;
@@ -135,25 +137,42 @@ impl Model {
                     &raw mut reached,
                 )
             });
-        let ended = terminate != 0;
+        let (ended, event) = (terminate != 0, event != 0);
         let known = (time..=time + step).contains(&reached);
+        let end = |otherwise| Call {
+            function: DO_STEP,
+            status: Status::Discard,
+            message: Some("the FMU wants no further step".to_owned()),
+            ended: Some(End {
+                from: time,
+                at: if known { reached } else { otherwise },
+            }),
+        };
         match done {
-            Err(call) if ended && call.status == Status::Discard => {
-                Ok((if known { reached } else { time }, true))
-            }
+            Err(call) if ended && call.status == Status::Discard => Err(end(time)),
             Err(call) => Err(call),
-            Ok(()) if ended => Ok((if known { reached } else { time + step }, true)),
-            Ok(()) if early == 0 || reached == time + step => Ok((time + step, false)),
-            Ok(()) if known && reached > time => Ok((reached, false)),
+            Ok(()) if ended => Err(end(time + step)),
+            Ok(()) if early == 0 || reached == time + step => Ok((time + step, event)),
+            Ok(()) if known && (reached > time || event) => Ok((reached, event)),
             Ok(()) => {
                 let why = format!("it returned early, at {reached} s of a step from {time} s");
                 Err(Call::impossible(DO_STEP, why))
             }
         }
     }
-}
 
-impl Simulation for Model {
+    fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), Call> {
+        let access = self.functions.uint64;
+        self.base.plain(self.functions.enter_configuration_mode)?;
+        for (reference, size) in sizes {
+            // SAFETY: the component is alive, and there is one value.
+            self.base.call(access.set, |set, of| unsafe {
+                set(of, &raw const *reference, 1, &raw const *size, 1)
+            })?;
+        }
+        self.base.plain(self.functions.exit_configuration_mode)
+    }
+
     fn hear(&mut self, categories: &[String]) {
         let function = self.functions.set_debug_logging;
         // SAFETY: the array holds as many valid strings as stated.
@@ -177,7 +196,7 @@ impl Simulation for Model {
         Ok(())
     }
 
-    fn initialise(&mut self, inputs: &[(u32, Value)]) -> Result<(), Call> {
+    fn initialise(&mut self, within: Within<'_>) -> Result<(), Call> {
         let Experiment {
             start,
             stop,
@@ -189,9 +208,7 @@ impl Simulation for Model {
         self.base.call(function, |enter, of| unsafe {
             enter(of, known, tolerance, start, true, stop)
         })?;
-        for (reference, value) in inputs {
-            self.set(*reference, value)?;
-        }
+        within(self)?;
         self.written = None;
         self.base.exit_initialization_mode()
     }
@@ -245,15 +262,7 @@ impl Simulation for Model {
         let end = time + step;
         let (mut from, mut rest) = (time, step);
         loop {
-            let (at, ended) = self.part(from, rest)?;
-            if ended {
-                return Err(Call {
-                    function: DO_STEP,
-                    status: Status::Discard,
-                    message: Some("the FMU wants no further step".to_owned()),
-                    ended: Some(End { from: time, at }),
-                });
-            }
+            let (at, _) = self.part(from, rest)?;
             if at == from + rest {
                 return Ok(());
             }

@@ -1,7 +1,6 @@
 //! Reading and writing the elements of variables of FMI 3.0.
 
 use std::ffi::{CStr, CString, c_char};
-use std::fmt::Display;
 use std::sync::Arc;
 use std::{ptr, slice};
 
@@ -11,7 +10,7 @@ use super::simulation::Model;
 use crate::call::{Call, Status};
 use crate::component::c_string;
 use crate::description::Storage;
-use crate::value::Value;
+use crate::value::{Value, bytes_of, hexadecimal};
 
 impl Model {
     pub(super) fn read(&mut self, number: u32) -> Result<Value, Call> {
@@ -39,6 +38,11 @@ impl Model {
                 let values = self.all(functions.boolean, element, 0)?;
                 Value::Boolean(values[element.index] != 0)
             }
+            Storage::Binary => {
+                let all = self.binaries(element)?;
+                Value::String(hexadecimal(&all[element.index]))
+            }
+            Storage::Clock => return Err(without_events()),
             Storage::String => {
                 let mut texts = self.texts(element)?;
                 let text = std::mem::take(&mut texts[element.index]);
@@ -85,6 +89,8 @@ impl Model {
                 _ => None,
             }),
             Storage::String => self.put_text(new),
+            Storage::Binary => self.put_binary(new),
+            Storage::Clock => Err(without_events()),
         }?;
         if let (Some(written), Some(array)) = (&mut self.written, array) {
             written.insert(element.reference, array);
@@ -179,19 +185,11 @@ impl Model {
 
     fn read_whole<T>(&mut self, access: Access<T>, element: &Element) -> Result<Value, Call>
     where
-        T: Copy + Default + Display,
-        i64: TryFrom<T>,
+        T: Copy + Default,
+        i128: From<T>,
     {
-        let value = self.all(access, element, T::default())?[element.index];
-        let whole = i64::try_from(value).map_err(|_| {
-            let why = format!(
-                "{value}, the value of the variable with value reference {}, is larger than {}, and cannot be kept here",
-                element.reference,
-                i64::MAX
-            );
-            Call::impossible(access.get.name, why)
-        })?;
-        Ok(Value::Integer(whole))
+        let values = self.all(access, element, T::default())?;
+        Ok(Value::Integer(values[element.index].into()))
     }
 
     /// The texts of a variable, copied: the FMU's own ones are valid until the next call only.
@@ -206,6 +204,49 @@ impl Model {
             unsafe { CStr::from_ptr(*text) }.to_owned()
         };
         Ok(texts.iter().map(copy).collect())
+    }
+
+    /// The bytes of a binary variable, copied as the texts are.
+    fn binaries(&mut self, element: &Element) -> Result<Vec<Vec<u8>>, Call> {
+        let mut sizes = vec![0; element.of];
+        let mut places = vec![ptr::null::<u8>(); element.of];
+        let (reference, of_each, into) = (
+            &raw const element.reference,
+            sizes.as_mut_ptr(),
+            places.as_mut_ptr(),
+        );
+        let get = self.functions.binary.get;
+        // SAFETY: there is one reference, and room for as many sizes and places as the variable has elements.
+        self.base.call(get, |get, of| unsafe {
+            get(of, reference, 1, of_each, into, element.of)
+        })?;
+        let copy = |(place, size): (&*const u8, &usize)| match place.is_null() || *size == 0 {
+            true => Vec::new(),
+            // SAFETY: FMI 3.0 returns as many bytes as it says, which are valid until the next call.
+            false => unsafe { slice::from_raw_parts(*place, *size) }.to_vec(),
+        };
+        Ok(places.iter().zip(&sizes).map(copy).collect())
+    }
+
+    fn put_binary(&mut self, new: New<'_>) -> Result<(), Call> {
+        let (element, set) = (new.element, self.functions.binary.set);
+        let fit = |value: &Value| match value {
+            Value::String(digits) => bytes_of(digits),
+            _ => None,
+        };
+        let told = |model: &mut Self| model.binaries(element);
+        let all = self.merged(new, set.name, fit, told)?;
+        let sizes: Vec<usize> = all.iter().map(Vec::len).collect();
+        let places: Vec<*const u8> = all.iter().map(|bytes| bytes.as_ptr()).collect();
+        let (reference, sizes, places) = (
+            &raw const element.reference,
+            sizes.as_ptr(),
+            places.as_ptr(),
+        );
+        // SAFETY: there is one reference, and as many sizes and places as the variable has elements.
+        self.base.call(set, |set, of| unsafe {
+            set(of, reference, 1, sizes, places, element.of)
+        })
     }
 
     fn put_text(&mut self, new: New<'_>) -> Result<(), Call> {
@@ -244,11 +285,17 @@ fn narrow(value: &Value) -> Option<f32> {
     (narrow.is_finite() || !value.is_finite()).then_some(narrow)
 }
 
-fn whole<T: TryFrom<i64>>(value: &Value) -> Option<T> {
+fn whole<T: TryFrom<i128>>(value: &Value) -> Option<T> {
     match value {
         Value::Integer(value) => T::try_from(*value).ok(),
         _ => None,
     }
+}
+
+/// Why a clock is neither read nor set.
+fn without_events() -> Call {
+    let why = "the clocks of an FMU without event mode do not tick".to_owned();
+    Call::impossible("fmi3GetClock", why)
 }
 
 /// A value that the variable's type cannot hold.

@@ -2,6 +2,10 @@
 
 use super::*;
 
+fn description(bytes: &[u8]) -> Result<Description, DescriptionError> {
+    super::description(bytes, &[])
+}
+
 fn read(body: &str) -> Description {
     let xml = format!(
         "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" \

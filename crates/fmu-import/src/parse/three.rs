@@ -1,14 +1,17 @@
 //! The parts of `modelDescription.xml` that FMI 3.0 writes in its own way: capabilities, types and variables.
 //!
 //! An array becomes as many variables as it has elements, named `x[1]`, `x[2]` or `A[1,2]` in row order, so that each
-//! can be varied, fed and judged. Its size is that of the start values of structural parameters.
+//! can be varied, fed and judged. Its size is that of structural parameters: their start values, or those that were set.
 
 use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use crate::description::{About, Description, Kind, Place, Storage, Variability, Variable};
+use crate::description::{
+    About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable,
+};
 use crate::parse::{Reader, Types, item, text, truth};
+use crate::value::bytes_of;
 use crate::xml::{child, children, elements};
 
 /// More elements than an array can have that is useful by its elements.
@@ -55,7 +58,8 @@ impl Reader {
         let types = types(root);
         let list = child(root, "ModelVariables");
         let nodes = || list.into_iter().flat_map(|list| list.children());
-        let sizes: Sizes = nodes().filter_map(structural).collect();
+        let mut sizes: Sizes = nodes().filter_map(structural).collect();
+        sizes.extend(into.sizes.iter().map(|(of, size)| (*of, *size as usize)));
         let mut first = 0;
         for node in nodes().filter(Node::is_element) {
             let Some(written) = self.written(node, first, &sizes, into) else {
@@ -80,21 +84,14 @@ impl Reader {
             into.unusable.insert(name.clone(), why);
             None
         };
-        let storage = match node.tag_name().name() {
-            "Binary" => {
-                return refuse("a Binary has no value that could be set or judged".to_owned());
-            }
-            "Clock" => {
-                return refuse(
-                    "a Clock ticks in event mode, which is not used here: the FMU handles events within its steps"
-                        .to_owned(),
-                );
-            }
-            other => item(other),
-        };
-        let Some(storage) = storage else {
+        let Some(storage) = item(node.tag_name().name()) else {
             return refuse(format!("unknown type `{}`", node.tag_name().name()));
         };
+        let is_silent =
+            into.interface == Interface::CoSimulation && !into.capabilities.has_event_mode;
+        if storage == Storage::Clock && is_silent {
+            return refuse("a Clock ticks in event mode, which the FMU has not".to_owned());
+        }
         let mut dimensions = Vec::new();
         for dimension in children(node, "Dimension") {
             let fixed = self.number::<usize>(dimension, "start");
@@ -133,7 +130,11 @@ impl Reader {
         };
         let declared = node.attribute("declaredType");
         let declared = declared.and_then(|name| types.get(name)).copied();
-        let starts = starts(node);
+        let mut starts = starts(node);
+        let resized = into.sizes.iter().find(|(of, _)| *of == value_reference);
+        if let Some((_, size)) = resized {
+            starts = vec![size.to_string()];
+        }
         let variable = Variable {
             name,
             line: self.line(node),
@@ -142,10 +143,12 @@ impl Reader {
             description: node.attribute("description").map(str::to_owned),
             causality: self.choice(node, "causality"),
             variability: self.variability_of_three(written),
+            clocks: references(node.attribute("clocks")),
             kind: self.kind(node, declared, Some(written.storage)),
         };
         let count = written.count();
-        if !matches!(starts.len(), 0 | 1) && starts.len() != count {
+        // Other sizes leave the start values to the FMU.
+        if !matches!(starts.len(), 0 | 1) && starts.len() != count && into.sizes.is_empty() {
             let text = format!(
                 "`{}` has {} start values for {count} elements; they are not read",
                 variable.name,
@@ -205,25 +208,58 @@ impl Reader {
         }
     }
 
+    /// When a clock ticks: a fraction where there is one, as that is exact.
+    pub(crate) fn timing(&mut self, node: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Timing {
+        let declared = declared.unwrap_or(node);
+        let source = |name: &str| {
+            if node.has_attribute(name) {
+                node
+            } else {
+                declared
+            }
+        };
+        let resolution: Option<f64> = self.number(source("resolution"), "resolution");
+        let mut time = |counter: &str, decimal: &str| {
+            let counter: Option<f64> = self.number(source(counter), counter);
+            let fraction = counter.zip(resolution).map(|(counter, of)| counter / of);
+            fraction.or_else(|| self.number(source(decimal), decimal))
+        };
+        let interval = time("intervalCounter", "intervalDecimal");
+        let shift = time("shiftCounter", "shiftDecimal");
+        Timing {
+            by: self.choice(source("intervalVariability"), "intervalVariability"),
+            interval,
+            shift,
+            priority: self.number(source("priority"), "priority"),
+        }
+    }
+
     /// Reads a start value.
     fn begin(&mut self, written: &Written<'_>, kind: &mut Kind, text: &str) {
-        let node = written.node;
-        if written.storage.cannot_keep(text) {
-            return;
-        }
+        let (node, storage) = (written.node, written.storage);
         match kind {
             Kind::Real { start, .. } => *start = text.parse().ok(),
             Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => {
-                *start = text.parse().ok();
+                *start = storage.whole(text);
             }
             Kind::Boolean { start } => *start = truth(text),
+            Kind::String { start } if storage == Storage::Binary => {
+                *start = bytes_of(text).map(|_| text.to_lowercase());
+            }
             Kind::String { start } => *start = Some(text.to_owned()),
+            Kind::Clock(_) => {}
         }
         if kind.start_value().is_none() {
             let text = format!("start=\"{text}\" cannot be read as a value of the variable's type");
             self.remark(node, About::Value, &text);
         }
     }
+}
+
+/// A list of value references.
+fn references(list: Option<&str>) -> Vec<u32> {
+    let words = list.unwrap_or_default().split_whitespace();
+    words.filter_map(|word| word.parse().ok()).collect()
 }
 
 /// Attributes of the types, by their names.
@@ -248,7 +284,7 @@ fn structural(node: Node<'_, '_>) -> Option<(u32, usize)> {
 
 /// The start values of all elements: a list in an attribute, or elements for texts.
 fn starts(node: Node<'_, '_>) -> Vec<String> {
-    if node.tag_name().name() == "String" {
+    if matches!(node.tag_name().name(), "String" | "Binary") {
         return children(node, "Start")
             .filter_map(|start| start.attribute("value"))
             .map(str::to_owned)

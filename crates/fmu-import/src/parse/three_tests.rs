@@ -1,7 +1,7 @@
 use super::*;
 use crate::description::Causality;
 use crate::parse::description;
-use crate::value::Content;
+use crate::value::{Content, Value};
 use crate::version::Version;
 
 fn read(variables: &str) -> Description {
@@ -16,7 +16,7 @@ fn read(variables: &str) -> Description {
         </TypeDefinitions>
         <ModelVariables>{variables}</ModelVariables></fmiModelDescription>"#
     );
-    description(xml.as_bytes()).unwrap()
+    description(xml.as_bytes(), &[]).unwrap()
 }
 
 #[test]
@@ -62,8 +62,10 @@ fn types_with_their_ranges_and_starts() {
         panic!()
     };
     assert_eq!(max, Some(9_007_199_254_740_993));
-    // What cannot be kept is left out, not wrapped.
-    assert!(matches!(all["w"].kind, Kind::Integer { start: None, .. }));
+    let Kind::Integer { start, .. } = all["w"].kind else {
+        panic!()
+    };
+    assert_eq!(start, Some(u64::MAX.into()));
     assert_eq!(all["b"].kind.start(), Some(1.0));
     let Kind::String { start } = &all["s"].kind else {
         panic!()
@@ -118,20 +120,51 @@ fn arrays_become_elements() {
 }
 
 #[test]
-fn binaries_and_clocks_are_refused_with_a_reason() {
-    let read = read(
-        r#"<Binary name="data" valueReference="1" causality="output"/>
-        <Clock name="tick" valueReference="2" causality="input" intervalVariability="constant"/>
-        <Int128 name="wide" valueReference="3"/>"#,
+fn clocks_bytes_and_what_belongs_to_them() {
+    let variables = r#"<Binary name="data" valueReference="1" causality="input"><Start value="0AfF"/></Binary>
+        <Binary name="bad" valueReference="2" causality="input"><Start value="0x1"/></Binary>
+        <Clock name="tick" valueReference="3" causality="input" intervalVariability="constant" resolution="3" intervalCounter="2" intervalDecimal="0.6" shiftDecimal="0.5"/>
+        <Clock name="push" valueReference="4" causality="input" intervalVariability="triggered"/>
+        <Int32 name="n" valueReference="5" causality="input" clocks="3 4" start="0"/>
+        <Int128 name="wide" valueReference="6"/>"#;
+    let all = read(variables);
+    let start = |name: &str| all.variables[name].kind.start_value();
+    assert_eq!(start("data"), Some(Value::String("0aff".to_owned())));
+    assert_eq!(start("bad"), None);
+    let Kind::Clock(timing) = all.variables["tick"].kind else {
+        panic!()
+    };
+    assert_eq!(
+        (timing.interval, timing.shift),
+        (Some(2.0 / 3.0), Some(0.5))
     );
-    assert!(read.variables.is_empty());
-    let names: Vec<&str> = read.unusable.keys().map(String::as_str).collect();
-    assert_eq!(names, ["data", "tick", "wide"]);
-    assert!(read.unusable["tick"].contains("event mode"));
+    assert!(!all.variables["tick"].is_settable() && all.variables["push"].is_settable());
+    assert_eq!(all.variables["n"].clocks, [3, 4]);
+    assert_eq!(all.unusable.keys().collect::<Vec<_>>(), ["wide"]);
+    // Without event mode no clock ticks.
+    let xml = format!(
+        r#"<fmiModelDescription fmiVersion="3.0"><CoSimulation modelIdentifier="m"/>
+        <ModelVariables>{variables}</ModelVariables></fmiModelDescription>"#
+    );
+    let silent = description(xml.as_bytes(), &[]).unwrap();
+    assert!(silent.unusable["tick"].contains("event mode"));
 }
 
 #[test]
-fn whole_numbers_beyond_what_is_kept_here_are_no_fault_of_the_file() {
+fn sizes_replace_those_of_the_file() {
+    let xml = r#"<fmiModelDescription fmiVersion="3.0"><CoSimulation modelIdentifier="m"/><ModelVariables>
+        <UInt64 name="n" valueReference="1" causality="structuralParameter" start="2"/>
+        <Float64 name="x" valueReference="2" causality="parameter" start="1 2"><Dimension valueReference="1"/></Float64>
+        </ModelVariables></fmiModelDescription>"#;
+    let read = description(xml.as_bytes(), &[(1, 3)]).unwrap();
+    assert_eq!(read.variables["n"].kind.start(), Some(3.0));
+    assert_eq!(read.variables["x[3]"].place.unwrap().of, 3);
+    assert_eq!(read.variables["x[1]"].kind.start(), None);
+    assert!(read.remarks.is_empty(), "{:?}", read.remarks);
+}
+
+#[test]
+fn whole_numbers_are_kept_up_to_the_width_of_their_type() {
     let read = read(
         r#"<UInt64 name="most" valueReference="1" start="18446744073709551615" max="18446744073709551615"/>
         <Int64 name="over" valueReference="2" start="18446744073709551615"/>
@@ -141,11 +174,12 @@ fn whole_numbers_beyond_what_is_kept_here_are_no_fault_of_the_file() {
         Kind::Integer { start, min, max } => (start, min, max),
         _ => panic!("not a whole number"),
     };
-    assert_eq!(whole("most"), (None, Some(0), None));
+    let most = Some(u64::MAX.into());
+    assert_eq!(whole("most"), (most, Some(0), most));
     assert_eq!(whole("list[1]").0, Some(7));
-    assert_eq!(whole("list[2]").0, None);
+    assert_eq!(whole("list[2]").0, Some(1 << 63));
     assert_eq!(whole("over").0, None);
-    // Only the number that its own type cannot hold is remarked.
+    // A number that its own type cannot hold is remarked.
     let start = |remark: &&crate::description::Remark| remark.text.contains("start");
     assert_eq!(read.remarks.iter().filter(start).count(), 1);
 }
@@ -155,7 +189,7 @@ fn other_interfaces_are_named() {
     let with = |interfaces: &str| {
         let xml =
             format!(r#"<fmiModelDescription fmiVersion="3.0">{interfaces}</fmiModelDescription>"#);
-        description(xml.as_bytes()).unwrap_err().to_string()
+        description(xml.as_bytes(), &[]).unwrap_err().to_string()
     };
     assert!(with("<ScheduledExecution/>").contains("Scheduled Execution only"));
     assert!(with("").contains("neither of the two"));

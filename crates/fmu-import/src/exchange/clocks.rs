@@ -1,0 +1,372 @@
+//! The clocks of FMI 3.0: when they tick, and the variables that are set and computed at their ticks.
+//!
+//! Time-based clocks tick by themselves, triggered inputs where they are set. A clocked input that is set waits for the next
+//! tick; between ticks a clocked variable has its value of the last one.
+
+use std::collections::HashMap;
+use std::ffi::c_int;
+
+use super::are_near;
+use crate::call::{Call, Status};
+use crate::description::{Causality, Description, Kind, Ticking, Timing};
+use crate::simulation::Simulation;
+use crate::symbols::{Component, Function, Symbols};
+use crate::value::{Content, Handle, Value};
+
+/// An interval that is not yet known, and one that is new, as `fmi3IntervalQualifier` numbers them.
+const NOT_YET_KNOWN: c_int = 0;
+const CHANGED: c_int = 2;
+
+#[derive(Clone, Copy, Debug)]
+struct Functions {
+    get: Function<unsafe extern "C" fn(Component, *const u32, usize, *mut u8) -> c_int>,
+    set: Function<unsafe extern "C" fn(Component, *const u32, usize, *const u8) -> c_int>,
+    get_interval:
+        Function<unsafe extern "C" fn(Component, *const u32, usize, *mut f64, *mut c_int) -> c_int>,
+    get_shift: Function<unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> c_int>,
+}
+
+impl Functions {
+    /// Which of these clocks are active.
+    fn active(self, model: &mut dyn Simulation, clocks: &[u32]) -> Result<Vec<bool>, Call> {
+        let mut active = vec![0; clocks.len()];
+        let into = active.as_mut_ptr();
+        // SAFETY: the component is alive, and there is room for as many flags as clocks.
+        let get = |get: unsafe extern "C" fn(_, _, _, _) -> _, of| unsafe {
+            get(of, clocks.as_ptr(), clocks.len(), into)
+        };
+        model.base_mut().call(self.get, get)?;
+        Ok(active.iter().map(|flag| *flag != 0).collect())
+    }
+
+    fn activate(self, model: &mut dyn Simulation, clocks: &[u32]) -> Result<(), Call> {
+        let active = vec![1; clocks.len()];
+        // SAFETY: the component is alive, and there are as many flags as clocks.
+        model.base_mut().call(self.set, |set, of| unsafe {
+            set(of, clocks.as_ptr(), clocks.len(), active.as_ptr())
+        })
+    }
+
+    /// The interval of a clock, s, with its qualifier.
+    fn interval(self, model: &mut dyn Simulation, clock: u32) -> Result<(f64, c_int), Call> {
+        let (mut interval, mut qualifier) = (0.0, CHANGED);
+        // SAFETY: the component is alive, and all three places are of one element.
+        model.base_mut().call(self.get_interval, |get, of| unsafe {
+            get(
+                of,
+                &raw const clock,
+                1,
+                &raw mut interval,
+                &raw mut qualifier,
+            )
+        })?;
+        if qualifier != NOT_YET_KNOWN && !(interval >= 0.0) {
+            let why = format!("the interval {interval} s of the clock {clock} is no time");
+            return Err(Call::impossible(self.get_interval.name, why));
+        }
+        Ok((interval, qualifier))
+    }
+
+    fn shift(self, model: &mut dyn Simulation, clock: u32) -> Result<f64, Call> {
+        let mut shift = 0.0;
+        // SAFETY: the component is alive, and both places are of one element.
+        model.base_mut().call(self.get_shift, |get, of| unsafe {
+            get(of, &raw const clock, 1, &raw mut shift)
+        })?;
+        Ok(shift)
+    }
+}
+
+/// A clock of a simulation.
+#[derive(Clone, Debug)]
+struct Clock {
+    reference: u32,
+    handle: Handle,
+    is_input: bool,
+    timing: Timing,
+    /// The variables that it computes, and the inputs that are set at its ticks.
+    clocked: Vec<Handle>,
+    /// The time of the next tick, where it is known, s.
+    next: Option<f64>,
+    /// The tick from which periods count, the ticks since then with itself, and the period, s.
+    first: f64,
+    ticks: u32,
+    interval: f64,
+    is_active: bool,
+    has_ticked: bool,
+}
+
+impl Clock {
+    fn is_periodic(&self) -> bool {
+        use Ticking::{Constant, Fixed, Tunable};
+        matches!(self.timing.by, Constant | Fixed | Tunable)
+    }
+
+    /// The time of the tick of a period.
+    fn tick(&self, number: u32) -> f64 {
+        self.first + f64::from(number) * self.interval
+    }
+
+    fn is_due(&self, time: f64) -> bool {
+        self.next
+            .is_some_and(|next| next <= time || are_near(next, time))
+    }
+
+    /// Takes the present tick for done.
+    fn pass(&mut self) {
+        self.ticks += 1;
+        self.next = self.is_periodic().then(|| self.tick(self.ticks));
+    }
+
+    /// Asks for the first tick after a start, s.
+    fn begin(
+        &mut self,
+        functions: Functions,
+        model: &mut dyn Simulation,
+        start: f64,
+    ) -> Result<(), Call> {
+        if self.timing.by == Ticking::Triggered {
+            return Ok(());
+        }
+        let (interval, qualifier) = match self.timing.interval {
+            Some(interval) => (interval, CHANGED),
+            None => functions.interval(model, self.reference)?,
+        };
+        if !self.is_periodic() {
+            self.next = (qualifier != NOT_YET_KNOWN).then_some(start + interval);
+            return Ok(());
+        }
+        if !(interval > 0.0) {
+            let why = format!("the clock {} has a period of {interval} s", self.reference);
+            return Err(Call::impossible(functions.get_interval.name, why));
+        }
+        let shift = match (self.timing.shift, self.timing.interval) {
+            (Some(shift), _) => shift,
+            (None, Some(_)) => 0.0,
+            (None, None) => functions.shift(model, self.reference)?,
+        };
+        (self.first, self.ticks, self.interval) = (start + shift, 0, interval);
+        self.next = Some(self.first);
+        Ok(())
+    }
+
+    /// Asks for the next tick after a round of events at a time, s, where that may have become known.
+    fn follow(
+        &mut self,
+        functions: Functions,
+        model: &mut dyn Simulation,
+        time: f64,
+    ) -> Result<(), Call> {
+        let may_be_new = match self.timing.by {
+            Ticking::Changing => self.is_active,
+            Ticking::Countdown => true,
+            Ticking::Tunable => self.timing.interval.is_none(),
+            _ => false,
+        };
+        if !may_be_new {
+            return Ok(());
+        }
+        let (interval, qualifier) = functions.interval(model, self.reference)?;
+        if self.is_periodic() {
+            if qualifier == CHANGED && interval > 0.0 && interval != self.interval {
+                // From the last tick on.
+                let last = self.ticks.checked_sub(1).map(|last| self.tick(last));
+                (self.first, self.ticks) = (last.unwrap_or(self.first), u32::from(last.is_some()));
+                self.interval = interval;
+                self.next = Some(self.tick(self.ticks));
+            }
+        } else if qualifier == CHANGED || self.is_active && qualifier != NOT_YET_KNOWN {
+            self.next = Some(time + interval);
+        }
+        Ok(())
+    }
+}
+
+/// The clocks of an FMU, and their variables.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Clocks {
+    functions: Option<Functions>,
+    all: Vec<Clock>,
+    /// The values of clocked variables at their last ticks.
+    values: HashMap<Handle, Value>,
+    /// The clocked inputs that wait for a tick.
+    held: Vec<(Handle, Value)>,
+}
+
+impl Clocks {
+    /// Those of a description; none where there are none.
+    pub(crate) fn find(symbols: &Symbols<'_>, description: &Description) -> Self {
+        let mut all: Vec<Clock> = Vec::new();
+        for variable in description.variables.values() {
+            let (reference, handle) = (variable.value_reference, variable.handle());
+            let Kind::Clock(timing) = variable.kind else {
+                continue;
+            };
+            // A clock may have several names.
+            if all.iter().any(|clock| clock.handle == handle) {
+                continue;
+            }
+            let clocked = description.variables.values();
+            let clocked = clocked.filter(|other| other.clocks.contains(&reference));
+            all.push(Clock {
+                reference,
+                handle,
+                is_input: variable.causality == Causality::Input,
+                timing,
+                clocked: clocked.map(|other| other.handle()).collect(),
+                next: None,
+                first: 0.0,
+                ticks: 0,
+                interval: f64::INFINITY,
+                is_active: false,
+                has_ticked: false,
+            });
+        }
+        if all.is_empty() {
+            return Self::default();
+        }
+        all.sort_by_key(|clock| clock.timing.priority.unwrap_or(u32::MAX));
+        Self {
+            functions: Some(Functions {
+                get: symbols.find("GetClock"),
+                set: symbols.find("SetClock"),
+                get_interval: symbols.find("GetIntervalDecimal"),
+                get_shift: symbols.find("GetShiftDecimal"),
+            }),
+            all,
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn are_there(&self) -> bool {
+        !self.all.is_empty()
+    }
+
+    /// The present value of a clock, or of a variable of one.
+    pub(super) fn value(&self, handle: Handle) -> Option<Value> {
+        let clock = self.all.iter().find(|clock| clock.handle == handle);
+        let value = clock.map(|clock| Value::Boolean(clock.has_ticked));
+        value.or_else(|| self.values.get(&handle).cloned())
+    }
+
+    /// Keeps the value of a clocked input for the next tick; whether it is one.
+    pub(super) fn hold(&mut self, handle: Handle, value: &Value) -> bool {
+        let is_clocked = self.all.iter().any(|clock| clock.clocked.contains(&handle));
+        if is_clocked {
+            self.held.retain(|(other, _)| *other != handle);
+            self.held.push((handle, value.clone()));
+        }
+        is_clocked
+    }
+
+    /// Lets a triggered input tick at the next event where it is set to yes; whether it does, or `None` for what is no clock.
+    pub(super) fn trigger(&mut self, handle: Handle, value: &Value) -> Option<bool> {
+        let mut clocks = self.all.iter_mut();
+        let clock = clocks.find(|clock| clock.is_input && clock.handle == handle)?;
+        let ticks = *value == Value::Boolean(true);
+        clock.next = ticks.then_some(f64::NEG_INFINITY);
+        Some(ticks)
+    }
+
+    /// Asks for the first ticks, and reads all clocked variables, in initialisation mode.
+    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64) -> Result<(), Call> {
+        let Some(functions) = self.functions else {
+            return Ok(());
+        };
+        for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
+            clock.begin(functions, model, start)?;
+        }
+        for handle in self.all.iter().flat_map(|clock| &clock.clocked) {
+            let value = match model.value(*handle) {
+                Ok(value) => value,
+                Err(call) if call.status == Status::Fatal => return Err(call),
+                // It has none before the first tick.
+                Err(_) => match handle.content {
+                    Content::Real => Value::Real(f64::NAN),
+                    Content::Text => Value::String(String::new()),
+                    other => other.value(0.0),
+                },
+            };
+            self.values.insert(*handle, value);
+        }
+        Ok(())
+    }
+
+    /// Lets the inputs tick that are due at a time, s, with the inputs that wait for them, and reads what ticks compute.
+    pub(super) fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Result<(), Call> {
+        let Some(functions) = self.functions else {
+            return Ok(());
+        };
+        for clock in &mut self.all {
+            clock.is_active = clock.is_due(time);
+            if clock.is_active {
+                clock.pass();
+            }
+        }
+        let references = |wanted: fn(&&Clock) -> bool| -> Vec<u32> {
+            let wanted = self.all.iter().filter(wanted);
+            wanted.map(|clock| clock.reference).collect()
+        };
+        let due = references(|clock| clock.is_active);
+        let own = references(|clock| !clock.is_input);
+        if !due.is_empty() {
+            functions.activate(model, &due)?;
+        }
+        for (handle, value) in std::mem::take(&mut self.held) {
+            let mut clocks = self.all.iter();
+            match clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
+                true => model.set(handle.reference, &value)?,
+                false => self.held.push((handle, value)),
+            }
+        }
+        if !own.is_empty() {
+            let active = functions.active(model, &own)?;
+            let clocks = self.all.iter_mut().filter(|clock| !clock.is_input);
+            for (clock, is_active) in clocks.zip(active) {
+                clock.is_active = is_active;
+            }
+        }
+        for clock in self.all.iter_mut().filter(|clock| clock.is_active) {
+            clock.has_ticked = true;
+            for handle in &clock.clocked {
+                self.values.insert(*handle, model.value(*handle)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks for the next ticks after a round of events at a time, s; whether that has one at the same time.
+    pub(super) fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Result<bool, Call> {
+        let Some(functions) = self.functions else {
+            return Ok(false);
+        };
+        for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
+            clock.follow(functions, model, time)?;
+        }
+        // A periodic clock ticks once in an event mode.
+        let mut clocks = self.all.iter();
+        Ok(clocks.any(|clock| !clock.is_periodic() && clock.is_due(time)))
+    }
+
+    /// When the next tick is, s.
+    pub(super) fn next(&self) -> Option<f64> {
+        let next = self.all.iter().filter_map(|clock| clock.next);
+        next.min_by(f64::total_cmp)
+    }
+
+    /// Forgets what has ticked up to a communication point.
+    pub(super) fn pass_point(&mut self) {
+        for clock in &mut self.all {
+            clock.has_ticked = false;
+        }
+    }
+
+    /// As before a simulation.
+    pub(super) fn reset(&mut self) {
+        self.values.clear();
+        self.held.clear();
+        for clock in &mut self.all {
+            (clock.next, clock.is_active, clock.has_ticked) = (None, false, false);
+        }
+    }
+}
