@@ -63,7 +63,6 @@ pub(crate) const CHILD: &str = "fmu-points-child";
 pub(crate) fn serve(progress: &str) -> io::Result<()> {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    use fmu_import::Package;
     use fmu_import::isolation::Place;
     use fmu_import::isolation::keeper::leave;
 
@@ -76,7 +75,7 @@ pub(crate) fn serve(progress: &str) -> io::Result<()> {
     let order = crate::wire::read(&place.receive().ok_or_else(missing)?);
     let order: Order = order.ok_or_else(|| io::Error::other("an order is damaged"))?;
     let progress = Shared::open(progress.to_owned())?;
-    let mut package = Package::open(&setup.fmu).map_err(io::Error::other)?;
+    let mut package = setup.open().map_err(io::Error::other)?;
     let estate = Estate {
         setup: &setup,
         package: Some(&mut package),

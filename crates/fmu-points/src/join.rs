@@ -178,18 +178,15 @@ mod tests {
             unit: None,
         };
         let task = Task {
-            schedule: Schedule {
+            observed: vec![probe.clone(), probe],
+            ..Task::new(Schedule {
                 start: 0.0,
                 stop: 1.0,
                 step: 1.0,
                 window_start: 0.0,
                 leap: false,
                 tolerance: None,
-            },
-            fixed: Vec::new(),
-            varied: Vec::new(),
-            inputs: Vec::new(),
-            observed: vec![probe.clone(), probe],
+            })
         };
         let case = |name: &str| Case {
             name: Some(name.to_owned()),

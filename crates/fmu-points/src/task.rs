@@ -25,6 +25,10 @@ pub use sampling::statistics::Statistic;
 pub struct Task {
     /// When.
     pub schedule: Schedule,
+    /// The sizes of arrays: structural parameters by value reference, as [`Description::sizes`](fmu_import::Description::sizes)
+    /// has them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sizes: Vec<(u32, u64)>,
     /// Start values that stay as they are, by value reference.
     pub fixed: Vec<(u32, Value)>,
     /// The variables that take a point's values, in the order of those values.
@@ -41,6 +45,7 @@ impl Task {
     pub fn new(schedule: Schedule) -> Self {
         Self {
             schedule,
+            sizes: Vec::new(),
             fixed: Vec::new(),
             varied: Vec::new(),
             inputs: Vec::new(),

@@ -17,7 +17,7 @@ use crate::points::{Job, Limits, Simulated};
 
 use crate::runner::Reuse;
 use crate::task::Case;
-use fmu_import::{Handle, Value};
+use fmu_import::{FmuError, Handle, Package, Value};
 
 /// The first message to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -40,6 +40,17 @@ pub(crate) struct Setup {
     pub(crate) echo: bool,
     /// Whether signals are looked at after every point, since one of them has changed how they are handled.
     pub(crate) careful: bool,
+}
+
+impl Setup {
+    /// Opens the FMU, with the sizes of the simulations.
+    pub(crate) fn open(&self) -> Result<Package, FmuError> {
+        let mut package = Package::open(&self.fmu)?;
+        if let Some(case) = self.cases.first() {
+            package.resize(&case.task.sizes)?;
+        }
+        Ok(package)
+    }
 }
 
 /// An order of a supervisor to a worker, and of a worker to a child.
@@ -206,7 +217,7 @@ mod tests {
                 }
                 other => prop_assert!(false, "{:?}", other),
             }
-            let row = vec![Value::Integer(number.cast_signed()), Value::Boolean(flag), Value::String("ü".to_owned())];
+            let row = vec![Value::Integer(number.into()), Value::Boolean(flag), Value::String("ü".to_owned())];
             for said in [Said::Rows(row), Said::Ended(Some(failure)), Said::Ended(None), Said::Loaded(Some(flag))] {
                 prop_assert_eq!(read::<Said>(&bytes(&said)), Some(said));
             }

@@ -180,7 +180,7 @@ impl Service {
         // The user knows the file, not the folder into which it was unpacked.
         let named = |error: FmuError| error.at(&self.setup.name).to_string();
         if self.package.is_none() {
-            self.package = Some(Package::open(&self.setup.fmu).map_err(named)?);
+            self.package = Some(self.setup.open().map_err(named)?);
         }
         if let (Order::Forked(_), None, Some(package)) = (order, &self.library, &mut self.package) {
             let library = self.keeper.blindly(|| package.load());

@@ -150,7 +150,8 @@ impl<'a> Reading<'a> {
     fn add(&mut self, row: &dyn Rows, gaps: bool) -> Result<(), FileError> {
         let cell = |&place: &usize| {
             let gap = || (gaps && row.text(place).is_empty()).then_some(f64::NAN);
-            row.number(place).or_else(gap).ok_or_else(|| {
+            let number = row.number(place).or_else(gap);
+            number.or_else(|| truth(&row.text(place))).ok_or_else(|| {
                 let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
                 let remedy = remedy(&text);
                 let message = format!("column `{column}`: `{text}` is not a number{remedy}");
@@ -169,6 +170,15 @@ impl<'a> Reading<'a> {
         labels.push(label.unwrap_or(rows.len() as u64));
         Ok(())
     }
+}
+
+/// Yes as 1, no as 0.
+fn truth(text: &str) -> Option<f64> {
+    let words = [("false", 0.0), ("true", 1.0)];
+    let word = words
+        .iter()
+        .find(|(word, _)| text.trim().eq_ignore_ascii_case(word));
+    word.map(|(_, number)| *number)
 }
 
 /// A cell as a message shows it: on one line, and not longer than people read.

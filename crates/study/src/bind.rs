@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::input::Input;
 use super::measured::Binder as CurveBinder;
 use super::samples::{self, Together};
-use super::values::{find, slot_of, value_of};
+use super::values::{find, size_of, slot_of, value_of};
 use super::{CaseText, CriterionText, Name, ParameterText, Setting, Study, inputs, ssv};
 use crate::concern::Concern;
 use fmu_import::quantity::Scale;
@@ -45,6 +45,7 @@ impl Binder<'_> {
         let (inputs, doubts) = inputs::series(self.study, self.fmu, &schedule)?;
         let task = Task {
             schedule,
+            sizes: self.fmu.sizes.clone(),
             fixed: self.fixed()?,
             varied,
             inputs,
@@ -288,16 +289,22 @@ impl Binder<'_> {
     }
 
     fn fixed(&self) -> Result<Vec<(u32, Value)>, FileError> {
-        let settings = self.study.fixed.iter();
-        let bind = |(name, setting): (&Name, &Spanned<Setting>)| {
-            let variable = self.variable(name)?;
-            let value = value_of(self.fmu, variable, setting.as_ref())
-                .map_err(|message| self.study.error_at(setting, message))?;
-            Ok((variable.handle().reference, value))
-        };
         let mut values = self.set()?;
-        for setting in settings.map(bind) {
-            values.push(setting?);
+        for (name, setting) in &self.study.fixed {
+            let at = |message: String| self.study.error_at(setting, message);
+            let variable = self.variable(name)?;
+            match size_of(self.fmu, variable, setting.as_ref()).map_err(at)? {
+                None => {
+                    let value = value_of(self.fmu, variable, setting.as_ref()).map_err(at)?;
+                    values.push((variable.handle().reference, value));
+                }
+                // The whole study has it.
+                Some(size) if self.fmu.sizes.contains(&size) => {}
+                Some(_) => {
+                    let why = "it is the size of arrays, which all cases share: set it in the study's own [fixed]";
+                    return Err(at(format!("{}: {why}", variable.name)));
+                }
+            }
         }
         Ok(values)
     }

@@ -20,6 +20,7 @@ use crate::text::{
     CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation,
     VariantText,
 };
+use crate::values::size_of;
 
 /// The content of a study file.
 #[derive(Clone, Debug, Deserialize)]
@@ -143,19 +144,30 @@ impl Study {
         folder.join(self.fmu.as_ref())
     }
 
-    /// Opens its FMU, or another one instead.
+    /// Opens its FMU, or another one instead, with the sizes of arrays that it fixes.
     ///
     /// # Errors
     /// When it cannot be used; where there is none, with the place in the study that names it.
     pub fn open_fmu(&self, instead: Option<&Path>) -> Result<Package, OpenError> {
         let named = self.fmu_path();
-        Package::open(instead.unwrap_or(&named)).map_err(|error| match error {
+        let package = Package::open(instead.unwrap_or(&named));
+        let mut package = package.map_err(|error| match error {
             FmuError {
                 fault: FmuFault::Archive(ArchiveError::Missing),
                 ..
             } if instead.is_none() => self.error_at(&self.fmu, unusable(&error)).into(),
-            other => other.into(),
-        })
+            other => OpenError::from(other),
+        })?;
+        let mut sizes = Vec::new();
+        for (name, setting) in &self.fixed {
+            let fmu = package.description();
+            if let Some(variable) = fmu.variables.get(name.as_ref().as_str()) {
+                let size = size_of(fmu, variable, setting.as_ref());
+                sizes.extend(size.map_err(|message| self.error_at(setting, message))?);
+            }
+        }
+        package.resize(&sizes)?;
+        Ok(package)
     }
 
     /// Finds the files that the study names as if it still stood in this folder.

@@ -62,6 +62,7 @@ mod tests {
             description: None,
             causality: Causality::Parameter,
             variability: Variability::Fixed,
+            clocks: Vec::new(),
             kind,
         };
         let mut fmu = Description::default();

@@ -16,7 +16,7 @@ use sampling::design::{self, Design, Joint, Sampling};
 use sampling::distribution::Distribution;
 
 pub use super::input::Input;
-pub use super::values::{bare, find, slot_of, value_of};
+pub use super::values::{bare, find, size_of, slot_of, value_of};
 
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]

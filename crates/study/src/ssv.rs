@@ -123,6 +123,7 @@ mod tests {
                 description: None,
                 causality: fmu_import::Causality::Parameter,
                 variability: fmu_import::Variability::Fixed,
+                clocks: Vec::new(),
                 kind: Kind::String { start: None },
             };
             let values = [(&variable, Value::String(text.clone()))];

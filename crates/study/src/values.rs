@@ -1,10 +1,9 @@
 //! Start values for an FMU's variables: found by name, converted, checked.
 
-use std::num::IntErrorKind;
-
 use super::Setting;
+use fmu_import::description::Storage;
 use fmu_import::quantity::{Quantity, Scale, Sense};
-use fmu_import::{Causality, Description, Kind, Value, Variability, Variable};
+use fmu_import::{Causality, Description, Kind, Place, Value, Variability, Variable, bytes_of};
 use fmu_points::names::{behind, did_you_mean, nearest};
 use fmu_points::task::Slot;
 
@@ -54,13 +53,35 @@ fn settable(variable: &Variable) -> Result<(), String> {
     let reason = match (variable.variability, variable.causality) {
         (Variability::Constant, _) => "a constant",
         (_, Causality::StructuralParameter) => {
-            "the size of arrays, which keeps its start value here"
+            "the size of arrays, which is set under [fixed] or by --set"
         }
+        _ if matches!(variable.kind, Kind::Clock(_)) => "a clock that ticks by itself",
         _ => "computed by the FMU",
     };
     Err(format!(
         "it is {reason}; only parameters and inputs can be set"
     ))
+}
+
+/// The size of arrays that a setting gives, with the value reference of its parameter; none where the variable is another.
+///
+/// # Errors
+/// When it is no size.
+pub fn size_of(
+    fmu: &Description,
+    variable: &Variable,
+    setting: &Setting,
+) -> Result<Option<(u32, u64)>, String> {
+    if variable.causality != Causality::StructuralParameter {
+        return Ok(None);
+    }
+    let size = match value(fmu, variable, setting) {
+        Ok(Value::Integer(size)) => u64::try_from(size).map_err(|_| format!("{size} is no size")),
+        Ok(_) => Err("only a whole number is a size".to_owned()),
+        Err(message) => Err(message),
+    };
+    let size = size.map_err(|message| format!("{}: {message}", variable.name))?;
+    Ok(Some((variable.value_reference, size)))
 }
 
 /// A start value for a variable.
@@ -85,15 +106,8 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
         Setting::Text(text) => text.clone(),
     };
     let whole = || {
-        let number = text.trim().parse::<i64>();
-        number.map_err(|error| match error.kind() {
-            IntErrorKind::PosOverflow | IntErrorKind::NegOverflow => {
-                format!(
-                    "{text} is beyond the whole numbers that can be set, from -2^63 to 2^63 - 1"
-                )
-            }
-            _ => format!("`{text}` is not a whole number"),
-        })
+        let number = text.trim().parse::<i128>();
+        number.map_err(|_| format!("`{text}` is not a whole number"))
     };
     match &variable.kind {
         Kind::Real { .. } => {
@@ -108,19 +122,27 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
             check_limits(variable, number as f64)?;
             Ok(Value::Integer(number))
         }
-        Kind::Boolean { .. } => match text.trim() {
+        Kind::Boolean { .. } | Kind::Clock(_) => match text.trim() {
             "true" | "1" => Ok(Value::Boolean(true)),
             "false" | "0" => Ok(Value::Boolean(false)),
             _ => Err(format!("`{text}` is neither true nor false")),
         },
-        Kind::String { .. } => Ok(Value::String(text)),
+        Kind::String { .. } => match variable.place {
+            Some(Place {
+                storage: Storage::Binary,
+                ..
+            }) if bytes_of(&text).is_none() => {
+                Err(format!("`{text}` is not bytes as hexadecimal digits"))
+            }
+            _ => Ok(Value::String(text)),
+        },
         Kind::Enumeration { items, .. } => {
             if let Some((_, number)) = items.iter().find(|(name, _)| *name == text.trim()) {
                 return Ok(Value::Integer(*number));
             }
             let number = whole().ok();
             let known =
-                |number: &i64| items.is_empty() || items.iter().any(|(_, value)| value == number);
+                |number: &i128| items.is_empty() || items.iter().any(|(_, value)| value == number);
             number.filter(known).map(Value::Integer).ok_or_else(|| {
                 let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
                 format!("`{text}` is none of {}", names.join(", "))

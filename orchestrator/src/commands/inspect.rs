@@ -64,6 +64,7 @@ fn text(fmu: &Description, platforms: &[String]) -> String {
     row("remarks", &remarks.join("; "));
     let sections = [
         ("Inputs", Causality::Input),
+        ("Sizes of arrays", Causality::StructuralParameter),
         ("Parameters", Causality::Parameter),
         ("Outputs", Causality::Output),
     ];
@@ -152,6 +153,17 @@ fn value(fmu: &Description, variable: &Variable) -> String {
             }
         }
         Kind::Integer { start, .. } => start.map_or("Integer".to_owned(), |v| v.to_string()),
+        Kind::Clock(timing) => {
+            let period = timing
+                .interval
+                .map(|interval| format!(" {} s", number(interval)));
+            let by = serde_json::json!(timing.by);
+            format!(
+                "{} clock{}",
+                by.as_str().unwrap_or_default(),
+                period.unwrap_or_default()
+            )
+        }
         Kind::Boolean { start } => start.map_or("Boolean".to_owned(), |v| v.to_string()),
         Kind::String { start } => start
             .as_ref()

@@ -29,7 +29,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let study = Study::read(&options.study)?;
     // The FMU only helps to convert units; without it the table must be in the study's.
-    let package = Package::open(&study.fmu_path()).ok();
+    let package = study.open_fmu(None).ok();
     let fmu = package.as_ref().map(Package::description);
     let judge = Judge::new(&study, fmu)?;
     warn(&judge);

@@ -11,16 +11,16 @@ use super::isolated::{Columns, Isolated};
 use super::output;
 use crate::cli::Simulate;
 use crate::error::Error;
-use fmu_import::{Description, Package, Value};
+use fmu_import::{Causality, Description, Package, Value, Variable};
 use fmu_points::failure::Failure;
 use fmu_points::task::{Schedule, Task};
-use study::plan::{bare, find, value_of};
+use study::plan::{bare, find, size_of, value_of};
 use study::{Setting, ssv};
 
 pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     let mut package = Package::open(&options.fmu)?;
+    let set = settings(&options.set, &mut package)?;
     let fmu = package.description();
-    let set = settings(&options.set, fmu)?;
     let from = match &options.set_from {
         Some(path) => {
             let named = ssv::read(path, fmu)?.into_iter();
@@ -37,18 +37,17 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     };
     let schedule = schedule(fmu, options.start, options.stop, options.step)?;
     let task = Task {
-        schedule,
+        sizes: fmu.sizes.clone(),
         fixed: from
             .into_iter()
             .filter(kept)
             .chain(set.iter().cloned())
             .collect(),
-        varied: Vec::new(),
         inputs: match &options.input {
             Some(path) => recorded::inputs(path, options.extrapolate.is_some(), fmu, &schedule)?,
             None => Vec::new(),
         },
-        observed: Vec::new(),
+        ..Task::new(schedule)
     };
     let columns = match &options.record[..] {
         [] => Columns::usual(fmu, true),
@@ -106,26 +105,45 @@ pub(super) fn schedule(
     Ok(schedule)
 }
 
-/// Start values from `NAME=VALUE`.
-pub(super) fn settings(texts: &[String], fmu: &Description) -> Result<Vec<(u32, Value)>, Error> {
-    let setting = |text: &String| {
-        // A name may hold the sign itself: take the longest one that the FMU knows.
-        let known = |place: &usize| fmu.variables.contains_key(text[..*place].trim());
-        let places: Vec<usize> = text.match_indices('=').map(|(place, _)| place).collect();
-        let place = places.iter().rfind(|place| known(place)).or(places.first());
-        let (name, value) = place
-            .map(|&place| (&text[..place], &text[place + 1..]))
-            .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
-        let variable = find(fmu, name.trim())?;
-        let setting = Setting::Text(value.trim().to_owned());
-        let value = value_of(fmu, variable, &setting)?;
+/// Start values from `NAME=VALUE`; the package gets the sizes of arrays among them.
+fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>, Error> {
+    let wrong = |message: String| Error::option("set", message);
+    let mut sizes = Vec::new();
+    for text in texts {
+        // A name may be one that only these sizes give.
+        if let Ok((variable, setting)) = setting(text, package.description()) {
+            let size = size_of(package.description(), variable, &setting);
+            sizes.extend(size.map_err(wrong)?);
+        }
+    }
+    package.resize(&sizes)?;
+    let fmu = package.description();
+    let mut values = Vec::new();
+    for text in texts {
+        let (variable, setting) = setting(text, fmu).map_err(wrong)?;
+        if variable.causality == Causality::StructuralParameter {
+            continue;
+        }
+        let value = value_of(fmu, variable, &setting).map_err(wrong)?;
         if let Some(read) = bare(fmu, variable, &setting) {
             fmu_points::tell::line!("{read}");
         }
-        Ok((variable.handle().reference, value))
-    };
-    let set = |text| setting(text).map_err(|message: String| Error::option("set", message));
-    texts.iter().map(set).collect()
+        values.push((variable.handle().reference, value));
+    }
+    Ok(values)
+}
+
+/// The variable and the value of `NAME=VALUE`.
+fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Variable, Setting), String> {
+    // A name may hold the sign itself: take the longest one that the FMU knows.
+    let known = |place: &usize| fmu.variables.contains_key(text[..*place].trim());
+    let places: Vec<usize> = text.match_indices('=').map(|(place, _)| place).collect();
+    let place = places.iter().rfind(|place| known(place)).or(places.first());
+    let (name, value) = place
+        .map(|&place| (&text[..place], &text[place + 1..]))
+        .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
+    let variable = find(fmu, name.trim())?;
+    Ok((variable, Setting::Text(value.trim().to_owned())))
 }
 
 /// The error with advice where the FMU refused a step that nobody has asked for.

@@ -79,6 +79,7 @@ impl Scene {
         self.shift(values);
         let (task, schedule) = (&self.task, &self.task.schedule);
         instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
+        instance.resize(&task.sizes)?;
         for (reference, value) in &task.fixed {
             instance.set(*reference, value)?;
         }

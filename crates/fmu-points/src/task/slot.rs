@@ -17,7 +17,7 @@ pub struct Slot {
     pub max: Option<f64>,
     /// The values of an enumeration's items, growing; empty for other types.
     #[serde(default)]
-    pub items: Vec<i64>,
+    pub items: Vec<i128>,
     /// Whether the value is that of another case, and this simulation leaves the variable as it is.
     #[serde(default)]
     pub idle: bool,
@@ -103,7 +103,7 @@ impl Slot {
     /// The allowed values for people: an enumeration's items, or both limits after a conversion of units.
     pub fn allowed_text(&self, convert: impl Fn(f64) -> f64) -> String {
         if !self.items.is_empty() {
-            let items: Vec<String> = self.items.iter().map(i64::to_string).collect();
+            let items: Vec<String> = self.items.iter().map(i128::to_string).collect();
             return items.join(", ");
         }
         let limit = |limit: Option<f64>| {

@@ -208,13 +208,7 @@ fn signals<'a>(
     end: (Option<Instant>, bool),
     every: usize,
 ) -> Result<Vec<Signal<'a>>, Error> {
-    let task = Task {
-        schedule: *schedule,
-        fixed: Vec::new(),
-        varied: Vec::new(),
-        inputs: Vec::new(),
-        observed: Vec::new(),
-    };
+    let task = Task::new(*schedule);
     let handles: Vec<Handle> = variables.iter().map(|variable| variable.handle()).collect();
     let mut signals: Vec<Signal<'_>> = variables.iter().map(|v| Signal::new(v)).collect();
     let middle = 0.5 * (schedule.start + schedule.stop);
