@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use fmu_import::percent_encoded;
+use fmu_import::{Version, percent_encoded};
 use serde_json::{Value, json};
 
 use crate::Findings;
@@ -39,12 +39,14 @@ impl Findings {
                 continue;
             }
             let line = hit.full().split_whitespace().collect::<Vec<_>>().join(" ");
-            text += &format!("  {}: {line} [{}]\n", rule.severity.word(), rule.source);
+            let source = rule.source_in(self.version);
+            text += &format!("  {}: {line} [{source}]\n", rule.severity.word());
         }
         for rule in RULES {
             let count = told.get(rule.id).copied().unwrap_or(0);
             if count > MANY {
-                let (severity, more, source) = (rule.severity.word(), count - MANY, rule.source);
+                let (severity, more) = (rule.severity.word(), count - MANY);
+                let source = rule.source_in(self.version);
                 text += &format!(
                     "  {severity}: {more} more of this kind: {} (--format json lists them) [{source}]\n",
                     rule.wants
@@ -60,7 +62,7 @@ impl Findings {
             json!({
                 "severity": rule.severity,
                 "rule": rule.id,
-                "source": rule.source,
+                "source": rule.source_in(self.version),
                 "file": hit.file,
                 "line": hit.line,
                 "message": hit.text,
@@ -83,7 +85,10 @@ impl Findings {
 
     /// A SARIF log of one run of `program`.
     pub fn sarif(&self, program: &str) -> String {
-        let rules: Vec<Value> = RULES.iter().map(described).collect();
+        let rules: Vec<Value> = RULES
+            .iter()
+            .map(|rule| described(rule, self.version))
+            .collect();
         let known = self.ignored.iter().map(|(finding, reason)| {
             let mut known = result(&self.fmu, finding);
             known["suppressions"] = json!([{"kind": "external", "justification": reason}]);
@@ -107,11 +112,11 @@ impl Findings {
     }
 }
 
-fn described(rule: &Rule) -> Value {
+fn described(rule: &Rule, version: Version) -> Value {
     json!({
         "id": rule.id,
         "shortDescription": {"text": rule.wants},
-        "help": {"text": rule.source},
+        "help": {"text": rule.source_in(version)},
         "defaultConfiguration": {"level": rule.severity},
     })
 }

@@ -69,6 +69,8 @@ pub struct Findings {
     pub all: Vec<Finding>,
     /// The findings that are [ignored](Findings::ignore), each with the reason.
     pub ignored: Vec<(Finding, String)>,
+    /// The standard of its description; FMI 2.0 where that cannot be read.
+    version: Version,
 }
 
 /// Looks at an FMU before it is used: first at the model description and the archive, then at short simulations, each in
@@ -82,6 +84,7 @@ pub fn check(fmu: &Path, patience: Duration) -> Result<Findings, CheckError> {
         fmu: fmu.to_owned(),
         all: Vec::new(),
         ignored: Vec::new(),
+        version: Version::Two,
     };
     match Package::open(fmu) {
         Ok(package) => findings.look(package, patience)?,
@@ -142,6 +145,7 @@ impl Findings {
     }
 
     fn look(&mut self, mut package: Package, patience: Duration) -> Result<(), CheckError> {
+        self.version = package.description().standard;
         self.described(&mut package)?;
         // Probes of the binary would only repeat the description's errors.
         let described_well = self.count(Severity::Error) == 0;

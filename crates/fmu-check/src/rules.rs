@@ -1,5 +1,6 @@
 //! All rules of a check, a line each. A new rule is a function and a line here.
 
+use fmu_import::Version;
 use fmu_import::description::About;
 
 use crate::definitions::alike;
@@ -38,6 +39,35 @@ pub(crate) fn named(id: &str) -> &'static Rule {
     rule.unwrap_or_else(|| panic!("there is no rule `{id}`"))
 }
 
+impl Rule {
+    /// Where it stands in a version of the standard.
+    pub fn source_in(&self, version: Version) -> &'static str {
+        match (version, self.source) {
+            (Version::Two, own) => own,
+            (_, MODEL) => "fmi3ModelDescription.xsd",
+            (_, SCALAR) => "fmi3Variable.xsd",
+            (_, TYPE) => "fmi3Type.xsd",
+            (_, "FMI 2.0.5, 2.1.1") => "FMI 3.0.2, 2.2.2",
+            (_, "FMI 2.0.5, 2.1.3") => "FMI 3.0.2, 2.2.4",
+            (_, "FMI 2.0.5, 2.1.4") => "FMI 3.0.2, 2.2.5",
+            (_, "FMI 2.0.5, 2.1.5" | "FMI 2.0.5, 2.1.6") => "FMI 3.0.2, 2.3.1",
+            (_, "FMI 2.0.5, 2.2") => "FMI 3.0.2, 2.4",
+            (_, "FMI 2.0.5, 2.2.1") => "FMI 3.0.2, 2.4.1",
+            (_, "FMI 2.0.5, 2.2.2") => "FMI 3.0.2, 2.4.3",
+            (_, "FMI 2.0.5, 2.2.3") => "FMI 3.0.2, 2.4.4",
+            (_, "FMI 2.0.5, 2.2.4") => "FMI 3.0.2, 2.4.5",
+            (_, "FMI 2.0.5, 2.2.5") => "FMI 3.0.2, 2.4.6",
+            (_, "FMI 2.0.5, 2.2.7" | "FMI 2.0.5, 2.2.9") => "FMI 3.0.2, 2.4.7",
+            (_, "FMI 2.0.5, 2.2.8") => "FMI 3.0.2, 2.4.8",
+            (_, "FMI 2.0.5, 2.3") => "FMI 3.0.2, 2.5.1",
+            (_, "FMI 2.0.5, 4.2.2") => "FMI 3.0.2, 4.2.1",
+            (_, "FMI 2.0.5, 4.2.4") => "FMI 3.0.2, 4.2",
+            (_, "FMI 2.0.5, 4.3.1") => "FMI 3.0.2, 2.4.2",
+            (_, own) => own,
+        }
+    }
+}
+
 #[rustfmt::skip]
 /// All rules, in the order of their findings.
 pub static RULES: &[Rule] = &[
@@ -48,16 +78,16 @@ pub static RULES: &[Rule] = &[
     rule("xml-encoding", Error, XML, "the bytes are of the declared encoding", Remark(About::Encoding)),
     rule("xml-utf-8", Error, "FMI 2.0.5, 2.2", "the encoding is UTF-8", Either(values::other_encoding)),
     rule("xml-declaration", Warning, "FMI 2.0.5, 2.2", "the first line names the encoding", Either(values::no_encoding)),
-    rule("schema-namespace", Error, MODEL, "the elements of FMI 2.0 are in no namespace", Document(schema::namespace)),
-    rule("schema-attribute", Error, MODEL, "only attributes of FMI 2.0", Document(schema::unknown_attributes)),
-    rule("schema-attribute-missing", Error, MODEL, "all required attributes", Document(schema::missing_attributes)),
-    rule("schema-element", Error, MODEL, "only elements of FMI 2.0", Document(schema::unknown_elements)),
-    rule("schema-element-missing", Error, MODEL, "all required elements", Document(schema::missing_elements)),
-    rule("schema-text", Error, MODEL, "no text between elements", Document(schema::text)),
-    rule("schema-order", Error, MODEL, "elements in the schema's order, single ones once", Document(schema::order)),
-    rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Document(schema::empty_lists)),
+    rule("schema-namespace", Error, MODEL, "the elements are in no namespace", Either(schema::namespace)),
+    rule("schema-attribute", Error, MODEL, "only attributes of the standard", Either(schema::unknown_attributes)),
+    rule("schema-attribute-missing", Error, MODEL, "all required attributes", Either(schema::missing_attributes)),
+    rule("schema-element", Error, MODEL, "only elements of the standard", Either(schema::unknown_elements)),
+    rule("schema-element-missing", Error, MODEL, "all required elements", Either(schema::missing_elements)),
+    rule("schema-text", Error, MODEL, "no text between elements", Either(schema::text)),
+    rule("schema-order", Error, MODEL, "elements in the schema's order, single ones once", Either(schema::order)),
+    rule("schema-empty-list", Error, MODEL, "a list that is there holds something", Either(schema::empty_lists)),
     rule("schema-type-missing", Error, TYPE, "a SimpleType says of which type it is", Document(schema::typeless)),
-    rule("schema-value", Error, MODEL, "values of their attribute's type", Document(schema::values)),
+    rule("schema-value", Error, MODEL, "values of their attribute's type", Either(schema::values)),
     rule("schema-value-read", Error, MODEL, "values of their attribute's type", Remark(About::Value)),
     rule("variable-readable", Error, SCALAR, "a variable has a name, a value reference and a type", Remark(About::Variable)),
     // The definitions.
@@ -126,7 +156,7 @@ pub static RULES: &[Rule] = &[
     // The archive.
     rule("archive-path", Error, "FMI 2.0.5, 2.3", "paths are relative, with forward slashes", Elsewhere),
     rule("archive-entry-unique", Warning, "FMI 2.0.5, 2.3", "entries have names of their own", Elsewhere),
-    rule("terminals-version", Warning, "FMI 3.0.2, 2.4.10", "terminalsAndIcons.xml and modelDescription.xml name the same version", Elsewhere),
+    rule("terminals-version", Warning, "FMI 3.0.2, 2.4.9", "terminalsAndIcons.xml and modelDescription.xml name the same version", Elsewhere),
     rule("references-manifest", Warning, "FMI-LS-REF 1.0.0-beta.1", "the manifest of related files keeps to its schema", Elsewhere),
     rule("model-identifier", Error, "FMI 2.0.5, 4.3.1", "modelIdentifier is a C identifier", Elsewhere),
     rule("binary-there", Error, "FMI 2.0.5, 2.3", "there is a binary for this machine", Elsewhere),
@@ -160,8 +190,8 @@ pub static RULES: &[Rule] = &[
     rule("step-size", Note, "FMI 2.0.5, 4.2.2", "half the communication step never changes a value much, and is taken", Elsewhere),
     // Rules of FMI 3.0 alone.
     rule("three-token", Error, "FMI 3.0.2, 2.4", "instantiationToken is there", Three(three::token)),
-    rule("three-state", Error, "FMI 3.0.2, 2.4.1", "canSerializeFMUState implies canGetAndSetFMUState", Three(definitions::serialized_states)),
-    rule("three-type", Error, "FMI 3.0.2, 2.4.7", "a variable is of a type of FMI 3.0", Each(three::types)),
+    rule("three-version", Warning, "FMI 3.0.2, 2.4.1", "fmiVersion is 3.0 or one of its corrections", Three(three::version)),
+    rule("three-state", Error, "FMI 3.0.2, 2.4.2", "canSerializeFMUState implies canGetAndSetFMUState", Three(definitions::serialized_states)),
     rule("display-unit-usable", Note, "FMI 3.0.2, 2.4.3", "every display unit can be used here", Remark(About::Limit)),
     rule("three-usable", Note, "FMI 3.0.2, 2.4.7", "every variable can be set or judged here", Each(three::unusable)),
     rule("three-reference", Error, "FMI 3.0.2, 2.4.7", "a value reference is that of one variable", Three(three::references)),
@@ -171,13 +201,15 @@ pub static RULES: &[Rule] = &[
     rule("three-declared", Error, "FMI 3.0.2, 2.4.7", "declaredType and unit are defined", Three(three::declared)),
     rule("three-dimension", Error, "FMI 3.0.2, 2.4.7", "a dimension is a number, or a structural parameter or constant of type UInt64", Three(three::dimensions)),
     rule("three-name", Error, "FMI 3.0.2, 2.4.1", "a name is not empty", Three(three::empty_names)),
-    rule("three-type-unique", Error, "FMI 3.0.2, 2.4.5", "types have names of their own", Three(|d| alike(d, "TypeDefinitions/*", &["name"]))),
-    rule("three-item-unique", Error, "FMI 3.0.2, 2.4.5", "items have names and values of their own", Three(|d| alike(d, "TypeDefinitions/EnumerationType/Item", &["name", "value"]))),
+    rule("three-type-unique", Error, "FMI 3.0.2, 2.4.4", "types have names of their own", Three(|d| alike(d, "TypeDefinitions/*", &["name"]))),
+    rule("three-item-unique", Error, "FMI 3.0.2, 2.4.4", "items have names and values of their own", Three(|d| alike(d, "TypeDefinitions/EnumerationType/Item", &["name", "value"]))),
     rule("three-variability", Error, "FMI 3.0.2, 2.4.7", "causality, variability and type go together", Each(three::variabilities)),
     rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Each(variables::initial)),
     rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Each(three::not_finite)),
     rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::derivatives)),
     rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::clocks)),
+    rule("three-clock", Error, "FMI 3.0.2, 2.2.9", "a clock is as its kind needs it, and Co-Simulation with clocks has event mode", Three(three::timing)),
+    rule("three-initial-unknowns", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists what is computed initially, and nothing else", Three(three::initial_unknowns)),
     rule("three-lists", Error, "FMI 3.0.2, 2.4.8", "ModelStructure has each element once, with a kind for each dependency where kinds are given", Three(three::lists)),
     rule("three-outputs", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists every output, and only outputs", Three(three::outputs)),
     rule("three-structure", Error, "FMI 3.0.2, 2.4.8", "ModelStructure refers to variables", Three(three::structure)),

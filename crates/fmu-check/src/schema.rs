@@ -1,15 +1,16 @@
-//! The elements and attributes of `modelDescription.xml` (FMI 2.0.5, sections 2.2 and 4.3.1): what is none of
-//! them is a typing error, or belongs into an annotation.
+//! The elements and attributes of `modelDescription.xml` (FMI 2.0.5, sections 2.2 and 4.3.1; FMI 3.0.2, section 2.4): what is none
+//! of them is a typing error, or belongs into an annotation.
 
 use roxmltree::Node;
 
 use crate::document::{Document, at, elements};
 use crate::hit::Hit;
+use fmu_import::Version;
 use fmu_points::names::{did_you_mean, nearest};
 
 /// An element: its name, with its parent's where it has several; its attributes and its children. Those that must
-/// be there are marked by `!`, unless the reader remarks on them itself; children of which there may be many by `*`, and
-/// those of which there must be at least one by `+`.
+/// be there are marked by `!`, unless the reader remarks on them itself; children of which there may be many by `*`, in any
+/// order by `~`, and those of which there must be at least one by `+`.
 type Element = (&'static str, &'static str, &'static str);
 
 /// The children of an element in which anything may be.
@@ -97,25 +98,175 @@ const ELEMENTS: [Element; 32] = [
     ("Unknown", "index! dependencies dependenciesKind", ""),
 ];
 
+/// Of an interface of FMI 3.0, of a variable, and of the types of numbers.
+macro_rules! interface {
+    ($more:literal) => {
+        concat!(
+            "modelIdentifier! needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUState \
+             canSerializeFMUState providesDirectionalDerivatives providesAdjointDerivatives \
+             providesPerElementDependencies ",
+            $more
+        )
+    };
+}
+macro_rules! variable {
+    ($more:literal) => {
+        concat!(
+            "name valueReference description causality variability canHandleMultipleSetPerTimeInstant clocks \
+             declaredType intermediateUpdate previous initial ",
+            $more
+        )
+    };
+}
+const FLOAT: &str = variable!(
+    "quantity unit displayUnit relativeQuantity unbounded min max nominal start derivative reinit"
+);
+const INTEGER: &str = variable!("quantity min max start");
+const ARRAY: &str = "Annotations Dimension* Alias*";
+const STARTED_ARRAY: &str = "Annotations Dimension* Start* Alias*";
+const FLOAT_TYPE: &str =
+    "name! description quantity unit displayUnit relativeQuantity unbounded min max nominal";
+const INTEGER_TYPE: &str = "name! description quantity min max";
+
+/// The same of FMI 3.0.
+const ELEMENTS_OF_THREE: [Element; 54] = [
+    (
+        "fmiModelDescription",
+        "fmiVersion modelName! instantiationToken description author version copyright license generationTool \
+         generationDateAndTime variableNamingConvention",
+        "ModelExchange CoSimulation ScheduledExecution UnitDefinitions TypeDefinitions LogCategories \
+         DefaultExperiment ModelVariables! ModelStructure! Annotations",
+    ),
+    (
+        "ModelExchange",
+        interface!("needsCompletedIntegratorStep providesEvaluateDiscreteStates"),
+        "Annotations",
+    ),
+    (
+        "CoSimulation",
+        interface!(
+            "canHandleVariableCommunicationStepSize fixedInternalStepSize maxOutputDerivativeOrder \
+             recommendedIntermediateInputSmoothness providesIntermediateUpdate mightReturnEarlyFromDoStep \
+             canReturnEarlyAfterIntermediateUpdate hasEventMode providesEvaluateDiscreteStates"
+        ),
+        "Annotations",
+    ),
+    ("ScheduledExecution", interface!(""), "Annotations"),
+    ("UnitDefinitions", "", "Unit+"),
+    ("Unit", "name", "BaseUnit DisplayUnit* Annotations"),
+    ("BaseUnit", "kg m s A K mol cd rad factor offset", ""),
+    ("DisplayUnit", "name! factor offset inverse", "Annotations"),
+    (
+        "TypeDefinitions",
+        "",
+        "Float32Type~ Float64Type~ Int8Type~ UInt8Type~ Int16Type~ UInt16Type~ Int32Type~ UInt32Type~ Int64Type~ \
+         UInt64Type~ BooleanType~ StringType~ BinaryType~ EnumerationType~ ClockType~",
+    ),
+    ("Float32Type", FLOAT_TYPE, "Annotations"),
+    ("Float64Type", FLOAT_TYPE, "Annotations"),
+    ("Int8Type", INTEGER_TYPE, "Annotations"),
+    ("UInt8Type", INTEGER_TYPE, "Annotations"),
+    ("Int16Type", INTEGER_TYPE, "Annotations"),
+    ("UInt16Type", INTEGER_TYPE, "Annotations"),
+    ("Int32Type", INTEGER_TYPE, "Annotations"),
+    ("UInt32Type", INTEGER_TYPE, "Annotations"),
+    ("Int64Type", INTEGER_TYPE, "Annotations"),
+    ("UInt64Type", INTEGER_TYPE, "Annotations"),
+    ("BooleanType", "name! description", "Annotations"),
+    ("StringType", "name! description", "Annotations"),
+    (
+        "BinaryType",
+        "name! description mimeType maxSize",
+        "Annotations",
+    ),
+    ("EnumerationType", INTEGER_TYPE, "Annotations Item*"),
+    (
+        "EnumerationType/Item",
+        "name! value! description",
+        "Annotations",
+    ),
+    (
+        "ClockType",
+        "name! description canBeDeactivated priority intervalVariability! intervalDecimal shiftDecimal \
+         supportsFraction resolution intervalCounter shiftCounter",
+        "Annotations",
+    ),
+    ("LogCategories", "", "Category+"),
+    ("Category", "name! description", "Annotations"),
+    (
+        "DefaultExperiment",
+        "startTime stopTime tolerance stepSize",
+        "Annotations",
+    ),
+    (
+        "ModelVariables",
+        "",
+        "Float32~ Float64~ Int8~ UInt8~ Int16~ UInt16~ Int32~ UInt32~ Int64~ UInt64~ Boolean~ String~ Binary~ \
+         Enumeration~ Clock~",
+    ),
+    ("Float32", FLOAT, ARRAY),
+    ("Float64", FLOAT, ARRAY),
+    ("Int8", INTEGER, ARRAY),
+    ("UInt8", INTEGER, ARRAY),
+    ("Int16", INTEGER, ARRAY),
+    ("UInt16", INTEGER, ARRAY),
+    ("Int32", INTEGER, ARRAY),
+    ("UInt32", INTEGER, ARRAY),
+    ("Int64", INTEGER, ARRAY),
+    ("UInt64", INTEGER, ARRAY),
+    ("Enumeration", INTEGER, ARRAY),
+    ("Boolean", variable!("start"), ARRAY),
+    ("String", variable!(""), STARTED_ARRAY),
+    ("Binary", variable!("mimeType maxSize"), STARTED_ARRAY),
+    (
+        "Clock",
+        "name valueReference description causality variability canHandleMultipleSetPerTimeInstant clocks declaredType \
+         canBeDeactivated priority intervalVariability! intervalDecimal shiftDecimal supportsFraction resolution \
+         intervalCounter shiftCounter",
+        "Annotations Alias*",
+    ),
+    ("Dimension", "start valueReference", ""),
+    ("Start", "value!", ""),
+    ("Alias", "name! description displayUnit", ""),
+    (
+        "ModelStructure",
+        "",
+        "Output* ContinuousStateDerivative* ClockedState* InitialUnknown* EventIndicator*",
+    ),
+    ("Output", UNKNOWN, "Annotations"),
+    ("ContinuousStateDerivative", UNKNOWN, "Annotations"),
+    ("ClockedState", UNKNOWN, "Annotations"),
+    ("InitialUnknown", UNKNOWN, "Annotations"),
+    ("EventIndicator", UNKNOWN, "Annotations"),
+    ("Annotations", "", "Annotation+"),
+    ("Annotation", "type!", ANYTHING),
+];
+const UNKNOWN: &str = "valueReference dependencies dependenciesKind";
+
 /// The three lists of `ModelStructure`.
 const UNKNOWNS: Element = ("", "", "Unknown+");
 
-fn element(parent: &str, name: &str) -> Option<Element> {
-    if parent == "ModelStructure" {
+fn element(version: Version, parent: &str, name: &str) -> Option<Element> {
+    if version == Version::Two && parent == "ModelStructure" {
         return Some(UNKNOWNS);
     }
-    let named = |wanted: &str| ELEMENTS.into_iter().find(|(known, ..)| *known == wanted);
+    let all: &[Element] = match version {
+        Version::Two => &ELEMENTS,
+        Version::Three => &ELEMENTS_OF_THREE,
+    };
+    let named = |wanted: &str| all.iter().copied().find(|(known, ..)| *known == wanted);
     named(&format!("{parent}/{name}")).or_else(|| named(name))
 }
 
 /// Elements of which a variable or a type has one.
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
 
-/// A namespace that the elements of FMI 2.0 have not.
+/// A namespace that the elements of FMI have not.
 pub(crate) fn namespace(document: &Document<'_>) -> Vec<Hit> {
     let space = document.root.tag_name().namespace();
+    let version = document.read.standard.number();
     let text = |space: &str| {
-        format!("the namespace \"{space}\": the elements of FMI 2.0 have none, remove it")
+        format!("the namespace \"{space}\": the elements of FMI {version} have none, remove it")
     };
     let hit = |space| at(document.root, text(space));
     Vec::from_iter(space.map(hit))
@@ -124,8 +275,9 @@ pub(crate) fn namespace(document: &Document<'_>) -> Vec<Hit> {
 /// The namespace of attributes that every document may have, to name its schema.
 const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 
-/// Attributes that are none of FMI 2.0.
+/// Attributes that are none of FMI.
 pub(crate) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
+    let version = document.read.standard.number();
     visit(document, |node, (_, attributes, _), hits| {
         let given = node
             .attributes()
@@ -135,8 +287,9 @@ pub(crate) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
                 let name = node.tag_name().name();
-                let text =
-                    format!("`{name}` has no attribute `{attribute}` in FMI 2.0: remove it{meant}");
+                let text = format!(
+                    "`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}"
+                );
                 hits.push(at(node, text));
             }
         }
@@ -156,8 +309,9 @@ pub(crate) fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-/// Elements that are none of FMI 2.0.
+/// Elements that are none of FMI.
 pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
+    let version = document.read.standard.number();
     visit(document, |node, (_, _, children), hits| {
         for child in node.children().filter(Node::is_element) {
             let inner = child.tag_name().name();
@@ -166,7 +320,7 @@ pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
             if children != ANYTHING && strange {
                 let meant = did_you_mean(nearest(inner, known(children)));
                 let text = format!(
-                    "`{}` has no element `{inner}` in FMI 2.0: remove it, or put it into an annotation{meant}",
+                    "`{}` has no element `{inner}` in FMI {version}: remove it, or put it into an annotation{meant}",
                     node.tag_name().name()
                 );
                 hits.push(at(child, text));
@@ -222,7 +376,8 @@ pub(crate) fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
 pub(crate) fn order(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         if children != ANYTHING {
-            hits.extend(disordered(node, children));
+            let version = document.read.standard;
+            hits.extend(disordered(version, node, children));
         }
     })
 }
@@ -319,7 +474,10 @@ const TYPED: [(&str, &str, Values); 7] = [
     (
         "",
         "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
-         reinit canHandleMultipleSetPerTimeInstant",
+         reinit canHandleMultipleSetPerTimeInstant providesDirectionalDerivatives providesAdjointDerivatives \
+         providesPerElementDependencies needsCompletedIntegratorStep providesEvaluateDiscreteStates \
+         providesIntermediateUpdate canReturnEarlyAfterIntermediateUpdate intermediateUpdate canBeDeactivated \
+         supportsFraction",
         FLAG,
     ),
     (
@@ -327,13 +485,13 @@ const TYPED: [(&str, &str, Values); 7] = [
         "maxOutputDerivativeOrder numberOfEventIndicators",
         COUNT,
     ),
-    ("", "value", WHOLE),
+    ("Item", "value", WHOLE),
     ("", "initial", INITIAL),
 ];
 
 fn known(list: &'static str) -> impl Iterator<Item = &'static str> {
     list.split(' ')
-        .map(|word| word.trim_end_matches(['!', '*', '+']))
+        .map(|word| word.trim_end_matches(['!', '*', '+', '~']))
 }
 
 fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
@@ -348,7 +506,7 @@ fn visit(
     let mut hits = Vec::new();
     let mut open = vec![(document.root, "")];
     while let Some((node, parent)) = open.pop() {
-        let Some(element) = element(parent, node.tag_name().name()) else {
+        let Some(element) = element(document.read.standard, parent, node.tag_name().name()) else {
             continue;
         };
         look(node, element, &mut hits);
@@ -363,7 +521,10 @@ fn visit(
 }
 
 /// The first child that comes after one that it must come before, or comes a second time.
-fn disordered(node: Node<'_, '_>, children: &'static str) -> Option<Hit> {
+fn disordered(version: Version, node: Node<'_, '_>, children: &'static str) -> Option<Hit> {
+    if children.ends_with('~') {
+        return None;
+    }
     let order = Vec::from_iter(known(children));
     let many = |name: &str| {
         let mut all = children.split(' ');
@@ -377,8 +538,11 @@ fn disordered(node: Node<'_, '_>, children: &'static str) -> Option<Hit> {
             Some(before) if TYPES.contains(&name) && TYPES.contains(&order[before]) => {
                 format!("a second type `{name}`: leave the right one only")
             }
-            // The schema leaves the order of these two open.
-            Some(before) if (name, order[before]) == ("ModelExchange", "CoSimulation") => {
+            // The schema of FMI 2.0 leaves the order of these two open.
+            Some(before)
+                if version == Version::Two
+                    && (name, order[before]) == ("ModelExchange", "CoSimulation") =>
+            {
                 return None;
             }
             Some(before) if place < before => {

@@ -3,7 +3,9 @@
 mod variables;
 
 use std::collections::{HashMap, HashSet};
-pub(crate) use variables::{clocks, derivatives, not_finite, structure as lists, variabilities};
+pub(crate) use variables::{
+    clocks, derivatives, initial_unknowns, not_finite, structure as lists, timing, variabilities,
+};
 
 use roxmltree::Node;
 
@@ -22,6 +24,15 @@ pub(crate) fn token(document: &Document<'_>) -> Vec<Hit> {
     vec![at(document.root, text)]
 }
 
+/// Another version than the one whose rules these are.
+pub(crate) fn version(document: &Document<'_>) -> Vec<Hit> {
+    let version = &document.read.fmi_version;
+    let rest = version.strip_prefix("3.0");
+    let is_known = rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '-']));
+    let text = format!("fmiVersion is {version}: it was read as 3.0");
+    Vec::from_iter((!is_known).then(|| at(document.root, text)))
+}
+
 pub(crate) fn empty_names(document: &Document<'_>) -> Vec<Hit> {
     let all = document.root.descendants();
     let nameless = all.filter(|node| node.attribute("name").is_some_and(str::is_empty));
@@ -33,23 +44,10 @@ pub(crate) fn empty_names(document: &Document<'_>) -> Vec<Hit> {
         .collect()
 }
 
-/// The types that are known, usable or not.
-const TYPES: &str = "Float32 Float64 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String Enumeration Binary \
-    Clock";
-
-pub(crate) fn types(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
-    let kind = scalar.kind();
-    TYPES
-        .split(' ')
-        .all(|known| known != kind)
-        .then(|| format!("FMI 3.0 has no type `{kind}`: use one of its own"))
-}
-
 pub(crate) fn unusable(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    // Unknown types and sizes are errors of other rules.
-    let is_other = matches!(scalar.kind(), "Binary" | "Clock");
+    // Unknown types and sizes, and clocks without event mode, are errors of other rules.
     let why = document.read.unusable.get(scalar.name);
-    let why = why.filter(|why| is_other || why.contains("more than"))?;
+    let why = why.filter(|why| why.contains("more than"))?;
     Some(format!("it cannot be set or judged here: {why}"))
 }
 

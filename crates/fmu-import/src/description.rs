@@ -354,8 +354,6 @@ pub struct Timing {
     pub interval: Option<f64>,
     /// From the start to the first tick, likewise.
     pub shift: Option<f64>,
-    /// Of those that tick together, one of a smaller number comes first.
-    pub priority: Option<u32>,
 }
 
 /// What determines the ticks of a clock.

@@ -498,7 +498,7 @@ impl Reader {
     fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i128)> {
         children(declared, "Item")
             .filter_map(|item| {
-                let value = self.number::<i32>(item, "value")?.into();
+                let value = self.number::<i64>(item, "value")?.into();
                 Some((text(item, "name")?, value))
             })
             .collect()

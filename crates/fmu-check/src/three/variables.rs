@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use roxmltree::Node;
 
-use fmu_import::Version;
+use fmu_import::{Interface, Version};
 
 use super::{listed, reference};
 use crate::combinations;
@@ -21,6 +21,11 @@ pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<Str
         return Some(format!(
             "causality {causality} and variability {variability} do not go together: set variability to {instead}"
         ));
+    }
+    if is_clocked(scalar) && variability == "continuous" {
+        return Some(
+            "a clocked variable changes at ticks only: set variability to discrete".to_owned(),
+        );
     }
     let kind = scalar.kind();
     // The type of the time is another rule's.
@@ -83,6 +88,88 @@ pub(crate) fn clocks(document: &Document<'_>) -> Vec<Hit> {
             "clocks: {wrong} is the reference of no Clock: correct it"
         ))
     })
+}
+
+/// The values of a clock that belong to its kind.
+pub(crate) fn timing(document: &Document<'_>) -> Vec<Hit> {
+    let clocks = || document.known().filter(|scalar| scalar.kind() == "Clock");
+    let has_event_mode = document.read.interface != Interface::CoSimulation
+        || document.read.capabilities.has_event_mode;
+    let silent = clocks().next().filter(|_| !has_event_mode).map(|clock| {
+        clock.finding("Co-Simulation with clocks needs event mode: set hasEventMode to true")
+    });
+    let wrong = document.of_each(|scalar| {
+        let given = |name| document.effective(scalar, name);
+        let kind = given("intervalVariability").filter(|_| scalar.kind() == "Clock")?;
+        let is_input = scalar.causality == "input";
+        if !is_input && kind != "triggered" {
+            return Some(format!(
+                "only an input ticks by time: {kind} and {} do not go together",
+                scalar.causality
+            ));
+        }
+        let interval = given("intervalDecimal").map(|text| text.trim().parse::<f64>());
+        match (kind, interval) {
+            (_, Some(Ok(interval))) if interval <= 0.0 => {
+                Some("intervalDecimal is greater than 0".to_owned())
+            }
+            ("constant", None) => Some("a constant clock needs intervalDecimal".to_owned()),
+            ("changing" | "countdown" | "triggered", Some(_)) => {
+                Some(format!("a {kind} clock has no intervalDecimal: remove it"))
+            }
+            _ => None,
+        }
+    });
+    silent.into_iter().chain(wrong).collect()
+}
+
+/// Unknowns of the initialisation that are missing or none.
+pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+    let known = by_reference(document);
+    let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative")
+        .filter_map(reference)
+        .collect();
+    let state_of = |rate: &u32| {
+        known
+            .get(rate)?
+            .node
+            .attribute("derivative")?
+            .trim()
+            .parse()
+            .ok()
+    };
+    let states: HashSet<u32> = rates.iter().filter_map(state_of).collect();
+    let list: HashSet<u32> = listed(document, "InitialUnknown")
+        .filter_map(reference)
+        .collect();
+    let is_wanted = |scalar: &Scalar<'_>, of: u32| {
+        let is_computed = matches!(scalar.initial, "approx" | "calculated");
+        let is_unknown =
+            scalar.causality == "output" || states.contains(&of) || rates.contains(&of);
+        !is_clocked(scalar)
+            && is_computed
+            && (scalar.causality == "calculatedParameter" || is_unknown)
+    };
+    let missing = document.of_each(|scalar| {
+        let of = reference(scalar.node)?;
+        // A clock has no value before the first event.
+        let missing = scalar.kind() != "Clock" && is_wanted(scalar, of) && !list.contains(&of);
+        missing.then(|| "ModelStructure has no InitialUnknown for it: add it".to_owned())
+    });
+    let surplus = listed(document, "InitialUnknown").filter_map(|node| {
+        let of = reference(node)?;
+        let scalar = known.get(&of)?;
+        let text = format!(
+            "InitialUnknown: {} is none that is computed initially: remove it",
+            scalar.name
+        );
+        (!is_wanted(scalar, of) && !is_clocked(scalar)).then(|| at(node, text))
+    });
+    missing.into_iter().chain(surplus).collect()
+}
+
+fn is_clocked(scalar: &Scalar<'_>) -> bool {
+    scalar.node.has_attribute("clocks")
 }
 
 /// An element that `ModelStructure` has twice, and kinds of dependencies that are not as many as these.

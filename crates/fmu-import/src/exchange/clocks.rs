@@ -225,7 +225,6 @@ impl Clocks {
         if all.is_empty() {
             return Self::default();
         }
-        all.sort_by_key(|clock| clock.timing.priority.unwrap_or(u32::MAX));
         Self {
             functions: Some(Functions {
                 get: symbols.find("GetClock"),

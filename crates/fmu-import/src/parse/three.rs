@@ -230,7 +230,6 @@ impl Reader {
             by: self.choice(source("intervalVariability"), "intervalVariability"),
             interval,
             shift,
-            priority: self.number(source("priority"), "priority"),
         }
     }
 
