@@ -129,7 +129,7 @@ const FLOAT_TYPE: &str =
 const INTEGER_TYPE: &str = "name! description quantity min max";
 
 /// The same of FMI 3.0.
-const ELEMENTS_OF_THREE: [Element; 54] = [
+const ELEMENTS_OF_THREE: &[Element] = &[
     (
         "fmiModelDescription",
         "fmiVersion modelName! instantiationToken description author version copyright license generationTool \
@@ -252,7 +252,7 @@ fn element(version: Version, parent: &str, name: &str) -> Option<Element> {
     }
     let all: &[Element] = match version {
         Version::Two => &ELEMENTS,
-        Version::Three => &ELEMENTS_OF_THREE,
+        Version::Three => ELEMENTS_OF_THREE,
     };
     let named = |wanted: &str| all.iter().copied().find(|(known, ..)| *known == wanted);
     named(&format!("{parent}/{name}")).or_else(|| named(name))

@@ -77,7 +77,7 @@ fn numbers(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<[Option<f64>;
             let bound = |name| scalar.typed.attribute(name)?.trim().parse().ok();
             Some([start.map(|start| start as f64), bound("min"), bound("max")])
         }
-        Kind::Boolean { .. } | Kind::String { .. } => None,
+        Kind::Boolean { .. } | Kind::String { .. } | Kind::Clock(_) => None,
     }
 }
 

@@ -130,11 +130,12 @@ impl Library {
         let handles = is_exchange || self.clocks.are_there();
         let mut exchange = self.exchange.filter(|_| handles);
         let mut model = self.component(name, exchange.is_some());
-        if model.is_err() && exchange.is_none() && self.exchange.is_some() {
-            // The FMU may want its events handled.
-            if let Ok(other) = self.component(name, true) {
-                (model, exchange) = (Ok(other), self.exchange);
-            }
+        // The FMU may want its events handled. One that refuses for another reason may do so but once, as for want of a
+        // licence: then it must not run in another way.
+        if let (Err(call), None, Some(_)) = (&model, exchange, self.exchange)
+            && call.to_string().to_lowercase().contains("event")
+        {
+            (model, exchange) = (self.component(name, true), self.exchange);
         }
         let mut model = model?;
         model.hear(&self.birth.categories);

@@ -19,12 +19,16 @@ struct Bench {
 
 impl Bench {
     fn new(interface: Interface, sizes: &[(u32, u64)]) -> Self {
+        Self::of(DESCRIPTION, interface, sizes)
+    }
+
+    fn of(description: &str, interface: Interface, sizes: &[(u32, u64)]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let other = match interface {
             Interface::CoSimulation => "<ModelExchange ",
             Interface::ModelExchange => "<CoSimulation ",
         };
-        let lines = DESCRIPTION
+        let lines = description
             .lines()
             .filter(|line| !line.trim().starts_with(other));
         let description: Vec<&str> = lines.collect();
@@ -176,6 +180,18 @@ fn a_discrete_input_changes_by_an_event() {
         }
         assert_eq!(bench.number("steps"), 2.0, "{interface:?}");
     }
+}
+
+/// Without clocks an FMU handles its events within its steps, unless it says that it cannot.
+#[test]
+fn an_fmu_that_insists_on_event_mode_gets_it() {
+    let clocks = |line: &&str| line.contains("<Clock ");
+    let lines = DESCRIPTION.lines().filter(|line| !clocks(line));
+    let description = lines.collect::<Vec<_>>().join("\n");
+    let mut bench = Bench::of(&description, Interface::CoSimulation, &[]);
+    bench.start();
+    bench.instance.initialise().unwrap();
+    assert_eq!(bench.number("ramp"), 0.25);
 }
 
 /// Real variables are read together, whether they belong to a clock or not.

@@ -9,7 +9,7 @@ use super::input::Input;
 use super::measured::Binder as CurveBinder;
 use super::samples::{self, Together};
 use super::values::{find, size_of, slot_of, value_of};
-use super::{CaseText, CriterionText, Name, ParameterText, Setting, Study, inputs, ssv};
+use super::{CaseText, CriterionText, Name, ParameterText, Study, inputs, ssv};
 use crate::concern::Concern;
 use fmu_import::quantity::Scale;
 use fmu_import::units::Conversion;

@@ -29,6 +29,9 @@ const DAMAGE: &str = include_str!("../fixtures/damage.xml");
 /// The description of the fixture of FMI 3.0, which is that of the importer.
 pub const THREE: &str = include_str!("../../../crates/fmu-import/tests/fixtures/three.xml");
 
+/// The same of the one with clocks.
+pub const TICKS: &str = include_str!("../../../crates/fmu-import/tests/fixtures/ticks.xml");
+
 /// The same of the one for Model Exchange.
 pub const BALL: &str = include_str!("../../../crates/fmu-import/tests/fixtures/ball.xml");
 
@@ -90,6 +93,11 @@ impl Bench {
     /// Compiles the fixture of FMI 3.0 with these macros and packs it with a model description.
     pub fn three(&self, name: &str, macros: &[&str], description: &str) {
         self.of_importer(name, "x86_64-linux", "three", macros, description);
+    }
+
+    /// The same of the fixture with clocks.
+    pub fn ticks(&self, name: &str, description: &str) {
+        self.of_importer(name, "x86_64-linux", "ticks", &[], description);
     }
 
     /// The same of the fixture for Model Exchange.

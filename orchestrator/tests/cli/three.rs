@@ -1,6 +1,6 @@
 //! FMUs of FMI 3.0: every command takes them as it takes those of 2.0.
 
-use crate::support::{Bench, THREE};
+use crate::support::{Bench, THREE, TICKS};
 
 const STUDY: &str = r#"
 fmu = "three.fmu"
@@ -229,4 +229,144 @@ fn a_good_fmu_has_nothing() {
         "{}",
         said.err
     );
+}
+
+/// The columns of a csv file by their names.
+fn column(text: &str, name: &str) -> Vec<String> {
+    let mut lines = text.lines();
+    let place = lines.next().unwrap().split(',').position(|n| n == name);
+    let cell = |line: &str| line.split(',').nth(place.unwrap()).unwrap().to_owned();
+    lines.map(cell).collect()
+}
+
+/// The FMU refuses a tick at another time; a triggered clock ticks where its column says so.
+#[test]
+fn clocks_tick_and_arrays_are_resized() {
+    for interface in ["<ModelExchange ", "<CoSimulation "] {
+        let bench = Bench::empty();
+        let lines = TICKS
+            .lines()
+            .filter(|line| !line.trim().starts_with(interface));
+        bench.ticks("ticks.fmu", &lines.collect::<Vec<_>>().join("\n"));
+        let said = bench.run(&["inspect", "ticks.fmu"]);
+        for words in [
+            "Sizes of arrays",
+            "constant clock 0.25 s",
+            "18446744073709551615",
+            "\"00ff\"",
+        ] {
+            assert!(said.out.contains(words), "no {words} in {}", said.out);
+        }
+        let pushes =
+            "time,push,amount\n0,false,0\n0.5,TRUE,2\n0.6,false,2\n1,true,3\n1.1,0,3\n2,0,3\n";
+        bench.write("pushes.csv", pushes);
+        let arguments = [
+            "simulate",
+            "ticks.fmu",
+            "--input",
+            "pushes.csv",
+            "--set",
+            "weights[3]=5",
+            "--set",
+            "N=3",
+        ];
+        let more = [
+            "--set",
+            "data=0a0B",
+            "--record",
+            "sum,doubled[3],N,big,turned,grown,sample",
+            "--output",
+            "out.csv",
+        ];
+        let said = bench.run(&[&arguments[..], &more[..]].concat());
+        // Where the description has no start values for a size, those of the FMU count.
+        assert_eq!(said.code, 0, "{}", said.err);
+        let text = bench.read("out.csv");
+        let sums = column(&text, "sum");
+        assert_eq!(
+            [0, 5, 6, 10, 11, 20].map(|row| &*sums[row]),
+            ["0", "0", "2", "2", "5", "5"]
+        );
+        for (name, value) in [
+            ("doubled[3]", "10"),
+            ("N", "3"),
+            ("big", "18446744073709551615"),
+            ("turned", "0b0a"),
+            ("grown", "5"),
+        ] {
+            assert_eq!(column(&text, name)[20], value, "{name}");
+        }
+        let ticks = column(&text, "sample")
+            .iter()
+            .filter(|cell| *cell == "1")
+            .count();
+        assert_eq!(ticks, 8);
+    }
+}
+
+/// Points run in processes of their own, which know the sizes, too.
+#[test]
+fn a_study_fixes_sizes() {
+    let study = r#"
+fmu = "ticks.fmu"
+[simulation]
+stop = 1
+step = 0.1
+[design]
+method = "sobol"
+points = 8
+seed = 1
+[fixed]
+N = 4
+"weights[4]" = 2
+[parameters."weights[3]"]
+distribution = "uniform"
+min = 1
+max = 3
+[parameters.period]
+distribution = "uniform"
+min = 0.2
+max = 0.4
+[criteria.third]
+variable = "doubled[3]"
+statistic = "final"
+nominal = 4
+tolerance = 2
+[criteria.fourth]
+variable = "doubled[4]"
+statistic = "final"
+nominal = 4
+tolerance = 0.001
+[criteria.counted]
+variable = "counted"
+statistic = "final"
+nominal = 3
+tolerance = 2
+"#;
+    let bench = Bench::empty();
+    bench.ticks("ticks.fmu", TICKS);
+    bench.write("study.toml", study);
+    for isolation in ["fresh", "audited", "reuse"] {
+        let said = bench.run(&[
+            "verify",
+            "study.toml",
+            "--isolation",
+            isolation,
+            "--output",
+            isolation,
+        ]);
+        assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    }
+    let points = bench.read("fresh/points.csv");
+    assert_eq!(points, bench.read("reuse/points.csv"));
+    let varied = study.replace("[parameters.period]", "[parameters.N]");
+    bench.write(
+        "study.toml",
+        &varied
+            .replace("N = 4\n", "")
+            .replace("\"weights[4]\" = 2\n", ""),
+    );
+    bench
+        .run(&["verify", "study.toml"])
+        .is_mistake(&["the size of arrays", "[fixed]"]);
 }

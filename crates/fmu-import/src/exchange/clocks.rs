@@ -60,7 +60,8 @@ impl Functions {
                 &raw mut qualifier,
             )
         })?;
-        if qualifier != NOT_YET_KNOWN && !(interval >= 0.0) {
+        let is_time = interval >= 0.0;
+        if qualifier != NOT_YET_KNOWN && !is_time {
             let why = format!("the interval {interval} s of the clock {clock} is no time");
             return Err(Call::impossible(self.get_interval.name, why));
         }
@@ -136,7 +137,8 @@ impl Clock {
             self.next = (qualifier != NOT_YET_KNOWN).then_some(start + interval);
             return Ok(());
         }
-        if !(interval > 0.0) {
+        let is_period = interval > 0.0;
+        if !is_period {
             let why = format!("the clock {} has a period of {interval} s", self.reference);
             return Err(Call::impossible(functions.get_interval.name, why));
         }
