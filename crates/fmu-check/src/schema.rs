@@ -226,7 +226,7 @@ const ELEMENTS_OF_THREE: &[Element] = &[
         "Annotations Alias*",
     ),
     ("Dimension", "start valueReference", ""),
-    ("Start", "value!", ""),
+    ("Start", "value", ""),
     ("Alias", "name! description displayUnit", ""),
     (
         "ModelStructure",
