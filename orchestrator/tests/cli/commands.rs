@@ -110,8 +110,11 @@ fn a_signal_leaves_no_unpacked_fmu_behind() {
     let unpacked = || fs::read_dir(bench.path("scratch")).unwrap().count();
     for command in ["simulate", "check"] {
         for signal in ["-INT", "-TERM", "-HUP"] {
-            let mut run = bench
-                .command(&[command, "hanging.fmu"])
+            // Where `nohup` runs the tests, hangups are ignored, and the command would heed that.
+            let mut run = Command::new("env")
+                .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_orchestrator")])
+                .args([command, "hanging.fmu"])
+                .current_dir(bench.path("."))
                 .env("TMPDIR", bench.path("scratch"))
                 .stdout(Stdio::null())
                 .stderr(Stdio::null())
