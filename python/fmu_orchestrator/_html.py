@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 COLOURS = {"verified": "#1a7f37", "not verified": "#b3261e", "inconclusive": "#8a6100"}
 # The signs of the terminal's first screen.
 SIGNS = {"✓": COLOURS["verified"], "!": COLOURS["inconclusive"], "✗": COLOURS["not verified"], "?": COLOURS["inconclusive"]}
+# Those of verdicts without doubts.
+PLAIN = {"verified": "✓", "not verified": "✗", "inconclusive": "?"}
 # Where its words begin.
 LABEL = 9
 # The share of accepted points from which a verdict is doubtful.
@@ -64,13 +66,18 @@ def _verdict(summary: Mapping[str, Any]) -> str:
 
 def headline(summary: Mapping[str, Any]) -> str:
     """The verdict in words behind its sign, as the terminal has it."""
-    verdict, words = summary["verdict"], str(summary["verdict_words"])
-    sign = {"verified": "✓", "not verified": "✗", "inconclusive": "?"}[verdict]
+    words = str(summary["verdict_words"])
+    doubtful = ", with doubts" if sign(summary) == "!" else ""
+    return f"{sign(summary)} {words[:1].upper()}{words[1:]}{doubtful}."
+
+
+def sign(summary: Mapping[str, Any]) -> str:
+    """The verdict's sign on the first screen."""
     if any(count.get("nominal_from") for count in summary["criteria"].values()):
-        sign = "?"
-    elif verdict == "verified" and (doubts(summary) or _wrong(summary) > MOST or _is_odd(summary)):
-        sign = "!"
-    return f"{sign} {words[:1].upper()}{words[1:]}."
+        return "?"
+    if summary["verdict"] == "verified" and (doubts(summary) or _wrong(summary) > MOST or _is_odd(summary)):
+        return "!"
+    return PLAIN[summary["verdict"]]
 
 
 def doubts(summary: Mapping[str, Any]) -> list[str]:

@@ -93,6 +93,8 @@ class Verdict:
     """How it was found: one point that meets all criteria is enough, or a share of the sampled space must."""
     words: str
     """Both in words."""
+    doubtful: bool
+    """Whether something makes it doubtful: the first screen's sign is then another than that of the verdict."""
     points: int
     failed: int
     verified: int
@@ -111,7 +113,7 @@ class Verdict:
     """Of all criteria together; none unless each of them has an uncertainty."""
 
     def __str__(self) -> str:
-        return self.words
+        return f"{self.words}, with doubts" if self.doubtful else self.words
 
 
 def verdict(summary: Mapping[str, Any]) -> Verdict:
@@ -120,6 +122,7 @@ def verdict(summary: Mapping[str, Any]) -> Verdict:
         name=summary["verdict"],
         rule=summary["rule"],
         words=summary["verdict_words"],
+        doubtful=_html.sign(summary) != _html.PLAIN[summary["verdict"]],
         points=summary["points"],
         failed=summary["failed"],
         verified=summary["verified"],
@@ -369,6 +372,17 @@ class Identification(Analysis):
     def converged(self) -> bool:
         """Whether the search has converged. Where it has not, ``data["end"]`` says what ended it."""
         return bool(self.data["end"] == "converged")
+
+    @property
+    def doubts(self) -> list[str]:
+        """What speaks against the values found, a sentence each; Python warns of it, too."""
+        found = _html.doubts(self.data)
+        if self.data.get("fit") == "misses":
+            found.append("The model misses the measured values by more than their uncertainties allow; `text` says by how much.")
+        posterior = self.data.get("posterior") or {}
+        if not posterior.get("trusted", True):
+            found.append(f"The posterior is not to be trusted: {'; '.join(posterior['doubts'])}.")
+        return found
 
     @property
     def optima(self) -> list[Optimum]:

@@ -13,7 +13,7 @@ from . import _toml
 from ._errors import OrchestratorError
 from ._files import study_path
 from ._function import StudyFunction
-from ._program import Done, Value, flags, run
+from ._program import Done, Value, flags, run, warn
 from ._progress import Progress, Show
 from ._results import Identification, Pareto, Robustness, Sensitivity, Tolerances, Verification, told
 from ._table import Given, csv_of, given
@@ -232,7 +232,10 @@ class Study:
         options |= {"surrogate": surrogate, "narrow": narrow, "seed": seed, "time_limit": time_limit}
         options["against"] = None if against is None else os.path.abspath(against)
         done = self._run("identify", folder, options, running, state="identify")
-        return Identification(folder, done.text)
+        found = Identification(folder, done.text)
+        for doubt in found.doubts:
+            warn(doubt)
+        return found
 
     def robustness(
         self,
@@ -250,6 +253,8 @@ class Study:
         points in each.
         """
         source, folder = self._folders(points_of, output)
+        # The program looks where the study's name says; a study that was changed here has another folder.
+        source = source or self._folder(None)
         options: dict[str, Value] = {"from": source, "level": level, "confirm": confirm, "seed": seed}
         done = self._run("robustness", folder, options, running, state="robustness")
         return Robustness(folder, done.text)
@@ -284,6 +289,7 @@ class Study:
         """Shows the trade-off between criteria among the points of a finished study, or with ``generations`` by a
         search."""
         source, folder = self._folders(points_of, output)
+        source = source or (None if generations else self._folder(None))
         options: dict[str, Value] = {"from": source, "generations": generations, "population": population, "seed": seed}
         done = self._run("pareto", folder, options, running, state="pareto")
         return Pareto(folder, done.text)

@@ -353,8 +353,7 @@ impl Judge {
                 let warning = study
                     .error_at(&Spanned::new(place, ()), message)
                     .to_string();
-                let remedy = "Add `risk` under [verdict], or measure better what is less sure than its tolerance, or widen that \
-                              tolerance.";
+                let remedy = "Measure better what is less sure than its tolerance, or state a `share` and a `risk` under [verdict].";
                 self.warnings
                     .push(Concern::new(Code::UncertaintyAboveTolerance, warning).remedied(remedy));
             }

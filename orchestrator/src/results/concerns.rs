@@ -68,7 +68,7 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
         None if points < FEWEST => return None,
         None => (
             String::new(),
-            "Widen the parameters' distributions, or find out what the model misses.",
+            "Find out what the model misses, or whether the distributions leave something out.",
         ),
     };
     let text = format!(
@@ -226,7 +226,7 @@ mod tests {
         assert!(far.starts_with(
             "T: no point reaches the measured value 82; the points lie between 80.000 and 81.500"
         ));
-        assert!(far.contains(". Widen"), "{far}");
+        assert!(far.contains(". Find out"), "{far}");
         assert_eq!(
             out_of_reach(&t, [f64::INFINITY, f64::NEG_INFINITY], 10),
             None
@@ -281,7 +281,7 @@ mod tests {
         for reached in [[0.0, 0.0], [2e-16, 5e-16]] {
             let warning = out_of_reach(&criterion(1.0, 0.5), reached, 50).unwrap();
             let remedy = warning.remedy.unwrap();
-            assert!(remedy.starts_with("Widen the parameters"), "{remedy}");
+            assert!(remedy.starts_with("Find out what the model"), "{remedy}");
         }
     }
 
@@ -311,8 +311,8 @@ mod tests {
             ("bar", 12.0, [115.0, 125.0], "if MPa and bar were"),
             ("K", 355.15, [81.0, 83.0], "if K and degC were"),
             ("-", 5.0, [0.049, 0.052], "if per cent and a share were"),
-            ("N", 5.0, [48.0, 52.0], "Widen"),
-            ("J", 300.0, [31.0, 32.0], "Widen"),
+            ("N", 5.0, [48.0, 52.0], "Find out"),
+            ("J", 300.0, [31.0, 32.0], "Find out"),
             ("J", 300.0, [0.29, 0.31], "such as mm and m"),
         ] {
             let criterion = Criterion {
