@@ -6,6 +6,7 @@ Each library is imported only when a file needs it; ``pip install "fmu-orchestra
 """
 
 import csv
+import filecmp
 import importlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -85,13 +86,19 @@ def _write(group: Group, path: Path) -> Path:
         names.append(f"{name} ({again + 1})" if again else name)
         units.append(unit)
         columns.append(values)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    part = path.with_suffix(".csv.part")
+    with part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(names)
         if any(units):
             table.writerow(unit or "-" for unit in units)
         rows = zip(*(_cells(column) for column in columns), strict=True)
         table.writerows(rows)
+    if path.exists() and not filecmp.cmp(part, path, shallow=False):
+        part.unlink()
+        # Two loggers of a run often write files of one name.
+        raise OrchestratorError(f"{path} is there already and holds something else; choose another folder with --output")
+    part.replace(path)
     timeless = "" if {name.rpartition("/")[2].lower() for name in names} & TIMES else "; without a column of times: time = { rate = ... }"
     print(f"{path}: {len(columns[0])} rows of {', '.join(names[:6])}{' ...' if len(names) > 6 else ''}{timeless}")
     return path

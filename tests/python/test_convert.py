@@ -28,7 +28,18 @@ def test_matlab_structures_and_picoscope(tmp_path):
     assert rows(slow) == [["run/slow/T"], ["80.0"], ["81.0"]]
     io.savemat(tmp_path / "pico.mat", {"Tstart": -0.5, "Tinterval": 0.25, "A": np.array([1.0, 2, 3]), "Length": 3})
     [scope] = convert(tmp_path / "pico.mat")
+    assert convert(tmp_path / "pico.mat") == [scope]
     assert rows(scope) == [["time", "A"], ["s", "-"], ["-0.5", "1.0"], ["-0.25", "2.0"], ["0.0", "3.0"]]
+
+
+def test_the_csv_of_another_logger_stays(tmp_path):
+    io = pytest.importorskip("scipy.io")
+    io.savemat(tmp_path / "rig.mat", {"a": np.arange(3.0)})
+    (tmp_path / "rig.csv").write_text("measured")
+    with pytest.raises(OrchestratorError, match="rig.csv is there already .* --output"):
+        convert(tmp_path / "rig.mat")
+    assert (tmp_path / "rig.csv").read_text() == "measured"
+    assert {path.name for path in tmp_path.iterdir()} == {"rig.mat", "rig.csv"}
 
 
 def test_series_of_one_length_belong_together():

@@ -125,7 +125,9 @@ impl Units {
         }
         let remedy = match to.filter(|unit| *unit != "1") {
             Some(_) => "",
-            None => ", of a recording `unit = \"1\"` in the settings of synchronise",
+            None => {
+                ", of a recording `unit = \"1\"` and its `scale` in the settings of synchronise"
+            }
         };
         Err(UnitError {
             from,
