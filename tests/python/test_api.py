@@ -43,7 +43,8 @@ def test_the_verdict_is_the_summarys(verified):
         all(row[f"{name}.ok"] for name in summary["criteria"]) for row in points.rows())
     assert verdict.share == verdict.verified / verdict.points and verdict.interval[0] < verdict.share < verdict.interval[1]
     assert verdict.shares["P_fr"] == sum(points["P_fr.ok"]) / 60
-    assert verdict.rule == "one point" and verdict.required is None and str(verdict) == summary["verdict_words"]
+    assert verdict.rule == "one point" and verdict.required is None and verdict.doubtful
+    assert str(verdict) == f"{summary['verdict_words']}, with doubts"
     assert verdict.risks.consumer == summary["risk"]["consumer"]
     assert Verification.load(verified.folder).verdict == verdict
 

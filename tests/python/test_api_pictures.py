@@ -158,7 +158,7 @@ def test_a_notebook_shows_verdict_warnings_pictures_page(verified):
 def test_a_printed_result_has_the_sign_of_the_terminal(verified):
     assert str(verified) == verified.text.rstrip() and str(verified).startswith("! Verified, with doubts\n")
     headline, *doubts = str(Verification.load(verified.folder)).splitlines()
-    assert headline == "! Verified by the one-point rule: 12 of 60 points." and f"<Verification: {headline[:-1]};" in repr(verified)
+    assert headline == "! Verified by the one-point rule: 12 of 60 points, with doubts." and f"<Verification: {headline[:-1]};" in repr(verified)
     assert doubts and all(doubt.startswith("warning: ") for doubt in doubts)
     sure = {**verified.summary, "concerns": [], "risk": None}
     assert headline_of(sure)[0] == "✓" and headline_of({**sure, "audit_mismatches": 1})[0] == "!"

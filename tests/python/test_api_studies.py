@@ -55,6 +55,8 @@ def test_a_dictionary_runs_as_its_file_does(tmp_path, monkeypatch):
     assert judged.verdict.verified == ours.verdict.verified
     folder = study.verify().folder
     assert folder.parent.name == "results" and folder.name.startswith("study-") and study.verify().folder == folder
+    # Its analyses find the points that it ran last.
+    assert study.robustness().folder == study.pareto().folder == folder
 
 
 def test_what_is_changed_runs(tmp_path, monkeypatch):
