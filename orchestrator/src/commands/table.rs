@@ -31,20 +31,33 @@ pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> S
         ];
         return format!("{}\n{place}\n", parts.join("\n"));
     }
-    let end = format!("{place} (report.html; here: --verbose)\n");
-    // Of what does not fit, the less important is left out: first of what decides, down to two sentences, then of the rest, and
-    // at last criteria.
+    // Of what does not fit, the less important is left out: first of what decides, down to its warnings, then of what to do next,
+    // then warnings, down to two sentences, and at last criteria.
     let [decides, next] = [answer.decides.len(), answer.next.len()];
+    let warns = |sentence: &String| sentence.starts_with("Warning: ");
+    let warned = answer.decides.iter().rposition(warns).map_or(0, |k| k + 1);
+    let least = warned.max(2).min(decides);
+    let without_remarks = (least..=decides).rev().map(|kept| [kept, next]);
+    let without_advice = (1..next).rev().map(|kept| [least, kept]);
+    let without_warnings = (2..least).rev().map(|kept| [kept, next.min(1)]);
+    let kept: Vec<[usize; 2]> = without_remarks
+        .chain(without_advice)
+        .chain(without_warnings)
+        .collect();
     let mut text = String::new();
     for rows in (1..=MOST_ROWS).rev() {
         let rows = least_met(summary, rows);
-        for of_next in 0..next.max(1) {
-            for of_decides in 0..decides.max(2) - 1 {
-                let kept = [decides - of_decides, next - of_next];
-                text = format!("{}\n{rows}{end}", screen(&answer, kept, clipped));
-                if height(&text) <= LINES {
-                    return text;
-                }
+        for &kept in &kept {
+            let more = match decides + next - kept[0] - kept[1] {
+                0 => String::new(),
+                left => format!(" tells {left} more"),
+            };
+            text = format!(
+                "{}\n{rows}{place} (report.html; here: --verbose{more})\n",
+                screen(&answer, kept, clipped)
+            );
+            if height(&text) <= LINES {
+                return text;
             }
         }
     }

@@ -304,7 +304,8 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
             number(moved.swing, 3),
             at(moved.swing_at)
         );
-        let remedy = "Compare means of signals that swing (`statistic = \"mean\"` with a `window`), or measure at the same phase.";
+        let remedy =
+            "Compare means where a signal swings (`statistic = \"mean\"` with a `window`).";
         doubts.push(Concern::new(Code::Swings, text).remedied(remedy));
     }
     if moved.drift.abs() > 0.5 * tolerance {
@@ -318,7 +319,8 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
             number(moved.drift, 3),
             at(moved.drift_at)
         );
-        let remedy = "Simulate until the values rest, or to the moment of the measurement (`stop` under [simulation]).";
+        let remedy =
+            "Simulate to the moment of the measurement, or until the values rest (`stop`).";
         doubts.push(Concern::new(Code::StillMoves, text).remedied(remedy));
     }
     doubts

@@ -677,4 +677,8 @@ fn the_answer_fits_a_terminal() {
     }
     let long = bench.run(&[&command[..], &["--verbose", "--force"]].concat());
     assert!(long.out.lines().count() > 24 && long.out.contains("The risk of accepting"));
+    // No warning is left out before advice, and what is left out is counted.
+    let warnings = |text: &str| text.matches("Warning: ").count();
+    assert!(warnings(&long.out) > 0 && warnings(&said.out) == warnings(&long.out));
+    assert!(said.out.contains("here: --verbose tells "), "{}", said.out);
 }
