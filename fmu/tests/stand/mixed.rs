@@ -39,23 +39,18 @@ fn friction(film: FilmModel, [roughness, clearance]: [f64; 2], load: f64) -> f64
 }
 
 /// Friction falls with the load in a full film, then rises to the dry limit, and does not fall again, also where the asperities
-/// cannot carry the load before the mean planes meet. The film of the mobility map is within 3 % of the one with flow factors, but
-/// for the finest surfaces where friction is least (4.2 % at 50 N): the largest difference of each pair is pinned.
+/// cannot carry the load before the mean planes meet. The film of the mobility map is within 2.5 % of the one with flow factors;
+/// the finest surfaces differ most, where friction is least.
 #[test]
 fn friction_rises_with_the_load_to_the_dry_limit() {
-    for (surfaces, apart) in [
-        ([0.5e-6, 20e-6], 0.042),
-        ([0.5e-6, 40e-6], 0.016),
-        ([1e-6, 20e-6], 0.026),
-        ([1e-6, 40e-6], 0.018),
-        ([3e-6, 20e-6], 0.008),
-        ([3e-6, 40e-6], 0.006),
-    ] {
+    let pairs = [0.5e-6, 1e-6, 3e-6]
+        .map(|roughness| [20e-6, 40e-6].map(|clearance| [roughness, clearance]));
+    for surfaces in pairs.concat() {
         let mut curve = Vec::new();
         for load in [5.0, 20.0, 50.0, 100.0, 1000.0, 5000.0, 15_000.0, 20_000.0] {
             let [mobility, reynolds] = FILMS.map(|film| friction(film, surfaces, load));
             assert!(
-                (mobility / reynolds - 1.0).abs() < apart,
+                (mobility / reynolds - 1.0).abs() < 0.025,
                 "{surfaces:?} {load}: {mobility} {reynolds}"
             );
             curve.push(mobility);

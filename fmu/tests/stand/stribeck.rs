@@ -64,7 +64,7 @@ fn contact(stand: &Stand, e: f64) -> [f64; 2] {
 }
 
 /// The film between the asperities at a gap over the roughness: mean gap (Patir & Cheng 1978) by quadrature of its definition,
-/// third power of the gap of the flow, and resistance to sliding, of a journal whose factors fade between three and seven
+/// third power of the gap of the flow, and resistance to sliding, of a journal whose factors fade between five and seven
 /// roughnesses.
 fn rough_film(ratio: f64) -> [f64; 3] {
     let n = 400;
@@ -78,7 +78,7 @@ fn rough_film(ratio: f64) -> [f64; 3] {
     } else {
         (0..2 * n).map(open).sum::<f64>() * dx / TAU.sqrt()
     };
-    let t = ((ratio - 3.0) / 4.0).clamp(0.0, 1.0);
+    let t = ((ratio - 5.0) / 2.0).clamp(0.0, 1.0);
     let counts = 1.0 - t * t * (3.0 - 2.0 * t);
     let flow = 1.0 - counts * (1.0 - pressure_flow_factor(ratio));
     let stress = sliding_stress_factor(ratio) + shear_stress_factor(ratio);

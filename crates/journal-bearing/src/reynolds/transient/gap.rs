@@ -225,18 +225,14 @@ impl Gap {
     /// Replaces the distances of rough surfaces by the gaps that the film sees.
     fn roughen(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
         if self.alike == 1 {
-            self.roughen_cells(form);
+            self.roughen_cells(cells, form);
         } else {
             self.roughen_columns(cells, form, eps);
-        }
-        let areas = cells.area.iter().zip(&self.cell_apart);
-        for (pressed, (area, apart)) in self.pressed.iter_mut().zip(areas) {
-            *pressed = area * apart;
         }
     }
 
     /// The same in each cell of a tilted journal.
-    fn roughen_cells(&mut self, form: &Form) {
+    fn roughen_cells(&mut self, cells: &Cells, form: &Form) {
         let table = table();
         for cell in 0..self.cell.len() {
             let [here, edge] = [self.cell[cell], self.edge[cell]];
@@ -246,15 +242,18 @@ impl Gap {
             (self.cell[cell], self.cell_flow[cell]) = (here.content, here.flow);
             (self.edge[cell], self.edge_flow[cell]) = (edge.content, edge.flow);
             self.cell_apart[cell] = here.bears;
+            self.pressed[cell] = cells.area[cell] * here.bears;
         }
     }
 
     /// The same in each column of an aligned one.
     fn roughen_columns(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
         let (stride, table) = (self.alike / LANES, table());
-        let [cell, cell_apart, cell_flow, edge, edge_flow] = [
+        let area = cells.area.as_chunks::<LANES>().0;
+        let [cell, cell_apart, pressed, cell_flow, edge, edge_flow] = [
             &mut self.cell,
             &mut self.cell_apart,
+            &mut self.pressed,
             &mut self.cell_flow,
             &mut self.edge,
             &mut self.edge_flow,
@@ -268,6 +267,7 @@ impl Gap {
             for lane in i * stride..(i + 1) * stride {
                 cell[lane] = [here.content; LANES];
                 cell_apart[lane] = [here.bears; LANES];
+                pressed[lane] = area[lane].map(|area| area * here.bears);
                 cell_flow[lane] = [here.flow; LANES];
                 edge[lane] = [before.content; LANES];
                 edge_flow[lane] = [before.flow; LANES];
