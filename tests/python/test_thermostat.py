@@ -1,0 +1,219 @@
+"""A model with events, arrays and a clock (`examples/thermostat`) as FMUs of all forms, against its exact solution.
+
+Between two events a zone's temperature is an exponential, so that the time of the next one is a logarithm: `Zone` computes both
+from the equations alone. FMPy and `orchestrator` run the FMUs, and `fmusim` does where FMUSIM names it."""
+
+import csv
+import math
+import os
+import subprocess
+
+import fmpy
+import fmpy.validation
+import numpy as np
+import pytest
+from conftest import ROOT
+from fmpy.fmi3 import FMU3Model, FMU3Slave
+from lxml import etree
+from python_package import PROGRAM
+
+OUTSIDE, SETPOINT, BAND, RISE, START, NIGHT, SETBACK = 278.15, 293.15, 1.0, 30.0, 288.15, 79200.0, 3.0
+CONSTANTS = [7200.0, 10800.0, 18000.0]
+STOP, STEP = 86400.0, 300.0
+FORMS = [(version, kind) for version in "23" for kind in ("cs", "me")]
+
+
+class Zone:
+    """The switching times of a zone with their heater, and the temperature at any time."""
+
+    def __init__(self, constant):
+        self.constant, self.pieces, self.switches = constant, [], []
+        time, temperature, heating, setpoint = 0.0, START, True, SETPOINT
+        while time < STOP:
+            end = OUTSIDE + (RISE if heating else 0.0)
+            self.pieces.append((time, temperature, end))
+            goal = setpoint + (BAND if heating else -BAND)
+            if (temperature < goal) == heating:
+                at = time + constant * math.log((temperature - end) / (goal - end))
+            else:
+                at = time
+            if time < NIGHT < at:
+                time, temperature, setpoint = NIGHT, self(NIGHT), SETPOINT - SETBACK
+                continue
+            time, temperature, heating = at, self(at), not heating
+            if time < STOP:
+                self.switches.append((time, heating))
+
+    def __call__(self, time):
+        began, temperature, end = next(piece for piece in reversed(self.pieces) if piece[0] <= time)
+        return end + (temperature - end) * math.exp((began - time) / self.constant)
+
+    def heating(self, time):
+        return sum(at <= time for at, _ in self.switches) % 2 == 0
+
+    def near_switch(self, time, tolerance):
+        return min(abs(at - time) for at, _ in self.switches) <= tolerance
+
+
+ZONES = [Zone(constant) for constant in CONSTANTS]
+SWITCHES = sorted(at for zone in ZONES for at, _ in zone.switches)
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    """The four forms."""
+    folder, files = tmp_path_factory.mktemp("thermostat"), {}
+    for version, kind in FORMS:
+        files[version, kind] = folder / f"Thermostat-{kind}{version}.fmu"
+        command = ["cargo", "run", "--locked", "--package", "thermostat", "--", "--profile", "dev", "--fmi", version, "--output",
+                   files[version, kind], *(["--exchange"] if kind == "me" else [])]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    return files
+
+
+def compare(times, temperatures, heating, apart, late):
+    """A table against the exact solution: temperatures within `apart` K, heaters right but for `late` s after a switch."""
+    assert len(times) > STOP / STEP
+    for zone, exact in enumerate(ZONES):
+        expected = np.array([exact(time) for time in times])
+        assert np.abs(temperatures[zone] - expected).max() < apart, zone
+        for time, on in zip(times, heating[zone], strict=True):
+            assert bool(on) == exact.heating(time) or exact.near_switch(time, late), (zone, time)
+
+
+def columns(row, name):
+    """The elements of an array in a table with names: one column each, or one of all."""
+    return [row[f"{name}[{zone + 1}]"] for zone in range(3)] if f"{name}[1]" in row.dtype.names else list(row[name].T)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_fmus_are_valid(fmus, form):
+    assert fmpy.validation.validate_fmu(str(fmus[form])) == []
+    done = subprocess.run([PROGRAM, "check", fmus[form]], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.endswith("nothing found\n"), done.stdout
+
+
+def test_the_reference_is_none_of_ours():
+    """The differential equation, by difference quotients, and the thresholds of the switches."""
+    for zone in ZONES:
+        assert len(zone.switches) > 20
+        for at, heating in zone.switches:
+            assert abs(zone(at) - (SETPOINT - (SETBACK if at >= NIGHT else 0) + (-BAND if heating else BAND))) < 1e-9 or at == NIGHT
+            rate = (zone(at + 2.0) - zone(at + 1.0)) / 1.0
+            end = OUTSIDE + (RISE if heating else 0.0)
+            assert rate == pytest.approx((end - zone(at + 1.5)) / zone.constant, rel=1e-6)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_fmpy_simulates_them(fmus, form):
+    """CVode finds the events; in Co-Simulation the model meets them exactly."""
+    kind = {"cs": "CoSimulation", "me": "ModelExchange"}[form[1]]
+    row = fmpy.simulate_fmu(str(fmus[form]), fmi_type=kind, stop_time=STOP, output_interval=STEP, relative_tolerance=1e-9)
+    apart, late = (1e-9, 1e-6) if form[1] == "cs" else (1e-3, 1.0)
+    compare(row["time"], columns(row, "temperature"), columns(row, "heating"), apart, late)
+    assert row["switches"][-1] == len(SWITCHES)
+    assert row["switchTime"][-1] == pytest.approx(SWITCHES[-1], abs=late)
+
+
+def test_fmpy_sees_the_events_of_co_simulation(fmus):
+    """In event mode steps end where heaters are switched."""
+    row = fmpy.simulate_fmu(str(fmus["3", "cs"]), stop_time=STOP, output_interval=STEP, use_event_mode=True,
+                            early_return_allowed=True)
+    compare(row["time"], columns(row, "temperature"), columns(row, "heating"), 1e-9, 1e-6)
+    for at in SWITCHES:
+        assert np.abs(row["time"] - at).min() < 1e-6, at
+    assert row["switches"][-1] == len(SWITCHES)
+
+
+@pytest.mark.skipif("FMUSIM" not in os.environ, reason="FMUSIM names no fmusim")
+@pytest.mark.parametrize("events", [False, True])
+@pytest.mark.parametrize("form", FORMS)
+def test_fmusim_simulates_them(fmus, form, events, tmp_path):
+    if events and form != ("3", "cs"):
+        pytest.skip("only FMI 3.0 Co-Simulation has it")
+    out = tmp_path / "out.csv"
+    solver = ["--solver", "cvode", "--tolerance", "1e-9"] if form[1] == "me" else []
+    mode = ["--event-mode-used", "--early-return-allowed"] if events else []
+    subprocess.run([os.environ["FMUSIM"], "--interface-type", form[1], "--stop-time", str(STOP), "--output-interval", str(STEP),
+                    "--output-file", out, *solver, *mode, fmus[form]], check=True, capture_output=True, text=True)
+    apart, late = (1e-9, 1e-6) if form[1] == "cs" else (1e-3, 1.0)
+    compare(*table(out), apart, late)
+
+
+def table(file):
+    """Times, temperatures and heaters of a table whose arrays have a column for each element, or one for all."""
+    with file.open() as lines:
+        rows = list(csv.DictReader(lines))
+
+    def elements(row, name):
+        one = [row[f"{name}[{zone + 1}]"] for zone in range(3)] if f"{name}[1]" in row else row[name].split()
+        return [{"true": 1.0, "false": 0.0}.get(value) if value in ("true", "false") else float(value) for value in one]
+    names = [{key.split(" ")[0]: value for key, value in row.items()} for row in rows]
+    return (np.array([float(row["time"]) for row in names]), np.array([elements(row, "temperature") for row in names]).T,
+            np.array([elements(row, "heating") for row in names]).T)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_orchestrator_simulates_them(fmus, form, tmp_path):
+    out = tmp_path / "out.csv"
+    subprocess.run([PROGRAM, "simulate", fmus[form], "--stop", str(STOP), "--step", str(STEP), "--output", out], check=True,
+                   capture_output=True)
+    apart, late = (1e-9, 1e-6) if form[1] == "cs" else (1e-3, 1.0)
+    compare(*table(out), apart, late)
+    with out.open() as lines:
+        last = {key.split(" ")[0]: value for key, value in list(csv.DictReader(lines))[-1].items()}
+    assert float(last["switches"]) == len(SWITCHES)
+    assert float(last["switchTime"]) == pytest.approx(SWITCHES[-1], abs=late)
+
+
+def instance(file, folder, kind):
+    description = fmpy.read_model_description(str(file))
+    of = FMU3Model if kind == "me" else FMU3Slave
+    made = of(guid=description.guid, unzipDirectory=fmpy.extract(str(file), str(folder)), modelIdentifier="Thermostat",
+              instanceName="house")
+    return made, {variable.name: variable.valueReference for variable in description.modelVariables}
+
+
+def test_the_clock_ticks_where_heaters_are_switched(fmus, tmp_path):
+    house, names = instance(fmus["3", "cs"], tmp_path, "cs")
+    house.instantiate(eventModeUsed=True, earlyReturnAllowed=True)
+    house.enterInitializationMode(startTime=0.0)
+    house.exitInitializationMode()
+    *_, known, at = house.updateDiscreteStates()
+    assert (known, at) == (True, NIGHT)
+    house.enterStepMode()
+    time, ticks, events = 0.0, [], []
+    while time < STOP:
+        event, _, early, time = house.doStep(time, min(STEP, STOP - time))
+        if not event:
+            assert not early
+            continue
+        events.append(time)
+        house.enterEventMode()
+        again = True
+        while again:
+            if house.getClock([names["switched"]])[0]:
+                ticks.append(time)
+                assert house.getFloat64([names["switchTime"]]) == [time]
+                assert house.getInt32([names["switches"]]) == [len(ticks)]
+            again, *_ = house.updateDiscreteStates()
+        assert not house.getClock([names["switched"]])[0]
+        house.enterStepMode()
+    assert ticks == pytest.approx(SWITCHES, abs=1e-6)
+    assert len(set(events)) == len(set(ticks) | {NIGHT})
+    house.freeInstance()
+
+
+def test_arrays_are_one_variable_in_fmi_3(fmus, tmp_path):
+    house, names = instance(fmus["3", "cs"], tmp_path, "cs")
+    house.instantiate()
+    house.setFloat64([names["timeConstant"], names["band"]], [1e3, 2e3, 3e3, 0.5])
+    house.enterInitializationMode(startTime=0.0)
+    house.exitInitializationMode()
+    assert house.getFloat64([names["band"], names["timeConstant"]], nValues=4) == [0.5, 1e3, 2e3, 3e3]
+    house.doStep(0.0, 100.0)
+    assert list(house.getBoolean([names["heating"]], nValues=3)) == [True] * 3
+    warm = [OUTSIDE + RISE + (START - OUTSIDE - RISE) * math.exp(-100.0 / constant) for constant in (1e3, 2e3, 3e3)]
+    assert house.getFloat64([names["temperature"]], nValues=3) == pytest.approx(warm, abs=1e-9)
+    house.freeInstance()
