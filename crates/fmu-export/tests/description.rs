@@ -307,8 +307,20 @@ static PIPES: [Variable<Pipes>; 6] = [
     ),
     input("flow[1]", &units::ONE, field!(Pipes: flows[0]), "A flow").array(2),
     input("flow[2]", &units::ONE, field!(Pipes: flows[1]), "A flow"),
-    output("out[1]", &units::ONE, |pipes: &Pipes| pipes.flows[0], "The same").array(2),
-    output("out[2]", &units::ONE, |pipes: &Pipes| pipes.flows[1], "The same").depends_on(&["flow[2]"]),
+    output(
+        "out[1]",
+        &units::ONE,
+        |pipes: &Pipes| pipes.flows[0],
+        "The same",
+    )
+    .array(2),
+    output(
+        "out[2]",
+        &units::ONE,
+        |pipes: &Pipes| pipes.flows[1],
+        "The same",
+    )
+    .depends_on(&["flow[2]"]),
 ];
 
 impl Model for Pipes {
@@ -372,7 +384,12 @@ struct Torn(f64);
 
 static TORN: [Variable<Torn>; 5] = [
     output("one[1]", &units::ONE, |torn: &Torn| torn.0, "An array").array(2),
-    output("one[3]", &units::ONE, |torn: &Torn| torn.0, "The wrong number"),
+    output(
+        "one[3]",
+        &units::ONE,
+        |torn: &Torn| torn.0,
+        "The wrong number",
+    ),
     variable(
         "tick",
         Role::Local,

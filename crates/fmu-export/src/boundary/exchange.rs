@@ -56,30 +56,17 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// Handles the events of this instant. Where there were any, the host comes again: in that round their clocks are active, and
-    /// the next one stops them.
-    pub fn handle_events(&mut self) -> Outcome<Handled> {
+    /// Handles the events of this instant: whether there were any, and the time of the next that is known. Where there were some, the
+    /// host comes again: their clocks are active in that round, which ends it. It is also told that states have changed, as some
+    /// hosts start their solver anew only then, and rates may have jumped.
+    pub fn handle_events(&mut self) -> Outcome<(bool, Option<f64>)> {
         let Some(events) = events::<M>() else {
-            return Ok(Handled::default());
+            return Ok((false, None));
         };
         self.refresh()?;
-        let before = self.all_states();
-        let again = (events.handle)(&mut self.run.model).map_err(Refusal::Step)?;
+        let any = (events.handle)(&mut self.run.model).map_err(Refusal::Step)?;
         self.run.stale = true;
-        Ok(Handled {
-            again,
-            states_changed: before != self.all_states(),
-            next: (events.next)(&self.run.model),
-        })
-    }
-
-    /// The values of all states; none in Co-Simulation.
-    fn all_states(&self) -> Vec<Real> {
-        let states = self
-            .exchange()
-            .map_or(&[][..], |exchange| (exchange.states)());
-        let model = &self.run.model;
-        states.iter().map(|state| (state.get)(model)).collect()
+        Ok((any, (events.next)(&self.run.model)))
     }
 
     /// Takes the time.
@@ -184,17 +171,6 @@ impl<M: Model> Instance<M> {
         }
         Ok(())
     }
-}
-
-/// What the events of an instant have come to.
-#[derive(Default)]
-pub struct Handled {
-    /// Whether the host has to come again.
-    pub again: bool,
-    /// Whether a state has another value.
-    pub states_changed: bool,
-    /// The time of the next event that is known, s.
-    pub next: Option<f64>,
 }
 
 /// Checks a number that the host passes.

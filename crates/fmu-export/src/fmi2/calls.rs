@@ -121,12 +121,12 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2EnterEventMode = enter_event_mode() in of(&[Continuous]) => |instance| instance.enter_event();
         fmi2NewDiscreteStates = new_discrete_states(info: *mut EventInfo) in of(&[Event]) => |instance| {
             let info = place(info, "eventInfo")?;
-            let handled = instance.handle_events()?;
+            let (any, next) = instance.handle_events()?;
             answer(info, EventInfo {
-                new_discrete_states_needed: handled.again.into(),
-                states_changed: handled.states_changed.into(),
-                next_event_time_defined: handled.next.is_some().into(),
-                next_event_time: handled.next.unwrap_or_default(),
+                new_discrete_states_needed: any.into(),
+                states_changed: any.into(),
+                next_event_time_defined: next.is_some().into(),
+                next_event_time: next.unwrap_or_default(),
                 ..EventInfo::default()
             })
         };

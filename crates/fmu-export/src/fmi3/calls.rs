@@ -243,9 +243,9 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
                     (place(again, "discreteStatesNeedUpdate")?, place(states, "valuesOfContinuousStatesChanged")?);
                 let never = [place(terminate, "terminateSimulation")?, place(nominals, "nominalsOfContinuousStatesChanged")?];
                 let (defined, time) = (place(defined, "nextEventTimeDefined")?, place(time, "nextEventTime")?);
-                let handled = instance.handle_events()?;
-                (*again, *states) = (handled.again.into(), handled.states_changed.into());
-                (*defined, *time) = (handled.next.is_some().into(), handled.next.unwrap_or_default());
+                let (any, next) = instance.handle_events()?;
+                (*again, *states) = (any.into(), any.into());
+                (*defined, *time) = (next.is_some().into(), next.unwrap_or_default());
                 nothing(never)
             };
         fmi3EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();

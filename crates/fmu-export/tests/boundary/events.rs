@@ -13,7 +13,9 @@ use crate::host::{Error, Ok};
 
 fn vr(name: &str) -> ValueReference {
     let mut names = House::variables().iter();
-    names.position(|variable| variable.array_name() == name).unwrap() as ValueReference
+    names
+        .position(|variable| variable.array_name() == name)
+        .unwrap() as ValueReference
 }
 
 /// The thermostat in a host of FMI 3.0.
@@ -75,8 +77,8 @@ impl Host {
         self
     }
 
-    /// Whether the host has to come again, whether states have changed, and the next event.
-    fn update(&self) -> (bool, bool, Option<f64>) {
+    /// Whether the host has to come again, and the next event.
+    fn update(&self) -> (bool, Option<f64>) {
         let ([mut again, mut ends, mut nominals, mut states, mut known], mut next) = ([7; 5], 7.0);
         let status = unsafe {
             calls::update_discrete_states::<House>(
@@ -89,8 +91,8 @@ impl Host {
                 &mut next,
             )
         };
-        assert_eq!((status, ends, nominals), (Ok, 0, 0));
-        (again != 0, states != 0, (known != 0).then_some(next))
+        assert_eq!((status, ends, nominals, states), (Ok, 0, 0, again));
+        (again != 0, (known != 0).then_some(next))
     }
 
     fn step(&self, from: f64, step: f64) -> (Status, [bool; 2], f64) {
@@ -153,7 +155,7 @@ fn first_switch() -> f64 {
 fn steps_end_at_events_in_event_mode_alone() {
     let seen = Host::stepped(1, 1);
     assert_eq!(seen.step(0.0, 60.0).0, Error, "it is in event mode");
-    assert_eq!(seen.update(), (false, false, Some(79_200.0)));
+    assert_eq!(seen.update(), (false, Some(79_200.0)));
     assert_eq!([seen.enter_continuous(), seen.enter_step()], [Error, Ok]);
     assert_eq!(seen.step(0.0, 2000.0), (Ok, [false; 2], 2000.0));
     let (status, flags, reached) = seen.step(2000.0, 1000.0);
@@ -161,10 +163,10 @@ fn steps_end_at_events_in_event_mode_alone() {
     assert!((reached - first_switch()).abs() < 1e-9);
     assert_eq!(seen.enter_event(), Ok);
     assert!(!seen.clock());
-    assert_eq!(seen.update(), (true, false, Some(79_200.0)));
+    assert_eq!(seen.update(), (true, Some(79_200.0)));
     assert!(seen.clock());
     assert_eq!(seen.get("switchTime"), [reached]);
-    assert_eq!(seen.update(), (false, false, Some(79_200.0)));
+    assert_eq!(seen.update(), (false, Some(79_200.0)));
     assert!(!seen.clock());
     assert_eq!([seen.enter_step(), seen.enter_step()], [Ok, Error]);
     assert_eq!(seen.step(reached, 3000.0 - reached).1, [false; 2]);
@@ -219,19 +221,19 @@ fn a_host_that_integrates_sees_the_events() {
         assert_eq!(indicators(host.0, margins.as_mut_ptr(), 3), Ok);
         assert!(margins[1] < 0.0 && margins[0] > 0.0);
         assert_eq!(host.enter_event(), Ok);
-        assert_eq!(host.update(), (true, false, Some(79_200.0)));
+        assert_eq!(host.update(), (true, Some(79_200.0)));
         assert!(host.clock());
         assert_eq!(
             (host.get("switchTime"), host.get::<3>("margin")[1] > 1.9),
             ([1234.0], true)
         );
-        assert_eq!(host.update(), (false, false, Some(79_200.0)));
+        assert_eq!(host.update(), (false, Some(79_200.0)));
         // Night falls: nothing more is known beforehand.
         assert_eq!(host.enter_continuous(), Ok);
         calls::set_time::<House>(host.0, 79_200.0);
         assert_eq!(host.enter_event(), Ok);
-        assert_eq!(host.update(), (true, false, None));
-        assert_eq!(host.update(), (false, false, None));
+        assert_eq!(host.update(), (true, None));
+        assert_eq!(host.update(), (false, None));
     }
 }
 
