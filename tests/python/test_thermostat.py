@@ -14,13 +14,15 @@ import numpy as np
 import pytest
 from conftest import ROOT
 from fmpy.fmi3 import FMU3Model, FMU3Slave
-from lxml import etree
 from python_package import PROGRAM
 
 OUTSIDE, SETPOINT, BAND, RISE, START, NIGHT, SETBACK = 278.15, 293.15, 1.0, 30.0, 288.15, 79200.0, 3.0
 CONSTANTS = [7200.0, 10800.0, 18000.0]
 STOP, STEP = 86400.0, 300.0
 FORMS = [(version, kind) for version in "23" for kind in ("cs", "me")]
+# In Co-Simulation the model meets its events but for rounding. After 174 switches CVode at a tolerance of 1e-9 is 1.6e-4 K and 0.05 s
+# off, the orchestrator at the FMU's own, 1e-6, 3e-7 K and 3e-5 s.
+EXACT, CVODE, OURS = (1e-9, 1e-6), (5e-4, 0.2), (1e-6, 1e-4)
 
 
 class Zone:
@@ -72,8 +74,10 @@ def fmus(tmp_path_factory):
     return files
 
 
-def compare(times, temperatures, heating, apart, late):
-    """A table against the exact solution: temperatures within `apart` K, heaters right but for `late` s after a switch."""
+def compare(times, temperatures, heating, bounds):
+    """A table against the exact solution: temperatures within the first bound, K, and heaters right but for the second, s, before
+    and after a switch."""
+    apart, late = bounds
     assert len(times) > STOP / STEP
     for zone, exact in enumerate(ZONES):
         expected = np.array([exact(time) for time in times])
@@ -110,35 +114,31 @@ def test_fmpy_simulates_them(fmus, form):
     """CVode finds the events; in Co-Simulation the model meets them exactly."""
     kind = {"cs": "CoSimulation", "me": "ModelExchange"}[form[1]]
     row = fmpy.simulate_fmu(str(fmus[form]), fmi_type=kind, stop_time=STOP, output_interval=STEP, relative_tolerance=1e-9)
-    apart, late = (1e-9, 1e-6) if form[1] == "cs" else (1e-3, 1.0)
-    compare(row["time"], columns(row, "temperature"), columns(row, "heating"), apart, late)
+    bounds = EXACT if form[1] == "cs" else CVODE
+    compare(row["time"], columns(row, "temperature"), columns(row, "heating"), bounds)
     assert row["switches"][-1] == len(SWITCHES)
-    assert row["switchTime"][-1] == pytest.approx(SWITCHES[-1], abs=late)
+    assert row["switchTime"][-1] == pytest.approx(SWITCHES[-1], abs=bounds[1])
 
 
 def test_fmpy_sees_the_events_of_co_simulation(fmus):
     """In event mode steps end where heaters are switched."""
     row = fmpy.simulate_fmu(str(fmus["3", "cs"]), stop_time=STOP, output_interval=STEP, use_event_mode=True,
                             early_return_allowed=True)
-    compare(row["time"], columns(row, "temperature"), columns(row, "heating"), 1e-9, 1e-6)
+    compare(row["time"], columns(row, "temperature"), columns(row, "heating"), EXACT)
     for at in SWITCHES:
         assert np.abs(row["time"] - at).min() < 1e-6, at
     assert row["switches"][-1] == len(SWITCHES)
 
 
 @pytest.mark.skipif("FMUSIM" not in os.environ, reason="FMUSIM names no fmusim")
-@pytest.mark.parametrize("events", [False, True])
-@pytest.mark.parametrize("form", FORMS)
-def test_fmusim_simulates_them(fmus, form, events, tmp_path):
-    if events and form != ("3", "cs"):
-        pytest.skip("only FMI 3.0 Co-Simulation has it")
+@pytest.mark.parametrize(("form", "options"), [
+    *[(form, ["--solver", "cvode", "--tolerance", "1e-9"] if form[1] == "me" else []) for form in FORMS],
+    (("3", "cs"), ["--event-mode-used", "--early-return-allowed"])])
+def test_fmusim_simulates_them(fmus, form, options, tmp_path):
     out = tmp_path / "out.csv"
-    solver = ["--solver", "cvode", "--tolerance", "1e-9"] if form[1] == "me" else []
-    mode = ["--event-mode-used", "--early-return-allowed"] if events else []
     subprocess.run([os.environ["FMUSIM"], "--interface-type", form[1], "--stop-time", str(STOP), "--output-interval", str(STEP),
-                    "--output-file", out, *solver, *mode, fmus[form]], check=True, capture_output=True, text=True)
-    apart, late = (1e-9, 1e-6) if form[1] == "cs" else (1e-3, 1.0)
-    compare(*table(out), apart, late)
+                    "--output-file", out, *options, fmus[form]], check=True, capture_output=True, text=True)
+    compare(*table(out), EXACT if form[1] == "cs" else CVODE)
 
 
 def table(file):
@@ -148,7 +148,7 @@ def table(file):
 
     def elements(row, name):
         one = [row[f"{name}[{zone + 1}]"] for zone in range(3)] if f"{name}[1]" in row else row[name].split()
-        return [{"true": 1.0, "false": 0.0}.get(value) if value in ("true", "false") else float(value) for value in one]
+        return [{"true": 1.0, "false": 0.0}[value] if value in ("true", "false") else float(value) for value in one]
     names = [{key.split(" ")[0]: value for key, value in row.items()} for row in rows]
     return (np.array([float(row["time"]) for row in names]), np.array([elements(row, "temperature") for row in names]).T,
             np.array([elements(row, "heating") for row in names]).T)
@@ -159,12 +159,12 @@ def test_the_orchestrator_simulates_them(fmus, form, tmp_path):
     out = tmp_path / "out.csv"
     subprocess.run([PROGRAM, "simulate", fmus[form], "--stop", str(STOP), "--step", str(STEP), "--output", out], check=True,
                    capture_output=True)
-    apart, late = (1e-9, 1e-6) if form[1] == "cs" else (1e-3, 1.0)
-    compare(*table(out), apart, late)
+    bounds = EXACT if form[1] == "cs" else OURS
+    compare(*table(out), bounds)
     with out.open() as lines:
         last = {key.split(" ")[0]: value for key, value in list(csv.DictReader(lines))[-1].items()}
     assert float(last["switches"]) == len(SWITCHES)
-    assert float(last["switchTime"]) == pytest.approx(SWITCHES[-1], abs=late)
+    assert float(last["switchTime"]) == pytest.approx(SWITCHES[-1], abs=bounds[1])
 
 
 def instance(file, folder, kind):
