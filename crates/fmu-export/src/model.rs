@@ -16,7 +16,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 pub use continuous::{Continuous, Exchange, State, offered};
-pub use events::{Events, Until, events};
+pub use events::{Events, Until, events, indicators};
 pub use faults::faults;
 pub use variable::{
     Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable,

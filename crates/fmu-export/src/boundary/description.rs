@@ -13,7 +13,7 @@ use super::intermediate::is_intermediate;
 use super::types::ValueReference;
 use super::values::TIME;
 use super::xml::{Number, Tag, Xml};
-use crate::model::{Kind, Model, Role, Variable, events};
+use crate::model::{Kind, Model, Role, Variable, indicators};
 
 pub use super::describe::{Interface, token};
 pub use super::version::Version;
@@ -40,15 +40,12 @@ fn with_token<M: Model>(version: Version, interface: Interface, token: &str) -> 
         .with("fmiVersion", number)
         .with("modelName", info.name)
         .with(token_name, token);
-    let indicators = indicators::<M>(interface);
-    let counted = version == Version::Two && !indicators.is_empty();
+    let indicators = watched::<M>(interface).len();
+    let counted = version == Version::Two && indicators > 0;
     xml.open(
         origin(root, &info)
             .with("variableNamingConvention", convention::<M>())
-            .with_some(
-                "numberOfEventIndicators",
-                counted.then_some(indicators.len()),
-            ),
+            .with_some("numberOfEventIndicators", counted.then_some(indicators)),
     );
     xml.leaf(match (interface, version) {
         (Interface::CoSimulation, Version::Two) => co_simulation_2::<M>(),
@@ -113,10 +110,10 @@ fn model_exchange<M: Model>(version: Version) -> Tag {
 }
 
 /// The event indicators that the host watches: none in Co-Simulation.
-fn indicators<M: Model>(interface: Interface) -> &'static [&'static str] {
-    match (interface, events::<M>()) {
-        (Interface::ModelExchange, Some(events)) => events.indicators,
-        _ => &[],
+fn watched<M: Model>(interface: Interface) -> &'static [&'static str] {
+    match interface {
+        Interface::CoSimulation => &[],
+        Interface::ModelExchange => indicators::<M>(),
     }
 }
 
@@ -387,14 +384,14 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
         at_start.retain(|(place, _)| M::variables()[*place].clock.is_none());
     }
     at_start.extend(others(&states).chain(others(&rates)));
-    let mut watched: Unknowns = Vec::new();
-    if version == Version::Three {
-        let number = |name| numbered.clone().find(|(_, one)| one[0].name == name);
-        let numbers = indicators::<M>(interface)
-            .iter()
-            .filter_map(|name| number(*name));
-        watched.extend(numbers.map(|(number, _)| (number, None)));
-    }
+    let names = watched::<M>(interface)
+        .iter()
+        .filter(|_| version == Version::Three);
+    let named = |name: &&str| numbered.clone().find(|(_, one)| one[0].name == *name);
+    let watched = names
+        .filter_map(named)
+        .map(|(number, _)| (number, None))
+        .collect();
     xml.open(Tag::new("ModelStructure"));
     for (group, element, unknowns) in [
         ("Outputs", "Output", outputs(depends, states)),

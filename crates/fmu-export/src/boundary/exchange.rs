@@ -5,7 +5,7 @@ use super::instance::{Instance, finite};
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, ValueReference};
-use crate::model::{Exchange, Kind, Model, State, events, offered};
+use crate::model::{Exchange, Kind, Model, State, events, indicators, offered};
 
 /// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the
 /// table, which may grow.
@@ -119,15 +119,14 @@ impl<M: Model> Instance<M> {
     /// The number of event indicators.
     pub fn indicators(&self) -> Outcome<usize> {
         self.exchange()?;
-        Ok(events::<M>().map_or(0, |events| events.indicators.len()))
+        Ok(indicators::<M>().len())
     }
 
     /// Reads the event indicators.
     pub fn get_indicators(&mut self, values: &mut [Real]) -> Outcome {
         count("nEventIndicators", values.len(), self.indicators()?)?;
         self.refresh()?;
-        let names = events::<M>().map_or(&[][..], |events| events.indicators);
-        for (value, name) in values.iter_mut().zip(names) {
+        for (value, name) in values.iter_mut().zip(indicators::<M>()) {
             let variable = M::variables()
                 .iter()
                 .find(|variable| variable.name == *name);

@@ -67,6 +67,11 @@ impl<M: Model> Events<M> {
     }
 }
 
+/// The names of a model's event indicators.
+pub fn indicators<M: Model>() -> &'static [&'static str] {
+    events::<M>().map_or(&[], |events| events.indicators)
+}
+
 /// A model's events, if it has any.
 pub fn events<M: Model>() -> Option<&'static Events<M>> {
     const { &M::EVENTS }.as_ref()

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 
 use super::{
     Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements,
-    events, offered,
+    indicators, offered,
 };
 
 /// The mistakes in a model's [`Info`] and variable table, a sentence each; none for a sound model.
@@ -143,10 +143,9 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
     if M::EVENTS.is_some() && M::INNER_STEP.is_some() {
         faults.push("a model with events has no INNER_STEP".to_owned());
     }
-    let (without, indicators) = lists::<M>();
-    for name in indicators {
+    for name in indicators::<M>() {
         let real = |variable: &Variable<M>| matches!(variable.kind, Kind::Real(_));
-        if !known(name).is_some_and(real) || without.contains(name) {
+        if !known(name).is_some_and(real) || without::<M>().contains(name) {
             faults.push(format!(
                 "{name}: an indicator is a real variable, also in Model Exchange"
             ));
@@ -155,7 +154,6 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
 }
 
 fn check_arrays<M: Model>(faults: &mut Vec<String>) {
-    let (without, indicators) = lists::<M>();
     for (place, head) in M::variables().iter().enumerate() {
         let (array, elements) = (head.array_name(), elements::<M>(place));
         let unit = |variable: &Variable<M>| match &variable.kind {
@@ -176,7 +174,7 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
         if array != head.name && M::variables().iter().any(|other| other.name == array) {
             faults.push(format!("{array}: an array and a variable have this name"));
         }
-        for list in [without, indicators] {
+        for list in [without::<M>(), indicators::<M>()] {
             let names = || elements.iter().map(|element| element.name);
             let mut parts = list.windows(elements.len().max(1));
             let is_whole = parts.any(|part| part.iter().copied().eq(names()));
@@ -187,13 +185,9 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
     }
 }
 
-/// The names of what Model Exchange leaves out, and of the event indicators.
-fn lists<M: Model>() -> (&'static [&'static str], &'static [&'static str]) {
-    let without = offered::<M>().map_or(&[][..], |exchange| (exchange.without)());
-    (
-        without,
-        events::<M>().map_or(&[], |events| events.indicators),
-    )
+/// The names of what Model Exchange leaves out.
+fn without<M: Model>() -> &'static [&'static str] {
+    offered::<M>().map_or(&[], |exchange| (exchange.without)())
 }
 
 /// The description defines a unit, a display unit and an enumeration once for each name, so that two of the same name
