@@ -431,7 +431,7 @@ fn mistakes_in_arrays_and_events_are_found() {
     let found = faults::<Torn>();
     let ends = "of an array stand in the table as name[1], name[2], ..., with the same role, type, unit and clock";
     let expected = [
-        "tick: a clock is an output of a model with events",
+        "tick: a clock must be an output, and the model have events",
         "set: the model must compute what ticks with a clock, and \"tick\" must be one",
         "a model with events has no INNER_STEP",
         "none: an indicator is a real variable, also in Model Exchange",

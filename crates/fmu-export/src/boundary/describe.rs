@@ -168,24 +168,19 @@ pub fn listed<M: Model>(
     version: Version,
     interface: Interface,
 ) -> Vec<(usize, &'static [Variable<M>])> {
-    let mut end = 0;
-    let starts = M::variables().iter().enumerate().map(|(place, variable)| {
-        let starts = place >= end;
-        end = if starts {
-            place + variable.elements
-        } else {
-            end
-        };
-        starts
-    });
-    let starts: Vec<bool> = starts.collect();
+    let (table, mut next) = (M::variables(), 0);
+    let mut starts = vec![false; table.len()];
+    while let Some(variable) = table.get(next) {
+        starts[next] = true;
+        next += variable.elements.max(1);
+    }
     let left_out = match (interface, offered::<M>()) {
         (Interface::ModelExchange, Some(exchange)) => (exchange.without)(),
         _ => &[],
     };
     let listed = M::listing().into_iter().filter_map(|place| {
         let elements = match version {
-            Version::Two => M::variables().get(place..=place)?,
+            Version::Two => table.get(place..=place)?,
             Version::Three => elements::<M>(place),
         };
         let first = elements.first()?;

@@ -351,6 +351,7 @@ fn first_state(version: Version, listed: usize) -> usize {
 /// all that is known.
 fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     type Unknowns = Vec<(usize, Option<String>)>;
+    type Known<M> = fn(&[Variable<M>], &[Variable<M>]) -> bool;
     let listed = listed::<M>(version, interface);
     let numbered =
         (listed.iter().enumerate()).map(|(place, (reference, variable))| match version {
@@ -364,34 +365,25 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
         Version::Two => states.end..states.end + count,
         Version::Three => RATE as usize..RATE as usize + count,
     };
-    let outputs =
-        |known: fn(&[Variable<M>], &[Variable<M>]) -> bool, states: Range<usize>| -> Unknowns {
-            let outputs = numbered
-                .clone()
-                .filter(|(_, one)| one[0].role == Role::Output);
-            outputs
-                .map(|(number, output)| {
-                    let known = numbered.clone().filter(|(_, other)| known(output, other));
-                    let numbers = known.map(|(number, _)| number).chain(states.clone());
-                    let texts: Vec<_> = numbers.map(|number| number.to_string()).collect();
-                    (number, Some(texts.join(" ")))
-                })
-                .collect()
-        };
+    let outputs = |known: Known<M>, states: Range<usize>| -> Unknowns {
+        let outputs = (numbered.clone()).filter(|(_, one)| one[0].role == Role::Output);
+        let described = outputs.map(|(number, output)| {
+            let known = numbered.clone().filter(|(_, other)| known(output, other));
+            let numbers = known.map(|(number, _)| number).chain(states.clone());
+            let texts: Vec<_> = numbers.map(|number| number.to_string()).collect();
+            (number, Some(texts.join(" ")))
+        });
+        described.collect()
+    };
     let others = |numbers: &Range<usize>| numbers.clone().map(|number| (number, None));
     let mut at_start = outputs(initially_known, 0..0);
     if version == Version::Three {
         at_start.retain(|(place, _)| M::variables()[*place].clock.is_none());
     }
     at_start.extend(others(&states).chain(others(&rates)));
-    let names = watched::<M>(interface)
-        .iter()
-        .filter(|_| version == Version::Three);
     let named = |name: &&str| numbered.clone().find(|(_, one)| one[0].name == *name);
-    let watched = names
-        .filter_map(named)
-        .map(|(number, _)| (number, None))
-        .collect();
+    let watched = (watched::<M>(interface).iter()).filter_map(named);
+    let watched = (watched.filter(|_| version == Version::Three)).map(|(number, _)| (number, None));
     xml.open(Tag::new("ModelStructure"));
     for (group, element, unknowns) in [
         ("Outputs", "Output", outputs(depends, states)),
@@ -401,7 +393,7 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
             others(&rates).collect(),
         ),
         ("InitialUnknowns", "InitialUnknown", at_start),
-        ("", "EventIndicator", watched),
+        ("", "EventIndicator", watched.collect()),
     ] {
         let (element, attribute) = match version {
             Version::Two => ("Unknown", "index"),

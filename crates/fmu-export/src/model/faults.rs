@@ -127,7 +127,7 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
         let name = variable.name;
         if is_clock(variable) && (M::EVENTS.is_none() || variable.role != Role::Output) {
             faults.push(format!(
-                "{name}: a clock is an output of a model with events"
+                "{name}: a clock must be an output, and the model have events"
             ));
         }
         let Some(clock) = variable.clock else {

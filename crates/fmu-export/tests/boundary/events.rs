@@ -204,7 +204,7 @@ fn a_host_that_integrates_sees_the_events() {
     let host = Host::exchange();
     let (mut n, mut margins) = (0, [0.0; 3]);
     assert_eq!([host.enter_step(), host.enter_continuous()], [Error, Ok]);
-    // SAFETY of all: the component is alive, and the pointers are ours.
+    // SAFETY: the component is alive, and the pointers are ours.
     unsafe {
         calls::get_number_of_event_indicators::<House>(host.0, &mut n);
         assert_eq!(n, 3);
@@ -241,7 +241,7 @@ fn a_host_that_integrates_sees_the_events() {
 #[test]
 fn what_cannot_be_is_refused() {
     let host = Host::stepped(1, 1);
-    // SAFETY of all: the component is alive, and the pointers are ours.
+    // SAFETY: the component is alive, and the pointers are ours.
     unsafe {
         let set = calls::set_clock::<House>;
         assert_eq!(
@@ -280,15 +280,13 @@ fn saved_states_know_their_mode() {
     let saved = |host: &Host| {
         let mut state: FmuState = null_mut();
         // SAFETY: the component is alive, and the place is ours.
-        assert_eq!(
-            unsafe { calls::get_fmu_state::<House>(host.0, &mut state) },
-            Ok
-        );
+        let status = unsafe { calls::get_fmu_state::<House>(host.0, &mut state) };
+        assert_eq!(status, Ok);
         state
     };
     let in_event_mode = saved(&host);
     let mut size = 0;
-    // SAFETY of all: components and states are alive, and the places are ours.
+    // SAFETY: components and states are alive, and the places are ours.
     unsafe {
         assert_eq!(calls::set_fmu_state::<House>(other.0, in_event_mode), Error);
         assert_eq!(
