@@ -148,7 +148,8 @@ def table(file):
 
     def elements(row, name):
         one = [row[f"{name}[{zone + 1}]"] for zone in range(3)] if f"{name}[1]" in row else row[name].split()
-        return [{"true": 1.0, "false": 0.0}[value] if value in ("true", "false") else float(value) for value in one]
+        return [float(value) for value in one]
+
     names = [{key.split(" ")[0]: value for key, value in row.items()} for row in rows]
     return (np.array([float(row["time"]) for row in names]), np.array([elements(row, "temperature") for row in names]).T,
             np.array([elements(row, "heating") for row in names]).T)
@@ -162,7 +163,12 @@ def test_the_orchestrator_simulates_them(fmus, form, tmp_path):
     bounds = EXACT if form[1] == "cs" else OURS
     compare(*table(out), bounds)
     with out.open() as lines:
-        last = {key.split(" ")[0]: value for key, value in list(csv.DictReader(lines))[-1].items()}
+        rows = [{key.split(" ")[0]: value for key, value in row.items()} for row in csv.DictReader(lines)]
+    last = rows[-1]
+    # The clock has ticked in the steps in which a heater was switched.
+    for row in rows[1:] if form[0] == "3" else []:
+        time = float(row["time"])
+        assert float(row["switched"]) == any(time - STEP < at <= time for at in SWITCHES), time
     assert float(last["switches"]) == len(SWITCHES)
     assert float(last["switchTime"]) == pytest.approx(SWITCHES[-1], abs=bounds[1])
 
