@@ -59,6 +59,7 @@ fn start(stand: &Stand, variable: &Variable<Stand>) -> (String, &'static str) {
             )
         }
         Kind::String { access } => (format!("\"{}\"", (access.get)(stand)), ""),
+        Kind::Clock { .. } => (String::new(), ""),
     };
     (if settable { value } else { String::new() }, unit)
 }

@@ -71,21 +71,17 @@ fn variable(row: &'static str) -> (usize, V) {
     } else if let Kind::Integer { min, max, .. } = &mut kind {
         [*min, *max] = [least, most].map(|cell| number(cell).map(|bound| bound as i32));
     }
-    let variable = V {
-        name,
-        description,
-        role: match role {
-            "input" => Role::Input,
-            "parameter" => Role::Parameter,
-            "tunable" => Role::TunableParameter,
-            _ => Role::Output,
-        },
-        kind,
-        depends_on: Vec::from_iter(follows.split_whitespace()).leak(),
+    let role = match role {
+        "input" => Role::Input,
+        "parameter" => Role::Parameter,
+        "tunable" => Role::TunableParameter,
+        _ => Role::Output,
     };
+    let inputs = Vec::from_iter(follows.split_whitespace()).leak();
+    let variable = fmu_export::declare::variable(name, role, kind, description);
     (
         reference.parse().expect("a reference is a number"),
-        variable,
+        variable.depends_on(inputs),
     )
 }
 

@@ -210,6 +210,9 @@ def main():
         program = fmusim(folder, Path(into))
         rows = forms(program, folder)
         errors = lag(program)
+        # The events, arrays and the clock of the thermostat, by its own tests.
+        run([sys.executable, "-m", "pytest", "-q", "-k", "fmusim", ROOT / "tests/python/test_thermostat.py"],
+            env={**os.environ, "FMUSIM": str(program)})
     lines = list(table(rows, errors))
     print(*map(" | ".join, lines), sep="\n")
     if options.write:

@@ -2,8 +2,8 @@
 //!
 //! [`input`], [`parameter`], [`tunable`] and [`output`] start a real variable, [`variable`] one of any type. Methods of
 //! [`Variable`] add what not every variable has: [`within`](Variable::within), [`shown_in`](Variable::shown_in),
-//! [`about`](Variable::about), [`slope`](Variable::slope), [`derivative`](Variable::derivative) and
-//! [`depends_on`](Variable::depends_on). [`field!`](crate::field) reads and writes a field of the model,
+//! [`about`](Variable::about), [`slope`](Variable::slope), [`derivative`](Variable::derivative),
+//! [`depends_on`](Variable::depends_on), [`array`](Variable::array) and [`clocked`](Variable::clocked). [`field!`](crate::field) reads and writes a field of the model,
 //! [`text!`](crate::text) one that holds a text, and [`choice!`](crate::choice) one that is a Rust enum.
 //!
 //! ```
@@ -41,6 +41,8 @@ pub const fn variable<M>(
         role,
         kind,
         depends_on: &[],
+        elements: 1,
+        clock: None,
     }
 }
 
@@ -76,34 +78,28 @@ impl<M> Quantity<M> {
     }
 }
 
-/// A real input: set at any communication point.
-pub const fn input<M>(
-    name: &'static str,
-    unit: &'static Unit,
-    access: Access<M, f64, f64>,
-    description: &'static str,
-) -> Variable<M> {
-    real(name, Role::Input, unit, access, description)
+/// Makes a function for real variables that hosts set.
+macro_rules! set_by_hosts {
+    ($($(#[$doc:meta])* $name:ident: $role:ident;)*) => {
+        $($(#[$doc])*
+        pub const fn $name<M>(
+            name: &'static str,
+            unit: &'static Unit,
+            access: Access<M, f64, f64>,
+            description: &'static str,
+        ) -> Variable<M> {
+            real(name, Role::$role, unit, access, description)
+        })*
+    };
 }
 
-/// A real parameter: set before the start.
-pub const fn parameter<M>(
-    name: &'static str,
-    unit: &'static Unit,
-    access: Access<M, f64, f64>,
-    description: &'static str,
-) -> Variable<M> {
-    real(name, Role::Parameter, unit, access, description)
-}
-
-/// A real parameter that may change while the simulation runs.
-pub const fn tunable<M>(
-    name: &'static str,
-    unit: &'static Unit,
-    access: Access<M, f64, f64>,
-    description: &'static str,
-) -> Variable<M> {
-    real(name, Role::TunableParameter, unit, access, description)
+set_by_hosts! {
+    /// A real input: set at any communication point.
+    input: Input;
+    /// A real parameter: set before the start.
+    parameter: Parameter;
+    /// A real parameter that may change while the simulation runs.
+    tunable: TunableParameter;
 }
 
 /// A real value that the model computes.
@@ -173,6 +169,21 @@ impl<M> Variable<M> {
     #[must_use]
     pub const fn depends_on(mut self, inputs: &'static [&'static str]) -> Self {
         self.depends_on = inputs;
+        self
+    }
+
+    /// The same as the first of so many elements of an array: `zone[1]`, with `zone[2]` and so on behind it in the table. FMI 3.0
+    /// has it as one variable, `zone`, FMI 2.0 as several.
+    #[must_use]
+    pub const fn array(mut self, elements: usize) -> Self {
+        self.elements = elements;
+        self
+    }
+
+    /// The same for what the model computes at the ticks of this clock alone.
+    #[must_use]
+    pub const fn clocked(mut self, clock: &'static str) -> Self {
+        self.clock = Some(clock);
         self
     }
 }

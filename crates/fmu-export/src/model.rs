@@ -4,6 +4,7 @@
 //! descriptions and the model description follow from that table. Nothing here knows FMI.
 
 mod continuous;
+mod events;
 mod faults;
 mod variable;
 
@@ -15,10 +16,11 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 pub use continuous::{Continuous, Exchange, State, offered};
+pub use events::{Events, Until, events, indicators};
 pub use faults::faults;
 pub use variable::{
     Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable,
-    check_ranges,
+    check_ranges, elements,
 };
 
 /// A simulation model that a boundary (an FMU, a test, a benchmark) can drive.
@@ -35,6 +37,10 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     /// What Model Exchange needs: `Some(Exchange::of())` for a model that is [`Continuous`]. Without it, FMUs of the model
     /// are for Co-Simulation only.
     const EXCHANGE: Option<Exchange<Self>> = None;
+
+    /// The model's events, if it has any: for Model Exchange, and for hosts of FMI 3.0 Co-Simulation that want to see them (event
+    /// mode). For other hosts [`advance`](Model::advance) handles them: [`Events::pass`] does so. Such a model has no inner steps.
+    const EVENTS: Option<Events<Self>> = None;
 
     /// For hosts of FMI 3.0 that look into a communication step (intermediate update): the length of the first inner step of
     /// [`advance`](Model::advance) over so many seconds. The boundary then advances the model by its inner steps, one after

@@ -1,10 +1,12 @@
 //! The model description and the check of a model's declaration.
 #![allow(clippy::unwrap_used)]
 
-use fmu_export::declare::{input, output, parameter, tunable};
+use fmu_export::declare::{input, output, parameter, tunable, variable};
 use fmu_export::description::{Interface, Version, fingerprint, token, xml};
-use fmu_export::model::{Base, Experiment, Fault, Info, Log, Model, Unit, Variable, faults};
-use fmu_export::{field, units};
+use fmu_export::model::{
+    Base, Events, Experiment, Fault, Info, Kind, Log, Model, Role, Unit, Variable, faults,
+};
+use fmu_export::{field, text, units};
 use lag::Lag;
 use serde::{Deserialize, Serialize};
 
@@ -274,5 +276,177 @@ fn mistakes_in_a_declaration_are_found() {
             "slope: only outputs have derivatives",
             "a state that is saved and restored: never",
         ]
+    );
+}
+
+/// Two pipes: arrays of texts and numbers.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Pipes {
+    first: String,
+    second: String,
+    flows: [f64; 2],
+}
+
+static PIPES: [Variable<Pipes>; 6] = [
+    variable(
+        "name[1]",
+        Role::Parameter,
+        Kind::String {
+            access: text!(Pipes: first),
+        },
+        "A name",
+    )
+    .array(2),
+    variable(
+        "name[2]",
+        Role::Parameter,
+        Kind::String {
+            access: text!(Pipes: second),
+        },
+        "A name",
+    ),
+    input("flow[1]", &units::ONE, field!(Pipes: flows[0]), "A flow").array(2),
+    input("flow[2]", &units::ONE, field!(Pipes: flows[1]), "A flow"),
+    output(
+        "out[1]",
+        &units::ONE,
+        |pipes: &Pipes| pipes.flows[0],
+        "The same",
+    )
+    .array(2),
+    output(
+        "out[2]",
+        &units::ONE,
+        |pipes: &Pipes| pipes.flows[1],
+        "The same",
+    )
+    .depends_on(&["flow[2]"]),
+];
+
+impl Model for Pipes {
+    const INFO: Info = fmu_export::info!();
+
+    fn variables() -> &'static [Variable<Self>] {
+        &PIPES
+    }
+
+    fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+#[test]
+fn arrays_are_one_variable_in_fmi_3_and_several_in_fmi_2() {
+    assert_eq!(faults::<Pipes>(), Vec::<String>::new());
+    let [two, three] = [Version::Two, Version::Three]
+        .map(|version| xml::<Pipes>(version, Interface::CoSimulation));
+    assert_eq!(two.matches("<ScalarVariable ").count(), 6);
+    assert!(!two.contains("Dimension"));
+    for line in [
+        r#"<Unknown index="5" dependencies=""/>"#,
+        r#"<Unknown index="6" dependencies="4"/>"#,
+    ] {
+        assert!(two.contains(line), "{two}");
+    }
+    let document = roxmltree::Document::parse(&three).unwrap();
+    let named = |name: &str| {
+        let mut nodes = document.descendants();
+        nodes
+            .find(|node| node.attribute("name") == Some(name))
+            .unwrap()
+    };
+    let children = |name: &str| -> Vec<String> {
+        let children = named(name).children().filter(roxmltree::Node::is_element);
+        let text = |node: roxmltree::Node<'_, '_>| {
+            let value = node.attribute("value").or(node.attribute("start"));
+            format!("{} {}", node.tag_name().name(), value.unwrap())
+        };
+        children.map(text).collect()
+    };
+    assert_eq!(children("name"), ["Dimension 2", "Start ", "Start "]);
+    assert_eq!(children("flow"), ["Dimension 2"]);
+    assert_eq!(named("flow").attribute("start"), Some("0.0 0.0"));
+    assert_eq!(named("out").attribute("valueReference"), Some("4"));
+    assert!(
+        three.contains(r#"<Output valueReference="4" dependencies="2"/>"#),
+        "{three}"
+    );
+    assert!(!three.contains("name=\"out[2]\"") && !three.contains("valueReference=\"5\""));
+}
+
+/// Arrays, clocks and indicators with mistakes.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Torn(f64);
+
+static TORN: [Variable<Torn>; 5] = [
+    output("one[1]", &units::ONE, |torn: &Torn| torn.0, "An array").array(2),
+    output(
+        "one[3]",
+        &units::ONE,
+        |torn: &Torn| torn.0,
+        "The wrong number",
+    ),
+    variable(
+        "tick",
+        Role::Local,
+        Kind::Clock { ticked: |_| false },
+        "No output",
+    ),
+    parameter("set", &units::ONE, field!(Torn: 0), "Not computed").clocked("tick"),
+    output("long[1]", &units::ONE, |torn: &Torn| torn.0, "Too long").array(2),
+];
+
+impl Model for Torn {
+    const INFO: Info = fmu_export::info!();
+
+    const INNER_STEP: Option<fn(&Self, f64) -> f64> = Some(|_, step| step);
+
+    const EVENTS: Option<Events<Self>> = Some(Events {
+        indicators: &["one[1]", "none"],
+        next: |_| None,
+        until: |_, _, _, _| Ok(Some(0.0)),
+        handle: |_| Ok(true),
+    });
+
+    fn variables() -> &'static [Variable<Self>] {
+        &TORN
+    }
+
+    fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn advance(&mut self, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
+        self.0 += 1.0;
+        Self::EVENTS.unwrap().pass(self, time, step, log)
+    }
+}
+
+#[test]
+fn mistakes_in_arrays_and_events_are_found() {
+    let found = faults::<Torn>();
+    let ends = "of an array stand in the table as name[1], name[2], ..., with the same role, type, unit and clock";
+    let expected = [
+        "tick: a clock must be an output, and the model have events",
+        "set: the model must compute what ticks with a clock, and \"tick\" must be one",
+        "a model with events has no INNER_STEP",
+        "none: an indicator is a real variable, also in Model Exchange",
+        &format!("one[1]: the 2 elements {ends}"),
+        "one: an array's elements are left out or are indicators all in their order, or none",
+        &format!("long[1]: the 2 elements {ends}"),
+    ];
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn events_without_an_end_fail_the_step() {
+    let mut torn = Torn::default();
+    let failed = torn.advance(1.0, 2.0, &mut ());
+    assert!(
+        matches!(failed, Err(Fault::Failed(why)) if why.starts_with("the events at 1 s do not end"))
     );
 }

@@ -119,6 +119,8 @@ fn clocks_tick_at_their_times() {
                 ("delayed", passed(every(0.15, 0.25), time).0),
                 ("bells", passed(every(0.4, 0.4), time).0),
                 ("edges", passed(every(0.75, 1.0), time).0),
+                ("tunedTicks", passed(every(0.02, 0.3), time).0),
+                ("givenTicks", passed(every(0.15, 0.2), time).0),
             ] {
                 assert_eq!(bench.number(name), count, "{}", at(name));
             }
@@ -141,6 +143,33 @@ fn clocks_tick_at_their_times() {
         bench.instance.step(0.0, 0.1).unwrap();
         assert_eq!(bench.number("grown"), 1.0);
         assert_eq!(bench.number("counted"), 1.0);
+    }
+}
+
+/// A tunable clock counts its interval from where it changes: 0.02 s, 0.32 s; from 0.5 s on every 0.15 s; from 1 s on every 0.5 s.
+#[test]
+fn a_clock_follows_its_tunable_parameter() {
+    let times = [0.02, 0.32, 0.65, 0.8, 0.95, 1.5, 2.0];
+    for interface in INTERFACES {
+        let mut bench = Bench::new(interface, &[]);
+        bench.start();
+        bench.instance.initialise().unwrap();
+        for step in 0..20 {
+            let before = 0.1 * f64::from(step);
+            match step {
+                5 => bench.set("pace", Value::Real(0.15)),
+                10 => bench.set("pace", Value::Real(0.5)),
+                _ => {}
+            }
+            bench.instance.step(before, 0.1).unwrap();
+            let time = 0.1 * f64::from(step + 1);
+            let (count, _) = passed(times.into_iter(), time);
+            assert_eq!(
+                bench.number("tunedTicks"),
+                count,
+                "{time} s of {interface:?}"
+            );
+        }
     }
 }
 
@@ -230,7 +259,11 @@ fn sizes_are_set_before_all_else() {
                     bench.set(&format!("weights[{index}]"), Value::Real(index as f64));
                 }
                 bench.instance.initialise().unwrap();
-                bench.instance.step(0.0, 0.1).unwrap();
+                // There are as many event indicators, the last of which changes its sign at 0.75 s.
+                for step in 0..8 {
+                    bench.instance.step(0.1 * f64::from(step), 0.1).unwrap();
+                }
+                assert_eq!(bench.number("edges"), 1.0);
                 assert_eq!(bench.number(&format!("doubled[{size}]")), 2.0 * size as f64);
                 assert_eq!(bench.number("N"), size as f64);
                 bench.instance.reset().unwrap();

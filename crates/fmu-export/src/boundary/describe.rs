@@ -1,9 +1,11 @@
 //! The parts that the model descriptions of all versions share.
 
 use super::logger::categories;
+use super::version::Version;
 use super::xml::{Number, Tag, Xml};
 use crate::model::{
-    DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, State, Unit, Variable, offered,
+    DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, State, Unit, Variable, elements,
+    offered,
 };
 
 /// The interface that a description is for.
@@ -99,8 +101,8 @@ pub fn experiment(xml: &mut Xml, info: &Info) {
 /// The units of all variables, each once, with the display units that any of them has.
 pub fn units<M: Model>(xml: &mut Xml, interface: Interface) {
     let mut units: Vec<(&Unit, Vec<&DisplayUnit>)> = Vec::new();
-    let variables = listed::<M>(interface).into_iter();
-    let of_variables = variables.filter_map(|(_, variable)| match variable.kind {
+    let variables = listed::<M>(Version::Two, interface).into_iter();
+    let of_variables = variables.filter_map(|(_, variable)| match variable[0].kind {
         Kind::Real(Quantity { unit, .. }) => Some(unit),
         _ => None,
     });
@@ -150,8 +152,8 @@ pub fn units<M: Model>(xml: &mut Xml, interface: Interface) {
 /// The enumerations of all variables, each once.
 pub fn enumerations<M: Model>() -> Vec<&'static Enumeration> {
     let mut types: Vec<&Enumeration> = Vec::new();
-    for (_, variable) in listed::<M>(Interface::CoSimulation) {
-        if let Kind::Enumeration { of, .. } = variable.kind
+    for (_, variable) in listed::<M>(Version::Two, Interface::CoSimulation) {
+        if let Kind::Enumeration { of, .. } = variable[0].kind
             && types.iter().all(|other| other.name != of.name)
         {
             types.push(of);
@@ -160,18 +162,35 @@ pub fn enumerations<M: Model>() -> Vec<&'static Enumeration> {
     types
 }
 
-/// The variables in the order of their listing, each with its value reference. Model Exchange leaves out those that need
-/// the model's own steps.
-pub fn listed<M: Model>(interface: Interface) -> Vec<(usize, &'static Variable<M>)> {
-    let table = M::variables();
+/// What a version lists in the order of the listing: each variable with its value reference, and an array in FMI 3.0 as the
+/// slice of its elements. FMI 2.0 has no clocks, and Model Exchange leaves out what needs the model's own steps.
+pub fn listed<M: Model>(
+    version: Version,
+    interface: Interface,
+) -> Vec<(usize, &'static [Variable<M>])> {
+    let (table, mut next) = (M::variables(), 0);
+    let mut starts = vec![false; table.len()];
+    while let Some(variable) = table.get(next) {
+        starts[next] = true;
+        next += variable.elements.max(1);
+    }
     let left_out = match (interface, offered::<M>()) {
         (Interface::ModelExchange, Some(exchange)) => (exchange.without)(),
         _ => &[],
     };
-    (M::listing().into_iter())
-        .filter_map(|reference| Some((reference, table.get(reference)?)))
-        .filter(|(_, variable)| !left_out.contains(&variable.name))
-        .collect()
+    let listed = M::listing().into_iter().filter_map(|place| {
+        let elements = match version {
+            Version::Two => table.get(place..=place)?,
+            Version::Three => elements::<M>(place),
+        };
+        let first = elements.first()?;
+        let is_shown = match version {
+            Version::Two => !matches!(first.kind, Kind::Clock { .. }),
+            Version::Three => starts[place],
+        };
+        (is_shown && !left_out.contains(&first.name)).then_some((place, elements))
+    });
+    listed.collect()
 }
 
 /// The states that the host integrates; none in Co-Simulation.
@@ -182,11 +201,17 @@ pub fn states<M: Model>(interface: Interface) -> &'static [State<M>] {
     }
 }
 
+/// Whether an output depends on an input at once, each of them perhaps an array.
+pub fn depends<M>(output: &[Variable<M>], input: &[Variable<M>]) -> bool {
+    let on = |name| output.iter().any(|output| output.depends_on.contains(name));
+    input.iter().any(|input| on(&input.name))
+}
+
 /// Whether an output may depend on another variable at the start: on parameters, too, but on no more inputs than later,
 /// as hosts that couple FMUs take each such input for a part of an algebraic loop.
-pub fn initially_known<M>(output: &Variable<M>, other: &Variable<M>) -> bool {
-    match other.role {
-        Role::Input => output.depends_on.contains(&other.name),
+pub fn initially_known<M>(output: &[Variable<M>], other: &[Variable<M>]) -> bool {
+    match other[0].role {
+        Role::Input => depends(output, other),
         Role::Parameter | Role::TunableParameter => true,
         Role::Output | Role::Local => false,
     }

@@ -1,18 +1,19 @@
 //! The model description, `modelDescription.xml`, written from the model's variable table: the same content in the forms of all
 //! versions.
 
+use std::fmt;
 use std::ops::Range;
 
 use super::describe::{
-    convention, enumerations, experiment, hash, initially_known, listed, log_categories, origin,
-    states, units,
+    convention, depends, enumerations, experiment, hash, initially_known, listed, log_categories,
+    origin, states, units,
 };
 use super::exchange::{RATE, STATE};
 use super::intermediate::is_intermediate;
 use super::types::ValueReference;
 use super::values::TIME;
 use super::xml::{Number, Tag, Xml};
-use crate::model::{Kind, Model, Role, Variable};
+use crate::model::{Kind, Model, Role, Variable, indicators};
 
 pub use super::describe::{Interface, token};
 pub use super::version::Version;
@@ -39,7 +40,13 @@ fn with_token<M: Model>(version: Version, interface: Interface, token: &str) -> 
         .with("fmiVersion", number)
         .with("modelName", info.name)
         .with(token_name, token);
-    xml.open(origin(root, &info).with("variableNamingConvention", convention::<M>()));
+    let indicators = watched::<M>(interface).len();
+    let counted = version == Version::Two && indicators > 0;
+    xml.open(
+        origin(root, &info)
+            .with("variableNamingConvention", convention::<M>())
+            .with_some("numberOfEventIndicators", counted.then_some(indicators)),
+    );
     xml.leaf(match (interface, version) {
         (Interface::CoSimulation, Version::Two) => co_simulation_2::<M>(),
         (Interface::CoSimulation, Version::Three) => co_simulation_3::<M>(),
@@ -69,10 +76,9 @@ fn co_simulation_2<M: Model>() -> Tag {
         .with("providesDirectionalDerivative", true)
 }
 
-/// All that can be done, and nothing that cannot: a model without inner steps is stepped through without a stop. There is no
-/// event mode.
+/// All that can be done, and nothing that cannot: a model without inner steps and events is stepped through without a stop.
 fn co_simulation_3<M: Model>() -> Tag {
-    let inner = M::INNER_STEP.is_some();
+    let (inner, events) = (M::INNER_STEP.is_some(), M::EVENTS.is_some());
     Tag::new("CoSimulation")
         .with("modelIdentifier", M::INFO.identifier)
         .with("canGetAndSetFMUState", true)
@@ -82,9 +88,9 @@ fn co_simulation_3<M: Model>() -> Tag {
         .with("canHandleVariableCommunicationStepSize", true)
         .with("maxOutputDerivativeOrder", 1)
         .with("providesIntermediateUpdate", inner)
-        .with("mightReturnEarlyFromDoStep", inner)
+        .with("mightReturnEarlyFromDoStep", inner || events)
         .with("canReturnEarlyAfterIntermediateUpdate", inner)
-        .with("hasEventMode", false)
+        .with("hasEventMode", events)
 }
 
 /// A completed step changes nothing, so the host need not tell of it.
@@ -100,6 +106,14 @@ fn model_exchange<M: Model>(version: Version) -> Tag {
             .with("canGetAndSetFMUState", true)
             .with("canSerializeFMUState", true)
             .with("needsCompletedIntegratorStep", false),
+    }
+}
+
+/// The event indicators that the host watches: none in Co-Simulation.
+fn watched<M: Model>(interface: Interface) -> &'static [&'static str] {
+    match interface {
+        Interface::CoSimulation => &[],
+        Interface::ModelExchange => indicators::<M>(),
     }
 }
 
@@ -183,14 +197,15 @@ impl<'a> Head<'a> {
 
 fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     let initial = M::default();
-    let listed = listed::<M>(interface);
+    let listed = listed::<M>(version, interface);
     xml.open(Tag::new("ModelVariables"));
     if version == Version::Three {
         independent::<M>(xml);
     }
-    for (reference, variable) in &listed {
+    for (reference, elements) in &listed {
+        let variable = &elements[0];
         let changing = match variable.kind {
-            Kind::Real(_) => "continuous",
+            Kind::Real(_) if variable.clock.is_none() => "continuous",
             _ => "discrete",
         };
         let (causality, variability, first) = match variable.role {
@@ -201,14 +216,17 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
             Role::Local => ("local", changing, Some("calculated")),
         };
         let head = Head {
-            name: variable.name,
+            name: match version {
+                Version::Two => variable.name,
+                Version::Three => variable.array_name(),
+            },
             reference: *reference,
             description: variable.description,
             causality,
             variability,
-            initial: first,
+            initial: first.filter(|_| !matches!(variable.kind, Kind::Clock { .. })),
         };
-        describe(xml, (version, interface), &head, variable, &initial);
+        describe(xml, (version, interface), &head, elements, &initial);
     }
     let (real, states) = (version.real(), states::<M>(interface));
     for (reference, state) in (STATE..).zip(states) {
@@ -248,53 +266,76 @@ fn independent<M: Model>(xml: &mut Xml) {
     xml.leaf(head.tag("Float64"));
 }
 
-/// One variable of the table. It has a start value if the host may set it, which is an element of its own for a text in
-/// FMI 3.0.
+/// The values of a variable's elements in a model, with spaces between them.
+struct Starts<'a, M: 'static>(&'a [Variable<M>], &'a M);
+
+impl<M> fmt::Display for Starts<'_, M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, variable) in self.0.iter().enumerate() {
+            if place > 0 {
+                f.write_str(" ")?;
+            }
+            match &variable.kind {
+                Kind::Real(real) => Number((real.access.get)(self.1)).fmt(f)?,
+                Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => {
+                    (access.get)(self.1).fmt(f)?;
+                }
+                Kind::Boolean { access } => (access.get)(self.1).fmt(f)?,
+                Kind::String { access } => (access.get)(self.1).fmt(f)?,
+                Kind::Clock { .. } => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One variable of the table, or an array of several. It has start values if the host may set it, which are elements of their own
+/// for texts in FMI 3.0.
 fn describe<M: Model>(
     xml: &mut Xml,
     (version, interface): (Version, Interface),
     head: &Head<'_>,
-    variable: &Variable<M>,
+    elements: &[Variable<M>],
     initial: &M,
 ) {
+    let (variable, three) = (&elements[0], version == Version::Three);
     let set = !matches!(variable.role, Role::Output | Role::Local);
     let of = version.type_name(variable);
-    let intermediate = version == Version::Three
-        && interface == Interface::CoSimulation
-        && is_intermediate(variable);
+    let texts = set && three && matches!(variable.kind, Kind::String { .. });
+    let intermediate = three && interface == Interface::CoSimulation && is_intermediate(variable);
+    let named = |clock: &str| M::variables().iter().position(|other| other.name == clock);
+    let clock = variable.clock.filter(|_| three).and_then(named);
     let typed = |tag: Tag| {
-        let tag = tag.with_some("intermediateUpdate", intermediate.then_some(true));
-        match &variable.kind {
+        let tag = tag
+            .with_some("intermediateUpdate", intermediate.then_some(true))
+            .with_some("clocks", clock);
+        let tag = match &variable.kind {
             Kind::Real(real) => tag
                 .with("unit", real.unit.name)
                 .with_some("displayUnit", real.display)
                 .with_some("relativeQuantity", real.unit.relative.then_some(true))
                 .with_some("min", real.min.map(Number))
                 .with_some("max", real.max.map(Number))
-                .with_some("nominal", real.nominal.map(Number))
-                .with_some("start", set.then(|| Number((real.access.get)(initial)))),
-            Kind::Integer { access, min, max } => tag
-                .with_some("min", *min)
-                .with_some("max", *max)
-                .with_some("start", set.then(|| (access.get)(initial))),
-            Kind::Boolean { access } => tag.with_some("start", set.then(|| (access.get)(initial))),
-            Kind::Enumeration { access, of } => tag
-                .with("declaredType", of.name)
-                .with_some("start", set.then(|| (access.get)(initial))),
-            Kind::String { access } if version == Version::Two => {
-                tag.with_some("start", set.then(|| (access.get)(initial)))
-            }
-            Kind::String { .. } => tag,
-        }
+                .with_some("nominal", real.nominal.map(Number)),
+            Kind::Integer { min, max, .. } => tag.with_some("min", *min).with_some("max", *max),
+            Kind::Enumeration { of, .. } => tag.with("declaredType", of.name),
+            Kind::Clock { .. } => tag.with("intervalVariability", "triggered"),
+            Kind::Boolean { .. } | Kind::String { .. } => tag,
+        };
+        let starts = (set && !texts).then_some(Starts(elements, initial));
+        tag.with_some("start", starts)
     };
-    match &variable.kind {
-        Kind::String { access } if set && version == Version::Three => {
-            xml.open(typed(head.tag(of)));
-            xml.leaf(Tag::new("Start").with("value", (access.get)(initial)));
-            xml.close(of);
-        }
-        _ => head.write(xml, version, of, typed),
+    if !texts && elements.len() == 1 {
+        return head.write(xml, version, of, typed);
     }
+    xml.open(typed(head.tag(of)));
+    if elements.len() > 1 {
+        xml.leaf(Tag::new("Dimension").with("start", elements.len()));
+    }
+    for element in elements.chunks(1).filter(|_| texts) {
+        xml.leaf(Tag::new("Start").with("value", Starts(element, initial)));
+    }
+    xml.close(of);
 }
 
 /// The number by which a description refers to the first state. FMI 2.0 counts the variables as they are listed, from 1, then the
@@ -310,7 +351,8 @@ fn first_state(version: Version, listed: usize) -> usize {
 /// all that is known.
 fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     type Unknowns = Vec<(usize, Option<String>)>;
-    let listed = listed::<M>(interface);
+    type Known<M> = fn(&[Variable<M>], &[Variable<M>]) -> bool;
+    let listed = listed::<M>(version, interface);
     let numbered =
         (listed.iter().enumerate()).map(|(place, (reference, variable))| match version {
             Version::Two => (place + 1, *variable),
@@ -323,32 +365,35 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
         Version::Two => states.end..states.end + count,
         Version::Three => RATE as usize..RATE as usize + count,
     };
-    let outputs =
-        |known: fn(&Variable<M>, &Variable<M>) -> bool, states: Range<usize>| -> Unknowns {
-            let outputs = (numbered.clone()).filter(|(_, variable)| variable.role == Role::Output);
-            outputs
-                .map(|(number, output)| {
-                    let known = numbered.clone().filter(|(_, other)| known(output, other));
-                    let numbers = known.map(|(number, _)| number).chain(states.clone());
-                    let texts: Vec<_> = numbers.map(|number| number.to_string()).collect();
-                    (number, Some(texts.join(" ")))
-                })
-                .collect()
-        };
+    let outputs = |known: Known<M>, states: Range<usize>| -> Unknowns {
+        let outputs = (numbered.clone()).filter(|(_, one)| one[0].role == Role::Output);
+        let described = outputs.map(|(number, output)| {
+            let known = numbered.clone().filter(|(_, other)| known(output, other));
+            let numbers = known.map(|(number, _)| number).chain(states.clone());
+            let texts: Vec<_> = numbers.map(|number| number.to_string()).collect();
+            (number, Some(texts.join(" ")))
+        });
+        described.collect()
+    };
     let others = |numbers: &Range<usize>| numbers.clone().map(|number| (number, None));
-    let inputs =
-        |output: &Variable<M>, other: &Variable<M>| output.depends_on.contains(&other.name);
     let mut at_start = outputs(initially_known, 0..0);
+    if version == Version::Three {
+        at_start.retain(|(place, _)| M::variables()[*place].clock.is_none());
+    }
     at_start.extend(others(&states).chain(others(&rates)));
+    let named = |name: &&str| numbered.clone().find(|(_, one)| one[0].name == *name);
+    let watched = (watched::<M>(interface).iter()).filter_map(named);
+    let watched = (watched.filter(|_| version == Version::Three)).map(|(number, _)| (number, None));
     xml.open(Tag::new("ModelStructure"));
     for (group, element, unknowns) in [
-        ("Outputs", "Output", outputs(inputs, states)),
+        ("Outputs", "Output", outputs(depends, states)),
         (
             "Derivatives",
             "ContinuousStateDerivative",
             others(&rates).collect(),
         ),
         ("InitialUnknowns", "InitialUnknown", at_start),
+        ("", "EventIndicator", watched.collect()),
     ] {
         let (element, attribute) = match version {
             Version::Two => ("Unknown", "index"),

@@ -1,10 +1,11 @@
-//! Model Exchange: an instance whose states the host integrates. There are no events.
+//! Model Exchange: an instance whose states the host integrates; and events, which hosts see there and, if they want to, in
+//! FMI 3.0 Co-Simulation.
 
 use super::instance::{Instance, finite};
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, ValueReference};
-use crate::model::{Exchange, Model, State, offered};
+use crate::model::{Exchange, Kind, Model, State, events, indicators, offered};
 
 /// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the
 /// table, which may grow.
@@ -21,26 +22,51 @@ impl<M: Model> Instance<M> {
     /// The states, of which the host passes so many values.
     fn states_for(&self, given: usize) -> Outcome<&'static [State<M>]> {
         let states = (self.exchange()?.states)();
-        if given == states.len() {
-            return Ok(states);
-        }
-        Err(Refusal::Argument {
-            name: "nContinuousStates",
-            value: given.to_string(),
-            why: "it is not the number of the model's states",
-        })
+        count("nContinuousStates", given, states.len())?;
+        Ok(states)
     }
 
     /// Leaves the event mode for the continuous time.
     pub fn enter_continuous(&mut self) -> Outcome {
+        self.exchange()?;
         self.run.phase = Phase::Continuous;
         Ok(Status::Ok)
     }
 
-    /// Enters the event mode, where nothing happens.
+    /// Enters the event mode.
     pub fn enter_event(&mut self) -> Outcome {
+        if !self.run.exchange && self.event_mode.is_none() {
+            return Err(Refusal::Phase(self.run.phase));
+        }
         self.run.phase = Phase::Event;
         Ok(Status::Ok)
+    }
+
+    /// Leaves the event mode of Co-Simulation.
+    pub fn enter_step(&mut self) -> Outcome {
+        if self.event_mode.is_none() {
+            return Err(Refusal::Absent(
+                "this instance has no event mode in Co-Simulation",
+            ));
+        }
+        if self.run.phase != Phase::Event {
+            return Err(Refusal::Phase(self.run.phase));
+        }
+        self.run.phase = Phase::StepComplete;
+        Ok(Status::Ok)
+    }
+
+    /// Handles the events of this instant: whether there were any, and the time of the next that is known. Where there were some, the
+    /// host comes again: their clocks are active in that round, which ends it. It is also told that states have changed, as some
+    /// hosts start their solver anew only then, and rates may have jumped.
+    pub fn handle_events(&mut self) -> Outcome<(bool, Option<f64>)> {
+        let Some(events) = events::<M>() else {
+            return Ok((false, None));
+        };
+        self.refresh()?;
+        let any = (events.handle)(&mut self.run.model).map_err(Refusal::Step)?;
+        self.run.stale = true;
+        Ok((any, (events.next)(&self.run.model)))
     }
 
     /// Takes the time.
@@ -90,13 +116,25 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
-    /// Reads the event indicators, of which there are none.
-    pub fn get_indicators(&mut self, values: &mut [Real]) -> Outcome {
+    /// The number of event indicators.
+    pub fn indicators(&self) -> Outcome<usize> {
         self.exchange()?;
-        if values.is_empty() {
-            return Ok(Status::Ok);
+        Ok(indicators::<M>().len())
+    }
+
+    /// Reads the event indicators.
+    pub fn get_indicators(&mut self, values: &mut [Real]) -> Outcome {
+        count("nEventIndicators", values.len(), self.indicators()?)?;
+        self.refresh()?;
+        for (value, name) in values.iter_mut().zip(indicators::<M>()) {
+            let variable = M::variables()
+                .iter()
+                .find(|variable| variable.name == *name);
+            if let Some(Kind::Real(real)) = variable.map(|variable| &variable.kind) {
+                *value = (real.access.get)(&self.run.model);
+            }
         }
-        Err(Refusal::Absent("this FMU has no event indicators"))
+        Ok(Status::Ok)
     }
 
     /// Reads the states' time derivatives, which do not need the outputs.
@@ -132,4 +170,16 @@ impl<M: Model> Instance<M> {
         }
         Ok(())
     }
+}
+
+/// Checks a number that the host passes.
+fn count(name: &'static str, given: usize, known: usize) -> Outcome<()> {
+    if given == known {
+        return Ok(());
+    }
+    Err(Refusal::Argument {
+        name,
+        value: given.to_string(),
+        why: "it is not the number that the model has",
+    })
 }

@@ -8,6 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::describe::hash;
+use super::description::{Interface, fingerprint};
 use super::instance::{Instance, check_host};
 use super::logger::Logger;
 use super::phase::{Function, Phase, of};
@@ -103,8 +104,28 @@ pub unsafe fn ours<'a, T>(pointer: *mut c_void, magic: u64, name: &'static str) 
     Ok(unsafe { &*pointer.cast::<T>() })
 }
 
-/// Makes an instance for a host that names it, its token and its resources: with the `logger` for its name, if `check` knows the
-/// fingerprint of its description and how the host looks into steps. NULL if it is refused.
+/// What is known of an instance that a host asks for.
+pub struct Known<M> {
+    /// A hash of the description.
+    pub fingerprint: u128,
+    /// How the host looks into communication steps.
+    pub watch: Option<Watch<M>>,
+    /// Whether it uses the event mode of Co-Simulation, and whether steps may end early then.
+    pub event_mode: Option<bool>,
+}
+
+impl<M: Model> Known<M> {
+    /// That of this description, for a host that wants no more.
+    pub fn of(version: Version, interface: Interface) -> Self {
+        Self {
+            fingerprint: fingerprint::<M>(version, interface),
+            watch: None,
+            event_mode: None,
+        }
+    }
+}
+
+/// Makes an instance for a host that names it, its token and its resources: with the `logger` for its name, if `check` lets it. NULL if it is refused.
 ///
 /// # Safety
 /// The texts are NULL or end with NUL.
@@ -113,23 +134,23 @@ pub unsafe fn instantiate_by<M: Model>(
     (version, exchange): (Version, bool),
     texts: [Text; 3],
     logger: impl FnOnce(&str) -> Option<Logger>,
-    check: impl FnOnce() -> Outcome<(u128, Option<Watch<M>>)>,
+    check: impl FnOnce() -> Outcome<Known<M>>,
 ) -> Component {
     let make = || {
         // SAFETY: as the caller promises. Some hosts write names and paths in their system's code page, not in UTF-8.
         let [name, token, resources] = texts.map(|text| unsafe { lossy(text) });
         let name = name.as_deref().unwrap_or_default();
         let logger = logger(name)?;
-        let checked = check().and_then(|(fingerprint, watch)| {
-            check_host(version, name, &token.unwrap_or_default(), fingerprint)?;
-            Ok((fingerprint, watch))
+        let checked = check().and_then(|known| {
+            check_host(version, name, &token.unwrap_or_default(), known.fingerprint)?;
+            Ok(known)
         });
-        let (fingerprint, watch) = checked
+        let known = checked
             .map_err(|refusal| logger.refuse(function, &refusal))
             .ok()?;
         let (form, resources) = ((version, exchange), resources.as_deref());
-        let mut instance = Instance::<M>::new(function, form, fingerprint, resources, logger);
-        instance.watch = watch;
+        let mut instance = Instance::new(function, form, known.fingerprint, resources, logger);
+        (instance.watch, instance.event_mode) = (known.watch, known.event_mode);
         Some(Handle::give(instance))
     };
     catch_unwind(AssertUnwindSafe(make))

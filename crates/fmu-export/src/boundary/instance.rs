@@ -12,7 +12,7 @@ use super::run::Run;
 use super::types::Status;
 use super::version::Version;
 use super::watch::Watch;
-use crate::model::{Fault, Model, offered};
+use crate::model::{Fault, Model, events, offered};
 
 /// All that belongs to one instance.
 pub struct Instance<M> {
@@ -28,6 +28,10 @@ pub struct Instance<M> {
     pub version: Version,
     /// The callback by which the host sees values within communication steps, if it asked for one.
     pub watch: Option<Watch<M>>,
+    /// Whether the host uses the event mode of Co-Simulation, and whether steps may end early at events then.
+    pub event_mode: Option<bool>,
+    /// Whether the last step has ended at an event that the host has to handle.
+    pub event_due: bool,
     resources: Option<PathBuf>,
 }
 
@@ -58,6 +62,8 @@ impl<M: Model> Instance<M> {
             fingerprint,
             version,
             watch: None,
+            event_mode: None,
+            event_due: false,
             resources: folder,
         }
     }
@@ -106,7 +112,7 @@ impl<M: Model> Instance<M> {
     pub fn exit_initialization(&mut self) -> Outcome {
         self.refresh()?;
         self.run.seed = None;
-        self.run.phase = if self.run.exchange {
+        self.run.phase = if self.run.exchange || self.event_mode.is_some() {
             Phase::Event
         } else {
             Phase::StepComplete
@@ -153,10 +159,17 @@ impl<M: Model> Instance<M> {
     /// Lets `step` seconds pass in the model, to the time `to`.
     pub fn advance(&mut self, from: f64, step: f64, to: f64) -> Outcome {
         self.run.differentiated = false;
-        let result = self.run.model.advance(from, step, &mut self.logger);
+        let (model, log) = (&mut self.run.model, &mut self.logger);
+        // A host that does not see the events leaves them to the model.
+        let result = match events::<M>().filter(|_| self.event_mode == Some(true)) {
+            Some(events) => (events.until)(model, from, step, log),
+            None => model.advance(from, step, log).map(|()| None),
+        };
         match &result {
-            Ok(()) => {
-                self.run.time = to;
+            Ok(event) => {
+                self.event_due = event.is_some();
+                let passed = event.filter(|passed| *passed < step);
+                self.run.time = passed.map_or(to, |passed| from + passed);
                 self.clear_slopes();
                 self.run.last_step = Status::Ok;
             }
@@ -169,7 +182,7 @@ impl<M: Model> Instance<M> {
                 self.run.last_step = Status::Error;
             }
         }
-        result.map(|()| Status::Ok).map_err(Refusal::Step)
+        result.map(|_| Status::Ok).map_err(Refusal::Step)
     }
 
     /// Checks that the step begins where the last one ended, and ends by the stop time.

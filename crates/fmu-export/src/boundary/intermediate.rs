@@ -9,7 +9,7 @@ use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::run::Run;
 use super::types::{ComponentEnvironment, IntermediateUpdateCallback, Status, ValueReference};
-use super::values::variable;
+use super::values::{all_elements, variable};
 use super::watch::{Underway, Watch};
 use crate::model::{Kind, Model, Role, Variable};
 
@@ -68,7 +68,7 @@ impl<M: Model> Watch<M> {
         variables: &[ValueReference],
         inner_step: fn(&M, f64) -> f64,
     ) -> Outcome<Self> {
-        let mut variables = variables.to_vec();
+        let mut variables = all_elements::<M>(variables).into_owned();
         variables.sort_unstable();
         for reference in &variables {
             let variable = variable::<M>(*reference)?;

@@ -15,7 +15,7 @@ use super::refusal::{Outcome, Refusal};
 use super::run::Run;
 use super::types::{FmuState, Status};
 use super::version::Version;
-use crate::model::Model;
+use crate::model::{Model, events};
 
 const MARK: &[u8; 8] = b"FMUSTATE";
 const VERSION: u16 = 4;
@@ -70,7 +70,8 @@ impl<M: Model> Instance<M> {
     pub unsafe fn restore(&mut self, state: FmuState) -> Outcome {
         // SAFETY: the caller promises that `state` is NULL or a living state of this FMU.
         let run = &unsafe { Saved::<M>::find(state, self.version) }?.run;
-        if run.exchange != self.run.exchange {
+        let event_mode = run.phase == Phase::Event && !run.exchange;
+        if run.exchange != self.run.exchange || event_mode && self.event_mode.is_none() {
             return Err(Refusal::Foreign(self.version.state()));
         }
         self.run = run.clone();
@@ -200,10 +201,10 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
         },
         exchange: record.exchange,
     };
-    let integrated = matches!(run.phase, Phase::Event | Phase::Continuous);
     let stepped = matches!(run.phase, Phase::StepComplete | Phase::StepFailed);
     let plausible = run.time.is_finite()
-        && (!integrated || run.exchange)
+        && (run.phase != Phase::Continuous || run.exchange)
+        && (run.phase != Phase::Event || run.exchange || events::<M>().is_some())
         && (!stepped || !run.exchange)
         && !matches!(run.phase, Phase::Fatal | Phase::Intermediate)
         && run.seed.is_some() == (run.phase == Phase::Initialization);

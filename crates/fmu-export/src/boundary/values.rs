@@ -1,5 +1,6 @@
 //! Reading and writing variables. A value reference is the variable's index in the model's table.
 
+use std::borrow::Cow;
 use std::ffi::CString;
 use std::fmt::Debug;
 
@@ -17,6 +18,20 @@ pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variabl
         .ok()
         .and_then(|index| M::variables().get(index))
         .ok_or(Refusal::UnknownReference(reference))
+}
+
+/// How many elements FMI 3.0 refers to by a value reference, that of an array's first one.
+pub fn size<M: Model>(reference: ValueReference) -> usize {
+    variable::<M>(reference).map_or(1, |variable| variable.elements)
+}
+
+/// The value references of all elements.
+pub fn all_elements<M: Model>(references: &[ValueReference]) -> Cow<'_, [ValueReference]> {
+    if references.iter().all(|first| size::<M>(*first) == 1) {
+        return Cow::Borrowed(references);
+    }
+    let elements = |first: &ValueReference| (*first..).take(size::<M>(*first));
+    Cow::Owned(references.iter().flat_map(elements).collect())
 }
 
 /// The refusal for a variable of another type than the function's.
@@ -166,6 +181,22 @@ impl<M: Model> Instance<M> {
         self.get("Boolean", references, values, |kind, model| match kind {
             Kind::Boolean { access } => Some((access.get)(model).into()),
             _ => None,
+        })
+    }
+
+    /// Reads clocks: whether each has ticked.
+    pub fn get_clock(&mut self, references: &[ValueReference], values: &mut [u8]) -> Outcome {
+        self.get("Clock", references, values, |kind, model| match kind {
+            Kind::Clock { ticked } => Some(ticked(model).into()),
+            _ => None,
+        })
+    }
+
+    /// Refuses to set clocks, all of which are outputs.
+    pub fn set_clock(&mut self, references: &[ValueReference], values: &[u8]) -> Outcome {
+        let version = self.version;
+        self.set(references, values, |variable, _, _| {
+            Err(wrong_type(version, variable, "Clock"))
         })
     }
 

@@ -11,8 +11,8 @@ use super::types::{
     CO_SIMULATION, DO_STEP_STATUS, FALSE, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED,
 };
 use crate::boundary::calls::{answer, c_functions, nothing};
-use crate::boundary::description::{Interface, fingerprint};
-use crate::boundary::guard::{Handle, enter, instantiate_by};
+use crate::boundary::description::Interface;
+use crate::boundary::guard::{Handle, Known, enter, instantiate_by};
 use crate::boundary::instance::Instance;
 use crate::boundary::logger::{Callback, Logger, c_string};
 use crate::boundary::phase::Phase::{
@@ -119,8 +119,17 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2GetStringStatus = get_string_status(kind: Choice, value: *mut Text) in STEPPED => |_| tell(value, None);
 
         fmi2EnterEventMode = enter_event_mode() in of(&[Continuous]) => |instance| instance.enter_event();
-        /// Nothing ever happens.
-        fmi2NewDiscreteStates = new_discrete_states(info: *mut EventInfo) in of(&[Event]) => |_| nothing([place(info, "eventInfo")?]);
+        fmi2NewDiscreteStates = new_discrete_states(info: *mut EventInfo) in of(&[Event]) => |instance| {
+            let info = place(info, "eventInfo")?;
+            let (any, next) = instance.handle_events()?;
+            answer(info, EventInfo {
+                new_discrete_states_needed: any.into(),
+                states_changed: any.into(),
+                next_event_time_defined: next.is_some().into(),
+                next_event_time: next.unwrap_or_default(),
+                ..EventInfo::default()
+            })
+        };
         fmi2EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();
         /// A completed step changes nothing.
         fmi2CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
@@ -131,7 +140,6 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
             |instance| instance.set_states(values(x, n, "values")?);
         fmi2GetDerivatives = get_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_rates(values_mut(rates, n, "values")?);
-        /// There are none.
         fmi2GetEventIndicators = get_event_indicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_indicators(values_mut(indicators, n, "values")?);
         fmi2GetContinuousStates = get_continuous_states(x: *mut Real, n: usize) in INTEGRABLE =>
@@ -163,14 +171,8 @@ unsafe fn make<M: Model>(
         ))
     };
     let check = || match (kind, offered::<M>()) {
-        (CO_SIMULATION, _) => Ok((
-            fingerprint::<M>(Version::Two, Interface::CoSimulation),
-            None,
-        )),
-        (MODEL_EXCHANGE, Some(_)) => Ok((
-            fingerprint::<M>(Version::Two, Interface::ModelExchange),
-            None,
-        )),
+        (CO_SIMULATION, _) => Ok(Known::of(Version::Two, Interface::CoSimulation)),
+        (MODEL_EXCHANGE, Some(_)) => Ok(Known::of(Version::Two, Interface::ModelExchange)),
         (_, offered) => Err(Refusal::Argument {
             name: "fmuType",
             value: kind.to_string(),

@@ -12,10 +12,13 @@
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 #![allow(clippy::too_many_arguments)] // as many as the standard says
 
+use std::borrow::Cow;
+use std::iter::repeat_n;
+
 use super::types::FALSE;
 use crate::boundary::calls::{answer, c_functions, nothing};
-use crate::boundary::description::{Interface, fingerprint};
-use crate::boundary::guard::{Handle, enter, instantiate_by};
+use crate::boundary::description::Interface;
+use crate::boundary::guard::{Handle, Known, enter, instantiate_by};
 use crate::boundary::instance::Instance;
 use crate::boundary::logger::{Callback, Logger};
 use crate::boundary::phase::Phase::{
@@ -27,14 +30,14 @@ use crate::boundary::phase::{
 };
 use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
-use crate::boundary::values::{INT32, INT64};
+use crate::boundary::values::{INT32, INT64, all_elements, size};
 use crate::boundary::version::Version;
 use crate::boundary::watch::Watch;
-use crate::model::{Model, offered};
+use crate::model::{Model, events, offered};
 
-const NO_CLOCKS: Outcome = Err(Refusal::Absent("this FMU has no clocks"));
-const NO_EVENTS: Outcome = Err(Refusal::Absent(
-    "this FMU has no event mode in Co-Simulation, and no discrete states",
+const NO_CLOCKS: Outcome = Err(Refusal::Absent("this FMU has no input clocks"));
+const NO_EVALUATION: Outcome = Err(Refusal::Absent(
+    "this FMU evaluates no discrete states apart from fmi3UpdateDiscreteStates",
 ));
 const NO_STRUCTURE: Outcome = Err(Refusal::Absent("this FMU has no structural parameters"));
 const NO_ELEMENTS: Outcome = Err(Refusal::Absent(
@@ -49,7 +52,7 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3InstantiateModelExchange = instantiate_model_exchange(name: Text, token: Text, resources: Text, visible: Boolean,
             logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>) -> Component => {
                 let check = || match offered::<M>() {
-                    Some(_) => Ok((fingerprint::<M>(Version::Three, Interface::ModelExchange), None)),
+                    Some(_) => Ok(Known::of(Version::Three, Interface::ModelExchange)),
                     None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
                 };
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
@@ -63,19 +66,20 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
             n_intermediate: usize, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
             update: Option<IntermediateUpdateCallback>) -> Component => {
                 let check = || {
+                    let mut known = Known::of(Version::Three, Interface::CoSimulation);
                     if event_mode != FALSE {
-                        return Err(Refusal::Argument {
+                        known.event_mode = events::<M>().map(|_| early_return != FALSE);
+                        return known.event_mode.map(|_| known).ok_or(Refusal::Argument {
                             name: "eventModeUsed",
                             value: "fmi3True".to_owned(),
                             why: "this FMU has no event mode",
                         });
                     }
-                    let (Some(update), Some(inner_step)) = (update, M::INNER_STEP) else {
-                        return Ok((fingerprint::<M>(Version::Three, Interface::CoSimulation), None));
-                    };
-                    let variables = values(intermediate, n_intermediate, "requiredIntermediateVariables")?;
-                    let watch = Watch::new(update, environment, early_return != FALSE, variables, inner_step)?;
-                    Ok((fingerprint::<M>(Version::Three, Interface::CoSimulation), Some(watch)))
+                    if let (Some(update), Some(inner_step)) = (update, M::INNER_STEP) {
+                        let variables = values(intermediate, n_intermediate, "requiredIntermediateVariables")?;
+                        known.watch = Some(Watch::new(update, environment, early_return != FALSE, variables, inner_step)?);
+                    }
+                    Ok(known)
                 };
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
                 let form = (Version::Three, false);
@@ -86,7 +90,7 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
             visible: Boolean, logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
             update: Unused, lock: Unused, unlock: Unused) -> Component => {
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
-                let check = || NO_CLOCKS.map(|_| (0, None));
+                let check = || Err(Refusal::Absent("this FMU has no input clocks: it supports no Scheduled Execution"));
                 let form = (Version::Three, false);
                 instantiate_by::<M>("fmi3InstantiateScheduledExecution", form, [name, token, resources], |_| Some(logger), check)
             };
@@ -108,14 +112,14 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
                 instance.enter_initialization()
             };
         fmi3ExitInitializationMode = exit_initialization_mode() in of(&[Initialization]) => |instance| instance.exit_initialization();
-        fmi3EnterEventMode = enter_event_mode() in of(&[Continuous]) => |instance| instance.enter_event();
+        fmi3EnterEventMode = enter_event_mode() in of(&[StepComplete, Continuous]) => |instance| instance.enter_event();
         fmi3Terminate = terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
         fmi3Reset = reset() in ALIVE => |instance| instance.reset();
 
         fmi3GetFloat32 = get_float32(vr: *const ValueReference, n: usize, value: *mut f32, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "Float32");
         fmi3GetFloat64 = get_float64(vr: *const ValueReference, n: usize, value: *mut Real, n_values: usize) in VISIBLE =>
-            |instance| instance.get_real(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+            |instance| instance.get_real(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetInt8 = get_int8(vr: *const ValueReference, n: usize, value: *mut i8, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "Int8");
         fmi3GetUInt8 = get_uint8(vr: *const ValueReference, n: usize, value: *mut u8, n_values: usize) in VISIBLE =>
@@ -125,27 +129,27 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3GetUInt16 = get_uint16(vr: *const ValueReference, n: usize, value: *mut u16, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt16");
         fmi3GetInt32 = get_int32(vr: *const ValueReference, n: usize, value: *mut i32, n_values: usize) in VISIBLE =>
-            |instance| instance.get_whole(INT32, for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+            |instance| instance.get_whole(INT32, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetUInt32 = get_uint32(vr: *const ValueReference, n: usize, value: *mut u32, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt32");
         /// For enumerations.
         fmi3GetInt64 = get_int64(vr: *const ValueReference, n: usize, value: *mut i64, n_values: usize) in VISIBLE =>
-            |instance| instance.get_whole(INT64, for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+            |instance| instance.get_whole(INT64, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetUInt64 = get_uint64(vr: *const ValueReference, n: usize, value: *mut u64, n_values: usize) in VISIBLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt64");
         fmi3GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean, n_values: usize) in VISIBLE =>
-            |instance| instance.get_boolean(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+            |instance| instance.get_boolean(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
-            |instance| instance.get_string(for_values(vr, n, n_values)?, values_mut(value, n, "values")?);
+            |instance| instance.get_string(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetBinary = get_binary(vr: *const ValueReference, n: usize, sizes: *mut usize, value: *mut Binary, n_values: usize)
             in VISIBLE => |instance| instance.none_of(references(vr, n)?, "Binary");
         fmi3GetClock = get_clock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "Clock");
+            |instance| instance.get_clock(references(vr, n)?, values_mut(value, n, "values")?);
 
         fmi3SetFloat32 = set_float32(vr: *const ValueReference, n: usize, value: *const f32, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "Float32");
         fmi3SetFloat64 = set_float64(vr: *const ValueReference, n: usize, value: *const Real, n_values: usize) in SETTABLE =>
-            |instance| instance.set_real(for_values(vr, n, n_values)?, values(value, n, "values")?);
+            |instance| instance.set_real(&for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
         fmi3SetInt8 = set_int8(vr: *const ValueReference, n: usize, value: *const i8, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "Int8");
         fmi3SetUInt8 = set_uint8(vr: *const ValueReference, n: usize, value: *const u8, n_values: usize) in SETTABLE =>
@@ -155,22 +159,22 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3SetUInt16 = set_uint16(vr: *const ValueReference, n: usize, value: *const u16, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt16");
         fmi3SetInt32 = set_int32(vr: *const ValueReference, n: usize, value: *const i32, n_values: usize) in SETTABLE =>
-            |instance| instance.set_whole(INT32, for_values(vr, n, n_values)?, values(value, n, "values")?);
+            |instance| instance.set_whole(INT32, &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
         fmi3SetUInt32 = set_uint32(vr: *const ValueReference, n: usize, value: *const u32, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt32");
         /// For enumerations.
         fmi3SetInt64 = set_int64(vr: *const ValueReference, n: usize, value: *const i64, n_values: usize) in SETTABLE =>
-            |instance| instance.set_whole(INT64, for_values(vr, n, n_values)?, values(value, n, "values")?);
+            |instance| instance.set_whole(INT64, &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
         fmi3SetUInt64 = set_uint64(vr: *const ValueReference, n: usize, value: *const u64, n_values: usize) in SETTABLE =>
             |instance| instance.none_of(references(vr, n)?, "UInt64");
         fmi3SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean, n_values: usize) in SETTABLE =>
-            |instance| instance.set_boolean(for_values(vr, n, n_values)?, values(value, n, "values")?);
+            |instance| instance.set_boolean(&for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
         fmi3SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text, n_values: usize) in SETTABLE =>
-            |instance| instance.set_string(for_values(vr, n, n_values)?, &texts(value, n, "values")?);
+            |instance| instance.set_string(&for_values::<M>(vr, n, n_values)?, &texts(value, n_values, "values")?);
         fmi3SetBinary = set_binary(vr: *const ValueReference, n: usize, sizes: *const usize, value: *const Binary, n_values: usize)
             in SETTABLE => |instance| instance.none_of(references(vr, n)?, "Binary");
         fmi3SetClock = set_clock(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "Clock");
+            |instance| instance.set_clock(references(vr, n)?, values(value, n, "values")?);
 
         fmi3GetNumberOfVariableDependencies = get_number_of_variable_dependencies(vr: ValueReference, n: *mut usize) in ALIVE =>
             |_| NO_ELEMENTS;
@@ -192,26 +196,26 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
             n_sensitivity: usize) in DERIVABLE => |instance| {
-                scalars("nSeed", n_seed, n_knowns)?;
-                scalars("nSensitivity", n_sensitivity, n_unknowns)?;
-                let (unknowns, knowns) = (values(unknowns, n_unknowns, "unknowns")?, values(knowns, n_knowns, "knowns")?);
+                let knowns = elements::<M>(knowns, n_knowns, "knowns", ("nSeed", n_seed))?;
+                let unknowns = elements::<M>(unknowns, n_unknowns, "unknowns", ("nSensitivity", n_sensitivity))?;
                 let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
-                instance.get_directional_derivative(unknowns, knowns, seed, sensitivity)
+                instance.get_directional_derivative(&unknowns, &knowns, seed, sensitivity)
             };
         fmi3GetAdjointDerivative = get_adjoint_derivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
             n_sensitivity: usize) in DERIVABLE => |instance| {
-                scalars("nSeed", n_seed, n_unknowns)?;
-                scalars("nSensitivity", n_sensitivity, n_knowns)?;
-                let (unknowns, knowns) = (values(unknowns, n_unknowns, "unknowns")?, values(knowns, n_knowns, "knowns")?);
+                let unknowns = elements::<M>(unknowns, n_unknowns, "unknowns", ("nSeed", n_seed))?;
+                let knowns = elements::<M>(knowns, n_knowns, "knowns", ("nSensitivity", n_sensitivity))?;
                 let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
-                instance.get_adjoint_derivative(unknowns, knowns, seed, sensitivity)
+                instance.get_adjoint_derivative(&unknowns, &knowns, seed, sensitivity)
             };
         fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
-            n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error, Intermediate]) =>
-            |instance| instance.get_output_derivatives(
-                for_values(vr, n, n_values)?, values(orders, n, "orders")?, values_mut(value, n, "values")?,
-            );
+            n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error, Intermediate]) => |instance| {
+                let all = for_values::<M>(vr, n, n_values)?;
+                let given = references(vr, n)?.iter().zip(values(orders, n, "orders")?);
+                let orders: Vec<i32> = given.flat_map(|(first, order)| repeat_n(*order, size::<M>(*first))).collect();
+                instance.get_output_derivatives(&all, &orders, values_mut(value, n_values, "values")?)
+            };
 
         fmi3EnterConfigurationMode = enter_configuration_mode() in ALIVE => |_| NO_STRUCTURE;
         fmi3ExitConfigurationMode = exit_configuration_mode() in ALIVE => |_| NO_STRUCTURE;
@@ -230,21 +234,19 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3SetShiftFraction = set_shift_fraction(vr: *const ValueReference, n: usize, counters: *const u64,
             resolutions: *const u64) in ALIVE => |_| NO_CLOCKS;
         fmi3ActivateModelPartition = activate_model_partition(clock: ValueReference, time: Real) in ALIVE => |_| NO_CLOCKS;
-        fmi3EnterStepMode = enter_step_mode() in ALIVE => |_| NO_EVENTS;
-        fmi3EvaluateDiscreteStates = evaluate_discrete_states() in ALIVE => |_| NO_EVENTS;
+        fmi3EnterStepMode = enter_step_mode() in ALIVE => |instance| instance.enter_step();
+        fmi3EvaluateDiscreteStates = evaluate_discrete_states() in ALIVE => |_| NO_EVALUATION;
 
-        /// Nothing ever happens.
         fmi3UpdateDiscreteStates = update_discrete_states(again: *mut Boolean, terminate: *mut Boolean, nominals: *mut Boolean,
-            states: *mut Boolean, defined: *mut Boolean, time: *mut Real) in of(&[Event]) => |_| {
-                let flags = [
-                    place(again, "discreteStatesNeedUpdate")?,
-                    place(terminate, "terminateSimulation")?,
-                    place(nominals, "nominalsOfContinuousStatesChanged")?,
-                    place(states, "valuesOfContinuousStatesChanged")?,
-                    place(defined, "nextEventTimeDefined")?,
-                ];
-                *place(time, "nextEventTime")? = 0.0;
-                nothing(flags)
+            states: *mut Boolean, defined: *mut Boolean, time: *mut Real) in of(&[Event]) => |instance| {
+                let (again, states) =
+                    (place(again, "discreteStatesNeedUpdate")?, place(states, "valuesOfContinuousStatesChanged")?);
+                let never = [place(terminate, "terminateSimulation")?, place(nominals, "nominalsOfContinuousStatesChanged")?];
+                let (defined, time) = (place(defined, "nextEventTimeDefined")?, place(time, "nextEventTime")?);
+                let (any, next) = instance.handle_events()?;
+                (*again, *states) = (any.into(), any.into());
+                (*defined, *time) = (next.is_some().into(), next.unwrap_or_default());
+                nothing(never)
             };
         fmi3EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();
         /// A completed step changes nothing.
@@ -256,17 +258,15 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
             |instance| instance.set_states(values(states, n, "values")?);
         fmi3GetContinuousStateDerivatives = get_continuous_state_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_rates(values_mut(rates, n, "values")?);
-        /// There are none.
         fmi3GetEventIndicators = get_event_indicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_indicators(values_mut(indicators, n, "values")?);
         fmi3GetContinuousStates = get_continuous_states(states: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_states(values_mut(states, n, "values")?);
         fmi3GetNominalsOfContinuousStates = get_nominals_of_continuous_states(nominals: *mut Real, n: usize) in ALIVE =>
             |instance| instance.get_nominals(values_mut(nominals, n, "values")?);
-        /// There are none.
         fmi3GetNumberOfEventIndicators = get_number_of_event_indicators(n: *mut usize) in ALIVE => |instance| {
-            instance.states()?;
-            answer(place(n, "nEventIndicators")?, 0)
+            let indicators = instance.indicators()?;
+            answer(place(n, "nEventIndicators")?, indicators)
         };
         fmi3GetNumberOfContinuousStates = get_number_of_continuous_states(n: *mut usize) in ALIVE => |instance| {
             let states = instance.states()?;
@@ -284,29 +284,38 @@ unsafe fn references<'a>(vr: *const ValueReference, n: usize) -> Outcome<&'a [Va
     unsafe { values(vr, n, "valueReferences") }
 }
 
-/// The value references for as many values.
+/// The value references of all elements, for as many values.
 ///
 /// # Safety
 /// As for all functions.
-unsafe fn for_values<'a>(
+unsafe fn for_values<'a, M: Model>(
     vr: *const ValueReference,
     n: usize,
     n_values: usize,
-) -> Outcome<&'a [ValueReference]> {
-    scalars("nValues", n_values, n)?;
+) -> Outcome<Cow<'a, [ValueReference]>> {
     // SAFETY: as the host vouches.
-    unsafe { references(vr, n) }
+    unsafe { elements::<M>(vr, n, "valueReferences", ("nValues", n_values)) }
 }
 
-/// Checks that there is one value for each reference.
-fn scalars(name: &'static str, n: usize, expected: usize) -> Outcome<()> {
-    if n == expected {
-        return Ok(());
+/// The value references of all elements, and a check that there is one value for each.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn elements<'a, M: Model>(
+    vr: *const ValueReference,
+    n: usize,
+    name: &'static str,
+    (counted, given): (&'static str, usize),
+) -> Outcome<Cow<'a, [ValueReference]>> {
+    // SAFETY: as the host vouches.
+    let elements = all_elements::<M>(unsafe { values(vr, n, name) }?);
+    if given == elements.len() {
+        return Ok(elements);
     }
     Err(Refusal::Argument {
-        name,
-        value: n.to_string(),
-        why: "all variables are scalars: there must be as many values as value references",
+        name: counted,
+        value: given.to_string(),
+        why: "there must be a value for each scalar, and for each element of an array",
     })
 }
 
@@ -344,9 +353,9 @@ unsafe fn take_step<M: Model>(
                 None => instance.begin_step(from, step, &mut pause),
                 Some(answer) => instance.go_on(answer, &mut pause),
             };
-            for flag in flags {
-                *flag = FALSE;
-            }
+            let [event, terminate] = flags;
+            *event = (outcome.is_ok() && instance.event_due).into();
+            *terminate = FALSE;
             *early = (outcome.is_ok() && instance.run.time < from + step).into();
             *reached = instance.run.time;
             if instance.run.phase == StepFailed {

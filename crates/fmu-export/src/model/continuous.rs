@@ -24,7 +24,7 @@ pub struct State<M: 'static> {
 ///
 /// The boundary calls [`Model::initialise`] and [`allow`](Continuous::allow) at the start. After that it never calls
 /// [`Model::advance`]: it sets time, states and inputs, and reads [`rates`](Continuous::rates) and, after
-/// [`Model::update`], the variables. There are no events: the rates must be smooth in time, states and inputs.
+/// [`Model::update`], the variables. Between two [events](Model::EVENTS) the rates must be smooth in time, states and inputs.
 pub trait Continuous: Model {
     /// The states, in the order in which hosts know them.
     fn states() -> &'static [State<Self>];

@@ -3,7 +3,10 @@
 use std::collections::HashMap;
 use std::fmt::Debug;
 
-use super::{Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable};
+use super::{
+    Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements,
+    indicators, offered,
+};
 
 /// The mistakes in a model's [`Info`] and variable table, a sentence each; none for a sound model.
 ///
@@ -26,6 +29,8 @@ pub fn faults<M: Model>() -> Vec<String> {
     check_names::<M>(&mut faults);
     check_definitions::<M>(&mut faults);
     check_states::<M>(&mut faults);
+    check_events::<M>(&mut faults);
+    check_arrays::<M>(&mut faults);
     let start = M::default();
     for variable in M::variables() {
         let mut fault = |text: String| faults.push(format!("{}: {text}", variable.name));
@@ -115,6 +120,76 @@ fn check_states<M: Model>(faults: &mut Vec<String>) {
     }
 }
 
+fn check_events<M: Model>(faults: &mut Vec<String>) {
+    let known = |name: &str| M::variables().iter().find(|variable| variable.name == name);
+    let is_clock = |variable: &Variable<M>| matches!(variable.kind, Kind::Clock { .. });
+    for variable in M::variables() {
+        let name = variable.name;
+        if is_clock(variable) && (M::EVENTS.is_none() || variable.role != Role::Output) {
+            faults.push(format!(
+                "{name}: a clock must be an output, and the model have events"
+            ));
+        }
+        let Some(clock) = variable.clock else {
+            continue;
+        };
+        let computed = matches!(variable.role, Role::Output | Role::Local);
+        if !computed || !known(clock).is_some_and(is_clock) {
+            faults.push(format!(
+                "{name}: the model must compute what ticks with a clock, and {clock:?} must be one"
+            ));
+        }
+    }
+    if M::EVENTS.is_some() && M::INNER_STEP.is_some() {
+        faults.push("a model with events has no INNER_STEP".to_owned());
+    }
+    for name in indicators::<M>() {
+        let real = |variable: &Variable<M>| matches!(variable.kind, Kind::Real(_));
+        if !known(name).is_some_and(real) || without::<M>().contains(name) {
+            faults.push(format!(
+                "{name}: an indicator is a real variable, also in Model Exchange"
+            ));
+        }
+    }
+}
+
+fn check_arrays<M: Model>(faults: &mut Vec<String>) {
+    for (place, head) in M::variables().iter().enumerate() {
+        let (array, elements) = (head.array_name(), elements::<M>(place));
+        let unit = |variable: &Variable<M>| match &variable.kind {
+            Kind::Real(real) => Some(real.unit.name),
+            _ => None,
+        };
+        let fits = |(variable, number): (&Variable<M>, usize)| {
+            variable.name == format!("{array}[{number}]")
+                && (number == 1 || variable.elements == 1)
+                && (variable.role, variable.clock) == (head.role, head.clock)
+                && variable.type_name() == head.type_name()
+                && unit(variable) == unit(head)
+        };
+        if head.elements != 1 && (elements.len() < 2 || !elements.iter().zip(1..).all(fits)) {
+            let (name, count) = (head.name, head.elements);
+            faults.push(format!("{name}: the {count} elements of an array stand in the table as name[1], name[2], ..., with the same role, type, unit and clock"));
+        }
+        if array != head.name && M::variables().iter().any(|other| other.name == array) {
+            faults.push(format!("{array}: an array and a variable have this name"));
+        }
+        for list in [without::<M>(), indicators::<M>()] {
+            let names = || elements.iter().map(|element| element.name);
+            let mut parts = list.windows(elements.len().max(1));
+            let is_whole = parts.any(|part| part.iter().copied().eq(names()));
+            if names().any(|name| list.contains(&name)) && !is_whole {
+                faults.push(format!("{array}: an array's elements are left out or are indicators all in their order, or none"));
+            }
+        }
+    }
+}
+
+/// The names of what Model Exchange leaves out.
+fn without<M: Model>() -> &'static [&'static str] {
+    offered::<M>().map_or(&[], |exchange| (exchange.without)())
+}
+
 /// The description defines a unit, a display unit and an enumeration once for each name, so that two of the same name
 /// must be alike.
 fn check_definitions<M: Model>(faults: &mut Vec<String>) {
@@ -159,6 +234,7 @@ fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(String)) {
         Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => access.set.is_some(),
         Kind::Boolean { access } => access.set.is_some(),
         Kind::String { access } => access.set.is_some(),
+        Kind::Clock { .. } => false,
     };
     match (variable.role, set) {
         (Role::Output | Role::Local, true) => {
@@ -206,7 +282,7 @@ fn check_kind<M>(variable: &Variable<M>, start: &M, fault: &mut impl FnMut(Strin
                 fault(format!("its start value {value} is no item of {}", of.name));
             }
         }
-        Kind::Boolean { .. } | Kind::String { .. } => {}
+        Kind::Boolean { .. } | Kind::String { .. } | Kind::Clock { .. } => {}
     }
 }
 

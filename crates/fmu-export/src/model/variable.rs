@@ -180,6 +180,11 @@ pub enum Kind<M: 'static> {
         /// Read and write.
         access: Access<M, str, String>,
     },
+    /// An output that ticks at [events](Model::EVENTS), in FMI 3.0; FMI 2.0 has no clocks.
+    Clock {
+        /// Whether the events that were handled last have let it tick.
+        ticked: fn(&M) -> bool,
+    },
 }
 
 /// One variable of a model.
@@ -195,9 +200,19 @@ pub struct Variable<M: 'static> {
     /// For outputs: the names of the inputs on which the value depends directly, at the same instant
     /// (at the start, too).
     pub depends_on: &'static [&'static str],
+    /// How many variables of the table from this one on are the elements of an array, which they are in FMI 3.0; else 1.
+    pub elements: usize,
+    /// The name of the clock at whose ticks alone it changes.
+    pub clock: Option<&'static str>,
 }
 
 impl<M> Variable<M> {
+    /// The name of the array whose first element it is; else its own.
+    pub fn array_name(&self) -> &'static str {
+        let array = self.name.strip_suffix("[1]").filter(|_| self.elements > 1);
+        array.unwrap_or(self.name)
+    }
+
     /// The name that FMI gives the variable's type.
     pub fn type_name(&self) -> &'static str {
         match self.kind {
@@ -206,8 +221,16 @@ impl<M> Variable<M> {
             Kind::Boolean { .. } => "Boolean",
             Kind::Enumeration { .. } => "Enumeration",
             Kind::String { .. } => "String",
+            Kind::Clock { .. } => "Clock",
         }
     }
+}
+
+/// The variables of a model's table that the one at a place stands for: the elements of an array, or itself.
+pub fn elements<M: Model>(place: usize) -> &'static [Variable<M>] {
+    let table = M::variables();
+    let count = table.get(place).map_or(1, |variable| variable.elements);
+    table.get(place..place + count).unwrap_or_default()
 }
 
 /// Checks every parameter and input of a model against its declared range.

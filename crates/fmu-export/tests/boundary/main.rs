@@ -8,6 +8,7 @@
 
 mod arguments;
 mod derivatives;
+mod events;
 mod exchange;
 mod host;
 mod intermediate;

@@ -223,7 +223,7 @@ fn instantiation_is_refused_with_a_reason() {
     assert_eq!(others, [null_mut(); 2]);
     for (message, says) in messages
         .iter()
-        .zip(["does not belong to this binary", "has no clocks"])
+        .zip(["does not belong to this binary", "has no input clocks"])
     {
         assert!(message.1.contains(says), "{message:?}");
     }
@@ -305,7 +305,7 @@ fn types_and_counts_must_fit() {
         let real = real.as_mut_ptr();
         refused(
             calls::get_float64::<Lag>(component, &input, 1, real, 2),
-            "`nValues` = 2: all variables are scalars",
+            "`nValues` = 2: there must be a value for each scalar",
         );
         refused(
             calls::get_int32::<Lag>(component, &trouble, 1, &mut whole, 1),
@@ -333,7 +333,7 @@ fn types_and_counts_must_fit() {
         );
         refused(
             calls::evaluate_discrete_states::<Lag>(component),
-            "no event mode in Co-Simulation",
+            "evaluates no discrete states",
         );
         assert_eq!(
             calls::get_uint8::<Lag>(component, null(), 0, null_mut(), 0),

@@ -171,9 +171,10 @@ impl Clock {
         let (interval, qualifier) = functions.interval(model, self.reference)?;
         if self.is_periodic() {
             if qualifier == CHANGED && interval > 0.0 && interval != self.interval {
-                // From the last tick on.
-                let last = self.ticks.checked_sub(1).map(|last| self.tick(last));
-                (self.first, self.ticks) = (last.unwrap_or(self.first), u32::from(last.is_some()));
+                // From now on, as the standard says since its issue 2050; a first tick that is still to come keeps its time.
+                if self.ticks > 0 {
+                    (self.first, self.ticks) = (time, 1);
+                }
                 self.interval = interval;
                 self.next = Some(self.tick(self.ticks));
             }

@@ -1,0 +1,314 @@
+//! Events, arrays and clocks: a host of the thermostat.
+
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
+
+use fmu_export::description::{Interface, Version, fingerprint, token};
+use fmu_export::fmi3::calls;
+use fmu_export::fmi3::types::{Boolean, Component, FmuState, Status, ValueReference};
+use fmu_export::model::Model;
+use thermostat::House;
+
+use crate::host::{Error, Ok};
+
+fn vr(name: &str) -> ValueReference {
+    let mut names = House::variables().iter();
+    names
+        .position(|variable| variable.array_name() == name)
+        .unwrap() as ValueReference
+}
+
+/// The thermostat in a host of FMI 3.0.
+struct Host(Component);
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        // SAFETY: our own component, freed once.
+        unsafe { calls::free_instance::<House>(self.0) }
+    }
+}
+
+fn of(interface: Interface) -> CString {
+    let fingerprint = fingerprint::<House>(Version::Three, interface);
+    CString::new(token(fingerprint)).unwrap()
+}
+
+// SAFETY of all: the component is alive, and the pointers are ours.
+#[allow(clippy::undocumented_unsafe_blocks)]
+impl Host {
+    fn exchange() -> Self {
+        let (name, token) = (c"house".as_ptr(), of(Interface::ModelExchange));
+        Self(unsafe {
+            let token = token.as_ptr();
+            calls::instantiate_model_exchange::<House>(name, token, null(), 0, 0, null_mut(), None)
+        })
+        .started()
+    }
+
+    fn stepped(event_mode: Boolean, early: Boolean) -> Self {
+        let (name, token) = (c"house".as_ptr(), of(Interface::CoSimulation));
+        let (none, nowhere) = (null(), null_mut());
+        Self(unsafe {
+            let token = token.as_ptr();
+            calls::instantiate_co_simulation::<House>(
+                name,
+                token,
+                null(),
+                0,
+                0,
+                event_mode,
+                early,
+                none,
+                0,
+                nowhere,
+                None,
+                None,
+            )
+        })
+        .started()
+    }
+
+    fn started(self) -> Self {
+        assert!(!self.0.is_null());
+        let entered =
+            unsafe { calls::enter_initialization_mode::<House>(self.0, 0, 0.0, 0.0, 0, 0.0) };
+        let left = unsafe { calls::exit_initialization_mode::<House>(self.0) };
+        assert_eq!([entered, left], [Ok; 2]);
+        self
+    }
+
+    /// Whether the host has to come again, and the next event.
+    fn update(&self) -> (bool, Option<f64>) {
+        let ([mut again, mut ends, mut nominals, mut states, mut known], mut next) = ([7; 5], 7.0);
+        let status = unsafe {
+            calls::update_discrete_states::<House>(
+                self.0,
+                &mut again,
+                &mut ends,
+                &mut nominals,
+                &mut states,
+                &mut known,
+                &mut next,
+            )
+        };
+        assert_eq!((status, ends, nominals, states), (Ok, 0, 0, again));
+        (again != 0, (known != 0).then_some(next))
+    }
+
+    fn step(&self, from: f64, step: f64) -> (Status, [bool; 2], f64) {
+        let ([mut event, mut ends, mut early], mut reached) = ([7; 3], f64::NAN);
+        let flags = (&mut event, &mut ends, &mut early);
+        let status = unsafe {
+            calls::do_step::<House>(
+                self.0,
+                from,
+                step,
+                1,
+                flags.0,
+                flags.1,
+                flags.2,
+                &mut reached,
+            )
+        };
+        (status, [event != 0, early != 0], reached)
+    }
+
+    fn clock(&self) -> bool {
+        let mut active = 7;
+        let status = unsafe { calls::get_clock::<House>(self.0, &vr("switched"), 1, &mut active) };
+        assert_eq!(status, Ok);
+        active != 0
+    }
+
+    fn get<const N: usize>(&self, name: &str) -> [f64; N] {
+        let mut into = [f64::NAN; N];
+        let place = into.as_mut_ptr();
+        let status = unsafe { calls::get_float64::<House>(self.0, &vr(name), 1, place, N) };
+        assert_eq!(status, Ok);
+        into
+    }
+
+    fn set(&self, name: &str, values: &[f64]) -> Status {
+        let (from, n) = (values.as_ptr(), values.len());
+        unsafe { calls::set_float64::<House>(self.0, &vr(name), 1, from, n) }
+    }
+
+    fn enter_event(&self) -> Status {
+        unsafe { calls::enter_event_mode::<House>(self.0) }
+    }
+
+    fn enter_step(&self) -> Status {
+        unsafe { calls::enter_step_mode::<House>(self.0) }
+    }
+
+    fn enter_continuous(&self) -> Status {
+        unsafe { calls::enter_continuous_time_mode::<House>(self.0) }
+    }
+}
+
+/// From 288.15 K to 294.15 K, with 308.15 K as the end.
+fn first_switch() -> f64 {
+    7200.0 * (20.0_f64 / 14.0).ln()
+}
+
+#[test]
+fn steps_end_at_events_in_event_mode_alone() {
+    let seen = Host::stepped(1, 1);
+    assert_eq!(seen.step(0.0, 60.0).0, Error, "it is in event mode");
+    assert_eq!(seen.update(), (false, Some(79_200.0)));
+    assert_eq!([seen.enter_continuous(), seen.enter_step()], [Error, Ok]);
+    assert_eq!(seen.step(0.0, 2000.0), (Ok, [false; 2], 2000.0));
+    let (status, flags, reached) = seen.step(2000.0, 1000.0);
+    assert_eq!((status, flags), (Ok, [true; 2]));
+    assert!((reached - first_switch()).abs() < 1e-9);
+    assert_eq!(seen.enter_event(), Ok);
+    assert!(!seen.clock());
+    assert_eq!(seen.update(), (true, Some(79_200.0)));
+    assert!(seen.clock());
+    assert_eq!(seen.get("switchTime"), [reached]);
+    assert_eq!(seen.update(), (false, Some(79_200.0)));
+    assert!(!seen.clock());
+    assert_eq!([seen.enter_step(), seen.enter_step()], [Ok, Error]);
+    assert_eq!(seen.step(reached, 3000.0 - reached).1, [false; 2]);
+    // A step that ends at an event is whole, and one that a new value makes due takes no time.
+    let at_end = Host::stepped(1, 1);
+    assert_eq!(
+        [at_end.enter_step(), at_end.set("setpoint", &[288.15])],
+        [Ok; 2]
+    );
+    let (_, flags, reached) = at_end.step(0.0, 7200.0 * (20.0_f64 / 19.0).ln());
+    assert_eq!(flags, [true, false]);
+    assert_eq!(at_end.set("setpoint", &[287.0]), Ok);
+    assert_eq!(at_end.step(reached, 10.0), (Ok, [true; 2], reached));
+    // Other hosts find the same temperatures.
+    for unseen in [
+        Host::stepped(0, 1),
+        Host::stepped(0, 0),
+        Host::stepped(1, 0),
+    ] {
+        if unseen.step(0.0, 10.0).0 == Error {
+            assert_eq!([unseen.enter_step(), unseen.step(0.0, 10.0).0], [Ok; 2]);
+        } else {
+            assert_eq!([unseen.enter_event(), unseen.enter_step()], [Error; 2]);
+        }
+        assert_eq!(unseen.step(10.0, 2990.0), (Ok, [false; 2], 3000.0));
+        let expected: [f64; 3] = seen.get("temperature");
+        for (one, other) in expected.into_iter().zip(unseen.get::<3>("temperature")) {
+            assert!((one - other).abs() < 1e-9, "{one} {other}");
+        }
+    }
+}
+
+#[test]
+fn a_host_that_integrates_sees_the_events() {
+    let host = Host::exchange();
+    let (mut n, mut margins) = (0, [0.0; 3]);
+    assert_eq!([host.enter_step(), host.enter_continuous()], [Error, Ok]);
+    // SAFETY: the component is alive, and the pointers are ours.
+    unsafe {
+        calls::get_number_of_event_indicators::<House>(host.0, &mut n);
+        assert_eq!(n, 3);
+        let indicators = calls::get_event_indicators::<House>;
+        assert_eq!(indicators(host.0, margins.as_mut_ptr(), 2), Error);
+        assert_eq!(indicators(host.0, margins.as_mut_ptr(), 3), Ok);
+        assert!(
+            margins.iter().all(|margin| (margin - 6.0).abs() < 1e-12),
+            "{margins:?}"
+        );
+        let states = [290.0, 294.15 + 1e-6, 294.0];
+        calls::set_time::<House>(host.0, 1234.0);
+        calls::set_continuous_states::<House>(host.0, states.as_ptr(), 3);
+        assert_eq!(indicators(host.0, margins.as_mut_ptr(), 3), Ok);
+        assert!(margins[1] < 0.0 && margins[0] > 0.0);
+        assert_eq!(host.enter_event(), Ok);
+        assert_eq!(host.update(), (true, Some(79_200.0)));
+        assert!(host.clock());
+        assert_eq!(
+            (host.get("switchTime"), host.get::<3>("margin")[1] > 1.9),
+            ([1234.0], true)
+        );
+        assert_eq!(host.update(), (false, Some(79_200.0)));
+        // Night falls: nothing more is known beforehand.
+        assert_eq!(host.enter_continuous(), Ok);
+        calls::set_time::<House>(host.0, 79_200.0);
+        assert_eq!(host.enter_event(), Ok);
+        assert_eq!(host.update(), (true, None));
+        assert_eq!(host.update(), (false, None));
+    }
+}
+
+/// Clocks are outputs, and arrays whole.
+#[test]
+fn what_cannot_be_is_refused() {
+    let host = Host::stepped(1, 1);
+    // SAFETY: the component is alive, and the pointers are ours.
+    unsafe {
+        let set = calls::set_clock::<House>;
+        assert_eq!(
+            [
+                set(host.0, &vr("switched"), 1, &1),
+                set(host.0, &vr("band"), 1, &1)
+            ],
+            [Error; 2]
+        );
+        let mut active = 7;
+        let get = calls::get_clock::<House>;
+        assert_eq!(get(host.0, &vr("band"), 1, &mut active), Error);
+        let mut derivatives = [f64::NAN; 3];
+        assert_eq!(host.enter_step(), Ok);
+        let rates = calls::get_output_derivatives::<House>;
+        let temperature = vr("temperature");
+        assert_eq!(
+            rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 1),
+            Error
+        );
+        assert_eq!(
+            rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 3),
+            Ok
+        );
+        for (rate, constant) in derivatives.into_iter().zip([7200.0, 10800.0, 18000.0]) {
+            assert!((rate - 20.0 / constant).abs() < 1e-15);
+        }
+    }
+    assert_eq!(host.set("timeConstant", &[1.0]), Error);
+    assert_eq!(host.set("setpoint", &[290.0]), Ok);
+}
+
+#[test]
+fn saved_states_know_their_mode() {
+    let (host, other) = (Host::stepped(1, 1), Host::stepped(0, 1));
+    let saved = |host: &Host| {
+        let mut state: FmuState = null_mut();
+        // SAFETY: the component is alive, and the place is ours.
+        let status = unsafe { calls::get_fmu_state::<House>(host.0, &mut state) };
+        assert_eq!(status, Ok);
+        state
+    };
+    let in_event_mode = saved(&host);
+    let mut size = 0;
+    // SAFETY: components and states are alive, and the places are ours.
+    unsafe {
+        assert_eq!(calls::set_fmu_state::<House>(other.0, in_event_mode), Error);
+        assert_eq!(
+            calls::serialized_fmu_state_size::<House>(host.0, in_event_mode, &mut size),
+            Ok
+        );
+        let mut bytes = vec![0_u8; size];
+        let serialize = calls::serialize_fmu_state::<House>;
+        assert_eq!(
+            serialize(host.0, in_event_mode, bytes.as_mut_ptr(), size),
+            Ok
+        );
+        assert_eq!(host.enter_step(), Ok);
+        let in_step_mode = saved(&host);
+        let mut again = null_mut();
+        let deserialize = calls::deserialize_fmu_state::<House>;
+        assert_eq!(deserialize(host.0, bytes.as_ptr(), size, &mut again), Ok);
+        assert_eq!(calls::set_fmu_state::<House>(host.0, again), Ok);
+        assert_eq!(host.enter_step(), Ok, "from event mode");
+        assert_eq!(calls::set_fmu_state::<House>(other.0, in_step_mode), Ok);
+        for mut state in [in_event_mode, in_step_mode, again] {
+            assert_eq!(calls::free_fmu_state::<House>(host.0, &mut state), Ok);
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Packs the thermostat into an FMU: `cargo run -p thermostat -- --fmi 3 --exchange`.
+
+fmu_export::package!(thermostat::House);
