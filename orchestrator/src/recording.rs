@@ -301,10 +301,6 @@ pub struct Recorded<'a> {
 impl Recorded<'_> {
     /// What was left out of each file, for the reader.
     pub fn notes(&self) -> Vec<String> {
-        let name = |table: &RecordedTable| {
-            let name = table.path().file_name().unwrap_or_default();
-            name.to_string_lossy().into_owned()
-        };
         let above = self.tables.iter().filter_map(|(table, _)| {
             let (line, count) = table.above?;
             Some(format!(
@@ -353,13 +349,9 @@ impl Recorded<'_> {
         let known = || values.iter().copied().filter(|value| value.is_finite());
         let length =
             known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
-        let file = table
-            .path()
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy();
         Some(format!(
-            "{file}: the time has no unit and is read as s: {length} s long"
+            "{}: the time has no unit and is read as s: {length} s long",
+            name(table)
         ))
     }
 
@@ -727,6 +719,12 @@ impl Recorded<'_> {
     }
 }
 
+/// The name of a table's file.
+fn name(table: &RecordedTable) -> String {
+    let name = table.path().file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
 /// The way from one unit to another one.
 fn conversion(unit: &str, to: &str) -> Result<Conversion, String> {
     known::between(unit, to).ok_or_else(|| {
@@ -747,21 +745,17 @@ fn of_zero(quantity: &Quantity, unit: &str) -> Result<Option<f64>, String> {
 
 fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, String> {
     match quantity.unit.as_deref() {
-        // The model has no unit: the recording's is not converted.
-        Some(given) if unit == "1" && given != "%" && quantity.number >= 0.0 => {
-            Ok(Accuracy::Absolute(quantity.number * factor))
-        }
         _ if quantity.number < 0.0 || !quantity.number.is_finite() => {
             Err(format!("the accuracy `{quantity}` must not be negative"))
         }
         Some("%") => Ok(Accuracy::Relative(quantity.number / 100.0)),
-        None => Ok(Accuracy::Absolute(quantity.number * factor)),
-        Some(given) if given == unit => Ok(Accuracy::Absolute(quantity.number * factor)),
-        Some(given) => {
+        // Where the model has no unit, the recording's is not converted.
+        Some(given) if given != unit && unit != "1" => {
             let way = known::between(given, unit).ok_or_else(|| {
                 format!("the accuracy `{quantity}` must be in {unit} or %, not in {given}")
             })?;
             Ok(Accuracy::Absolute(way.difference(quantity.number) * factor))
         }
+        _ => Ok(Accuracy::Absolute(quantity.number * factor)),
     }
 }

@@ -21,7 +21,6 @@ pub struct Conclusion {
     /// The 95 % interval of the probability that another seed comes to the other verdict, as if points were independent;
     /// only of the
     /// rule `one point`.
-    #[serde(default)]
     pub other_verdict_interval: Option<[f64; 2]>,
     /// How many points are accepted: within all tolerances less the guard bands.
     pub accepted: u64,
@@ -66,10 +65,8 @@ pub struct Requirement {
     /// Where the verdict is inconclusive: about how many independent points another study would have to have that is
     /// judged once, if the share stays what it is; none where it is so near to the required one that no number of points
     /// would decide.
-    #[serde(default)]
     pub points_needed: Option<u64>,
     /// The same if this study is extended: its points count, and it is allowed for that people look at it repeatedly.
-    #[serde(default)]
     pub points_needed_going_on: Option<u64>,
 }
 

@@ -216,7 +216,6 @@ fn with_style(svg: &str, style: &str) -> String {
 
 /// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel. Points that
 /// follow each other in the same column are taken together.
-#[allow(clippy::cast_possible_truncation)]
 pub fn envelope<'a>(points: impl Iterator<Item = (&'a f64, &'a f64)>, frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen: Option<[i64; 2]> = None;
