@@ -306,11 +306,11 @@ impl Recorded<'_> {
             Some(format!(
                 "{}: {count} rows above the recording, from line {line} on, are another table and were left out; if they are the \
                  recording, give `header`, the line of its names",
-                name(table)
+                file_name(table)
             ))
         });
         let note = |(table, _): &(RecordedTable, TimeColumn)| {
-            let ((line, count), name) = (table.others?, name(table));
+            let ((line, count), name) = (table.others?, file_name(table));
             Some(match count {
                 1 => format!("{name}: line {line} holds no number and was left out"),
                 _ => format!(
@@ -351,7 +351,7 @@ impl Recorded<'_> {
             known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
         Some(format!(
             "{}: the time has no unit and is read as s: {length} s long",
-            name(table)
+            file_name(table)
         ))
     }
 
@@ -720,7 +720,7 @@ impl Recorded<'_> {
 }
 
 /// The name of a table's file.
-fn name(table: &RecordedTable) -> String {
+fn file_name(table: &RecordedTable) -> String {
     let name = table.path().file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()
 }
