@@ -9,7 +9,7 @@ use toml::Spanned;
 use fmu_import::quantity::Quantity;
 use fmu_import::units::{Conversion, known};
 use fmu_points::names::behind;
-use number_tables::files::FileError;
+use number_tables::files::{self, FileError};
 use number_tables::recorded::{Layout, RecordedTable, Stamp, composed, stamp};
 use result_document::format::number;
 use rig_signals::case::{Drive, Driven};
@@ -155,7 +155,7 @@ impl Settings {
     /// # Errors
     /// With file and line, when it cannot be read or says something else.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = composed(number_tables::files::text(path)?);
+        let text = composed(files::text(path)?);
         let line = |span: Range<usize>| text[..span.start].matches('\n').count() + 1;
         let settings: Self = toml::from_str(&text).map_err(|error| {
             let line = error.span().map_or(1, line);
@@ -306,11 +306,11 @@ impl Recorded<'_> {
             Some(format!(
                 "{}: {count} rows above the recording, from line {line} on, are another table and were left out; if they are the \
                  recording, give `header`, the line of its names",
-                file_name(table)
+                files::name(table.path())
             ))
         });
         let note = |(table, _): &(RecordedTable, TimeColumn)| {
-            let ((line, count), name) = (table.others?, file_name(table));
+            let ((line, count), name) = (table.others?, files::name(table.path()));
             Some(match count {
                 1 => format!("{name}: line {line} holds no number and was left out"),
                 _ => format!(
@@ -351,7 +351,7 @@ impl Recorded<'_> {
             known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
         Some(format!(
             "{}: the time has no unit and is read as s: {length} s long",
-            file_name(table)
+            files::name(table.path())
         ))
     }
 
@@ -717,12 +717,6 @@ impl Recorded<'_> {
             },
         })
     }
-}
-
-/// The name of a table's file.
-fn file_name(table: &RecordedTable) -> String {
-    let name = table.path().file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
 }
 
 /// The way from one unit to another one.
