@@ -34,7 +34,6 @@ pub struct Task {
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
     /// The inputs that change over time.
-    #[serde(default)]
     pub inputs: Vec<Series>,
     /// Observed statistics, in the order of the results.
     pub observed: Vec<Probe>,

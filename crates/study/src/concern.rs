@@ -138,11 +138,8 @@ pub fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Concern>, D::Error
 
 impl Severity {
     /// Its name before a doubt's text.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Warning => "warning",
-            Self::Note => "note",
-        }
+    pub fn name(self) -> String {
+        sampling::word(&self)
     }
 }
 
