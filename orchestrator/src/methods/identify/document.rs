@@ -322,12 +322,8 @@ impl Page<'_> {
     /// The values of a parameter in the sample, as drawn.
     fn sampled(&self, index: usize) -> Option<Vec<f64>> {
         let free = &self.bound.problem.free[index];
-        let particles = self.sample?.particles.iter();
-        Some(
-            particles
-                .map(|p| drawn(free, free.value(p.places[index])))
-                .collect(),
-        )
+        let places = self.sample?.places(index);
+        Some(places.map(|place| drawn(free, free.value(place))).collect())
     }
 
     fn parameters(&self) -> Document {
@@ -479,11 +475,7 @@ impl Page<'_> {
             return Vec::new();
         };
         let problem = &self.bound.problem;
-        let all = sample
-            .particles
-            .first()
-            .map_or(0, |particle| particle.places.len());
-        let first = all - 2 * problem.populations.len();
+        let first = sample.unknowns() - 2 * problem.populations.len();
         let figures = problem
             .populations
             .iter()
@@ -491,18 +483,10 @@ impl Page<'_> {
             .flat_map(|(number, population)| {
                 let free = &problem.free[population.members[0]];
                 let at = first + 2 * number;
-                let places = |at: usize| {
-                    sample
-                        .particles
-                        .iter()
-                        .map(move |particle| particle.places[at])
-                };
-                let means: Vec<f64> = places(at)
-                    .map(|place| drawn(free, free.value(place)))
-                    .collect();
-                let spreads: Vec<f64> = places(at + 1)
-                    .map(|place| drawn(free, free.spread(place)))
-                    .collect();
+                let means = sample.places(at);
+                let means: Vec<f64> = means.map(|v| drawn(free, free.value(v))).collect();
+                let spreads = sample.places(at + 1);
+                let spreads: Vec<f64> = spreads.map(|v| drawn(free, free.spread(v))).collect();
                 let scale = drawn(free, free.spread(population.scale(problem)));
                 let half_normal = move |v: f64| {
                     let z = v / scale;
