@@ -38,7 +38,7 @@ pub(crate) enum Cut {
     Lost(String),
 }
 
-/// A payload and its ticket; that of the first one is 0.
+/// A ticket and the payload that goes under it. The first frame, which names the ticket of all others, goes under 0.
 type Frame = (u64, Vec<u8>);
 
 /// The lines that a launcher printed last.

@@ -2,7 +2,8 @@
 
 use toml::Spanned;
 
-use super::{Criterion, Judge, tolerance};
+use super::scalar::tolerance;
+use super::{Criterion, Judge};
 use conformity::decision::Rule;
 use conformity::measured::{Limits, Measurement};
 use conformity::risk::Guard;
