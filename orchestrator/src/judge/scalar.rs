@@ -1,10 +1,14 @@
-//! Criteria on single numbers: a measured value with its tolerance, or a limit that stands alone.
+//! Criteria on single numbers: a measured value with its tolerance and its uncertainty, or a limit that stands alone.
 
-use super::{Criterion, curve, requirements};
+use toml::Spanned;
+
+use super::{Criterion, curve};
 use conformity::measured::Limits;
+use conformity::uncertainty::{Distribution, Uncertainty};
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_points::names::behind;
 use number_tables::files::FileError;
+use study::limit::gain;
 use study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong};
 
 /// The criterion on one number.
@@ -62,7 +66,7 @@ pub(super) fn criterion(
         nominal_from: text.nominal_from,
         stated_tolerance: stated,
         reading: text.measured.as_ref().map(value).transpose()?,
-        uncertainty: requirements::uncertainty(study, name, text, measured, scale)?,
+        uncertainty: uncertainty(study, name, text, measured, scale)?,
         derived_from: text
             .derived
             .as_ref()
@@ -190,11 +194,7 @@ fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> S
 }
 
 /// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
-pub(super) fn tolerance(
-    quantity: &Quantity,
-    nominal: &Quantity,
-    scale: &Scale<'_>,
-) -> Result<f64, String> {
+fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
     let tolerance = match quantity.unit.as_deref() {
         // "+0.5/-1", "-1 .. 0.5"
         Some(rest) if rest.starts_with(['/', '+', '-', '.', ',']) => {
@@ -216,4 +216,92 @@ pub(super) fn tolerance(
             "the tolerance {quantity} must be a positive, finite number"
         ))
     }
+}
+
+/// The uncertainty of a criterion's measured value, in the criterion's unit.
+fn uncertainty(
+    study: &Study,
+    name: &Name,
+    text: &CriterionText,
+    nominal: &Quantity,
+    scale: &Scale<'_>,
+) -> Result<Option<Uncertainty>, FileError> {
+    let at = |place: &Spanned<Quantity>, what: &str, message: String| {
+        let message = message.replace("the tolerance", what);
+        study.error_at(place, format!("{}: {message}", name.as_ref()))
+    };
+    let is_rectangular = text.uncertainty_distribution == Some(Distribution::Rectangular);
+    if let Some(coverage) = &text.coverage {
+        let useless = text.uncertainty.is_none() && text.gain_uncertainty.is_none();
+        let message = match () {
+            () if useless => Some(
+                "coverage says how many standard uncertainties `uncertainty` is; add `uncertainty` or remove it",
+            ),
+            () if is_rectangular => Some(
+                "a rectangular uncertainty is the half-width of its limits, which no coverage factor expands; remove `coverage`",
+            ),
+            () => None,
+        };
+        if let Some(message) = message {
+            return Err(study.error_at(coverage, message));
+        }
+    }
+    first_wrong(&[
+        (
+            text.uncertainty_distribution.is_some() && text.uncertainty.is_none(),
+            "`uncertainty-distribution` says how `uncertainty` is meant; add `uncertainty` or remove it",
+        ),
+        (
+            text.repeats.is_some() && text.noise.is_none(),
+            "`repeats` says of how many readings the measured value is the mean; add their standard deviation as `noise`, or \
+             remove `repeats`",
+        ),
+        (
+            text.repeats.is_some_and(|repeats| repeats < 2.0 || repeats.fract() != 0.0 || repeats > 1e9),
+            "`repeats` must be a whole number, 2 or more, as a single reading tells no standard deviation; without `repeats` the \
+             measured value is one reading, and `noise` is known",
+        ),
+    ])
+    .map_err(|message| study.error_of(name, message))?;
+    let amount = |stated: &Option<Spanned<Quantity>>, what: &str| {
+        let stated = stated.as_ref();
+        let number = stated.map(|stated| {
+            let amount = tolerance(stated.as_ref(), nominal, scale);
+            amount.map_err(|message| at(stated, what, message))
+        });
+        number.transpose()
+    };
+    let coverage = text
+        .coverage
+        .as_ref()
+        .map_or(Uncertainty::USUAL, |k| *k.as_ref());
+    if !(coverage > 0.0 && coverage.is_finite()) {
+        let message = format!("the coverage factor {coverage} must be a positive, finite number");
+        return Err(study.error_of(name, message));
+    }
+    let offset = amount(&text.uncertainty, "the uncertainty")?;
+    let gain = text.gain_uncertainty.as_ref().map(|stated| {
+        let part = gain(stated.as_ref()).map_err(|message| study.error_at(stated, message))?;
+        // Where it is not clear of which number it is a part, this says so.
+        let is_clear = scale.part(part, nominal);
+        is_clear.map_err(|message| at(stated, "the gain uncertainty", message))?;
+        Ok(part)
+    });
+    let gain = gain.transpose()?;
+    let noise = amount(&text.noise, "the noise")?;
+    if offset.is_none() && gain.is_none() && noise.is_none() {
+        return Ok(None);
+    }
+    let offset = offset.unwrap_or(0.0);
+    let offset = match is_rectangular {
+        true => Uncertainty::rectangular(offset),
+        false => Uncertainty::normal(offset, coverage),
+    };
+    Ok(Some(Uncertainty {
+        gain: gain.unwrap_or(0.0) / coverage,
+        noise: noise.unwrap_or(0.0),
+        // A whole number within the type's range, as refused above otherwise.
+        repeats: text.repeats.map(|repeats| repeats as u32),
+        ..offset
+    }))
 }
