@@ -127,8 +127,8 @@ pub fn leap(
     Ok(Departure::at(eccentricity, temperatures(&t), worn))
 }
 
-/// The temperatures on their way over `turns` whole turns without wear, from its beginning to its end, under flows that are
-/// corrected to those of another film.
+/// The temperatures at each step of a leap over `turns` whole turns, the first and the last among them. There is no wear; the
+/// flows are this film's, corrected to those of another one.
 ///
 /// # Errors
 /// When there is no orbit at a temperature, the clearance closes, or an integration fails.

@@ -4,6 +4,7 @@ mod curve;
 mod derived;
 mod product;
 mod requirements;
+mod scalar;
 
 pub(crate) use requirements::share;
 
@@ -18,8 +19,7 @@ use conformity::measured::{Limits, Measured, Measurement};
 use conformity::risk::Guard;
 use conformity::uncertainty::Uncertainty;
 use curves::{Kind, Metric};
-use fmu_import::quantity::Quantity;
-use fmu_import::quantity::{Scale, Sense};
+use fmu_import::quantity::Scale;
 use fmu_import::{Description, Variable};
 use fmu_points::failure::Failure;
 use fmu_points::names::{behind, did_you_mean, nearest};
@@ -28,9 +28,10 @@ use number_tables::files::FileError;
 use parameter_regions::table::CriterionColumn;
 use sampling::statistics::Statistic;
 use sampling::statistics::moments::length;
+use scalar::{Side, limit, sides, within};
 use study::concern::Concern;
 use study::plan::find;
-use study::{BOTH_SIDES, CriterionText, Name, NominalFrom, Study, ToleranceText, first_wrong};
+use study::{Name, NominalFrom, Study};
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -292,7 +293,7 @@ impl Judge {
             let scale = scale.map_err(|message| study.error_of(name, message))?;
             let mut criterion = match text.reference {
                 Some(_) => curve::criterion(study, name, text, &scale)?,
-                None => scalar(study, name, text, &scale)?,
+                None => scalar::criterion(study, name, text, &scale)?,
             };
             criterion.level = text.event(variable.and_then(Variable::unit));
             judge.add_to_group(criterion.group.as_deref());
@@ -489,210 +490,6 @@ fn check_columns(study: &Study) -> Result<(), FileError> {
         }
     }
     Ok(())
-}
-
-/// The criterion on one number.
-fn scalar(
-    study: &Study,
-    name: &Name,
-    text: &CriterionText,
-    scale: &Scale<'_>,
-) -> Result<Criterion, FileError> {
-    let at = |message: String| study.error_of(name, message);
-    curve::refuse_keys(text).map_err(at)?;
-    let alone = sides(&text.at_most, &text.at_least).next();
-    check_keys(text, alone.is_some()).map_err(at)?;
-    let value = |quantity: &Quantity| scale.number(quantity, Sense::Value).map_err(at);
-    let (limits, stated, measured) = match (alone, &text.nominal, &text.tolerance) {
-        (Some((stated, side)), ..) => {
-            let unit = match &stated.unit {
-                Some(_) => String::new(),
-                None => behind(scale.unit.as_deref()),
-            };
-            let words = format!("{} {stated}{unit}", side.words());
-            (
-                limit(stated, side, scale).map_err(at)?,
-                words,
-                text.measured.as_ref().unwrap_or(stated),
-            )
-        }
-        (None, Some(measured), Some(accuracy)) => {
-            let nominal = value(measured)?;
-            if !nominal.is_finite() {
-                return Err(at(format!(
-                    "the nominal value {measured} is not a finite number"
-                )));
-            }
-            let limits = within(nominal, accuracy, measured, scale).map_err(at)?;
-            (limits, stated(accuracy, measured, scale), measured)
-        }
-        (None, None, _) => {
-            let message = "the measured value is missing: add `nominal`, `reference` for a curve, or `at-most` or `at-least` for a \
-                           limit alone";
-            return Err(at(message.to_owned()));
-        }
-        (None, _, None) => {
-            let message = "the accuracy is missing: add `tolerance`, such as \"0.5 %\"";
-            return Err(at(message.to_owned()));
-        }
-    };
-    let mut criterion = Criterion {
-        name: name.as_ref().clone(),
-        variable: text.variable.as_ref().clone(),
-        statistic: text.statistic.unwrap_or_default(),
-        detail: text.detail().map_err(at)?,
-        unit: scale.unit.clone(),
-        limits,
-        nominal_from: text.nominal_from,
-        stated_tolerance: stated,
-        reading: text.measured.as_ref().map(value).transpose()?,
-        uncertainty: requirements::uncertainty(study, name, text, measured, scale)?,
-        derived_from: text
-            .derived
-            .as_ref()
-            .map(|derived| derived.from.as_ref().clone()),
-        group: text.group.clone(),
-        ..Criterion::default()
-    };
-    criterion.distance_unit = alone.is_some().then(|| distance_unit(&criterion));
-    Ok(criterion)
-}
-
-/// In what a distance from a limit that stands alone counts: the expanded uncertainty, how far the measured value is inside,
-/// or else the limit itself.
-fn distance_unit(criterion: &Criterion) -> f64 {
-    let measured = criterion.measured();
-    let inside = measured.value.map(|value| criterion.limits.rest(value));
-    let expanded = measured.error.map(|error| error.expanded);
-    let unit = expanded.or(inside.filter(|rest| *rest > 0.0));
-    unit.unwrap_or(match criterion.limits.about {
-        0.0 => 1.0,
-        limit => limit.abs(),
-    })
-}
-
-/// Which limit stands alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Side {
-    Least,
-    Most,
-}
-
-impl Side {
-    fn words(self) -> &'static str {
-        match self {
-            Self::Least => "at least",
-            Self::Most => "at most",
-        }
-    }
-}
-
-/// The entries of both keys with the limit that they state.
-fn sides<T: IntoIterator>(at_most: T, at_least: T) -> impl Iterator<Item = (T::Item, Side)> {
-    let most = at_most.into_iter().map(|entry| (entry, Side::Most));
-    most.chain(at_least.into_iter().map(|entry| (entry, Side::Least)))
-}
-
-fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
-    first_wrong(&[
-        (
-            text.at_most.is_some() && text.at_least.is_some(),
-            "`at-most` and `at-least` are limits that stand alone; for two limits a and b state nominal = (a + b) / 2 and tolerance = \
-             (b - a) / 2",
-        ),
-        (
-            is_alone && text.nominal.is_some(),
-            "a limit takes the place of `nominal`; keep one of them; the measured value beside a limit is `measured`",
-        ),
-        (
-            is_alone && text.tolerance.is_some(),
-            "a limit takes the place of `tolerance`; keep one of them",
-        ),
-        (
-            !is_alone && text.measured.is_some(),
-            "`measured` stands beside `at-most` or `at-least`; the measured value of a tolerance is `nominal`",
-        ),
-        (
-            text.nominal_from.is_some() && text.nominal.is_none(),
-            "`nominal-from` says where `nominal` comes from; add that, or remove `nominal-from`",
-        ),
-        (
-            text.nominal_from.is_some()
-                && (text.uncertainty.is_some()
-                    || text.gain_uncertainty.is_some()
-                    || text.noise.is_some()
-                    || text.derived.is_some()),
-            "a nominal value from the model has no error of a measurement; remove `nominal-from` once the measured value stands there",
-        ),
-    ])
-}
-
-/// A limit that stands alone, in the study's unit.
-fn limit(stated: &Quantity, side: Side, scale: &Scale<'_>) -> Result<Limits, String> {
-    let limit = scale.number(stated, Sense::Value)?;
-    match (side, limit.is_finite()) {
-        (_, false) => Err(format!("the limit {stated} is not a finite number")),
-        (Side::Most, true) => Ok(Limits::at_most(limit)),
-        (Side::Least, true) => Ok(Limits::at_least(limit)),
-    }
-}
-
-/// A measured value with its tolerance, in the study's unit.
-fn within(
-    about: f64,
-    stated: &ToleranceText,
-    nominal: &Quantity,
-    scale: &Scale<'_>,
-) -> Result<Limits, String> {
-    match stated {
-        ToleranceText::Even(stated) => {
-            Ok(Limits::within(about, tolerance(stated, nominal, scale)?))
-        }
-        ToleranceText::Uneven { minus, plus } => Ok(Limits {
-            about,
-            minus: tolerance(minus, nominal, scale)?,
-            plus: tolerance(plus, nominal, scale)?,
-        }),
-    }
-}
-
-/// A tolerance as people read it beside the nominal value in the study's unit.
-fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> String {
-    let is_elsewhere = nominal.unit.is_some() && nominal.unit != scale.unit;
-    let percent = |quantity: &Quantity| quantity.unit.as_deref() == Some("%");
-    let of_nominal = match tolerance {
-        ToleranceText::Even(even) => percent(even),
-        ToleranceText::Uneven { minus, plus } => percent(minus) || percent(plus),
-    };
-    match is_elsewhere && of_nominal {
-        true => format!("{tolerance} of {nominal}"),
-        false => tolerance.to_string(),
-    }
-}
-
-/// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
-fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
-    let tolerance = match quantity.unit.as_deref() {
-        // "+0.5/-1", "-1 .. 0.5"
-        Some(rest) if rest.starts_with(['/', '+', '-', '.', ',']) => {
-            return Err(format!(
-                "the tolerance `{quantity}` cannot be used: {BOTH_SIDES}"
-            ));
-        }
-        Some("%") => scale.part(quantity.number / 100.0, nominal)?,
-        _ => scale.number(quantity, Sense::Difference)?,
-    };
-    if tolerance > 0.0 && tolerance.is_finite() {
-        Ok(tolerance)
-    } else if nominal.number == 0.0 && quantity.number > 0.0 && quantity.number.is_finite() {
-        Err(format!(
-            "the tolerance {quantity} of the nominal value 0 is nothing; give it without %"
-        ))
-    } else {
-        Err(format!(
-            "the tolerance {quantity} must be a positive, finite number"
-        ))
-    }
 }
 
 #[cfg(test)]

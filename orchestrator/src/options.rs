@@ -248,7 +248,6 @@ pub fn folder_of(study: &Path) -> PathBuf {
 }
 
 /// A size with a unit, bytes.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn size(text: &str) -> Option<u64> {
     let text = text.trim();
     let digits = text

@@ -9,7 +9,7 @@ use toml::Spanned;
 use fmu_import::quantity::Quantity;
 use fmu_import::units::{Conversion, known};
 use fmu_points::names::behind;
-use number_tables::files::FileError;
+use number_tables::files::{self, FileError};
 use number_tables::recorded::{Layout, RecordedTable, Stamp, composed, stamp};
 use result_document::format::number;
 use rig_signals::case::{Drive, Driven};
@@ -155,7 +155,7 @@ impl Settings {
     /// # Errors
     /// With file and line, when it cannot be read or says something else.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = composed(number_tables::files::text(path)?);
+        let text = composed(files::text(path)?);
         let line = |span: Range<usize>| text[..span.start].matches('\n').count() + 1;
         let settings: Self = toml::from_str(&text).map_err(|error| {
             let line = error.span().map_or(1, line);
@@ -301,20 +301,16 @@ pub struct Recorded<'a> {
 impl Recorded<'_> {
     /// What was left out of each file, for the reader.
     pub fn notes(&self) -> Vec<String> {
-        let name = |table: &RecordedTable| {
-            let name = table.path().file_name().unwrap_or_default();
-            name.to_string_lossy().into_owned()
-        };
         let above = self.tables.iter().filter_map(|(table, _)| {
             let (line, count) = table.above?;
             Some(format!(
                 "{}: {count} rows above the recording, from line {line} on, are another table and were left out; if they are the \
                  recording, give `header`, the line of its names",
-                name(table)
+                files::name(table.path())
             ))
         });
         let note = |(table, _): &(RecordedTable, TimeColumn)| {
-            let ((line, count), name) = (table.others?, name(table));
+            let ((line, count), name) = (table.others?, files::name(table.path()));
             Some(match count {
                 1 => format!("{name}: line {line} holds no number and was left out"),
                 _ => format!(
@@ -353,13 +349,9 @@ impl Recorded<'_> {
         let known = || values.iter().copied().filter(|value| value.is_finite());
         let length =
             known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
-        let file = table
-            .path()
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy();
         Some(format!(
-            "{file}: the time has no unit and is read as s: {length} s long"
+            "{}: the time has no unit and is read as s: {length} s long",
+            files::name(table.path())
         ))
     }
 
@@ -747,21 +739,17 @@ fn of_zero(quantity: &Quantity, unit: &str) -> Result<Option<f64>, String> {
 
 fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, String> {
     match quantity.unit.as_deref() {
-        // The model has no unit: the recording's is not converted.
-        Some(given) if unit == "1" && given != "%" && quantity.number >= 0.0 => {
-            Ok(Accuracy::Absolute(quantity.number * factor))
-        }
         _ if quantity.number < 0.0 || !quantity.number.is_finite() => {
             Err(format!("the accuracy `{quantity}` must not be negative"))
         }
         Some("%") => Ok(Accuracy::Relative(quantity.number / 100.0)),
-        None => Ok(Accuracy::Absolute(quantity.number * factor)),
-        Some(given) if given == unit => Ok(Accuracy::Absolute(quantity.number * factor)),
-        Some(given) => {
+        // Where the model has no unit, the recording's is not converted.
+        Some(given) if given != unit && unit != "1" => {
             let way = known::between(given, unit).ok_or_else(|| {
                 format!("the accuracy `{quantity}` must be in {unit} or %, not in {given}")
             })?;
             Ok(Accuracy::Absolute(way.difference(quantity.number) * factor))
         }
+        _ => Ok(Accuracy::Absolute(quantity.number * factor)),
     }
 }

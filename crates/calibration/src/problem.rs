@@ -407,7 +407,8 @@ impl Problem {
         shifts
     }
 
-    /// The effects that are parts of values, where there are any, at these predicted ones; without a prediction none.
+    /// The problem whose shared errors in proportion to a value, such as those of a gain, are parts of these predicted values;
+    /// without a prediction they are 0. None where no error is in proportion.
     pub(crate) fn with_parts(&self, predicted: Option<&[Vec<f64>]>) -> Option<Self> {
         let mut problem = self.clone();
         let all = problem.sources.iter_mut();

@@ -19,9 +19,7 @@ pub struct Conclusion {
     /// The required share and the one found; only for the rule `share`.
     pub required: Option<Requirement>,
     /// The 95 % interval of the probability that another seed comes to the other verdict, as if points were independent;
-    /// only of the
-    /// rule `one point`.
-    #[serde(default)]
+    /// only of the rule `one point`.
     pub other_verdict_interval: Option<[f64; 2]>,
     /// How many points are accepted: within all tolerances less the guard bands.
     pub accepted: u64,
@@ -66,10 +64,8 @@ pub struct Requirement {
     /// Where the verdict is inconclusive: about how many independent points another study would have to have that is
     /// judged once, if the share stays what it is; none where it is so near to the required one that no number of points
     /// would decide.
-    #[serde(default)]
     pub points_needed: Option<u64>,
     /// The same if this study is extended: its points count, and it is allowed for that people look at it repeatedly.
-    #[serde(default)]
     pub points_needed_going_on: Option<u64>,
 }
 
@@ -232,7 +228,7 @@ fn by_share(verdict: Decision, required: &Requirement, of_which: &str) -> String
 }
 
 /// A share in percent without the digits that only rounding brings.
-fn percent(share: f64) -> f64 {
+pub fn percent(share: f64) -> f64 {
     (1e10 * share).round() / 1e8
 }
 

@@ -77,9 +77,9 @@ pub(super) fn probability(
     probability.clamp(least, most)
 }
 
-/// The Cholesky factor of the correlations, and the limits, in the order of the integrals: that in which each number has the least probable interval, if those before it
-/// have their mean values (Gibson, Glasbey and Elston 1994; Genz and Bretz 2009, "Computation of multivariate normal and
-/// t probabilities", 4.1.3): this leaves the least variation to the integral.
+/// The Cholesky factor of the correlations, and the limits, in the order of the integrals: each number has the least probable
+/// interval of those that are left, if those before it have their mean values (Gibson, Glasbey and Elston 1994; Genz and Bretz
+/// 2009, "Computation of multivariate normal and t probabilities", 4.1.3). This leaves the least variation to the integral.
 fn ordered(
     correlation: &[Vec<f64>],
     lower: &[f64],

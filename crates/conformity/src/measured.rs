@@ -107,36 +107,20 @@ struct Written {
 impl From<Limits> for Written {
     fn from(limits: Limits) -> Self {
         let Limits { about, minus, plus } = limits;
-        let ends = || {
-            limits
-                .ends()
-                .map(|end| Some(Some(end).filter(|end| end.is_finite())))
-        };
-        if limits.is_one_sided() {
-            let [lower, upper] = ends();
-            return Self {
-                lower,
-                upper,
-                ..Self::default()
-            };
-        }
-        let nominal = Some(about);
-        if minus == plus {
-            return Self {
-                nominal,
-                tolerance: Some(plus),
-                ..Self::default()
-            };
-        }
-        let [lower, upper] = ends();
-        let [minus, plus] = [Some(minus), Some(plus)];
+        let has_two = !limits.is_one_sided();
+        let is_even = has_two && minus == plus;
+        let [minus, plus] = [minus, plus].map(|side| has_two.then_some(side));
+        let ends = limits
+            .ends()
+            .map(|end| Some(end).filter(|end| end.is_finite()));
+        let [lower, upper] = ends.map(|end| (!is_even).then_some(end));
         Self {
-            nominal,
-            minus,
-            plus,
+            nominal: has_two.then_some(about),
+            tolerance: plus.filter(|_| is_even),
+            minus: minus.filter(|_| !is_even),
+            plus: plus.filter(|_| !is_even),
             lower,
             upper,
-            tolerance: None,
         }
     }
 }

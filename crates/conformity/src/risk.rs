@@ -83,7 +83,6 @@ pub struct Risk {
     /// The probability that an accepted point does not conform; none where no point is accepted.
     pub not_conforming_given_accepted: Option<f64>,
     /// Their intervals; none of points that are no sample, such as those of a grid.
-    #[serde(default)]
     pub intervals: Option<RiskIntervals>,
 }
 

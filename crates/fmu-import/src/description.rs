@@ -427,7 +427,6 @@ impl Kind {
     }
 
     /// The smallest and the largest value, where these are declared.
-    #[allow(clippy::cast_precision_loss)]
     pub fn range(&self) -> (Option<f64>, Option<f64>) {
         match self {
             Self::Real { min, max, .. } => (*min, *max),

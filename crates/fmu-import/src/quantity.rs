@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::description::{Description, Variable};
-use crate::units::{Conversion, split};
+use crate::units::{Conversion, known, split};
 
 /// A number in the unit of its table, or a number with a unit of its own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -92,21 +92,10 @@ enum Base<'a> {
 /// # Errors
 /// When the unit is none of them.
 pub fn to_own(unit: &str, si_unit: &'static str) -> Result<Conversion, String> {
-    let factor = match (si_unit, unit) {
-        ("s", "s") | ("Hz", "Hz" | "1/s") => 1.0,
-        ("s", "ms") => 1e-3,
-        ("s", "min") => 60.0,
-        ("s", "h") => 3600.0,
-        ("Hz", "kHz") => 1e3,
-        ("Hz", "rpm" | "1/min") => 1.0 / 60.0,
-        ("s", _) => return Err(format!("`{unit}` is no unit of time: use s, ms, min or h")),
-        _ => {
-            return Err(format!(
-                "`{unit}` is no unit of frequency: use Hz, kHz, 1/s or rpm"
-            ));
-        }
-    };
-    Ok(Conversion::scaled(factor))
+    known::between(unit, si_unit).ok_or_else(|| match si_unit {
+        "s" => format!("`{unit}` is no unit of time: use s, ms, min or h"),
+        _ => format!("`{unit}` is no unit of frequency: use Hz, kHz, 1/s or rpm"),
+    })
 }
 
 /// Whether a study's number is a value or a difference: temperatures convert differently.

@@ -43,7 +43,6 @@ impl Content {
     ///
     /// # Panics
     /// When NaN shall be a whole number, yes or no.
-    #[allow(clippy::cast_possible_truncation)]
     pub fn value(self, number: f64) -> Value {
         let is_any = matches!(self, Self::Real | Self::Text);
         assert!(is_any || !number.is_nan(), "NaN is no {self:?}");
@@ -69,7 +68,6 @@ impl Value {
     }
 
     /// The value as a number, yes as 1. A text is not a number; whole numbers beyond 2^53 are rounded.
-    #[allow(clippy::cast_precision_loss)]
     pub fn number(&self) -> f64 {
         match self {
             Self::Real(value) => *value,

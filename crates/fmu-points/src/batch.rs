@@ -22,11 +22,6 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss
-    )]
     /// Notes that a batch is done: how long it took, and how much of that beyond its computation.
     pub(crate) fn end(&mut self, jobs: usize, took: Duration, overhead: Duration) {
         let (moment, most) = match overhead.is_zero() {

@@ -81,7 +81,6 @@ pub struct Conduct {
     /// How points shared processes.
     pub isolation: Isolation,
     /// Why they did not, or not all of them.
-    #[serde(default)]
     pub isolation_reason: Option<Reason>,
     /// How many points were computed twice, the second time in a new process with other bytes in unwritten memory.
     pub audits: u64,
@@ -91,16 +90,14 @@ pub struct Conduct {
     /// How many of them differed.
     pub audit_mismatches: u64,
     /// Whether points that are computed twice, alone, give the same; `None` where that is not known.
-    #[serde(default)]
     pub reproducible: Option<bool>,
     /// How many points that failed while others ran were run again alone at the end.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::notices::is_zero")]
     pub repeated_alone: u64,
     /// How many of these passed.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::notices::is_zero")]
     pub passed_alone: u64,
     /// The first file that the FMU changed in its own folder: then each point had a folder of its own.
-    #[serde(default)]
     pub changed_file: Option<String>,
 }
 
@@ -226,7 +223,6 @@ impl Conduct {
     }
 
     /// Findings of the audits on shared processes, and effects that they cannot see.
-    #[allow(clippy::cast_precision_loss)]
     fn proof(&self) -> String {
         let count = self.audits_of_shared;
         if count == 0 {
@@ -240,11 +236,6 @@ impl Conduct {
             points(count)
         )
     }
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_zero(count: &u64) -> bool {
-    *count == 0
 }
 
 fn points(count: u64) -> String {

@@ -46,11 +46,10 @@ pub struct OfCase {
 
 /// Results of which some are no finite numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Written")]
 pub struct Partial {
     /// The first variable without a finite value.
     pub variable: String,
-    /// All results; `None` where there is no finite number. Empty where they are not known.
+    /// All results; `None` where there is no finite number.
     pub values: Vec<Option<f64>>,
 }
 
@@ -62,27 +61,6 @@ impl Partial {
             variable: variable.to_owned(),
             values: values.iter().map(finite).collect(),
         }
-    }
-}
-
-/// A journal may hold the variable alone, as older versions wrote it.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Written {
-    Variable(String),
-    Whole {
-        variable: String,
-        values: Vec<Option<f64>>,
-    },
-}
-
-impl From<Written> for Partial {
-    fn from(written: Written) -> Self {
-        let (variable, values) = match written {
-            Written::Variable(variable) => (variable, Vec::new()),
-            Written::Whole { variable, values } => (variable, values),
-        };
-        Self { variable, values }
     }
 }
 
@@ -233,12 +211,5 @@ mod tests {
             [class("fmi3DoStep"), class("fmi2DoStep"), class("")],
             ["fmi3Discard", "fmi2Discard", "fmi2Discard"]
         );
-    }
-
-    #[test]
-    fn a_journal_of_an_older_version_is_understood() {
-        let failure: Failure = serde_json::from_str(r#"{"NotFinite":"b"}"#).unwrap();
-        assert_eq!(failure.to_string(), "not finite: b");
-        assert_eq!(failure.value(0), None);
     }
 }

@@ -38,7 +38,7 @@ pub(crate) enum Cut {
     Lost(String),
 }
 
-/// A payload and its ticket; that of the first one is 0.
+/// A ticket and the payload that goes under it. The first frame, which names the ticket of all others, goes under 0.
 type Frame = (u64, Vec<u8>);
 
 /// The lines that a launcher printed last.
@@ -67,7 +67,7 @@ impl Link {
             .stderr(Stdio::piped())
             .spawn()
             .map_err(|error| format!("{}: {error}", command.get_program().display()))?;
-        process::enlist(child.id());
+        process::launchers().insert(child.id());
         let thread = |work: Box<dyn FnOnce() + Send>| {
             let spawned = thread::Builder::new().spawn(work);
             spawned.map_err(|error| format!("no thread for the launcher's output: {error}"))
@@ -222,7 +222,7 @@ impl Drop for Link {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
-        process::dismiss(self.child.id());
+        process::launchers().remove(&self.child.id());
     }
 }
 

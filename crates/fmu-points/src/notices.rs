@@ -58,8 +58,7 @@ impl fmt::Display for Limit {
 /// Draws of a measured curve to which the model conforms, a bit each; empty where the curve cannot be drawn.
 pub type Replicates = Vec<u64>;
 
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
-fn is_zero(count: &u64) -> bool {
+pub(crate) fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 

@@ -373,21 +373,11 @@ fn family() -> MutexGuard<'static, Family> {
     locked(&WORKERS)
 }
 
-/// The launchers of workers elsewhere.
+/// The launchers of workers elsewhere, which end with this process's own workers.
 static LAUNCHERS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
-fn launchers() -> MutexGuard<'static, BTreeSet<u32>> {
+pub(crate) fn launchers() -> MutexGuard<'static, BTreeSet<u32>> {
     locked(&LAUNCHERS)
-}
-
-/// Lets a process, a launcher of workers elsewhere, end with this one's workers.
-pub(crate) fn enlist(launcher: u32) {
-    launchers().insert(launcher);
-}
-
-/// Forgets a launcher, which has ended.
-pub(crate) fn dismiss(launcher: u32) {
-    launchers().remove(&launcher);
 }
 
 /// Ends all workers of this process at once, with everything that they have started: for a process that is about to end

@@ -52,7 +52,6 @@ impl Repeats {
     }
 
     /// Whether a point is chosen.
-    #[allow(clippy::cast_precision_loss)]
     pub fn has(&self, index: u64) -> bool {
         match &self.chosen {
             Some(chosen) => chosen.contains(&index),

@@ -37,7 +37,7 @@ const LOOK: Duration = Duration::from_secs(1);
 /// When the supervisor cannot be understood or reached.
 pub(crate) fn serve() -> io::Result<()> {
     let said = serde_json::to_string(&Greeting::own())?;
-    // Whatever came before it, such as a prompt, ends with its line.
+    // The line break ends what a login shell may have printed before, such as its prompt.
     io::stdout().write_all(format!("\n{MAGIC}{said}\n").as_bytes())?;
     io::stdout().flush()?;
     let output = Arc::new(Mutex::new(Output {

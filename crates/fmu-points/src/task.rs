@@ -34,7 +34,6 @@ pub struct Task {
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
     /// The inputs that change over time.
-    #[serde(default)]
     pub inputs: Vec<Series>,
     /// Observed statistics, in the order of the results.
     pub observed: Vec<Probe>,
@@ -80,7 +79,6 @@ pub struct Probe {
     /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
     /// From when to when the statistic is taken, s, where that is not the schedule's window.
-    #[serde(default)]
     pub window: Option<[f64; 2]>,
     /// The measured curve with which the whole signal is compared; no statistic is taken then.
     #[serde(default, skip_serializing_if = "Option::is_none")]

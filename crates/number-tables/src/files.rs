@@ -149,8 +149,7 @@ pub fn missing(path: &Path) -> String {
         return format!("no such file: there is no folder {}", lost.display());
     }
     let names = names_in(folder);
-    let wanted = full.file_name().unwrap_or_default().to_string_lossy();
-    let meant = did_you_mean(nearest(&wanted, names.iter().map(String::as_str)));
+    let meant = did_you_mean(nearest(&name(&full), names.iter().map(String::as_str)));
     format!("no such file in {}{meant}", folder.display())
 }
 
@@ -160,6 +159,12 @@ fn first_missing(full: &Path) -> PathBuf {
     parts.reverse();
     let lost = parts.into_iter().find(|part| !part.exists());
     lost.unwrap_or(full).to_owned()
+}
+
+/// The name of a file without its folder.
+pub fn name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
 }
 
 fn names_in(folder: &Path) -> Vec<String> {

@@ -87,7 +87,6 @@ pub(crate) fn one_line(error: &ParquetError) -> String {
 }
 
 /// A cell as a number.
-#[allow(clippy::cast_precision_loss)]
 fn number(cell: &Field) -> Option<f64> {
     Some(match cell {
         Field::Double(value) => *value,

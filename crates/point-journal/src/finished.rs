@@ -16,7 +16,7 @@ use fmu_points::notices::Notices;
 use fmu_points::{Conduct, Isolation, Separation};
 
 /// Index of a journal: the position of each finished point's line.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Finished {
     /// Identity of the run.
     pub header: Header,
@@ -77,17 +77,7 @@ impl Finished {
             places: places(folder, header.points.unwrap_or(0))?,
             header,
             path: path_in(folder),
-            count: 0,
-            sets: HashMap::new(),
-            ended: false,
-            damaged: 0,
-            end: 0,
-            noted: None,
-            apart: false,
-            refuted: None,
-            crowded: BTreeSet::new(),
-            repeated: BTreeMap::new(),
-            alone: [0; 2],
+            ..Self::default()
         };
         loop {
             let place = lines.place();

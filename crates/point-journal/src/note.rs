@@ -45,12 +45,7 @@ pub(crate) fn word(separation: Separation) -> &'static str {
 
 /// The process that a line names.
 pub(crate) fn separation(word: &str) -> Option<Separation> {
-    let all = [
-        Separation::Apart,
-        Separation::New,
-        Separation::Forked,
-        Separation::Used,
-    ];
-    all.into_iter()
-        .find(|separation| self::word(*separation) == word)
+    use Separation::{Apart, Forked, New, Used};
+    let mut all = [Apart, New, Forked, Used].into_iter();
+    all.find(|separation| self::word(*separation) == word)
 }

@@ -67,6 +67,16 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// From the least and the greatest value to the pixels of these.
+    pub fn new([low, high]: [f64; 2], [from, to]: [f64; 2]) -> Self {
+        Self {
+            low,
+            high,
+            from,
+            to,
+        }
+    }
+
     /// The pixel of a value.
     pub fn at(&self, value: f64) -> f64 {
         self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
@@ -119,18 +129,8 @@ impl Frame {
         Self {
             width,
             height,
-            x: Axis {
-                low: x[0],
-                high: x[1],
-                from: 64.0,
-                to: width - 14.0,
-            },
-            y: Axis {
-                low: y[0],
-                high: y[1],
-                from: height - 48.0,
-                to: 12.0,
-            },
+            x: Axis::new(x, [64.0, width - 14.0]),
+            y: Axis::new(y, [height - 48.0, 12.0]),
         }
     }
 
@@ -216,7 +216,6 @@ fn with_style(svg: &str, style: &str) -> String {
 
 /// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel. Points that
 /// follow each other in the same column are taken together.
-#[allow(clippy::cast_possible_truncation)]
 pub fn envelope<'a>(points: impl Iterator<Item = (&'a f64, &'a f64)>, frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen: Option<[i64; 2]> = None;

@@ -89,11 +89,10 @@ impl Grid {
                 scatter: uncertainty_of_mean(&blocks),
                 sensor: sensor(value),
             },
-            noise: None,
-            from: None,
             stationarity: stationarity::test(&blocks, self.confidence),
             blocks,
             block: [self.time[0], self.block as f64 * self.time[1]],
+            ..DerivedCriterion::default()
         }
     }
 }
@@ -249,11 +248,7 @@ impl<'a> Aligned<'a> {
                 scatter: uncertainty_of_mean(&halves),
                 sensor: from_bound(gain * value),
             },
-            noise: None,
-            from: None,
-            blocks: vec![],
-            block: [0.0; 2],
-            stationarity: None,
+            ..DerivedCriterion::default()
         }
     }
 

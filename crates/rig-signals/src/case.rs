@@ -208,17 +208,9 @@ impl<'a> Case<'a> {
     /// # Errors
     /// With the times of both.
     pub fn check(&self) -> Result<(), SignalError> {
-        let spans: Vec<[f64; 2]> = (0..self.tables.len())
-            .map(|table| self.span(table))
-            .collect();
-        let begin = spans
-            .iter()
-            .map(|[from, _]| *from)
-            .fold(f64::INFINITY, f64::min);
-        let end = spans
-            .iter()
-            .map(|[_, to]| *to)
-            .fold(f64::NEG_INFINITY, f64::max);
+        let spans = || (0..self.tables.len()).map(|table| self.span(table));
+        let begin = spans().map(|[from, _]| from).fold(f64::INFINITY, f64::min);
+        let end = spans().map(|[_, to]| to).fold(f64::NEG_INFINITY, f64::max);
         for Input { drive, line, .. } in &self.inputs {
             let name = &drive.variable;
             let [Some(first), Some(last)] = [line.time.first(), line.time.last()] else {

@@ -1,4 +1,4 @@
-//! Spikes and clipped samples of a recorded signal.
+//! Spikes, marks of missing values and clipped samples of a recorded signal.
 
 use nalgebra::DMatrix;
 use sampling::statistics::moments::sorted;
@@ -21,6 +21,32 @@ impl Cleaned {
     /// How many samples are clipped.
     pub fn clipped_count(&self) -> usize {
         self.clipped.iter().filter(|&&clipped| clipped).count()
+    }
+
+    /// Looks at the least and the largest value that many samples have. A signal is clipped there where that level is taken much
+    /// more often than the one next to it, by samples side by side; a level far from all others is a mark.
+    fn look_at_ends(&mut self) {
+        let rest = self.values.iter().copied().filter(|v| v.is_finite());
+        let rest = sorted(rest.collect());
+        let ends = [
+            clipping_level(rest.iter()),
+            clipping_level(rest.iter().rev()),
+        ];
+        for end in ends.into_iter().flatten() {
+            let there: Vec<bool> = self.values.iter().map(|value| *value == end).collect();
+            let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
+            let others: Vec<f64> = rest.iter().copied().filter(|value| *value != end).collect();
+            if is_mark(end, &others, rest.len()) {
+                let found = self.values.iter_mut().filter(|value| **value == end);
+                self.marks += found.map(|value| *value = f64::NAN).count();
+                continue;
+            }
+            // A signal that repeats itself has equal peaks, but no two of them side by side.
+            if 4 * pairs >= there.iter().filter(|&&there| there).count() {
+                let pairs = self.clipped.iter_mut().zip(there);
+                pairs.for_each(|(clipped, there)| *clipped |= there);
+            }
+        }
     }
 }
 
@@ -45,10 +71,7 @@ const CHANCE: f64 = 2.0;
 /// The last digit of a slow signal flickers: a spike is more than this many levels of a coarse signal from the median.
 const LEVELS: f64 = 2.5;
 
-/// Finds spikes by Hampel's identifier (Hampel 1974; Davies and Gather 1993, "The identification of multiple outliers", J.
-/// Am. Stat. Assoc. 88), with one scale for the whole record, and takes for none what follows from its neighbours (as clicks are
-/// told from music: Godsill and Rayner 1998, "Digital Audio Restoration", chapter 5); and clipped samples by an end of the range that is taken
-/// much more often than the level next to it, by samples side by side.
+/// Leaves out spikes and marks of missing values, and tells which samples are clipped.
 pub fn clean(values: &[f64]) -> Cleaned {
     let known: Vec<usize> = (0..values.len())
         .filter(|&k| values[k].is_finite())
@@ -60,10 +83,25 @@ pub fn clean(values: &[f64]) -> Cleaned {
         marks: 0,
         clipped: vec![false; values.len()],
     };
-    if samples.len() <= 2 * AROUND {
-        return cleaned;
+    if samples.len() > 2 * AROUND {
+        for (place, _) in known
+            .iter()
+            .zip(spikes(&known, &samples))
+            .filter(|(_, spike)| *spike)
+        {
+            cleaned.values[*place] = f64::NAN;
+            cleaned.spikes += 1;
+        }
+        cleaned.look_at_ends();
     }
-    let off = |k: usize| samples[k] - median_around(&samples, k);
+    cleaned
+}
+
+/// Which samples at their places in the recording are spikes, by Hampel's identifier (Hampel 1974; Davies and Gather 1993, "The
+/// identification of multiple outliers", J. Am. Stat. Assoc. 88), with one scale for the whole record. What follows from its
+/// neighbours is none (as clicks are told from music: Godsill and Rayner 1998, "Digital Audio Restoration", chapter 5).
+fn spikes(known: &[usize], samples: &[f64]) -> Vec<bool> {
+    let off = |k: usize| samples[k] - median_around(samples, k);
     let off: Vec<f64> = (0..samples.len()).map(off).collect();
     let ordered = sorted(samples.to_vec());
     // Of a sample's distance from the middle of its neighbours, noise is 1.2 standard deviations and a slope nothing.
@@ -81,43 +119,16 @@ pub fn clean(values: &[f64]) -> Cleaned {
         .fold(f64::INFINITY, f64::min);
     let least = DEVIATIONS * scale.max(strays);
     let least = least.max(PART * range).max(LEVELS * step);
-    let mut spikes: Vec<bool> = off
-        .iter()
-        .map(|off| range > 0.0 && off.abs() > least)
-        .collect();
+    let is_far = |off: &f64| range > 0.0 && off.abs() > least;
+    let mut spikes: Vec<bool> = off.iter().map(is_far).collect();
     let signal = Signal {
-        known: &known,
-        samples: &samples,
+        known,
+        samples,
         off: &off,
         scale,
     };
     signal.keep_what_follows(&mut spikes);
-    for (place, _) in known.iter().zip(spikes).filter(|(_, spike)| *spike) {
-        cleaned.values[*place] = f64::NAN;
-        cleaned.spikes += 1;
-    }
-    let rest = cleaned.values.iter().copied().filter(|v| v.is_finite());
-    let rest = sorted(rest.collect());
-    let ends = [
-        clipping_level(rest.iter()),
-        clipping_level(rest.iter().rev()),
-    ];
-    for end in ends.into_iter().flatten() {
-        let there: Vec<bool> = cleaned.values.iter().map(|value| *value == end).collect();
-        let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
-        let others: Vec<f64> = rest.iter().copied().filter(|value| *value != end).collect();
-        if is_mark(end, &others, rest.len()) {
-            let found = cleaned.values.iter_mut().filter(|value| **value == end);
-            cleaned.marks += found.map(|value| *value = f64::NAN).count();
-            continue;
-        }
-        // A signal that repeats itself has equal peaks, but no two of them side by side.
-        if 4 * pairs >= there.iter().filter(|&&there| there).count() {
-            let pairs = cleaned.clipped.iter_mut().zip(there);
-            pairs.for_each(|(clipped, there)| *clipped |= there);
-        }
-    }
-    cleaned
+    spikes
 }
 
 /// A signal with samples that may be spikes.

@@ -204,7 +204,7 @@ impl RigRecording {
 }
 
 /// A criterion derived from the record.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DerivedCriterion {
     /// The criterion's name.
     pub name: String,

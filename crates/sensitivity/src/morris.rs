@@ -110,7 +110,6 @@ pub struct Effect {
     pub mu_star: Estimate,
     /// Where runs failed: the least and the largest mu* if the failed runs had values between the smallest and the largest
     /// that were seen. Null without failed runs.
-    #[serde(default)]
     pub mu_star_bounds: Option<[f64; 2]>,
     /// Standard deviation of the effects: large where the parameter interacts or acts non-linearly.
     #[serde(deserialize_with = "sampling::statistics::estimate::or_not_a_number")]

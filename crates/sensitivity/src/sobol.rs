@@ -98,10 +98,8 @@ pub struct Indices {
     pub total: Vec<Estimate>,
     /// Where runs failed: the least and the largest first-order index of the model with values everywhere, if those of the
     /// failed runs lie between the smallest and the largest that were seen. Null without failed runs.
-    #[serde(default)]
     pub first_bounds: Option<Vec<[f64; 2]>>,
     /// The same of the total indices.
-    #[serde(default)]
     pub total_bounds: Option<Vec<[f64; 2]>>,
     /// Base points of which both runs of the parameter's total index have values.
     pub used: Vec<usize>,

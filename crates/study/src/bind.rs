@@ -117,18 +117,13 @@ impl Binder<'_> {
         let bind = |(name, criterion): (&Name, &CriterionText)| {
             let variable = self.variable(&criterion.variable)?;
             let at = |message| self.study.error_at(&criterion.variable, message);
-            let handle = variable
-                .number_handle()
+            let probe = Probe::of(variable, criterion.statistic.unwrap_or_default())
                 .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
             let scale = criterion.scale(Some((self.fmu, variable))).map_err(at)?;
             let probe = Probe {
-                name: variable.name.clone(),
-                handle,
-                statistic: criterion.statistic.unwrap_or_default(),
-                window: None,
-                curve: self.curve(name, criterion, &scale, &handle, schedule)?,
+                curve: self.curve(name, criterion, &scale, &probe.handle, schedule)?,
                 detail: self.detail(name, criterion, variable, schedule)?,
-                unit: variable.unit().map(str::to_owned),
+                ..probe
             };
             Ok((scale.conversion.inverse(), probe))
         };

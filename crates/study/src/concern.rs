@@ -103,9 +103,7 @@ pub enum Code {
 impl Code {
     /// Its name, as in `summary.json`.
     pub fn name(self) -> String {
-        let name = serde_json::to_value(self).ok();
-        let name = name.as_ref().and_then(serde_json::Value::as_str);
-        name.expect("a kind is written as its name").to_owned()
+        sampling::word(&self)
     }
 }
 
@@ -140,11 +138,8 @@ pub fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Concern>, D::Error
 
 impl Severity {
     /// Its name before a doubt's text.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Warning => "warning",
-            Self::Note => "note",
-        }
+    pub fn name(self) -> String {
+        sampling::word(&self)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{ParameterText, Shape};
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use sampling::distribution::Distribution;
+use sampling::word;
 
 impl ParameterText {
     /// Its numbers, by their keys.
@@ -37,7 +38,7 @@ impl ParameterText {
         };
         let need = |key: &str| {
             maybe(key).unwrap_or_else(|| {
-                let name = self.distribution.name();
+                let name = word(&self.distribution);
                 Err(format!("`{key}` is missing for the distribution {name}"))
             })
         };
@@ -88,7 +89,7 @@ impl ParameterText {
             Shape::Sample => &["file"],
             Shape::Fixed => &["value"],
         };
-        let name = self.distribution.name();
+        let name = word(&self.distribution);
         if self.file.is_some() && self.distribution != Shape::Sample {
             return Err(format!(
                 "the distribution {name} does not use `file`; write distribution = \"sample\", or remove it"
@@ -102,20 +103,6 @@ impl ParameterText {
                 wanted.join(", ")
             )),
             None => Ok(()),
-        }
-    }
-}
-
-impl Shape {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::TruncatedNormal => "truncated-normal",
-            Self::Uniform => "uniform",
-            Self::Triangular => "triangular",
-            Self::Lognormal => "lognormal",
-            Self::Sample => "sample",
-            Self::Fixed => "fixed",
         }
     }
 }

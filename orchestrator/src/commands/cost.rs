@@ -17,11 +17,6 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const ENOUGH: f64 = 0.5;
 
 /// The estimate for people, or why there is none.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss
-)]
 pub(super) fn of(
     verification: &mut Verification,
     means: &Means,
@@ -73,7 +68,6 @@ pub(super) fn of(
     Ok(text(point, verification.expected(), jobs))
 }
 
-#[allow(clippy::cast_precision_loss)]
 fn text(point: f64, points: u64, jobs: usize) -> String {
     let all = point * points as f64 / jobs as f64;
     format!(

@@ -45,8 +45,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     if recorded.bearing.is_some() {
         write_text(&folder.join("synchronised.csv"), table(&result))?;
     }
-    let title = first.file_name().unwrap_or_default();
-    let title = title.to_string_lossy();
+    let title = number_tables::files::name(first);
     recording::write(&recorded, &result, &title, options.amplitudes, folder)?;
     if let Some(name) = &options.case {
         text = case(name, options, (&settings, &files), &recorded, &result)?;

@@ -39,7 +39,7 @@ const COVERAGE: f64 = 2.0;
 const GROWN: f64 = 1.5;
 
 /// One of the two results.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Side {
     /// The folder.
     pub folder: PathBuf,
@@ -94,13 +94,13 @@ pub struct Points {
     pub first: Vec<u64>,
 }
 
-impl Points {
-    fn of(points: &[u64]) -> Self {
+impl FromIterator<u64> for Points {
+    fn from_iter<T: IntoIterator<Item = u64>>(points: T) -> Self {
         const NAMED: usize = 20;
-        Self {
-            count: points.len() as u64,
-            first: points.iter().copied().take(NAMED).collect(),
-        }
+        let mut first = Vec::from_iter(points);
+        let count = first.len() as u64;
+        first.truncate(NAMED);
+        Self { count, first }
     }
 }
 
@@ -158,7 +158,7 @@ pub struct Region {
 }
 
 /// The comparison of two results.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Comparison {
     /// Whether nothing differs: the same verdict, counts that fit, each point has its partner, and none changed sides.
     pub same: bool,
@@ -217,28 +217,23 @@ pub fn compare(old: &Path, new: &Path) -> Result<Comparison, Error> {
 
 fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -> Comparison {
     let pairs = Pairs::new(&before.1, &now.1);
+    let [only_old, only_new, other_parameters] =
+        [&pairs.only_old, &pairs.only_new, &pairs.other_parameters]
+            .map(|points| points.iter().copied().collect());
     let mut told = Comparison {
-        same: false,
-        differences: Vec::new(),
-        warnings: Vec::new(),
         old: Side::new(old, &before.0),
         new: Side::new(new, &now.0),
-        as_packed: false,
         rule: RULE,
         pairs: pairs.both.len() as u64,
-        only_old: Points::of(&pairs.only_old),
-        only_new: Points::of(&pairs.only_new),
-        other_parameters: Points::of(&pairs.other_parameters),
-        lost: Points::default(),
-        gained: Points::default(),
-        flipped: Points::default(),
-        contradictory: Points::default(),
-        criteria: IndexMap::new(),
+        only_old,
+        only_new,
+        other_parameters,
+        ..Comparison::default()
     };
     let completed = |[i, j]: [usize; 2]| [before.1.completed(i), now.1.completed(j)];
     let with = |wanted: [bool; 2]| {
         let points = pairs.both.iter().filter(|pair| completed(**pair) == wanted);
-        Points::of(&points.map(|[i, _]| before.1.ids[*i]).collect::<Vec<_>>())
+        points.map(|[i, _]| before.1.ids[*i]).collect()
     };
     (told.lost, told.gained) = (with([true, false]), with([false, true]));
     // A point changed sides when a criterion did whose value did, or that has other limits now.
@@ -285,21 +280,13 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         let is_other = before.1.verified[*i] != now.1.verified[*j];
         without_reason[*pair] || (same_criteria && is_other && !with_reason[*pair])
     });
-    told.contradictory = Points::of(
-        &contradictory
-            .map(|(_, [i, _])| before.1.ids[*i])
-            .collect::<Vec<_>>(),
-    );
+    told.contradictory = contradictory.map(|(_, [i, _])| before.1.ids[*i]).collect();
     let flipped = pairs.both.iter().zip(&really).filter(|([i, j], really)| {
         let verified = [before.1.verified[*i], now.1.verified[*j]];
         let lost = completed([*i, *j]);
         verified[0] != verified[1] && (**really || lost[0] != lost[1])
     });
-    told.flipped = Points::of(
-        &flipped
-            .map(|([i, _], _)| before.1.ids[*i])
-            .collect::<Vec<_>>(),
-    );
+    told.flipped = flipped.map(|([i, _], _)| before.1.ids[*i]).collect();
     told.conclude([&before.0, &now.0]);
     if told.old.accepted != told.new.accepted && !told.explains_counts() {
         let [old, new] = [&told.old, &told.new].map(|side| side.accepted.unwrap_or(0));
@@ -391,8 +378,7 @@ impl Judged<'_> {
             of_tolerance: difference(pair) / room,
         });
         let differences: Vec<f64> = both.iter().map(|&pair| difference(pair)).collect();
-        let ids =
-            |pairs: &[usize]| Points::of(&pairs.iter().map(|&pair| id(pair)).collect::<Vec<_>>());
+        let ids = |pairs: &[usize]| pairs.iter().map(|&pair| id(pair)).collect();
         Change {
             unit: self.criterion.unit.clone(),
             compared: both.len() as u64,

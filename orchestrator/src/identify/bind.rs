@@ -389,8 +389,7 @@ impl Binder<'_> {
     fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), FileError> {
         let at = |message: String| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
-        let handle = variable
-            .number_handle()
+        let probe = Probe::of(variable, text.statistic)
             .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
         if text.statistic == Statistic::Percentile || text.statistic.unit().is_some() {
             let message = format!(
@@ -400,15 +399,6 @@ impl Binder<'_> {
             return Err(at(message));
         }
         let scale = Scale::new(text.unit.as_deref(), self.fmu, variable).map_err(at)?;
-        let probe = Probe {
-            name: variable.name.clone(),
-            handle,
-            statistic: text.statistic,
-            window: None,
-            curve: None,
-            detail: None,
-            unit: None,
-        };
         Ok((probe, scale))
     }
 

@@ -1,6 +1,7 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
-use super::{Judge, distance_unit, product};
+use super::scalar::distance_unit;
+use super::{Judge, product};
 use conformity::measured::Measurement;
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;

@@ -103,7 +103,6 @@ fn amount_of_setting(
     let Some(fmu) = fmu else {
         return match setting? {
             Setting::Number(number) => Some(Amount::new(Some(*number), None)),
-            #[allow(clippy::cast_precision_loss)]
             Setting::Integer(number) => Some(Amount::new(Some(*number as f64), None)),
             _ => None,
         };

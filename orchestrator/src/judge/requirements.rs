@@ -1,20 +1,17 @@
-//! A study's requirements of the model as a whole, and the uncertainties of its measured values.
+//! A study's requirements of the model as a whole.
 
 use toml::Spanned;
 
-use super::{Criterion, Judge, tolerance};
+use super::{Criterion, Judge};
 use conformity::decision::Rule;
 use conformity::measured::{Limits, Measurement};
 use conformity::risk::Guard;
-use conformity::uncertainty::{Distribution, Uncertainty};
 use fmu_import::quantity::Quantity;
-use fmu_import::quantity::Scale;
 use fmu_import::{Causality, Variable};
 use number_tables::files::FileError;
 use study::concern::{Code, Concern};
-use study::limit::gain;
 use study::points::{Pairs, pairs};
-use study::{CriterionText, Name, Required, Study, first_wrong};
+use study::{CriterionText, Name, Required, Study};
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
 pub(super) fn check_variable(
@@ -39,94 +36,6 @@ pub(super) fn check_variable(
          setting; remove the criterion or name an output"
     );
     Err(study.error_at(&text.variable, message))
-}
-
-/// The uncertainty of a criterion's measured value, in the criterion's unit.
-pub(super) fn uncertainty(
-    study: &Study,
-    name: &Name,
-    text: &CriterionText,
-    nominal: &Quantity,
-    scale: &Scale<'_>,
-) -> Result<Option<Uncertainty>, FileError> {
-    let at = |place: &Spanned<Quantity>, what: &str, message: String| {
-        let message = message.replace("the tolerance", what);
-        study.error_at(place, format!("{}: {message}", name.as_ref()))
-    };
-    let is_rectangular = text.uncertainty_distribution == Some(Distribution::Rectangular);
-    if let Some(coverage) = &text.coverage {
-        let useless = text.uncertainty.is_none() && text.gain_uncertainty.is_none();
-        let message = match () {
-            () if useless => Some(
-                "coverage says how many standard uncertainties `uncertainty` is; add `uncertainty` or remove it",
-            ),
-            () if is_rectangular => Some(
-                "a rectangular uncertainty is the half-width of its limits, which no coverage factor expands; remove `coverage`",
-            ),
-            () => None,
-        };
-        if let Some(message) = message {
-            return Err(study.error_at(coverage, message));
-        }
-    }
-    first_wrong(&[
-        (
-            text.uncertainty_distribution.is_some() && text.uncertainty.is_none(),
-            "`uncertainty-distribution` says how `uncertainty` is meant; add `uncertainty` or remove it",
-        ),
-        (
-            text.repeats.is_some() && text.noise.is_none(),
-            "`repeats` says of how many readings the measured value is the mean; add their standard deviation as `noise`, or \
-             remove `repeats`",
-        ),
-        (
-            text.repeats.is_some_and(|repeats| repeats < 2.0 || repeats.fract() != 0.0 || repeats > 1e9),
-            "`repeats` must be a whole number, 2 or more, as a single reading tells no standard deviation; without `repeats` the \
-             measured value is one reading, and `noise` is known",
-        ),
-    ])
-    .map_err(|message| study.error_of(name, message))?;
-    let amount = |stated: &Option<Spanned<Quantity>>, what: &str| {
-        let stated = stated.as_ref();
-        let number = stated.map(|stated| {
-            let amount = tolerance(stated.as_ref(), nominal, scale);
-            amount.map_err(|message| at(stated, what, message))
-        });
-        number.transpose()
-    };
-    let coverage = text
-        .coverage
-        .as_ref()
-        .map_or(Uncertainty::USUAL, |k| *k.as_ref());
-    if !(coverage > 0.0 && coverage.is_finite()) {
-        let message = format!("the coverage factor {coverage} must be a positive, finite number");
-        return Err(study.error_of(name, message));
-    }
-    let offset = amount(&text.uncertainty, "the uncertainty")?;
-    let gain = text.gain_uncertainty.as_ref().map(|stated| {
-        let part = gain(stated.as_ref()).map_err(|message| study.error_at(stated, message))?;
-        // Where it is not clear of which number it is a part, this says so.
-        let is_clear = scale.part(part, nominal);
-        is_clear.map_err(|message| at(stated, "the gain uncertainty", message))?;
-        Ok(part)
-    });
-    let gain = gain.transpose()?;
-    let noise = amount(&text.noise, "the noise")?;
-    if offset.is_none() && gain.is_none() && noise.is_none() {
-        return Ok(None);
-    }
-    let offset = offset.unwrap_or(0.0);
-    let offset = match is_rectangular {
-        true => Uncertainty::rectangular(offset),
-        false => Uncertainty::normal(offset, coverage),
-    };
-    Ok(Some(Uncertainty {
-        gain: gain.unwrap_or(0.0) / coverage,
-        noise: noise.unwrap_or(0.0),
-        // A whole number within the type's range, as refused above otherwise.
-        repeats: text.repeats.map(|repeats| repeats as u32),
-        ..offset
-    }))
 }
 
 impl Judge {

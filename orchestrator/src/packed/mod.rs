@@ -309,94 +309,58 @@ pub fn pack(
         })
         .collect();
     let request = Request::read(results)?;
-    let mut files = Vec::new();
-    let mut add = |path: &Path, below: String, role: &str, kind: &str, description: String| {
-        let content = fs::read(path).map_err(Error::io(path))?;
+    let entry = |below: &str, role: &str, kind: &str, description: &str, content: Vec<u8>| {
         let source = format!("{name}/{below}");
-        let related = Related {
-            kind: kind.to_owned(),
-            source: percent_encoded(&source, "/"),
-            role: role.to_owned(),
-            description,
-        };
-        files.push(File {
+        File {
             name: format!("{FOLDER}{source}"),
             content,
-            related,
-        });
-        Ok::<_, Error>(())
+            related: Related {
+                kind: kind.to_owned(),
+                source: percent_encoded(&source, "/"),
+                role: role.to_owned(),
+                description: description.to_owned(),
+            },
+        }
     };
+    let read = |path: &Path| fs::read(path).map_err(Error::io(path));
     let (place, data) = layout(study)?;
     let role = match study.parameters.is_empty() {
         true => "experiment/validation",
         false => "experiment/uncertainty-analysis",
     };
-    let title = study
-        .title
-        .clone()
-        .unwrap_or_else(|| stem.clone().into_owned());
-    add(
-        study.path(),
-        place.clone(),
-        role,
-        "application/toml",
-        format!("The study: {title}"),
-    )?;
+    let title = format!("The study: {}", study.title.as_deref().unwrap_or(&stem));
+    let content = read(study.path())?;
+    let mut files = vec![entry(&place, role, "application/toml", &title, content)];
     for (path, below) in data {
-        add(
-            &path,
-            below,
-            "other",
-            "text/csv",
-            "Data that the study names".to_owned(),
-        )?;
+        let about = "Data that the study names";
+        files.push(entry(&below, "other", "text/csv", about, read(&path)?));
     }
-    let points_from = match &request.points_from {
-        Some(table) => {
-            let end = table
-                .extension()
-                .unwrap_or("csv".as_ref())
-                .to_string_lossy();
-            let below = format!("points.{end}");
-            add(
-                table,
-                below.clone(),
-                "other",
-                "text/csv",
-                "The points' parameters".to_owned(),
-            )?;
-            Some(below)
-        }
-        None => None,
+    let mut points_from = None;
+    if let Some(table) = &request.points_from {
+        let end = table.extension().unwrap_or("csv".as_ref());
+        let below = format!("points.{}", end.to_string_lossy());
+        let about = "The points' parameters";
+        files.push(entry(&below, "other", "text/csv", about, read(table)?));
+        points_from = Some(below);
+    }
+    let mut add_result = |file: &str, role: &str, kind: &str, what: &str, content: Vec<u8>| {
+        let (below, about) = (
+            format!("{RESULT}{file}"),
+            format!("Of the study {name}: {what}"),
+        );
+        files.push(entry(&below, role, kind, &about, content));
     };
     for (file, role, kind, what) in RESULTS {
         let path = results.join(file);
         if path.exists() {
-            add(
-                &path,
-                format!("{RESULT}{file}"),
-                role,
-                kind,
-                format!("Of the study {name}: {what}"),
-            )?;
+            add_result(file, role, kind, what, read(&path)?);
         }
     }
-    let counted = request.points_from.is_none() && !study.design.method.is_by_levels();
     for (file, content) in nominal {
-        let source = format!("{name}/{RESULT}{file}");
-        let related = Related {
-            kind: "text/csv".to_owned(),
-            source: source.clone(),
-            role: "result".to_owned(),
-            description: format!("Of the study {name}: the run with every parameter at its median"),
-        };
-        let name = format!("{FOLDER}{source}");
-        files.push(File {
-            name,
-            content,
-            related,
-        });
+        let what = "the run with every parameter at its median";
+        add_result(&file, "result", "text/csv", what, content);
     }
+    let counted = request.points_from.is_none() && !study.design.method.is_by_levels();
     let ties = Ties {
         study: place,
         points: counted.then_some(summary.points),
@@ -409,20 +373,9 @@ pub fn pack(
         files: digests(package)?,
         packed: files.iter().map(File::tie).collect(),
     };
-    let source = format!("{name}/{TIES}");
-    let related = Related {
-        kind: "application/json".to_owned(),
-        source: source.clone(),
-        role: "other".to_owned(),
-        description: "How the study was run, and the digests of the files that it was run with"
-            .to_owned(),
-    };
+    let about = "How the study was run, and the digests of the files that it was run with";
     let content = serde_json::to_vec_pretty(&ties)?;
-    files.push(File {
-        name: format!("{FOLDER}{source}"),
-        content,
-        related,
-    });
+    files.push(entry(TIES, "other", "application/json", about, content));
     let before = match package.entries().iter().any(|entry| entry == MANIFEST) {
         true => Some(String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned()),
         false => None,

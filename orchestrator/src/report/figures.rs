@@ -179,33 +179,19 @@ fn marks(
             continue;
         }
         let (px, py) = (frame.x.at(vx), frame.y.at(vy));
+        let corner = |s: f64| (px - s, py - s, 2.0 * s);
         if table.is_beyond(i) {
-            let s = r + 2.0;
-            let _ = write!(
-                paths[3],
-                "M{:.1},{:.1}h{d}v{d}h-{d}z",
-                px - s,
-                py - s,
-                d = 2.0 * s
-            );
+            let (left, top, d) = corner(r + 2.0);
+            let _ = write!(paths[3], "M{left:.1},{top:.1}h{d}v{d}h-{d}z");
         }
         if table.verified[i] {
             paths[2] += &circle([px, py], r);
         } else if within(x, i) && within(y, i) {
-            let _ = write!(
-                paths[1],
-                "M{px:.1},{:.1}l{r},{r}l-{r},{r}l-{r},-{r}z",
-                py - r
-            );
+            let top = py - r;
+            let _ = write!(paths[1], "M{px:.1},{top:.1}l{r},{r}l-{r},{r}l-{r},-{r}z");
         } else {
-            let s = r * 0.75;
-            let _ = write!(
-                paths[0],
-                "M{:.1},{:.1}l{d},{d}m0,-{d}l-{d},{d}",
-                px - s,
-                py - s,
-                d = 2.0 * s
-            );
+            let (left, top, d) = corner(r * 0.75);
+            let _ = write!(paths[0], "M{left:.1},{top:.1}l{d},{d}m0,-{d}l-{d},{d}");
         }
     }
     let classes = ["pt out", "pt part", "pt in", "pt beyond"]
@@ -239,18 +225,8 @@ pub fn distribution(
     let frame = Frame {
         width: 300.0,
         height: 190.0,
-        x: Axis {
-            low: c.range[0],
-            high: c.range[1],
-            from: SIDES[0],
-            to: SIDES[1],
-        },
-        y: Axis {
-            low: 0.0,
-            high: 1.08,
-            from: 142.0,
-            to: 24.0,
-        },
+        x: Axis::new(c.range, SIDES),
+        y: Axis::new([0.0, 1.08], [142.0, 24.0]),
     };
     let mut out = frame.axes(&with_unit(c.name, c.unit), None);
     if c.is_criterion {

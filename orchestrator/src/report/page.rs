@@ -398,7 +398,6 @@ fn failures(table: &PointTable, summary: &Summary) -> Vec<(String, String, Strin
 }
 
 /// A number of points that need not be whole.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn expected(points: f64) -> String {
     if points > 0.0 && points < 0.01 {
         "fewer than 0.01".into()

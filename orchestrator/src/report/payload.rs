@@ -88,7 +88,7 @@ struct Acceptance {
     ok: Part,
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Density {
     bins: usize,
     /// By "x,y" (column indices, x below y): a byte per cell.
@@ -295,9 +295,7 @@ fn densities(table: &PointTable, columns: &[PlotColumn<'_>], bytes: &Bytes) -> D
     };
     let mut density = Density {
         bins,
-        all: BTreeMap::new(),
-        verified: BTreeMap::new(),
-        most: BTreeMap::new(),
+        ..Density::default()
     };
     for (a, b) in pairs {
         let key = || format!("{a},{b}");

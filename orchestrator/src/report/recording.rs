@@ -23,6 +23,18 @@ struct Trace<'a> {
     values: &'a [f64],
 }
 
+impl<'a> Trace<'a> {
+    /// The last values, as many as there are times.
+    fn new(class: &'static str, time: &'a [f64], values: &'a [f64]) -> Self {
+        let values = &values[values.len() - time.len()..];
+        Self {
+            class,
+            time,
+            values,
+        }
+    }
+}
+
 /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
 ///
 /// # Errors
@@ -132,16 +144,10 @@ fn row(finding: &DerivedCriterion) -> Value {
 
 /// A signal as it was recorded.
 fn recorded(channel: &Channel) -> Option<Figure> {
-    let trace = Trace {
-        class: "line",
-        time: &channel.time,
-        values: &channel.values,
-    };
+    let trace = Trace::new("line", &channel.time, &channel.values);
     let name = format!("{}: as recorded", channel.name);
-    let svg = plot(&name, "time (s)", &channel.unit, &[trace], |_| {
-        String::new()
-    })?;
-    Some(figure(&name, &format!("signal-{}", channel.name), svg))
+    let file = format!("signal-{}", channel.name);
+    of_time(&name, &file, &channel.unit, &[trace])
 }
 
 /// Signals before and after (the paper's Fig. 5), and how the delay was found.
@@ -149,25 +155,15 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
     let end = result.time.last().copied().unwrap_or(0.0);
     let from = result.time.partition_point(|t| *t < end - SHOWN);
     let time = &result.time[from..];
-    fn trace<'a>(class: &'static str, time: &'a [f64], values: &'a [f64]) -> Trace<'a> {
-        Trace {
-            class,
-            time,
-            values: &values[values.len() - time.len()..],
-        }
-    }
-    let of_time = |name: &str, file: &str, unit: &str, traces: &[Trace<'_>]| {
-        let svg = plot(name, "time (s)", unit, traces, |_| String::new())?;
-        Some(figure(name, file, svg))
-    };
+    let trace = |class, values| Trace::new(class, time, values);
     let signals = [
         of_time(
             "Load: recorded and smoothed",
             "load",
             "N",
             &[
-                trace("line raw", time, &result.load_raw),
-                trace("line", time, &result.load),
+                trace("line raw", &result.load_raw),
+                trace("line", &result.load),
             ],
         ),
         of_time(
@@ -175,9 +171,9 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
             "torque",
             "N.m",
             &[
-                trace("line raw", time, &result.torque_raw),
-                trace("line before", time, &result.torque_before),
-                trace("line", time, &result.torque),
+                trace("line raw", &result.torque_raw),
+                trace("line before", &result.torque_before),
+                trace("line", &result.torque),
             ],
         ),
         of_time(
@@ -185,15 +181,15 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
             "friction",
             "friction coefficient",
             &[
-                trace("line before", time, &result.friction_before),
-                trace("line", time, &result.friction),
+                trace("line before", &result.friction_before),
+                trace("line", &result.friction),
             ],
         ),
         of_time(
             "Friction power after the shift",
             "power",
             "W",
-            &[trace("line", time, &result.power)],
+            &[trace("line", &result.power)],
         ),
         search(result),
     ];
@@ -209,11 +205,7 @@ fn search(result: &Synchronised) -> Option<Figure> {
         .map(|(delay, scatter)| (1e3 * delay, 100.0 * scatter))
         .unzip();
     let name = "What the load does not explain of the torque, by the delay";
-    let trace = Trace {
-        class: "line",
-        time: &delays,
-        values: &scatter,
-    };
+    let trace = Trace::new("line", &delays, &scatter);
     let marks = |frame: &Frame| {
         let Some(interval) = &result.delay.delay else {
             return String::new();
@@ -228,8 +220,8 @@ fn search(result: &Synchronised) -> Option<Figure> {
         band + &path("nominal", format_args!("M{delay:.2},{top:.1}V{bottom:.1}"))
     };
     let up = "unexplained part of the standard deviation (%)";
-    let svg = plot(name, "torque later than load (ms)", up, &[trace], marks)?;
-    Some(figure(name, "delay", svg))
+    let across = "torque later than load (ms)";
+    figure(name, "delay", [across, up], &[trace], marks)
 }
 
 /// The means of blocks with the straight line through them.
@@ -237,11 +229,7 @@ fn wander(finding: &DerivedCriterion) -> Option<Figure> {
     let [start, block] = finding.block;
     let middle = |k: usize| start + (k as f64 + 0.5) * block;
     let time: Vec<f64> = (0..finding.blocks.len()).map(middle).collect();
-    let trace = Trace {
-        class: "blocks",
-        time: &time,
-        values: &finding.blocks,
-    };
+    let trace = Trace::new("blocks", &time, &finding.blocks);
     let line = |frame: &Frame| {
         let Some(s) = &finding.stationarity else {
             return String::new();
@@ -257,34 +245,24 @@ fn wander(finding: &DerivedCriterion) -> Option<Figure> {
         finding.name,
         number(block, 3)
     );
-    let svg = plot(&name, "time (s)", &finding.unit, &[trace], line)?;
-    Some(figure(&name, &format!("blocks-{}", finding.name), svg))
+    let file = format!("blocks-{}", finding.name);
+    figure(&name, &file, [TIME, &finding.unit], &[trace], line)
 }
 
-fn figure(caption: &str, file: &str, svg: String) -> Figure {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || c == '_' {
-            c
-        } else {
-            '-'
-        }
-    };
-    Figure {
-        file: file.chars().map(plain).collect(),
-        caption: caption.to_owned(),
-        svg,
-        ..Figure::default()
-    }
+const TIME: &str = "time (s)";
+
+fn of_time(name: &str, file: &str, unit: &str, traces: &[Trace<'_>]) -> Option<Figure> {
+    figure(name, file, [TIME, unit], traces, |_| String::new())
 }
 
 /// Lines over a common axis, and marks under them; nothing without any value.
-fn plot(
-    name: &str,
-    across: &str,
-    up: &str,
+fn figure(
+    caption: &str,
+    file: &str,
+    [across, up]: [&str; 2],
     traces: &[Trace<'_>],
     marks: impl Fn(&Frame) -> String,
-) -> Option<String> {
+) -> Option<Figure> {
     let all = traces.iter().flat_map(|t| t.values).copied();
     let range = axis_range(all, f64::NEG_INFINITY, f64::INFINITY)?;
     let time = traces.first()?.time;
@@ -301,5 +279,11 @@ fn plot(
             envelope(trace.time.iter().zip(trace.values), &frame),
         );
     }
-    Some(frame.wrap(name, &out))
+    let is_plain = |c: char| c.is_alphanumeric() || c == '_';
+    Some(Figure {
+        file: file.replace(|c| !is_plain(c), "-"),
+        caption: caption.to_owned(),
+        svg: frame.wrap(caption, &out),
+        ..Figure::default()
+    })
 }

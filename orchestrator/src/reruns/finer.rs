@@ -22,11 +22,6 @@ pub(super) fn for_a_plot(schedule: Schedule) -> Schedule {
 
 /// Finer steps than those of a study: shorter by the golden ratio at least. A period of which the study's step is a
 /// multiple is then met at all its phases, as no ratio is worse approximated by a fraction (Hurwitz 1891).
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss
-)]
 pub(super) fn golden(schedule: &Schedule) -> Option<Schedule> {
     let mut schedule = *schedule;
     // Where only the final value counts, a leap may leave nothing to look at.

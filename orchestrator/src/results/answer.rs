@@ -11,7 +11,7 @@ use super::words::{
     accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown,
 };
 use super::{Summary, resampled::presumed};
-use conformity::conclusion::{Conclusion, Requirement, grouped};
+use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
 use conformity::decision::Decision;
 use result_document::format::number;
 use study::concern::{Concern, Severity};
@@ -372,26 +372,12 @@ pub fn improve_first(summary: &Summary) -> Option<String> {
 /// How far the nearest point is from being accepted.
 fn nearest(summary: &Summary) -> Option<String> {
     let best = summary.best_point.as_ref()?;
-    let off = |(name, value): (&String, &f64)| {
+    let off = best.values.iter().filter_map(|(name, &value)| {
         let criterion = &summary.criteria.get(name)?.criterion;
-        Some((
-            name.clone(),
-            criterion.deviation(*value),
-            criterion.clone(),
-            *value,
-        ))
-    };
-    let missed = best
-        .values
-        .iter()
-        .filter_map(off)
-        .filter(|(_, off, ..)| *off > 1.0);
-    let only = missed.count() == 1;
-    let (name, off, criterion, value) = best
-        .values
-        .iter()
-        .filter_map(off)
-        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((criterion.deviation(value), name, criterion, value))
+    });
+    let only = off.clone().filter(|(off, ..)| *off > 1.0).count() == 1;
+    let (off, name, criterion, value) = off.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (off > 1.0).then(|| {
         format!(
             "The nearest point, {}, misses {}: {value:.5}{}, accepted {}.",
@@ -417,11 +403,6 @@ fn needed(conclusion: &Conclusion) -> Option<String> {
         grouped(once),
         grouped(going_on)
     ))
-}
-
-/// A share in percent without the digits that only rounding brings.
-fn percent(share: f64) -> f64 {
-    (1e10 * share).round() / 1e8
 }
 
 fn range(ends: [f64; 2]) -> String {

@@ -1,5 +1,7 @@
 //! Doubts about a verdict of a study that can be judged all the same: a sentence each, with the remedy.
 
+use std::f64::consts::{PI, TAU};
+
 use crate::judge::Criterion;
 use fmu_import::units::{Conversion, known};
 use study::concern::{Code, Concern};
@@ -7,32 +9,35 @@ use study::concern::{Code, Concern};
 /// Fewer points may miss a measured value by chance.
 const FEWEST: u64 = 10;
 
-/// Factors between units that are often mistaken for each other, and offsets, for values whose unit nobody states.
-const UNITS: [(f64, f64, &str); 16] = [
-    (1.0, 273.15, "degC and K"),
-    (1.0, -273.15, "K and degC"),
-    (1e6, 0.0, "MPa and Pa, or um and m"),
-    (1e-6, 0.0, "Pa and MPa, or m and um"),
-    (1e5, 0.0, "bar and Pa"),
-    (1e-5, 0.0, "Pa and bar"),
+/// Factors between units that are often mistaken for each other, and offsets, for values whose unit nobody states, with the
+/// words for this way and for the way back.
+const UNITS: [(f64, f64, [&str; 2]); 8] = [
+    (1.0, 273.15, ["degC and K", "K and degC"]),
+    (
+        1e6,
+        0.0,
+        ["MPa and Pa, or um and m", "Pa and MPa, or m and um"],
+    ),
+    (1e5, 0.0, ["bar and Pa", "Pa and bar"]),
     (
         1e3,
         0.0,
-        "a unit and a thousandth of it, such as m and mm, or kW and W",
+        [
+            "a unit and a thousandth of it, such as m and mm, or kW and W",
+            "a unit and a thousand of it, such as mm and m, or W and kW",
+        ],
     ),
     (
-        1e-3,
+        1e2,
         0.0,
-        "a unit and a thousand of it, such as mm and m, or W and kW",
+        [
+            "a share and per cent, or m and cm",
+            "per cent and a share, or cm and m",
+        ],
     ),
-    (1e2, 0.0, "a share and per cent, or m and cm"),
-    (1e-2, 0.0, "per cent and a share, or cm and m"),
-    (std::f64::consts::TAU / 60.0, 0.0, "rpm and rad/s"),
-    (60.0 / std::f64::consts::TAU, 0.0, "rad/s and rpm"),
-    (60.0, 0.0, "Hz and rpm"),
-    (1.0 / 60.0, 0.0, "rpm and Hz"),
-    (std::f64::consts::PI / 180.0, 0.0, "deg and rad"),
-    (180.0 / std::f64::consts::PI, 0.0, "rad and deg"),
+    (TAU / 60.0, 0.0, ["rpm and rad/s", "rad/s and rpm"]),
+    (60.0, 0.0, ["Hz and rpm", "rpm and Hz"]),
+    (PI / 180.0, 0.0, ["deg and rad", "rad and deg"]),
 ];
 
 /// Warns of a measured value that lies beyond the values of all points, given the least and the greatest of these. Values
@@ -45,10 +50,7 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     let measured = criterion.measured();
     let nominal = measured.value?;
     // Less than a hundredth of the tolerance is rounding, and no reason to doubt.
-    let uncertainty = criterion
-        .measured()
-        .error
-        .map_or(0.0, |error| error.expanded);
+    let uncertainty = measured.error.map_or(0.0, |error| error.expanded);
     let room = uncertainty.max(0.01 * criterion.room());
     if low > high || (low - room..=high + room).contains(&nominal) {
         return None;
@@ -126,27 +128,23 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
 /// What a unit may be mistaken for: another one of its kind, or of an unknown kind a thousandth or a thousand of it.
 fn confusions(unit: Option<&str>) -> Vec<(Conversion, String)> {
     let alike = unit.map(known::alike).unwrap_or_default();
-    let of_kind = alike.iter().flat_map(|other| {
+    let of_kind = alike.iter().filter_map(|other| {
         let unit = unit.unwrap_or_default();
-        let way = known::between(other, unit);
-        let both = way.map(|way| {
-            let words = |a, b| format!("{} and {}", in_words(a), in_words(b));
-            [
-                (way, words(other, unit)),
-                (way.inverse(), words(unit, other)),
-            ]
-        });
-        both.into_iter().flatten()
+        let words = |a, b| format!("{} and {}", in_words(a), in_words(b));
+        let way = known::between(other, unit)?;
+        Some((way, [words(other, unit), words(unit, other)]))
     });
     let listed = UNITS.iter().filter(|(factor, ..)| match unit {
         None => true,
-        Some(_) => alike.is_empty() && [1e3, 1e-3].contains(factor),
+        Some(_) => alike.is_empty() && *factor == 1e3,
     });
     let listed = listed.map(|&(factor, offset, words)| {
         let way = Conversion { factor, offset };
-        (way, words.to_owned())
+        (way, words.map(str::to_owned))
     });
-    of_kind.chain(listed).collect()
+    let both =
+        |(way, [there, back]): (Conversion, [String; 2])| [(way, there), (way.inverse(), back)];
+    of_kind.chain(listed).flat_map(both).collect()
 }
 
 fn in_words(unit: &str) -> &str {

@@ -4,6 +4,7 @@ use super::{Row, Summary};
 use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
+use sampling::statistics::moments::{ks_distance, sorted};
 use study::concern::{Code, Concern};
 use study::plan::Plan;
 
@@ -59,12 +60,10 @@ pub(super) fn place(plan: &Plan, points: &[(&[f64], bool)]) -> Option<String> {
     let of = |k: usize| {
         let values = |of: bool| {
             let rows = points.iter().filter(|(_, marked)| *marked == of);
-            let mut sorted: Vec<f64> = rows.map(|(parameters, _)| parameters[k]).collect();
-            sorted.sort_by(f64::total_cmp);
-            sorted
+            sorted(rows.map(|(parameters, _)| parameters[k]).collect())
         };
         let [marked, others] = [values(true), values(false)];
-        (distance(&marked, &others), k, marked, others)
+        (ks_distance(&marked, &others), k, marked, others)
     };
     let varied = plan.varied();
     let chance = |marked: usize, others: usize| {
@@ -90,21 +89,6 @@ pub(super) fn place(plan: &Plan, points: &[(&[f64], bool)]) -> Option<String> {
         range(&marked),
         range(&others)
     ))
-}
-
-/// The largest distance between the distribution functions of two samples in growing order; 0 where one is empty.
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    if a.is_empty() || b.is_empty() {
-        return 0.0;
-    }
-    let below = |sample: &[f64], value: f64| {
-        sample.partition_point(|&x| x <= value) as f64 / sample.len() as f64
-    };
-    let gaps = a
-        .iter()
-        .chain(b)
-        .map(|&x| (below(a, x) - below(b, x)).abs());
-    gaps.fold(0.0, f64::max)
 }
 
 /// The conclusion where no point has a result: there is nothing to decide by.
@@ -135,17 +119,4 @@ pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
     }
     *other_verdict_interval = None;
     *risk = None;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn samples_that_lie_apart_have_the_distance_1() {
-        assert_eq!(distance(&[1.0, 2.0], &[3.0, 4.0]), 1.0);
-        assert_eq!(distance(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0]), 0.0);
-        assert_eq!(distance(&[1.0, 3.0], &[2.0, 4.0]), 0.5);
-        assert_eq!(distance(&[], &[1.0]), 0.0);
-    }
 }

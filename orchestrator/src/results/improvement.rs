@@ -53,7 +53,6 @@ pub struct Change {
     pub gain: f64,
     /// The interval of the gain, from the difference at each point. All intervals of a study hold together with 95 %. None
     /// of points that are no sample, such as those of a grid.
-    #[serde(default)]
     pub gain_interval: Option<[f64; 2]>,
     /// Verdict and risks that would follow.
     #[serde(flatten)]

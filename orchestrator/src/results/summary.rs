@@ -26,7 +26,6 @@ pub struct Summary {
     /// The study's title.
     pub title: Option<String>,
     /// Who answers for the verdict, and on which test it rests, where the study says it.
-    #[serde(default)]
     pub dossier: Option<Dossier>,
     /// Versions, seed and hashes: all that is needed to compute the same again.
     pub provenance: Provenance,
@@ -48,7 +47,6 @@ pub struct Summary {
     pub conclusion: Option<Conclusion>,
     /// How many points conform, as expected from the measured values' uncertainties; none unless
     /// every criterion has one.
-    #[serde(default)]
     pub expected_verified: Option<f64>,
     /// Which measured values' errors are correlated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -76,7 +74,6 @@ pub struct Summary {
     pub best_point: Option<BestPoint>,
     /// The point with the largest product of prior density and likelihood; none unless every measured value has an
     /// uncertainty and the parameters' distributions are known.
-    #[serde(default)]
     pub most_probable_point: Option<BestPoint>,
     /// Doubts about the verdict.
     #[serde(default, deserialize_with = "concern::read")]
@@ -91,7 +88,6 @@ pub struct Summary {
     #[serde(default)]
     pub validation: IndexMap<String, Comparison>,
     /// Improvements by their effect on the verdict, the best first.
-    #[serde(default)]
     pub improvements: Option<Improvements>,
     /// How the points shared processes, and what audits of that found.
     #[serde(flatten)]

@@ -139,7 +139,7 @@ impl Verification {
         let header = &self.header;
         let given = header.table.is_some();
         Provenance {
-            study: name(request.own_study()),
+            study: number_tables::files::name(request.own_study()),
             fmu: Some(fmu.model_name.clone()),
             fmu_version: fmu.version.clone(),
             fmu_guid: Some(fmu.guid.clone()),
@@ -160,17 +160,10 @@ impl Verification {
 pub fn provenance(study: &Study) -> Provenance {
     Provenance {
         orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
-        study: name(study.path()),
+        study: number_tables::files::name(study.path()),
         study_sha256: study.digest(),
         ..Provenance::default()
     }
-}
-
-fn name(path: &Path) -> String {
-    path.file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
 }
 
 /// `points.csv` and `summary.json`, which appear when they are complete, and `validity.csv` where points went beyond the

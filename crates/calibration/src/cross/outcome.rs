@@ -65,7 +65,7 @@ pub struct Moves {
 }
 
 /// A case that was left out.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct HeldOut {
     /// Name, for people.
     pub label: String,
@@ -87,7 +87,7 @@ pub struct HeldOut {
 }
 
 /// A result of a case that was left out.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct HeldOutResult {
     /// The quantity.
     pub quantity: String,
@@ -180,22 +180,15 @@ impl HeldOut {
             measured: measured[k].value,
             accuracy: measured[k].accuracy,
             fitted: whole.minimum.misfit.predicted[case][k] + shifts[case][k],
-            predicted: None,
-            spread: None,
-            own: None,
             linear: plain[k][0][case],
             mean: plain[k][1][case],
+            ..HeldOutResult::default()
         };
         let quantities = whole.problem.quantities.iter().enumerate();
         Self {
             label: label.clone(),
-            end: None,
-            failure: None,
-            failed_simulations: 0,
-            free: Vec::new(),
             results: quantities.map(result).collect(),
-            latents: Vec::new(),
-            squares: None,
+            ..Self::default()
         }
     }
 }

@@ -174,6 +174,21 @@ pub struct Sample {
     pub failures: Failures,
 }
 
+impl Sample {
+    /// How many unknowns a particle has, those that lie behind the problem's own among them.
+    pub fn unknowns(&self) -> usize {
+        let first = self.particles.first();
+        first.map_or(0, |particle| particle.places.len())
+    }
+
+    /// The places of the particles in one of their unknowns.
+    pub fn places(&self, unknown: usize) -> impl Iterator<Item = f64> {
+        self.particles
+            .iter()
+            .map(move |particle| particle.places[unknown])
+    }
+}
+
 /// Samples the posterior; with `optima` the start is a mixture of their normal approximations and the prior. `observe`
 /// hears how far it is.
 ///

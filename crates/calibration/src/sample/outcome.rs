@@ -394,13 +394,9 @@ impl PosteriorOutcome {
                 100.0 * (1.0 - self.approximated)
             ));
         }
-        let all = sample
-            .particles
-            .first()
-            .map_or(0, |particle| particle.places.len());
         let problem = objective.problem;
         let rectangular = problem.sources.iter().any(|source| source.rectangular);
-        if all > problem.unknowns() || rectangular || !problem.not_normal.is_empty() {
+        if sample.unknowns() > problem.unknowns() || rectangular || !problem.not_normal.is_empty() {
             // The search took the discrepancies as known, and all errors as normal, so its densities are others.
             return notes;
         }
@@ -432,11 +428,7 @@ impl PosteriorOutcome {
         index: usize,
     ) -> (f64, [f64; 2]) {
         let place = problem.unknowns() + index;
-        let places = sample
-            .particles
-            .iter()
-            .map(|particle| particle.places[place]);
-        let places = sorted(places.collect());
+        let places = sorted(sample.places(place).collect());
         let at = |part| unknown.deviation(quantile(&places, part));
         let ends = interval([0.0, 1.0], |part| quantile(&places, part));
         (at(0.5), ends.map(|place| unknown.deviation(place)))
@@ -451,12 +443,8 @@ impl PosteriorOutcome {
 /// How many independent particles the sample is worth, for the means and variances of all unknowns together. The groups
 /// are few, so the estimate for a single one would scatter too much.
 fn effective(groups: &Groups<'_>, sample: &Sample) -> f64 {
-    let unknowns = sample
-        .particles
-        .first()
-        .map_or(0, |particle| particle.places.len());
     let mut ratios = Vec::new();
-    for k in 0..unknowns {
+    for k in 0..sample.unknowns() {
         let mean = groups.estimate(&|particle| particle.places[k]);
         let square = |particle: &Particle| (particle.places[k] - mean.mean).powi(2);
         let variance = groups.estimate(&square);
@@ -555,11 +543,7 @@ fn marginal(
     (name, unit, scale): (&str, &Option<String>, Spacing),
     value: &dyn Fn(f64) -> f64,
 ) -> Marginal {
-    let places = sample
-        .particles
-        .iter()
-        .map(|particle| particle.places[unknown]);
-    let places = sorted(places.collect());
+    let places = sorted(sample.places(unknown).collect());
     let values: Vec<f64> = places.iter().map(|&place| value(place)).collect();
     let intervals = regions(&places, bounds).into_iter();
     Marginal {
@@ -575,9 +559,7 @@ fn marginal(
 
 /// Mean and spread of each population stand behind all other unknowns.
 fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
-    let all = sample.particles.first();
-    let all = all.map_or(0, |particle| particle.places.len());
-    let first = all - 2 * problem.populations.len();
+    let first = sample.unknowns() - 2 * problem.populations.len();
     let populations = problem.populations.iter().enumerate();
     let outcomes = populations.map(|(number, population)| {
         let (name, at) = (&population.name, first + 2 * number);

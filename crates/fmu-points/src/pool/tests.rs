@@ -30,7 +30,6 @@ fn workers(count: usize) -> Vec<Box<dyn Worker>> {
         .collect()
 }
 
-#[allow(clippy::cast_precision_loss)]
 fn job(index: u64) -> Job {
     Job {
         index,
@@ -43,7 +42,6 @@ fn none(_: Separation) -> Vec<u64> {
 }
 
 #[test]
-#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)]
 fn every_point_is_answered_once() {
     let mut seen = vec![0; 10_000];
     let stop = AtomicBool::new(false);
@@ -122,7 +120,6 @@ impl Worker for Erring {
 }
 
 #[test]
-#[allow(clippy::cast_precision_loss)]
 fn what_does_not_count_is_computed_again() {
     let known = Arc::new(AtomicBool::new(false));
     let erring = || Box::new(Erring(0, known.clone())) as Box<dyn Worker>;

@@ -31,7 +31,6 @@ pub struct MeasuredCurve {
     pub offset: f64,
     /// Whether the result is the model's value at the first of the times, in the criterion's unit, and no metric of both
     /// curves.
-    #[serde(default)]
     pub reads: bool,
 }
 

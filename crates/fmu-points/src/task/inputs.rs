@@ -20,7 +20,6 @@ pub struct Series {
     /// Whether the input varies linearly within a step; otherwise the FMU sees new values at communication points only.
     pub ramp: bool,
     /// Whether the FMU takes a step to each row, wherever it lies between communication points.
-    #[serde(default)]
     pub each_row: bool,
     /// The times of the values, s, growing; at least one.
     pub times: Vec<f64>,

@@ -81,7 +81,6 @@ impl Schedule {
     }
 
     /// The number of steps. A remainder shorter than a millionth of a step is rounding and gets no step of its own.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub fn steps(&self) -> u64 {
         let (leap, even) = self.even();
         let steps = leap + ((self.stop - even) / self.step - 1e-6).ceil().max(0.0) as u64;
@@ -137,7 +136,6 @@ pub struct CommunicationPoints {
 impl CommunicationPoints {
     /// The `index`th one.
     #[inline]
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
     pub fn at(&self, index: u64) -> f64 {
         if index >= self.steps {
             self.schedule.stop
@@ -159,7 +157,6 @@ impl CommunicationPoints {
     /// Begin and size of even steps from the `first` on: as [`at`](Self::at) has them, but with nothing to decide, so
     /// that the processor computes several at a time. Steps after the even ones mean nothing.
     #[inline]
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_wrap)]
     pub fn even_steps<const N: usize>(
         &self,
         first: u64,

@@ -16,10 +16,8 @@ pub struct Slot {
     /// The largest value that the FMU allows.
     pub max: Option<f64>,
     /// The values of an enumeration's items, growing; empty for other types.
-    #[serde(default)]
     pub items: Vec<i128>,
     /// Whether the value is that of another case, and this simulation leaves the variable as it is.
-    #[serde(default)]
     pub idle: bool,
     /// Whether the value is by how much the recorded input of this variable is too high: it is taken off every row.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -96,7 +96,6 @@ pub struct Domain<S> {
     /// Check against the study's own points.
     pub confirmed: Confirmed,
     /// Check against fresh runs, where some were made.
-    #[serde(default)]
     pub fresh: Option<Confirmed>,
 }
 

@@ -12,7 +12,7 @@ use crate::random::Random;
 const WIDER: [f64; 4] = [1.5, 2.0, 3.0, 4.0];
 /// Points that meet the event before the way back begins.
 const ENOUGH: usize = 40;
-/// A step back keeps this part of the points effective.
+/// A step towards the parameters' own distribution is so long that its weights leave this effective part of the points.
 const KEPT: f64 = 0.4;
 /// Moves of each chain at a step.
 const MOVES: usize = 4;

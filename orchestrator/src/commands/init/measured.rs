@@ -11,7 +11,7 @@ use fmu_import::{Causality, Description, Variable};
 use fmu_points::names::{did_you_mean, nearest};
 use number_tables::{How, Table};
 
-/// A table's columns that the FMU computes.
+/// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
 pub(super) struct Measured<'a> {
     pub(super) file: PathBuf,

@@ -322,12 +322,8 @@ impl Page<'_> {
     /// The values of a parameter in the sample, as drawn.
     fn sampled(&self, index: usize) -> Option<Vec<f64>> {
         let free = &self.bound.problem.free[index];
-        let particles = self.sample?.particles.iter();
-        Some(
-            particles
-                .map(|p| drawn(free, free.value(p.places[index])))
-                .collect(),
-        )
+        let places = self.sample?.places(index);
+        Some(places.map(|place| drawn(free, free.value(place))).collect())
     }
 
     fn parameters(&self) -> Document {
@@ -440,7 +436,7 @@ impl Page<'_> {
                 [
                     optimum.weight,
                     drawn(free, of.value),
-                    step(free, of.deviation),
+                    drawn(free, of.deviation),
                 ]
             })
             .collect();
@@ -479,11 +475,7 @@ impl Page<'_> {
             return Vec::new();
         };
         let problem = &self.bound.problem;
-        let all = sample
-            .particles
-            .first()
-            .map_or(0, |particle| particle.places.len());
-        let first = all - 2 * problem.populations.len();
+        let first = sample.unknowns() - 2 * problem.populations.len();
         let figures = problem
             .populations
             .iter()
@@ -491,19 +483,11 @@ impl Page<'_> {
             .flat_map(|(number, population)| {
                 let free = &problem.free[population.members[0]];
                 let at = first + 2 * number;
-                let places = |at: usize| {
-                    sample
-                        .particles
-                        .iter()
-                        .map(move |particle| particle.places[at])
-                };
-                let means: Vec<f64> = places(at)
-                    .map(|place| drawn(free, free.value(place)))
-                    .collect();
-                let spreads: Vec<f64> = places(at + 1)
-                    .map(|place| step(free, free.spread(place)))
-                    .collect();
-                let scale = step(free, free.spread(population.scale(problem)));
+                let means = sample.places(at);
+                let means: Vec<f64> = means.map(|v| drawn(free, free.value(v))).collect();
+                let spreads = sample.places(at + 1);
+                let spreads: Vec<f64> = spreads.map(|v| drawn(free, free.spread(v))).collect();
+                let scale = drawn(free, free.spread(population.scale(problem)));
                 let half_normal = move |v: f64| {
                     let z = v / scale;
                     (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
@@ -584,7 +568,7 @@ impl Page<'_> {
             _ => {
                 let of = [a, b].map(|k| &self.outcome.free[k]);
                 let [x, y] =
-                    [0, 1].map(|k| [drawn(free[k], of[k].value), step(free[k], of[k].deviation)]);
+                    [0, 1].map(|k| [drawn(free[k], of[k].value), drawn(free[k], of[k].deviation)]);
                 // Of two normal numbers 95 % lie within 2.448 deviations (chi-square with two degrees of freedom).
                 let at = |k: u32| {
                     let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 90.0).sin_cos();
@@ -860,19 +844,11 @@ fn histogram(values: &[f64], x: [f64; 2]) -> Vec<f64> {
     counts.into_iter().map(|count: f64| count / all).collect()
 }
 
-/// A value as it is drawn: on a logarithmic scale its decimal logarithm.
+/// A value or a standard deviation as it is drawn: on a logarithmic scale its decimal logarithm.
 fn drawn(free: &Free, value: f64) -> f64 {
     match free.scale {
         Spacing::Linear => value,
         Spacing::Log => value.log10(),
-    }
-}
-
-/// A standard deviation as it is drawn.
-fn step(free: &Free, deviation: f64) -> f64 {
-    match free.scale {
-        Spacing::Linear => deviation,
-        Spacing::Log => deviation.log10(),
     }
 }
 
@@ -888,7 +864,7 @@ fn axis(free: &Free) -> String {
 fn prior_density(free: &Free, [low, high]: [f64; 2]) -> impl Fn(f64) -> f64 + use<> {
     let known = free.prior.map(|prior| Distribution::TruncatedNormal {
         mean: drawn(free, prior.centre),
-        deviation: step(free, prior.spread),
+        deviation: drawn(free, prior.spread),
         min: Some(low),
         max: Some(high),
     });

@@ -16,11 +16,7 @@ pub(super) fn write(
     outcome: &IdentificationOutcome,
     others: &[String],
 ) -> Result<(), Error> {
-    let name = study
-        .path()
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let name = number_tables::files::name(study.path());
     let optima = outcome.optima.len();
     for place in 0..optima {
         let section = text::fixed_section(&name, place, outcome, others);

@@ -20,6 +20,7 @@ use point_journal::Outcome;
 use point_journal::files::write_table;
 use point_journal::pipeline::Pipeline;
 use sampling::rare::{self, Answer, FEWEST_RUNS, Judged, Search};
+use sampling::word;
 use statement::{Statement, confidence};
 
 const FILE: &str = "rare.json";
@@ -36,17 +37,6 @@ pub enum RareEvent {
     NotConforming,
     /// Points whose run fails
     Failed,
-}
-
-impl RareEvent {
-    /// As the user writes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Verified => "verified",
-            Self::NotConforming => "not-conforming",
-            Self::Failed => "failed",
-        }
-    }
 }
 
 /// The options of a search.
@@ -164,7 +154,7 @@ impl Analysis for Rare {
             seed: self.seed,
             // The search ends when it knows enough.
             points: None,
-            method: format!("{} with at most {} runs", self.event.name(), self.points),
+            method: format!("{} with at most {} runs", word(&self.event), self.points),
             table: None,
         })
     }

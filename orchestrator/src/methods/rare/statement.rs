@@ -165,11 +165,7 @@ impl Statement {
     /// The statement for people.
     pub(super) fn document(&self) -> Document {
         let mut told = Document::new("rare", "Rare", "A share that is too small to be counted");
-        let event = match self.event {
-            RareEvent::Verified => "verified",
-            RareEvent::NotConforming => "not conforming",
-            RareEvent::Failed => "failed",
-        };
+        let event = sampling::word(&self.event).replace('-', " ");
         let percent = number(100.0 * self.confidence, 4);
         let [low, high] = self.interval.map(|end| number(end, 3));
         let Counted {

@@ -278,14 +278,8 @@ fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64
     let mut out: String = shades
         .map(|(s, d)| result_document::svg::path(&format!("shade s{s}"), d))
         .collect();
-    let axis = |[low, high]: [f64; 2], from, to| Axis {
-        low,
-        high,
-        from,
-        to,
-    };
-    let x = axis(map.x_range, LEFT, LEFT + SIDE);
-    let y = axis(map.y_range, TOP + SIDE, TOP);
+    let x = Axis::new(map.x_range, [LEFT, LEFT + SIDE]);
+    let y = Axis::new(map.y_range, [TOP + SIDE, TOP]);
     for t in ticks(x.low, x.high, 3) {
         out += &text("tick", [x.at(t), SIDE + 21.0], "middle", &number(t, 4));
     }

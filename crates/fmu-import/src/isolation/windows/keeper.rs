@@ -51,7 +51,6 @@ impl Keeper {
     }
 
     /// Waits a short time until there is something to read, or the end of it.
-    #[allow(clippy::unnecessary_wraps)] // as on Unix
     pub(in crate::isolation) fn is_ready(
         &mut self,
         answers: &mut Inbox<Arrivals>,
