@@ -1,5 +1,5 @@
 //! The stand's variables. `variables/table.txt` has a row for each with all that hosts and people know of it, where people will
-//! look for it; [`way`] tells how it is read and set. Start values are those of `Stand::default()`.
+//! look for it; `way` tells how it is read and set. Start values are those of `Stand::default()`.
 //!
 //! A new variable takes the next value reference. Tools store references, so that a variable keeps its own for good.
 
