@@ -24,6 +24,8 @@ RULES = {
     "type": ("sets an Integer by fmi2SetReal", "2.1.2: Handle and base type uniquely identify the value of a variable"),
     "end": ("calls fmi2DoStep after the FMU has ended the simulation",
             "4.2.3: fmi2Terminated returns fmi2True, if the slave wants to terminate the simulation"),
+    "callbacks": ("changes the callback functions", "2.1.5: It is not allowed to change these functions between fmi2Instantiate and "
+                  "fmi2Terminate calls"),
     "warning": ("takes fmi2Warning for an error", "2.1.3: things are not quite right, but the computation can continue"),
     "memory": ("crashes: allocateMemory returns another address", "2.1.5: allocateMemory returns a pointer to space for a vector "
                "of nobj objects, each of size \"size\" or NULL"),
