@@ -2,7 +2,7 @@
 
 import zipfile
 
-from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
+from fmuloader.fmi2 import Fmi2Slave, Fmi2Status, Fmi2Type
 from scenario import FMU, GUID, IDENTIFIER, OUTPUTS, REFERENCES, START, STEP, STEPS, report
 
 with zipfile.ZipFile(FMU) as archive:
@@ -16,8 +16,10 @@ slave.exit_initialization_mode()
 outputs = [REFERENCES[name] for name in OUTPUTS]
 samples = [slave.get_real(outputs)]
 for i in range(STEPS):
-    slave.do_step(i * STEP, STEP)
+    status = slave.do_step(i * STEP, STEP)
     samples.append(slave.get_real(outputs))
+    if status == Fmi2Status.DISCARD:  # the FMU ends the simulation
+        break
 slave.terminate()
 slave.free_instance()
 report("fmuloader", samples)
