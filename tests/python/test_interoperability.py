@@ -129,6 +129,13 @@ def test_every_importer_gets_the_same_outputs(fmu, tmp_path, monkeypatch):
 
 
 @pytest.mark.importers
+def test_the_orchestrator_does_nothing_against_fmi(fmu):
+    command = [sys.executable, ROOT / "tests/interoperability/errors.py"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.importers
 def test_the_four_forms_agree_in_the_programs_of_the_reference_fmus(fmu):
     command = [sys.executable, ROOT / "tests/interoperability/forms.py", "--write"]
     done = subprocess.run(command, capture_output=True, text=True)
