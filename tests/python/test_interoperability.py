@@ -84,6 +84,22 @@ def test_differences_count_relative_to_the_largest_value(samples, leave, verdict
     assert (row.verdict, row.words) == (verdict, words)
 
 
+def test_a_model_without_real_variables_runs_and_is_not_called_identical():
+    row = importers.Row("model.fmu", "tool")
+    importers.judge(row, _tools.Answer(runs={"": [[], []]}), {"": [[], []]}, 1e-6, 0)
+    assert (row.verdict, row.good) == ("runs", True)
+
+
+def test_the_table_keeps_what_was_not_run(tmp_path):
+    file = tmp_path / "table.csv"
+    file.write_text("FMU,FMPy 0.1,fmi4c,FMPy validation 0.1\nother.fmu,identical,-,accepts it\nmodel.fmu,refused: x,identical,\n")
+    rows = [importers.Row("model.fmu", "FMPy", "0.2", "within", "1e-09"), importers.Row("model.fmu", "fmi4c", "-", "not installed", "y"),
+            importers.Row("new.fmu", "fmusim", "-", "identical")]
+    importers.table(rows, file)
+    assert file.read_text() == ("FMU,FMPy 0.2,fmusim,fmi4c,FMPy validation 0.1\nother.fmu,identical,,-,accepts it\n"
+                                "model.fmu,within: 1e-09,,identical,\nnew.fmu,,identical,,\n")
+
+
 def test_a_run_that_crashes_or_says_nothing_has_its_reason():
     with pytest.raises(_tools.Trouble, match="ends by signal 11"):
         _tools.run([sys.executable, "-c", "import os; os.kill(os.getpid(), 11)"])
@@ -109,6 +125,13 @@ def test_every_importer_gets_the_same_outputs(fmu, tmp_path, monkeypatch):
         install(package, file=file)
     done = matrix(*(fmu.with_name(name) for name in FORMS), *SCENARIO, "--install", "--output", tmp_path, "--csv",
                   ROOT / "docs/evidence/importers.csv")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.importers
+def test_the_orchestrator_does_nothing_against_fmi(fmu):
+    command = [sys.executable, ROOT / "tests/interoperability/errors.py"]
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

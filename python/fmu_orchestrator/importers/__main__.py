@@ -25,7 +25,7 @@ from ._tools import Answer, Missing, Scenario, Tool, Trouble
 MOST_OUTPUTS, MOST_STEPS = 10, 100
 # Relative to an output's largest value: two programs that step alike; two solvers.
 TOLERANCE = {"CoSimulation": 1e-6, "ModelExchange": 1e-4}
-GOOD, SKIPPED = ("identical", "within", "accepts it"), ("not installed", "not for it")
+GOOD, SKIPPED = ("identical", "within", "runs", "accepts it"), ("not installed", "not for it")
 COLOURS = {True: "#1a7f37", False: "#b3261e", None: "#8a6100"}
 
 
@@ -68,7 +68,7 @@ def scenario(fmu: Path, options: argparse.Namespace) -> Scenario:
     return Scenario(str(fmu.resolve()), found["fmi_version"], found["interface"].replace("-", "").replace(" ", ""),
                     found["model_identifier"], found["guid"], step, steps, steps * step, start,
                     options.record.split(",") if options.record else names[:MOST_OUTPUTS],
-                    {one["name"]: one["value_reference"] for one in scalar})
+                    {one["name"]: one["value_reference"] for one in scalar}, experiment.get("tolerance"))
 
 
 def references(wanted: Scenario, environments: Path) -> Mapping[str, list[list[float]]]:
@@ -100,6 +100,9 @@ def difference(samples: list[list[float]], reference: list[list[float]], leave: 
 def judge(row: Row, answer: Answer, expected: Mapping[str, list[list[float]]], tolerance: float, leave: int) -> None:
     """Compares with the reference run that computes its step sizes as the importer does."""
     row.version = answer.version or "-"
+    if not next(iter(expected.values()), [[0.0]])[0]:
+        row.verdict, row.words = "runs", "the FMU has no real variables to compare"
+        return
     away = {way: difference(answer.runs[""], run, leave) for way, run in expected.items()}
     if not away:
         row.verdict, row.words = "refused", "it runs, but no reference does"
@@ -167,14 +170,23 @@ def page(rows: Iterable[Row], file: Path) -> None:
 
 
 def table(rows: list[Row], file: Path) -> None:
-    """A line an FMU, a column a tool that ran."""
-    versions = {row.tool: row.version for row in sorted(rows, key=lambda row: row.version != "-")}
-    tools = [tool.name for tool in _tools.TOOLS if any(row.tool == tool.name and row.verdict not in SKIPPED for row in rows)]
-    cells = {(row.fmu, row.tool): row.cell for row in rows}
+    """A line an FMU, a column a tool that ran; what the file has and was not run now stays."""
+    versions, cells = {}, {}
+    if file.exists():
+        with file.open(newline="", encoding="utf-8") as kept:
+            header, *lines = csv.reader(kept)
+        names = [max((tool.name for tool in _tools.TOOLS if title.startswith(tool.name)), key=len, default=title) for title in header]
+        versions = {name: title.removeprefix(name).strip() or "-" for name, title in zip(names[1:], header[1:])}
+        cells = {(line[0], name): cell for line in lines for name, cell in zip(names[1:], line[1:])}
+    for row in rows:
+        cells[row.fmu, row.tool] = cells.get((row.fmu, row.tool), "") if row.verdict == "not installed" else row.cell
+        if row.verdict not in SKIPPED:
+            versions[row.tool] = versions.get(row.tool, "-") if row.version == "-" else row.version
+    tools = [tool.name for tool in _tools.TOOLS if tool.name in versions]
     with file.open("w", newline="", encoding="utf-8") as out:
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(["FMU", *(f"{tool} {versions[tool]}".removesuffix(" -") for tool in tools)])
-        writer.writerows([fmu, *(cells[fmu, tool] for tool in tools)] for fmu in dict.fromkeys(row.fmu for row in rows))
+        writer.writerows([fmu, *(cells.get((fmu, tool), "") for tool in tools)] for fmu in dict.fromkeys(fmu for fmu, _ in cells))
 
 
 def arguments() -> argparse.Namespace:
@@ -192,7 +204,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--environments", type=Path, default=own / "importers", help="where they are installed")
     parser.add_argument("--output", type=Path, default=Path("results/importers"), help="folder of the page")
     parser.add_argument("--junit", type=Path, metavar="FILE")
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="a line an FMU")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="a line an FMU; what it has and is not run now stays")
     parsed = parser.parse_args()
     if not (parsed.fmus or parsed.install):
         parser.error("name an FMU")

@@ -50,6 +50,8 @@ class Scenario:
     start: Mapping[str, float]
     outputs: Sequence[str]
     references: Mapping[str, int]
+    suggested: float | None = None
+    """The FMU's tolerance for its own solver."""
     tolerance: float = 1e-8
     """Of solvers, relative."""
 
@@ -180,9 +182,13 @@ def by_rust(tool: Tool, scenario: Scenario, environments: Path) -> Answer:
         text = run([program, scenario.fmu, repr(scenario.step), scenario.steps, start, ",".join(scenario.outputs)], cwd=folder)
     samples = [[float(value) for value in line.removeprefix("sample ").split(",") if value] for line in text.splitlines()
                if line.startswith("sample ")]
+    return Answer(crate_version(tool), runs={"": samples})
+
+
+def crate_version(tool: Tool) -> str:
+    """The version of a tool's crate that is built."""
     lock = (HERE / "rust/Cargo.lock").read_text(encoding="utf-8")
-    version = lock.split(f'name = "{tool.crate}"\nversion = "', 1)[1].split('"', 1)[0]
-    return Answer(version, runs={"": samples})
+    return lock.split(f'name = "{tool.crate}"\nversion = "', 1)[1].split('"', 1)[0]
 
 
 def by_orchestrator(tool: Tool, scenario: Scenario, environments: Path) -> Answer:
@@ -209,8 +215,9 @@ def by_fmusim(tool: Tool, scenario: Scenario, environments: Path) -> Answer:
              repr(scenario.step), "--output-file", out, scenario.fmu], cwd=folder)
         with out.open(encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
-    # A row more stands at each event.
-    at = {round(float(row["time"]) / scenario.step): row for row in rows}
+    # Rows more stand at events.
+    steps = [(float(row["time"]) / scenario.step, row) for row in rows]
+    at = {round(step): row for step, row in steps if abs(step - round(step)) < 1e-6}
     return Answer(runs={"": [[float(at[i][name]) for name in scenario.outputs] for i in sorted(at)]})
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 _given = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
 FMU: str = _given["fmu"]
 VERSION, KIND, IDENTIFIER, GUID = (_given[key] for key in ("version", "kind", "identifier", "guid"))
-STEP, STEPS, STOP, TOLERANCE = (_given[key] for key in ("step", "steps", "stop", "tolerance"))
+STEP, STEPS, STOP, TOLERANCE, SUGGESTED = (_given[key] for key in ("step", "steps", "stop", "tolerance", "suggested"))
 START, OUTPUTS, REFERENCES = _given["start"], _given["outputs"], _given["references"]
 PROGRAM = _given["program"]  # the library of importers that are in no registry
 

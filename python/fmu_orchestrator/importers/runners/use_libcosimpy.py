@@ -19,6 +19,7 @@ execution.add_observer(observer)
 outputs = [variables[name] for name in OUTPUTS]
 samples = []
 for _ in range(STEPS):
-    execution.step()
+    if not execution.step():  # for an FMU that ends the simulation, too
+        break
     samples.append(list(observer.last_real_values(slave, outputs)))
 report("libcosimpy", samples)

@@ -23,7 +23,7 @@ impl Scenario {
             step: step.parse().expect("a step size"),
             steps: steps.parse().expect("a number of steps"),
             start: start.split(',').filter(|pair| !pair.is_empty()).map(pair).collect(),
-            outputs: outputs.split(',').map(str::to_owned).collect(),
+            outputs: outputs.split(',').filter(|name| !name.is_empty()).map(str::to_owned).collect(),
         }
     }
 }

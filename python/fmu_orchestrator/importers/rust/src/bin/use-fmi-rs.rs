@@ -26,9 +26,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     good(instance.enterInitializationMode())?;
     good(instance.exitInitializationMode())?;
     let mut values = vec![0.0; outputs.len()];
+    let mut ended = false;
     for i in 0..=scenario.steps {
-        if i > 0 {
-            good(instance.doStep((i - 1) as f64 * scenario.step, scenario.step, 1))?;
+        if i > 0 && !ended {
+            match instance.doStep((i - 1) as f64 * scenario.step, scenario.step, 1) {
+                fmi2Status::Discard => ended = true,
+                status => good(status)?,
+            }
+        } else if ended {
+            break;
         }
         good(instance.getReal(&outputs, &mut values))?;
         print(values.iter().copied());

@@ -1,5 +1,6 @@
 //! The crate `fmi` as a host.
 
+use fmi::fmi2::Fmi2Error;
 use fmi::fmi2::import::Fmi2Import;
 use fmi::fmi2::instance::{CoSimulation, Common};
 use fmi::traits::FmiImport;
@@ -22,9 +23,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     instance.enter_initialization_mode()?;
     instance.exit_initialization_mode()?;
     let mut values = vec![0.0; outputs.len()];
+    let mut ended = false;
     for i in 0..=scenario.steps {
-        if i > 0 {
-            instance.do_step((i - 1) as f64 * scenario.step, scenario.step, true)?;
+        if i > 0 && !ended {
+            match instance.do_step((i - 1) as f64 * scenario.step, scenario.step, true) {
+                Err(Fmi2Error::Discard) => ended = true,
+                done => drop(done?),
+            }
+        } else if ended {
+            return Ok(());
         }
         instance.get_real(&outputs, &mut values)?;
         print(values.iter().copied());

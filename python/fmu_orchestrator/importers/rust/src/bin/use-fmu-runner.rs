@@ -16,9 +16,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     instance.enter_initialization_mode()?;
     instance.exit_initialization_mode()?;
     let outputs = scenario.outputs.iter().map(|name| &variables[name]).collect::<Vec<_>>();
+    let mut ended = false;
     for i in 0..=scenario.steps {
-        if i > 0 {
-            instance.do_step((i - 1) as f64 * scenario.step, scenario.step, true)?;
+        if i > 0 && !ended {
+            match instance.do_step((i - 1) as f64 * scenario.step, scenario.step, true) {
+                // The crate does not make the type of the status known.
+                Err(error) if format!("{error:?}").contains("fmi2Discard") => ended = true,
+                done => done?,
+            }
+        } else if ended {
+            break;
         }
         let values = instance.get_reals(&outputs)?;
         print(outputs.iter().map(|output| values[output]));
