@@ -282,8 +282,7 @@ fn mistakes_in_a_declaration_are_found() {
 /// Two pipes: arrays of texts and numbers.
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Pipes {
-    first: String,
-    second: String,
+    names: [String; 2],
     flows: [f64; 2],
 }
 
@@ -292,7 +291,7 @@ static PIPES: [Variable<Pipes>; 6] = [
         "name[1]",
         Role::Parameter,
         Kind::String {
-            access: text!(Pipes: first),
+            access: text!(Pipes: names[0]),
         },
         "A name",
     )
@@ -301,7 +300,7 @@ static PIPES: [Variable<Pipes>; 6] = [
         "name[2]",
         Role::Parameter,
         Kind::String {
-            access: text!(Pipes: second),
+            access: text!(Pipes: names[1]),
         },
         "A name",
     ),
@@ -416,9 +415,12 @@ impl Model for Torn {
     const EVENTS: Option<Events<Self>> = Some(Events {
         indicators: &["one[1]", "none"],
         next: |_| None,
-        until: |torn, _, step, _| match torn.0 {
+        until: |torn, time, step, _| match torn.0 {
             12.0 => Ok(None),
             10.0 => Ok(Some(step)),
+            // No time, and a time in place of seconds.
+            20.0 => Ok(Some(f64::NAN)),
+            30.0 => Ok(Some(time + step)),
             // Too little to be seen in the time.
             _ => Ok(Some(1e-20)),
         },
@@ -475,4 +477,13 @@ fn a_step_ends_after_all_events_of_its_end() {
     let mut torn = Torn(9.0);
     torn.advance(1.0, 2.0, &mut ()).unwrap();
     assert_eq!(torn.0, 12.0);
+}
+
+#[test]
+fn a_stop_outside_the_step_is_refused() {
+    for (start, passed) in [(19.0, "NaN"), (29.0, "3")] {
+        let failed = Torn(start).advance(1.0, 2.0, &mut ());
+        let expected = format!("`until` has stopped after {passed} s of a step of 2 s from 1 s");
+        assert!(matches!(failed, Err(Fault::Failed(why)) if why == expected));
+    }
 }

@@ -74,7 +74,8 @@ impl<M: Model> Instance<M> {
         })?;
         self.run.at_once = (self.run.time, rounds + u32::from(any));
         self.run.stale = true;
-        Ok((any, (events.next)(&self.run.model)))
+        let next = (events.next)(&self.run.model);
+        Ok((any, next.filter(|time| time.is_finite())))
     }
 
     /// Takes the time.

@@ -73,7 +73,7 @@ impl<M: Model> Instance<M> {
         let event_mode = run.phase == Phase::Event && !run.exchange;
         if run.exchange != self.run.exchange || event_mode && self.event_mode.is_none() {
             return Err(Refusal::Absent(
-                "the state is that of Model Exchange or of event mode, and this instance is not",
+                "the state belongs to an interface or a mode that this instance does not have",
             ));
         }
         self.run = run.clone();

@@ -53,7 +53,7 @@ impl<M: Model> Events<M> {
     ) -> Result<(), Fault> {
         let (mut passed, mut at_once) = (0.0, 0);
         // After an event at the end, too: handling it may have made another one due.
-        while let Some(part) = (self.until)(model, time + passed, step - passed, log)? {
+        while let Some(part) = self.stop(model, time + passed, step - passed, log)? {
             passed = (passed + part).min(step);
             (self.handle)(model)?;
             // What is less than the spacing of the times is no progress.
@@ -62,6 +62,26 @@ impl<M: Model> Events<M> {
             check_end(at_once, time + passed)?;
         }
         Ok(())
+    }
+
+    /// [`until`](Self::until), with a check of what it returns: seconds, not a time.
+    pub(crate) fn stop(
+        &self,
+        model: &mut M,
+        time: f64,
+        step: f64,
+        log: &mut dyn Log,
+    ) -> Result<Option<f64>, Fault> {
+        let Some(part) = (self.until)(model, time, step, log)? else {
+            return Ok(None);
+        };
+        let rounding = 1e-9 * step + 4.0 * f64::EPSILON * time.abs();
+        if (-rounding..=step + rounding).contains(&part) {
+            return Ok(Some(part.clamp(0.0, step)));
+        }
+        Err(Fault::Failed(format!(
+            "`until` has stopped after {part} s of a step of {step} s from {time} s"
+        )))
     }
 }
 

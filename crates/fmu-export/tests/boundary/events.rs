@@ -357,7 +357,7 @@ mod stuck {
 
         const EVENTS: Option<Events<Self>> = Some(Events {
             indicators: &["x"],
-            next: |_| None,
+            next: |_| Some(f64::INFINITY),
             until: |_, _, _, _| Ok(Some(0.0)),
             handle: Self::handle,
         });
@@ -401,10 +401,12 @@ use stuck::Stuck;
 
 impl Of<Stuck> {
     fn status(&self) -> Status {
-        let ([mut a, mut b, mut c, mut d, mut e], mut next) = ([7; 5], 7.0);
+        let ([mut a, mut b, mut c, mut d, mut e], mut next) = ([0; 5], 0.0);
         let update = calls::update_discrete_states::<Stuck>;
         // SAFETY: the component is alive, and the places are ours.
-        unsafe { update(self.0, &mut a, &mut b, &mut c, &mut d, &mut e, &mut next) }
+        let status = unsafe { update(self.0, &mut a, &mut b, &mut c, &mut d, &mut e, &mut next) };
+        assert_eq!((e, next), (0, 0.0), "no event is known");
+        status
     }
 }
 
