@@ -173,7 +173,7 @@ impl<M> Variable<M> {
     }
 
     /// The same as the first of so many elements of an array: `zone[1]`, with `zone[2]` and so on behind it in the table. FMI 3.0
-    /// has it as one variable, `zone`, FMI 2.0 as several.
+    /// has it as one variable, `zone`, FMI 2.0 as several. An array of one element is a scalar, `zone[1]`, in both; clocks have no arrays.
     #[must_use]
     pub const fn array(mut self, elements: usize) -> Self {
         self.elements = elements;
@@ -202,10 +202,10 @@ macro_rules! field {
 /// Reads and writes a field that holds a text: `text!(Model: oil.file)`.
 #[macro_export]
 macro_rules! text {
-    ($model:ty: $($path:ident).+) => {
+    ($model:ty: $($path:tt)+) => {
         $crate::model::Access {
-            get: |model: &$model| model.$($path).+.clone(),
-            set: Some(|model: &mut $model, value| model.$($path).+ = value.to_owned()),
+            get: |model: &$model| model.$($path)+.clone(),
+            set: Some(|model: &mut $model, value| model.$($path)+ = value.to_owned()),
         }
     };
 }
@@ -257,15 +257,15 @@ macro_rules! enumerations {
 /// ```
 #[macro_export]
 macro_rules! choice {
-    ($model:ty: $of:ident, $type:ident { $first:ident = $first_value:literal $(, $item:ident = $value:literal)* }, $($path:ident).+) => {
+    ($model:ty: $of:ident, $type:ident { $first:ident = $first_value:literal $(, $item:ident = $value:literal)* }, $($path:tt)+) => {
         $crate::model::Kind::Enumeration {
             access: $crate::model::Access {
-                get: |model: &$model| match model.$($path).+ {
+                get: |model: &$model| match model.$($path)+ {
                     $type::$first => $first_value,
                     $($type::$item => $value,)*
                 },
                 set: Some(|model: &mut $model, value| {
-                    model.$($path).+ = match *value {
+                    model.$($path)+ = match *value {
                         $($value => $type::$item,)*
                         _ => $type::$first,
                     };

@@ -16,6 +16,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 pub use continuous::{Continuous, Exchange, State, offered};
+pub(crate) use events::check_end;
 pub use events::{Events, Until, events, indicators};
 pub use faults::faults;
 pub use variable::{

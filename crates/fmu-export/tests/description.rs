@@ -282,8 +282,7 @@ fn mistakes_in_a_declaration_are_found() {
 /// Two pipes: arrays of texts and numbers.
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Pipes {
-    first: String,
-    second: String,
+    names: [String; 2],
     flows: [f64; 2],
 }
 
@@ -292,7 +291,7 @@ static PIPES: [Variable<Pipes>; 6] = [
         "name[1]",
         Role::Parameter,
         Kind::String {
-            access: text!(Pipes: first),
+            access: text!(Pipes: names[0]),
         },
         "A name",
     )
@@ -301,7 +300,7 @@ static PIPES: [Variable<Pipes>; 6] = [
         "name[2]",
         Role::Parameter,
         Kind::String {
-            access: text!(Pipes: second),
+            access: text!(Pipes: names[1]),
         },
         "A name",
     ),
@@ -382,7 +381,9 @@ fn arrays_are_one_variable_in_fmi_3_and_several_in_fmi_2() {
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Torn(f64);
 
-static TORN: [Variable<Torn>; 5] = [
+const BEAT: Kind<Torn> = Kind::Clock { ticked: |_| false };
+
+static TORN: [Variable<Torn>; 9] = [
     output("one[1]", &units::ONE, |torn: &Torn| torn.0, "An array").array(2),
     output(
         "one[3]",
@@ -397,6 +398,12 @@ static TORN: [Variable<Torn>; 5] = [
         "No output",
     ),
     parameter("set", &units::ONE, field!(Torn: 0), "Not computed").clocked("tick"),
+    output("range[1]", &units::ONE, |torn: &Torn| torn.0, "In part")
+        .within(0.0, 1.0)
+        .array(2),
+    output("range[2]", &units::ONE, |torn: &Torn| torn.0, "Without"),
+    variable("beat[1]", Role::Output, BEAT, "Clocks are scalars").array(2),
+    variable("beat[2]", Role::Output, BEAT, "Clocks are scalars"),
     output("long[1]", &units::ONE, |torn: &Torn| torn.0, "Too long").array(2),
 ];
 
@@ -408,8 +415,19 @@ impl Model for Torn {
     const EVENTS: Option<Events<Self>> = Some(Events {
         indicators: &["one[1]", "none"],
         next: |_| None,
-        until: |_, _, _, _| Ok(Some(0.0)),
-        handle: |_| Ok(true),
+        until: |torn, time, step, _| match torn.0 {
+            12.0 => Ok(None),
+            10.0 => Ok(Some(step)),
+            // No time, and a time in place of seconds.
+            20.0 => Ok(Some(f64::NAN)),
+            30.0 => Ok(Some(time + step)),
+            // Too little to be seen in the time.
+            _ => Ok(Some(1e-20)),
+        },
+        handle: |torn| {
+            torn.0 += if torn.0 < 10.0 { 0.0 } else { 1.0 };
+            Ok(true)
+        },
     });
 
     fn variables() -> &'static [Variable<Self>] {
@@ -429,7 +447,7 @@ impl Model for Torn {
 #[test]
 fn mistakes_in_arrays_and_events_are_found() {
     let found = faults::<Torn>();
-    let ends = "of an array stand in the table as name[1], name[2], ..., with the same role, type, unit and clock";
+    let ends = "of an array stand in the table as name[1], name[2], ..., with the same role, type, unit, range and clock, and are no clocks";
     let expected = [
         "tick: a clock must be an output, and the model have events",
         "set: the model must compute what ticks with a clock, and \"tick\" must be one",
@@ -437,6 +455,8 @@ fn mistakes_in_arrays_and_events_are_found() {
         "none: an indicator is a real variable, also in Model Exchange",
         &format!("one[1]: the 2 elements {ends}"),
         "one: an array's elements are left out or are indicators all in their order, or none",
+        &format!("range[1]: the 2 elements {ends}"),
+        &format!("beat[1]: the 2 elements {ends}"),
         &format!("long[1]: the 2 elements {ends}"),
     ];
     assert_eq!(found, expected);
@@ -449,4 +469,21 @@ fn events_without_an_end_fail_the_step() {
     assert!(
         matches!(failed, Err(Fault::Failed(why)) if why.starts_with("the events at 1 s do not end"))
     );
+}
+
+/// The event at the end of a step makes another one due.
+#[test]
+fn a_step_ends_after_all_events_of_its_end() {
+    let mut torn = Torn(9.0);
+    torn.advance(1.0, 2.0, &mut ()).unwrap();
+    assert_eq!(torn.0, 12.0);
+}
+
+#[test]
+fn a_stop_outside_the_step_is_refused() {
+    for (start, passed) in [(19.0, "NaN"), (29.0, "3")] {
+        let failed = Torn(start).advance(1.0, 2.0, &mut ());
+        let expected = format!("`until` has stopped after {passed} s of a step of 2 s from 1 s");
+        assert!(matches!(failed, Err(Fault::Failed(why)) if why == expected));
+    }
 }

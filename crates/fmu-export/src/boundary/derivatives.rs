@@ -124,6 +124,9 @@ impl<M: Model> Instance<M> {
         direction: &[Real],
         values: &mut [Real],
     ) -> Outcome {
+        if self.run.exchange && self.run.phase == Phase::Event {
+            return Err(Refusal::Phase(self.run.phase));
+        }
         self.refresh()?;
         let reads = unknowns
             .iter()

@@ -5,7 +5,7 @@ use super::instance::{Instance, finite};
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, ValueReference};
-use crate::model::{Exchange, Kind, Model, State, events, indicators, offered};
+use crate::model::{Exchange, Fault, Kind, Model, State, check_end, events, indicators, offered};
 
 /// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the
 /// table, which may grow.
@@ -64,9 +64,18 @@ impl<M: Model> Instance<M> {
             return Ok((false, None));
         };
         self.refresh()?;
-        let any = (events.handle)(&mut self.run.model).map_err(Refusal::Step)?;
+        let before = self.run.model.clone();
+        let (time, rounds) = self.run.at_once;
+        let rounds = if time == self.run.time { rounds } else { 0 };
+        let handled = check_end(rounds, time).and_then(|()| (events.handle)(&mut self.run.model));
+        let any = handled.map_err(|fault| {
+            self.run.model = before;
+            Refusal::Step(fault)
+        })?;
+        self.run.at_once = (self.run.time, rounds + u32::from(any));
         self.run.stale = true;
-        Ok((any, (events.next)(&self.run.model)))
+        let next = (events.next)(&self.run.model);
+        Ok((any, next.filter(|time| time.is_finite())))
     }
 
     /// Takes the time.
@@ -131,7 +140,7 @@ impl<M: Model> Instance<M> {
                 .iter()
                 .find(|variable| variable.name == *name);
             if let Some(Kind::Real(real)) = variable.map(|variable| &variable.kind) {
-                *value = (real.access.get)(&self.run.model);
+                *value = existing(name, (real.access.get)(&self.run.model))?;
             }
         }
         Ok(Status::Ok)
@@ -139,9 +148,12 @@ impl<M: Model> Instance<M> {
 
     /// Reads the states' time derivatives, which do not need the outputs.
     pub fn get_rates(&mut self, values: &mut [Real]) -> Outcome {
-        self.states_for(values.len())?;
+        let states = self.states_for(values.len())?;
         self.start_if_needed()?;
         (self.exchange()?.rates)(&self.run.model, values).map_err(Refusal::Step)?;
+        for (state, rate) in states.iter().zip(values) {
+            existing(&format!("der({})", state.name), *rate)?;
+        }
         Ok(Status::Ok)
     }
 
@@ -170,6 +182,15 @@ impl<M: Model> Instance<M> {
         }
         Ok(())
     }
+}
+
+/// A value at the host's states; where there is none, its solver tries a shorter step.
+pub fn existing(name: &str, value: Real) -> Outcome<Real> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    let why = format!("{name} is {value} at these states");
+    Err(Refusal::Step(Fault::Failed(why)))
 }
 
 /// Checks a number that the host passes.

@@ -162,7 +162,7 @@ impl<M: Model> Instance<M> {
         let (model, log) = (&mut self.run.model, &mut self.logger);
         // A host that does not see the events leaves them to the model.
         let result = match events::<M>().filter(|_| self.event_mode == Some(true)) {
-            Some(events) => (events.until)(model, from, step, log),
+            Some(events) => events.stop(model, from, step, log),
             None => model.advance(from, step, log).map(|()| None),
         };
         match &result {

@@ -82,8 +82,8 @@ pub const VISIBLE: Phases = ALIVE | of(&[Phase::Intermediate]);
 /// The phases in which computed values can be read.
 pub const READABLE: Phases = ALIVE & !of(&[Phase::Instantiated]);
 
-/// The phases in which partial derivatives can be asked for: not in Model Exchange.
-pub const DERIVABLE: Phases = READABLE & !of(&[Phase::Event, Phase::Continuous]);
+/// The phases in which partial derivatives can be asked for: not in Model Exchange, whose event mode refuses them itself.
+pub const DERIVABLE: Phases = READABLE & !of(&[Phase::Continuous]);
 
 /// The phases in which states can be read.
 pub const INTEGRABLE: Phases = READABLE & !of(&[Phase::StepComplete, Phase::StepFailed]);

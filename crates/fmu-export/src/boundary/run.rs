@@ -32,6 +32,8 @@ pub struct Run<M> {
     pub tolerance: Option<f64>,
     /// How the last step ended.
     pub last_step: Status,
+    /// How often events were handled, and at which time, s.
+    pub at_once: (f64, u32),
     /// Whether the host integrates the model (Model Exchange).
     pub exchange: bool,
 }

@@ -72,7 +72,9 @@ impl<M: Model> Instance<M> {
         let run = &unsafe { Saved::<M>::find(state, self.version) }?.run;
         let event_mode = run.phase == Phase::Event && !run.exchange;
         if run.exchange != self.run.exchange || event_mode && self.event_mode.is_none() {
-            return Err(Refusal::Foreign(self.version.state()));
+            return Err(Refusal::Absent(
+                "the state belongs to an interface or a mode that this instance does not have",
+            ));
         }
         self.run = run.clone();
         Ok(Status::Ok)
@@ -199,6 +201,7 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
             (false, true) => Status::Discard,
             (false, false) => Status::Ok,
         },
+        at_once: (0.0, 0),
         exchange: record.exchange,
     };
     let stepped = matches!(run.phase, Phase::StepComplete | Phase::StepFailed);

@@ -4,13 +4,14 @@ use std::borrow::Cow;
 use std::ffi::CString;
 use std::fmt::Debug;
 
+use super::exchange::existing;
 use super::instance::Instance;
 use super::logger::c_string;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::types::{Real, Status, Text, ValueReference};
 use super::version::Version;
-use crate::model::{Access, Fault, Kind, Model, Role, Variable};
+use crate::model::{Access, Kind, Model, Role, Variable};
 
 /// The variable of a value reference.
 pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variable<M>> {
@@ -46,12 +47,6 @@ pub fn wrong_type<M>(version: Version, variable: &Variable<M>, asked: &'static s
 /// The value reference of the independent variable, which FMI 3.0 lists. It is far above those of the table, which may
 /// grow, and a positive number in every signed type.
 pub const TIME: ValueReference = i32::MAX as ValueReference;
-
-/// The refusal for a real variable that has no finite value at the host's states.
-fn no_value<M: Model>(reference: ValueReference, value: Real) -> Refusal {
-    let name = variable::<M>(reference).map_or("the value", |variable| variable.name);
-    Refusal::Step(Fault::Failed(format!("{name} is {value} at these states")))
-}
 
 /// The kinds of variables that a function for whole numbers takes.
 #[derive(Clone, Copy)]
@@ -143,7 +138,8 @@ impl<M: Model> Instance<M> {
                 Err(unknown) => self.unlisted(*reference)?.ok_or(unknown)?,
             };
             if exchange && !value.is_finite() {
-                return Err(no_value::<M>(*reference, *value));
+                let name = variable::<M>(*reference).map_or("the value", |variable| variable.name);
+                existing(name, *value)?;
             }
         }
         Ok(Status::Ok)

@@ -6,16 +6,20 @@ use super::{Fault, Log, Model};
 const MOST_AT_ONCE: u32 = 10_000;
 
 /// What a boundary needs to know of a model with events, for [`Model::EVENTS`].
+///
+/// The model keeps its own time: [`Model::initialise`], [`until`](Self::until) and, in Model Exchange,
+/// [`Continuous::set_time`](super::Continuous::set_time) set it. Events of the start belong to `initialise`, as hosts that do not see
+/// events never have them handled.
 pub struct Events<M: 'static> {
     /// Model Exchange: the names of real variables, by the changes of whose signs the host finds the events of the states.
     pub indicators: &'static [&'static str],
     /// The time of the next event that is known beforehand, s.
     pub next: fn(&M) -> Option<f64>,
-    /// Lets at most so many seconds pass from a time, as [`Model::advance`] does, and stops at the first instant at which an
-    /// event is due, be it the last one: then it says how many have passed.
+    /// Lets at most so many seconds pass from a time, perhaps none, as [`Model::advance`] does. It stops where an event is due, also
+    /// at the end, and returns the seconds that have passed until then; `None` if no event is due.
     pub until: Until<M>,
-    /// Handles all events that are due at the present time and state; whether there were any. The clocks have ticked that it
-    /// lets tick, until the next call.
+    /// Handles all events that are due at the present time and state; whether there were any. Rounding may leave a little of the way
+    /// to them, and a host that integrates stops a little late. The clocks have ticked that it lets tick, until the next call.
     pub handle: fn(&mut M) -> Result<bool, Fault>,
 }
 
@@ -48,23 +52,47 @@ impl<M: Model> Events<M> {
         log: &mut dyn Log,
     ) -> Result<(), Fault> {
         let (mut passed, mut at_once) = (0.0, 0);
-        while let Some(part) = (self.until)(model, time + passed, step - passed, log)? {
+        // After an event at the end, too: handling it may have made another one due.
+        while let Some(part) = self.stop(model, time + passed, step - passed, log)? {
+            passed = (passed + part).min(step);
             (self.handle)(model)?;
-            if passed + part >= step {
-                break;
-            }
-            at_once = if part > 0.0 { 0 } else { at_once + 1 };
-            if at_once == MOST_AT_ONCE {
-                let at = time + passed;
-                let why = format!(
-                    "the events at {at} s do not end: handling one must change what makes it due"
-                );
-                return Err(Fault::Failed(why));
-            }
-            passed += part;
+            // What is less than the spacing of the times is no progress.
+            let stays = part <= f64::EPSILON * (time.abs() + step);
+            at_once = if stays { at_once + 1 } else { 0 };
+            check_end(at_once, time + passed)?;
         }
         Ok(())
     }
+
+    /// [`until`](Self::until), with a check of what it returns: seconds, not a time.
+    pub(crate) fn stop(
+        &self,
+        model: &mut M,
+        time: f64,
+        step: f64,
+        log: &mut dyn Log,
+    ) -> Result<Option<f64>, Fault> {
+        let Some(part) = (self.until)(model, time, step, log)? else {
+            return Ok(None);
+        };
+        let rounding = 1e-9 * step + 4.0 * f64::EPSILON * time.abs();
+        if (-rounding..=step + rounding).contains(&part) {
+            return Ok(Some(part.clamp(0.0, step)));
+        }
+        Err(Fault::Failed(format!(
+            "`until` has stopped after {part} s of a step of {step} s from {time} s"
+        )))
+    }
+}
+
+/// Refuses more events than one instant has.
+pub(crate) fn check_end(at_once: u32, time: f64) -> Result<(), Fault> {
+    if at_once < MOST_AT_ONCE {
+        return Ok(());
+    }
+    Err(Fault::Failed(format!(
+        "the events at {time} s do not end: handling one must change what makes it due, and what comes ever faster must come to rest"
+    )))
 }
 
 /// The names of a model's event indicators.

@@ -156,20 +156,30 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
 fn check_arrays<M: Model>(faults: &mut Vec<String>) {
     for (place, head) in M::variables().iter().enumerate() {
         let (array, elements) = (head.array_name(), elements::<M>(place));
-        let unit = |variable: &Variable<M>| match &variable.kind {
-            Kind::Real(real) => Some(real.unit.name),
-            _ => None,
+        // FMI 3.0 has these once for the whole array.
+        let shared = |variable: &Variable<M>| match &variable.kind {
+            Kind::Real(real) => (
+                real.unit.name,
+                real.display,
+                [real.min, real.max, real.nominal],
+            ),
+            Kind::Integer { min, max, .. } => {
+                ("", None, [min.map(f64::from), max.map(f64::from), None])
+            }
+            Kind::Enumeration { of, .. } => (of.name, None, [None; 3]),
+            _ => ("", None, [None; 3]),
         };
         let fits = |(variable, number): (&Variable<M>, usize)| {
             variable.name == format!("{array}[{number}]")
                 && (number == 1 || variable.elements == 1)
                 && (variable.role, variable.clock) == (head.role, head.clock)
                 && variable.type_name() == head.type_name()
-                && unit(variable) == unit(head)
+                && shared(variable) == shared(head)
+                && !matches!(variable.kind, Kind::Clock { .. })
         };
         if head.elements != 1 && (elements.len() < 2 || !elements.iter().zip(1..).all(fits)) {
             let (name, count) = (head.name, head.elements);
-            faults.push(format!("{name}: the {count} elements of an array stand in the table as name[1], name[2], ..., with the same role, type, unit and clock"));
+            faults.push(format!("{name}: the {count} elements of an array stand in the table as name[1], name[2], ..., with the same role, type, unit, range and clock, and are no clocks"));
         }
         if array != head.name && M::variables().iter().any(|other| other.name == array) {
             faults.push(format!("{array}: an array and a variable have this name"));

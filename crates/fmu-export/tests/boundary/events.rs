@@ -1,6 +1,7 @@
 //! Events, arrays and clocks: a host of the thermostat.
 
 use std::ffi::CString;
+use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
 
 use fmu_export::description::{Interface, Version, fingerprint, token};
@@ -9,70 +10,78 @@ use fmu_export::fmi3::types::{Boolean, Component, FmuState, Status, ValueReferen
 use fmu_export::model::Model;
 use thermostat::House;
 
-use crate::host::{Error, Ok};
+use crate::host::{Discard, Error, Ok};
 
-fn vr(name: &str) -> ValueReference {
-    let mut names = House::variables().iter();
+fn vr<M: Model>(name: &str) -> ValueReference {
+    let mut names = M::variables().iter();
     names
         .position(|variable| variable.array_name() == name)
         .unwrap() as ValueReference
 }
 
-/// The thermostat in a host of FMI 3.0.
-struct Host(Component);
+/// A model in a host of FMI 3.0.
+struct Of<M: Model>(Component, PhantomData<M>);
 
-impl Drop for Host {
+/// The thermostat in one.
+type Host = Of<House>;
+
+impl<M: Model> Drop for Of<M> {
     fn drop(&mut self) {
         // SAFETY: our own component, freed once.
-        unsafe { calls::free_instance::<House>(self.0) }
+        unsafe { calls::free_instance::<M>(self.0) }
     }
 }
 
-fn of(interface: Interface) -> CString {
-    let fingerprint = fingerprint::<House>(Version::Three, interface);
+fn of<M: Model>(interface: Interface) -> CString {
+    let fingerprint = fingerprint::<M>(Version::Three, interface);
     CString::new(token(fingerprint)).unwrap()
 }
 
 // SAFETY of all: the component is alive, and the pointers are ours.
 #[allow(clippy::undocumented_unsafe_blocks)]
-impl Host {
+impl<M: Model> Of<M> {
     fn exchange() -> Self {
-        let (name, token) = (c"house".as_ptr(), of(Interface::ModelExchange));
-        Self(unsafe {
-            let token = token.as_ptr();
-            calls::instantiate_model_exchange::<House>(name, token, null(), 0, 0, null_mut(), None)
-        })
+        let (name, token) = (c"house".as_ptr(), of::<M>(Interface::ModelExchange));
+        Self(
+            unsafe {
+                let token = token.as_ptr();
+                calls::instantiate_model_exchange::<M>(name, token, null(), 0, 0, null_mut(), None)
+            },
+            PhantomData,
+        )
         .started()
     }
 
     fn stepped(event_mode: Boolean, early: Boolean) -> Self {
-        let (name, token) = (c"house".as_ptr(), of(Interface::CoSimulation));
+        let (name, token) = (c"house".as_ptr(), of::<M>(Interface::CoSimulation));
         let (none, nowhere) = (null(), null_mut());
-        Self(unsafe {
-            let token = token.as_ptr();
-            calls::instantiate_co_simulation::<House>(
-                name,
-                token,
-                null(),
-                0,
-                0,
-                event_mode,
-                early,
-                none,
-                0,
-                nowhere,
-                None,
-                None,
-            )
-        })
+        Self(
+            unsafe {
+                let token = token.as_ptr();
+                calls::instantiate_co_simulation::<M>(
+                    name,
+                    token,
+                    null(),
+                    0,
+                    0,
+                    event_mode,
+                    early,
+                    none,
+                    0,
+                    nowhere,
+                    None,
+                    None,
+                )
+            },
+            PhantomData,
+        )
         .started()
     }
 
     fn started(self) -> Self {
         assert!(!self.0.is_null());
-        let entered =
-            unsafe { calls::enter_initialization_mode::<House>(self.0, 0, 0.0, 0.0, 0, 0.0) };
-        let left = unsafe { calls::exit_initialization_mode::<House>(self.0) };
+        let entered = unsafe { calls::enter_initialization_mode::<M>(self.0, 0, 0.0, 0.0, 0, 0.0) };
+        let left = unsafe { calls::exit_initialization_mode::<M>(self.0) };
         assert_eq!([entered, left], [Ok; 2]);
         self
     }
@@ -81,7 +90,7 @@ impl Host {
     fn update(&self) -> (bool, Option<f64>) {
         let ([mut again, mut ends, mut nominals, mut states, mut known], mut next) = ([7; 5], 7.0);
         let status = unsafe {
-            calls::update_discrete_states::<House>(
+            calls::update_discrete_states::<M>(
                 self.0,
                 &mut again,
                 &mut ends,
@@ -99,7 +108,7 @@ impl Host {
         let ([mut event, mut ends, mut early], mut reached) = ([7; 3], f64::NAN);
         let flags = (&mut event, &mut ends, &mut early);
         let status = unsafe {
-            calls::do_step::<House>(
+            calls::do_step::<M>(
                 self.0,
                 from,
                 step,
@@ -115,7 +124,7 @@ impl Host {
 
     fn clock(&self) -> bool {
         let mut active = 7;
-        let status = unsafe { calls::get_clock::<House>(self.0, &vr("switched"), 1, &mut active) };
+        let status = unsafe { calls::get_clock::<M>(self.0, &vr::<M>("switched"), 1, &mut active) };
         assert_eq!(status, Ok);
         active != 0
     }
@@ -123,26 +132,26 @@ impl Host {
     fn get<const N: usize>(&self, name: &str) -> [f64; N] {
         let mut into = [f64::NAN; N];
         let place = into.as_mut_ptr();
-        let status = unsafe { calls::get_float64::<House>(self.0, &vr(name), 1, place, N) };
+        let status = unsafe { calls::get_float64::<M>(self.0, &vr::<M>(name), 1, place, N) };
         assert_eq!(status, Ok);
         into
     }
 
     fn set(&self, name: &str, values: &[f64]) -> Status {
         let (from, n) = (values.as_ptr(), values.len());
-        unsafe { calls::set_float64::<House>(self.0, &vr(name), 1, from, n) }
+        unsafe { calls::set_float64::<M>(self.0, &vr::<M>(name), 1, from, n) }
     }
 
     fn enter_event(&self) -> Status {
-        unsafe { calls::enter_event_mode::<House>(self.0) }
+        unsafe { calls::enter_event_mode::<M>(self.0) }
     }
 
     fn enter_step(&self) -> Status {
-        unsafe { calls::enter_step_mode::<House>(self.0) }
+        unsafe { calls::enter_step_mode::<M>(self.0) }
     }
 
     fn enter_continuous(&self) -> Status {
-        unsafe { calls::enter_continuous_time_mode::<House>(self.0) }
+        unsafe { calls::enter_continuous_time_mode::<M>(self.0) }
     }
 }
 
@@ -246,18 +255,18 @@ fn what_cannot_be_is_refused() {
         let set = calls::set_clock::<House>;
         assert_eq!(
             [
-                set(host.0, &vr("switched"), 1, &1),
-                set(host.0, &vr("band"), 1, &1)
+                set(host.0, &vr::<House>("switched"), 1, &1),
+                set(host.0, &vr::<House>("band"), 1, &1)
             ],
             [Error; 2]
         );
         let mut active = 7;
         let get = calls::get_clock::<House>;
-        assert_eq!(get(host.0, &vr("band"), 1, &mut active), Error);
+        assert_eq!(get(host.0, &vr::<House>("band"), 1, &mut active), Error);
         let mut derivatives = [f64::NAN; 3];
         assert_eq!(host.enter_step(), Ok);
         let rates = calls::get_output_derivatives::<House>;
-        let temperature = vr("temperature");
+        let temperature = vr::<House>("temperature");
         assert_eq!(
             rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 1),
             Error
@@ -311,4 +320,140 @@ fn saved_states_know_their_mode() {
             assert_eq!(calls::free_fmu_state::<House>(host.0, &mut state), Ok);
         }
     }
+}
+
+#[test]
+fn event_mode_has_derivatives_in_co_simulation() {
+    for (host, expected) in [
+        (Host::stepped(1, 1), (Ok, [1.0; 3])),
+        (Host::exchange(), (Error, [7.0; 3])),
+    ] {
+        let (margin, setpoint) = (vr::<House>("margin"), vr::<House>("setpoint"));
+        let mut slopes = [7.0; 3];
+        let place = slopes.as_mut_ptr();
+        let derivative = calls::get_directional_derivative::<House>;
+        // SAFETY: the component is alive, and the places are ours.
+        let status = unsafe { derivative(host.0, &margin, 1, &setpoint, 1, &1.0, 1, place, 3) };
+        assert_eq!((status, slopes.map(f64::round)), expected);
+    }
+}
+
+mod stuck {
+    use fmu_export::declare::output;
+    use fmu_export::model::{
+        Continuous, Events, Exchange, Experiment, Fault, Info, Log, Model, State, Variable,
+    };
+    use fmu_export::units::{ONE, PER_SECOND};
+    use serde::{Deserialize, Serialize};
+
+    /// Its event never ends; above 1 it cannot be handled, and no value exists.
+    #[derive(Clone, Default, Serialize, Deserialize)]
+    pub struct Stuck(f64);
+
+    static STUCK: [Variable<Stuck>; 1] = [output("x", &ONE, |stuck: &Stuck| stuck.exists(), "x")];
+
+    impl Stuck {
+        fn exists(&self) -> f64 {
+            if self.0 > 1.0 { f64::NAN } else { self.0 }
+        }
+
+        fn handle(&mut self) -> Result<bool, Fault> {
+            let changed = std::mem::replace(&mut self.0, 0.5);
+            match changed > 1.0 {
+                true => Err(Fault::Failed("too much".to_owned())),
+                false => Ok(true),
+            }
+        }
+    }
+
+    impl Model for Stuck {
+        const INFO: Info = fmu_export::info!();
+
+        const EXCHANGE: Option<Exchange<Self>> = Some(Exchange::of());
+
+        const EVENTS: Option<Events<Self>> = Some(Events {
+            indicators: &["x"],
+            next: |_| Some(f64::INFINITY),
+            until: |_, _, _, _| Ok(Some(0.0)),
+            handle: Self::handle,
+        });
+
+        fn variables() -> &'static [Variable<Self>] {
+            &STUCK
+        }
+
+        fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+            Ok(())
+        }
+
+        fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<(), Fault> {
+            Ok(())
+        }
+    }
+
+    impl Continuous for Stuck {
+        fn states() -> &'static [State<Self>] {
+            static STATES: [State<Stuck>; 1] = [State {
+                name: "state.x",
+                description: "x",
+                unit: &ONE,
+                rate_unit: &PER_SECOND,
+                nominal: 1.0,
+                get: |stuck| stuck.0,
+                set: |stuck, x| stuck.0 = x,
+            }];
+            &STATES
+        }
+
+        fn set_time(&mut self, _: f64) {}
+
+        fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
+            rates[0] = self.exists();
+            Ok(())
+        }
+    }
+}
+use stuck::Stuck;
+
+impl Of<Stuck> {
+    fn status(&self) -> Status {
+        let ([mut a, mut b, mut c, mut d, mut e], mut next) = ([0; 5], 0.0);
+        let update = calls::update_discrete_states::<Stuck>;
+        // SAFETY: the component is alive, and the places are ours.
+        let status = unsafe { update(self.0, &mut a, &mut b, &mut c, &mut d, &mut e, &mut next) };
+        assert_eq!((e, next), (0, 0.0), "no event is known");
+        status
+    }
+}
+
+#[test]
+fn events_that_do_not_end_or_fail_are_discarded_and_change_nothing() {
+    let host = Of::<Stuck>::exchange();
+    let rounds = (0..20_000).take_while(|_| host.status() == Ok).count();
+    assert_eq!(rounds, 10_000);
+    assert_eq!([host.status(), host.enter_continuous()], [Discard, Ok]);
+    let [mut rate, mut margin, mut state] = [0.0; 3];
+    // SAFETY: the component is alive, and the places are ours.
+    unsafe {
+        calls::set_time::<Stuck>(host.0, 1.0);
+        let rates = calls::get_continuous_state_derivatives::<Stuck>;
+        let margins = calls::get_event_indicators::<Stuck>;
+        assert_eq!(
+            [rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)],
+            [Ok; 2]
+        );
+        calls::set_continuous_states::<Stuck>(host.0, &2.0, 1);
+        assert_eq!(
+            [rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)],
+            [Discard; 2]
+        );
+        assert_eq!([host.enter_event(), host.status()], [Ok, Discard]);
+        calls::get_continuous_states::<Stuck>(host.0, &mut state, 1);
+    }
+    assert_eq!(state, 2.0);
+    // Another instant.
+    assert_eq!(host.enter_continuous(), Ok);
+    // SAFETY: the component is alive, and the places are ours.
+    unsafe { calls::set_continuous_states::<Stuck>(host.0, &1.0, 1) };
+    assert_eq!([host.enter_event(), host.status()], [Ok; 2]);
 }
