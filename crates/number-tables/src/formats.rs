@@ -1,25 +1,30 @@
-//! The formats in which a table may stand. A new one is a file with its [`crate::Rows`] and a line in [`FORMATS`].
+//! The format of a table, by the ending of its name.
 
 use std::path::Path;
 
+use crate::FORMATS;
 use crate::files::FileError;
 use crate::rows::{How, Rows};
-use crate::{csv_file, parquet};
 
-type Open = fn(&Path, How) -> Result<Box<dyn Rows>, FileError>;
+/// Opens a table.
+pub(crate) type Open = fn(&Path, How) -> Result<Box<dyn Rows>, FileError>;
 
-/// Endings of files' names in lower case, and who reads them. Other files are taken for the first one's.
-const FORMATS: [(&[&str], Open); 2] = [(&["csv"], csv_file::rows), (&["parquet"], parquet::rows)];
-
-fn format(path: &Path) -> Option<Open> {
+/// Its place in [`FORMATS`].
+fn place(path: &Path) -> Option<usize> {
     let ending = path.extension()?.to_ascii_lowercase();
-    let known = |(endings, _): &&(&[&str], Open)| endings.iter().any(|known| ending == *known);
-    FORMATS.iter().find(known).map(|(_, open)| *open)
+    FORMATS.iter().position(|(known, _)| ending == *known)
 }
 
 /// Whether a file's name ends as that of a table.
 pub fn is_table(path: &Path) -> bool {
-    format(path).is_some()
+    place(path).is_some()
+}
+
+/// Who reads a table whose ending names another format than text.
+pub(crate) fn no_text(path: &Path) -> Option<Open> {
+    place(path)
+        .filter(|place| *place > 0)
+        .map(|place| FORMATS[place].1)
 }
 
 /// Opens a table in the format that its ending names, in csv otherwise.
@@ -27,5 +32,6 @@ pub fn is_table(path: &Path) -> bool {
 /// # Errors
 /// When it cannot be read.
 pub fn open(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
-    format(path).unwrap_or(FORMATS[0].1)(path, how)
+    let (_, open) = FORMATS[place(path).unwrap_or(0)];
+    open(path, how)
 }

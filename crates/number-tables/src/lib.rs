@@ -16,6 +16,10 @@ use fmu_points::names::{did_you_mean, nearest};
 pub use formats::{is_table, open};
 pub use rows::{How, Rows};
 
+/// Endings of files' names in lower case, and who reads them; other files are taken for the first one's. A new format is a file with
+/// its [`Rows`], its `mod` line above and its line here.
+const FORMATS: &[(&str, formats::Open)] = &[("csv", csv_file::rows), ("parquet", parquet::rows)];
+
 /// The most rows that are read, some gigabytes.
 const MOST_ROWS: usize = 50_000_000;
 

@@ -1,4 +1,4 @@
-//! A recording as a table: whatever a logger writes as text, or Parquet. Columns with units, and times as numbers or time stamps.
+//! A recording as a table: whatever a logger writes as text, or any other format of tables. Columns with units, and times as numbers or time stamps.
 
 mod layout;
 mod stamp;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::csv_file::Decimals;
 use crate::files::FileError;
-use crate::parquet;
+use crate::formats;
 use crate::rows::{How, Rows};
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
@@ -199,15 +199,11 @@ impl RecordedTable {
     /// # Errors
     /// When it cannot be read, or holds no rows of numbers, with a remedy.
     pub fn read(path: &Path, layout: &Layout) -> Result<Self, FileError> {
-        if path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"))
-        {
-            let rows = parquet::rows(path, How::default());
+        if let Some(open) = formats::no_text(path) {
             // What this build cannot decompress, the Python package can.
-            return rows
+            return open(path, How::default())
                 .and_then(|rows| Self::fill(path, rows, Vec::new(), layout))
-                .or_else(|error| layout::text(path).map_or_else(Err, |_| Err(error)));
+                .map_err(|error| layout::advice(path).unwrap_or(error));
         }
         let text = layout::text(path)?;
         let text = match text.contains('\n') {
