@@ -18,7 +18,17 @@ mod testing;
 
 pub use sampling::statistics::estimate::Estimate;
 
+use method::{FromPoints, FromRuns};
 use sampling::statistics::moments::moderate_unit;
+
+// A new method is a file with a type that implements one of these traits, its `mod` line above and its line in a list below. The
+// command, the terminal and the page show its results.
+
+/// Methods that need runs of their own; the first one is the usual one.
+pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris, &shapley::Shapley];
+
+/// Methods for any points.
+pub const VIEWS: &[&dyn FromPoints] = &[&rank::Ranks, &pawn::Slices];
 
 /// Whether an order of importance can be told: `None` where the interval of the largest estimate
 /// overlaps the next one's, else the index of the largest.

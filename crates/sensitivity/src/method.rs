@@ -108,8 +108,7 @@ pub trait FromRuns: Sync {
 
     /// Method and cost in words, after `runs` runs.
     fn done(&self, runs: usize, settled: &Settled) -> String {
-        let title = self.title(settled.size);
-        format!("{title} ({runs} runs); rank correlations and PAWN of their plain sample")
+        format!("{} ({runs} runs)", self.title(settled.size))
     }
 
     /// Analyses the values of one output, in the order of the design. Returns all keys of the method, whatever the
@@ -122,6 +121,9 @@ pub trait FromRuns: Sync {
 
 /// A method for any points.
 pub trait FromPoints: Sync {
+    /// Its name in a sentence.
+    fn name(&self) -> &'static str;
+
     /// Analyses the values of one output, given the columns of the parameters.
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told;
 

@@ -1,19 +1,13 @@
-//! The sensitivity methods: the one place that knows them all.
-//!
-//! A new method is a file beside [`crate::morris`] with a type that implements [`FromRuns`] or [`FromPoints`], its `mod`
-//! line in `lib.rs`, and its name in a list below. The command, the terminal and the page show its results.
+//! The sensitivity methods by their names.
 
-use crate::method::{FromPoints, FromRuns};
+use crate::method::FromRuns;
+use crate::{RUNS, VIEWS};
 
-/// Methods that need runs of their own; the first one is the usual one.
-pub const RUNS: &[&dyn FromRuns] = &[
-    &crate::sobol::Sobol,
-    &crate::morris::Morris,
-    &crate::shapley::Shapley,
-];
-
-/// Methods for any points.
-pub const VIEWS: &[&dyn FromPoints] = &[&crate::rank::Ranks, &crate::pawn::Slices];
+/// The methods for any points in words: `rank correlations and PAWN`.
+pub fn views() -> String {
+    let names: Vec<&str> = VIEWS.iter().map(|view| view.name()).collect();
+    names.join(" and ")
+}
 
 /// The method of this name.
 ///
@@ -49,19 +43,19 @@ mod tests {
             assert_eq!(facts.takes_correlations, name == "shapley");
             (facts.option, facts.usual_size, runs, method.title(7), done)
         };
-        let plain = "rank correlations and PAWN of their plain sample";
         let sobol = "Sobol indices from 7 base points";
-        let done = format!("{sobol} (42 runs); {plain}");
+        let done = format!("{sobol} (42 runs)");
         assert_eq!(words("sobol"), ("base", 256, 42, sobol.to_owned(), done));
         let morris = "Morris screening by 7 trajectories";
         let done = "Morris screening, 35 runs".to_owned();
         assert_eq!(words("morris"), ("morris", 20, 35, morris.to_owned(), done));
         let shapley = "Shapley effects from 7 base points";
-        let done = format!("{shapley} (35 runs); {plain}");
+        let done = format!("{shapley} (35 runs)");
         assert_eq!(
             words("shapley"),
             ("shapley", 256, 35, shapley.to_owned(), done)
         );
+        assert_eq!(views(), "rank correlations and PAWN");
         // Trajectories are no sample of the parameters.
         let sample = named("morris").unwrap().plain_sample(35, &settled(7, 1));
         assert!(sample.is_empty());

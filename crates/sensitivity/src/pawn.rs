@@ -21,6 +21,10 @@ const RESAMPLES: usize = 200;
 pub struct Slices;
 
 impl FromPoints for Slices {
+    fn name(&self) -> &'static str {
+        "PAWN"
+    }
+
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told {
         let pawn = pawn(columns, values, SLICES, RESAMPLES, seed);
         Told::from_iter([("pawn".to_owned(), json!(pawn))])

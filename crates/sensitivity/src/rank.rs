@@ -25,6 +25,10 @@ const NEARLY: f64 = 1.0 - 1e-12;
 pub struct Ranks;
 
 impl FromPoints for Ranks {
+    fn name(&self) -> &'static str {
+        "rank correlations"
+    }
+
     fn tell(&self, columns: &[&[f64]], values: &[f64], _: u64) -> Told {
         let correlations = correlations(columns, values);
         Told::from_iter([("ranks".to_owned(), json!(correlations))])
