@@ -137,7 +137,7 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     if parameters == 0 || !fits {
         return None;
     }
-    let [low, high] = crate::range(outputs)?;
+    let [low, high] = crate::lost::range(outputs)?;
     let mut all = vec![Seen::default(); parameters];
     for k in (1..rows.len()).filter(|k| k % (parameters + 1) != 0) {
         let changed = (0..parameters).find(|&i| rows[k][i] != rows[k - 1][i])?;

@@ -4,8 +4,7 @@ use super::failures;
 use crate::results::words::capitalised;
 use parameter_regions::table::PointTable;
 use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
-use sensitivity::methods::views;
-use sensitivity::{Estimate, RUNS, VIEWS, dominant, regional};
+use sensitivity::{Estimate, RUNS, VIEWS, dominant, regional, views};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
