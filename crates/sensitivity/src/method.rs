@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::Estimate;
+use sampling::statistics::estimate::Estimate;
 
 /// Results of a method for one output, under their keys in `sensitivity.json`.
 pub type Told = Map<String, Value>;

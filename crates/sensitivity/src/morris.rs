@@ -5,10 +5,10 @@
 //! "An effective screening design for sensitivity analysis of large models",
 //! Environmental Modelling & Software 22, 1509-1518.
 
-use crate::Estimate;
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use conformity::interval::clopper_pearson;
 use sampling::random::{Purpose, Random};
+use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::{deviation, mean};
 use serde::{Deserialize, Serialize};
 use serde_json::json;

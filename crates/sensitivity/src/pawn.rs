@@ -4,9 +4,9 @@
 //! Pianosi & Wagener (2018), "Distribution-based sensitivity analysis from a generic input-output
 //! sample", Environmental Modelling & Software 108, 197-207.
 
-use crate::Estimate;
 use crate::method::{FromPoints, Measure, Told, read};
 use sampling::random::{Purpose, Random};
+use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::{ks_distance, mean, quantile, sorted};
 use serde::{Deserialize, Serialize};
 use serde_json::json;

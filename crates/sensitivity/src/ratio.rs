@@ -1,6 +1,6 @@
 //! The ratio of two means over base points, such as a part of the variance over the variance, with its 95 % interval.
 
-use crate::Estimate;
+use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::{mean, moderate_unit};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
