@@ -9,14 +9,11 @@ from . import _convert
 from ._errors import OrchestratorError
 from ._files import program, study_path
 
-# Commands whose first argument is a study.
-OF_STUDIES = {"verify", "judge", "identify", "sensitivity", "robustness", "tolerances", "pareto"}
-
 
 def arguments(given: list[str]) -> list[str]:
     """The program's arguments: ``verify paper-table3`` becomes the path of that study, where no such file exists."""
     match given:
-        case [command, study, *rest] if command in OF_STUDIES and not study.startswith("-"):
+        case [command, study, *rest] if not study.startswith("-"):
             return [command, str(study_path(study)), *rest]
     return given
 

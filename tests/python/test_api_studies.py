@@ -10,6 +10,7 @@ from python_package import PAPER, command
 from test_acceptance import ROOT
 
 from fmu_orchestrator import OrchestratorError, OrchestratorWarning, Study, init, simulate, synchronise
+from fmu_orchestrator.__main__ import arguments
 from fmu_orchestrator._toml import changed, text
 
 STUDY = {
@@ -34,6 +35,17 @@ def test_toml_is_read_as_it_was_written(content):
 def test_shipped_studies_are_written_as_they_are_read(path):
     content = tomllib.loads(path.read_text())
     assert tomllib.loads(text(content)) == content
+
+
+def test_every_command_finds_a_shipped_study_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shipped = str(ROOT / "studies" / "rig.toml")
+    for name in ["verify", "pareto", "pack"]:
+        assert arguments([name, "rig", "--dry-run"]) == [name, shipped, "--dry-run"]
+    for given in [["verify", "--help"], ["check", "rig.fmu"], ["--version"]]:
+        assert arguments(given) == given
+    (tmp_path / "rig").touch()
+    assert arguments(["verify", "rig"]) == ["verify", "rig"]
 
 
 def test_a_dictionary_runs_as_its_file_does(tmp_path, monkeypatch):

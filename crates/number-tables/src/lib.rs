@@ -2,7 +2,6 @@
 
 pub mod csv_file;
 pub mod files;
-mod formats;
 pub mod parquet;
 pub mod recorded;
 mod rows;
@@ -13,11 +12,43 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use fmu_points::names::{did_you_mean, nearest};
-pub use formats::{is_table, open};
 pub use rows::{How, Rows};
+
+type Open = fn(&Path, How) -> Result<Box<dyn Rows>, FileError>;
+
+/// Endings of files' names in lower case, and who reads them; other files are taken for the first one's. A new format is a file with
+/// its [`Rows`], its `mod` line above and its line here.
+const FORMATS: &[(&str, Open)] = &[("csv", csv_file::rows), ("parquet", parquet::rows)];
 
 /// The most rows that are read, some gigabytes.
 const MOST_ROWS: usize = 50_000_000;
+
+/// Its place in [`FORMATS`].
+fn place(path: &Path) -> Option<usize> {
+    let ending = path.extension()?.to_ascii_lowercase();
+    FORMATS.iter().position(|(known, _)| ending == *known)
+}
+
+/// Whether a file's name ends as that of a table.
+pub fn is_table(path: &Path) -> bool {
+    place(path).is_some()
+}
+
+/// Who reads a table whose ending names another format than text.
+fn no_text(path: &Path) -> Option<Open> {
+    place(path)
+        .filter(|place| *place > 0)
+        .map(|place| FORMATS[place].1)
+}
+
+/// Opens a table in the format that its ending names, in csv otherwise.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn open(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
+    let (_, open) = FORMATS[place(path).unwrap_or(0)];
+    open(path, how)
+}
 
 fn empty(path: &Path) -> FileError {
     FileError::new(path, "the table has no rows")

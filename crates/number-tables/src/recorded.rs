@@ -1,4 +1,4 @@
-//! A recording as a table: whatever a logger writes as text, or Parquet. Columns with units, and times as numbers or time stamps.
+//! A recording as a table: whatever a logger writes as text, or any other format of tables. Columns with units, and times as numbers or time stamps.
 
 mod layout;
 mod stamp;
@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 
 use crate::csv_file::Decimals;
 use crate::files::FileError;
-use crate::parquet;
 use crate::rows::{How, Rows};
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
@@ -199,15 +198,11 @@ impl RecordedTable {
     /// # Errors
     /// When it cannot be read, or holds no rows of numbers, with a remedy.
     pub fn read(path: &Path, layout: &Layout) -> Result<Self, FileError> {
-        if path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"))
-        {
-            let rows = parquet::rows(path, How::default());
+        if let Some(open) = crate::no_text(path) {
             // What this build cannot decompress, the Python package can.
-            return rows
+            return open(path, How::default())
                 .and_then(|rows| Self::fill(path, rows, Vec::new(), layout))
-                .or_else(|error| layout::text(path).map_or_else(Err, |_| Err(error)));
+                .map_err(|error| layout::advice(path).unwrap_or(error));
         }
         let text = layout::text(path)?;
         let text = match text.contains('\n') {
@@ -423,6 +418,7 @@ impl Column {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::typed;
 
     fn table(text: &str) -> Result<RecordedTable, FileError> {
         let folder = tempfile::tempdir().unwrap();
@@ -533,5 +529,27 @@ mod tests {
         assert_eq!(night.times("t").unwrap().1, [0.0, 1.0]);
         let error = table("t,F\n0,1,5\n").unwrap_err().to_string();
         assert!(error.contains("semicolons"), "{error}");
+    }
+
+    #[test]
+    fn a_table_that_is_no_text_is_a_recording_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let [csv, path] = ["m.csv", "m.parquet"].map(|name| folder.path().join(name));
+        std::fs::write(&csv, "t,F [N]\n0,1.5\n1,2.5\n").unwrap();
+        let file = std::fs::File::create(&path).unwrap();
+        typed::convert(&csv, file, |_, _| typed::Kind::Number).unwrap();
+        let table = RecordedTable::read(&path, &Layout::default()).unwrap();
+        let force = table.column("F").unwrap();
+        assert_eq!(
+            (&*force.values, force.unit.as_deref()),
+            (&[1.5, 2.5][..], Some("N"))
+        );
+        // Only what is of a format that the Python package reads is to be converted.
+        for (content, converts) in [("PAR1, and no more", true), ("t,F\n0,1\n1,2\n", false)] {
+            std::fs::write(&path, content).unwrap();
+            let error = RecordedTable::read(&path, &Layout::default()).unwrap_err();
+            let told = error.to_string();
+            assert_eq!(told.contains("convert it with"), converts, "{told}");
+        }
     }
 }

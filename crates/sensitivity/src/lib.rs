@@ -3,7 +3,6 @@
 pub mod functions;
 pub mod lost;
 pub mod method;
-pub mod methods;
 pub mod morris;
 pub mod pairs;
 pub mod pawn;
@@ -18,7 +17,34 @@ mod testing;
 
 pub use sampling::statistics::estimate::Estimate;
 
-use sampling::statistics::moments::moderate_unit;
+use method::{FromPoints, FromRuns};
+
+// A new method is a file with a type that implements one of these traits, its `mod` line above and its line in a list below. The
+// command, the terminal and the page show its results.
+
+/// Methods that need runs of their own; the first one is the usual one.
+pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris, &shapley::Shapley];
+
+/// Methods for any points.
+pub const VIEWS: &[&dyn FromPoints] = &[&rank::Ranks, &pawn::Slices];
+
+/// The methods for any points in words: `rank correlations and PAWN`.
+pub fn views() -> String {
+    let names: Vec<&str> = VIEWS.iter().map(|view| view.name()).collect();
+    names.join(" and ")
+}
+
+/// The method of this name.
+///
+/// # Errors
+/// Lists the names that there are.
+pub fn named(name: &str) -> Result<&'static dyn FromRuns, String> {
+    let known = RUNS.iter().find(|method| method.facts().name == name);
+    known.copied().ok_or_else(|| {
+        let names: Vec<&str> = RUNS.iter().map(|method| method.facts().name).collect();
+        format!("unknown method `{name}`; there are {}", names.join(", "))
+    })
+}
 
 /// Whether an order of importance can be told: `None` where the interval of the largest estimate
 /// overlaps the next one's, else the index of the largest.
@@ -34,25 +60,10 @@ pub fn dominant(estimates: &[Estimate]) -> Option<usize> {
     }
 }
 
-/// The least and the largest of the values that are numbers; none where none is.
-pub(crate) fn range(values: &[f64]) -> Option<[f64; 2]> {
-    let known = values.iter().copied().filter(|value| value.is_finite());
-    known.fold(None, |ends, value| {
-        let [low, high] = ends.unwrap_or([value; 2]);
-        Some([low.min(value), high.max(value)])
-    })
-}
-
-/// Outputs in a unit in which their squares are numbers: no part of a variance depends on the unit.
-pub(crate) fn moderate(outputs: &[f64]) -> Vec<f64> {
-    let unit = moderate_unit(outputs.iter().copied());
-    outputs.iter().map(|value| value / unit).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::FirstOrder;
+    use crate::method::{FirstOrder, Space};
     use crate::testing::{lattice, settled};
 
     #[test]
@@ -97,5 +108,50 @@ mod tests {
         let nothing = Estimate::around(f64::NAN, 0.0);
         assert_eq!(dominant(&[nothing, sure[1], sure[0]]), Some(2));
         assert_eq!(dominant(&[nothing, sure[1]]), Some(1));
+    }
+
+    /// The texts that people read and write: names in a study and on the command line, sizes, and how a study is told.
+    #[test]
+    fn methods_are_called_by_name_and_say_what_they_do() {
+        let space = Space {
+            parameters: 4,
+            correlation: None,
+        };
+        let words = |name: &str| {
+            let method = named(name).unwrap();
+            let runs = method.runs(&space, 7);
+            let done = method.done(runs as usize, &settled(7, 1));
+            let facts = method.facts();
+            assert_eq!(facts.name, name);
+            assert_eq!(facts.takes_correlations, name == "shapley");
+            (facts.option, facts.usual_size, runs, method.title(7), done)
+        };
+        let sobol = "Sobol indices from 7 base points";
+        let done = format!("{sobol} (42 runs)");
+        assert_eq!(words("sobol"), ("base", 256, 42, sobol.to_owned(), done));
+        let morris = "Morris screening by 7 trajectories";
+        let done = "Morris screening, 35 runs".to_owned();
+        assert_eq!(words("morris"), ("morris", 20, 35, morris.to_owned(), done));
+        let shapley = "Shapley effects from 7 base points";
+        let done = format!("{shapley} (35 runs)");
+        assert_eq!(
+            words("shapley"),
+            ("shapley", 256, 35, shapley.to_owned(), done)
+        );
+        assert_eq!(views(), "rank correlations and PAWN");
+        // Trajectories are no sample of the parameters.
+        let sample = named("morris").unwrap().plain_sample(35, &settled(7, 1));
+        assert!(sample.is_empty());
+        let unknown = named("Sobol").map(|method| method.facts().name);
+        let message = "unknown method `Sobol`; there are sobol, morris, shapley";
+        assert!(unknown.is_err_and(|error| error.starts_with(message)));
+    }
+
+    #[test]
+    fn estimators_are_called_by_name() {
+        let names = ["combined", "jansen", "saltelli"];
+        assert_eq!(FirstOrder::ALL.map(FirstOrder::name), names);
+        assert_eq!(names.map(FirstOrder::named), FirstOrder::ALL.map(Some));
+        assert_eq!(FirstOrder::named("Jansen"), None);
     }
 }

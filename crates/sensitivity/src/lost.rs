@@ -141,6 +141,15 @@ impl Problem {
     }
 }
 
+/// The least and the largest of the values that are numbers; none where none is.
+pub(crate) fn range(values: &[f64]) -> Option<[f64; 2]> {
+    let known = values.iter().copied().filter(|value| value.is_finite());
+    known.fold(None, |ends, value| {
+        let [low, high] = ends.unwrap_or([value; 2]);
+        Some([low.min(value), high.max(value)])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::Estimate;
+use sampling::statistics::estimate::Estimate;
 
 /// Results of a method for one output, under their keys in `sensitivity.json`.
 pub type Told = Map<String, Value>;
@@ -108,8 +108,7 @@ pub trait FromRuns: Sync {
 
     /// Method and cost in words, after `runs` runs.
     fn done(&self, runs: usize, settled: &Settled) -> String {
-        let title = self.title(settled.size);
-        format!("{title} ({runs} runs); rank correlations and PAWN of their plain sample")
+        format!("{} ({runs} runs)", self.title(settled.size))
     }
 
     /// Analyses the values of one output, in the order of the design. Returns all keys of the method, whatever the
@@ -122,6 +121,9 @@ pub trait FromRuns: Sync {
 
 /// A method for any points.
 pub trait FromPoints: Sync {
+    /// Its name in a sentence.
+    fn name(&self) -> &'static str;
+
     /// Analyses the values of one output, given the columns of the parameters.
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told;
 

@@ -5,10 +5,10 @@
 //! "An effective screening design for sensitivity analysis of large models",
 //! Environmental Modelling & Software 22, 1509-1518.
 
-use crate::Estimate;
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use conformity::interval::clopper_pearson;
 use sampling::random::{Purpose, Random};
+use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::{deviation, mean};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -136,7 +136,7 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     if parameters == 0 || !fits {
         return None;
     }
-    let [low, high] = crate::range(outputs)?;
+    let [low, high] = crate::lost::range(outputs)?;
     let mut all = vec![Seen::default(); parameters];
     for k in (1..rows.len()).filter(|k| k % (parameters + 1) != 0) {
         let changed = (0..parameters).find(|&i| rows[k][i] != rows[k - 1][i])?;

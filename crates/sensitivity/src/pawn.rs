@@ -4,9 +4,9 @@
 //! Pianosi & Wagener (2018), "Distribution-based sensitivity analysis from a generic input-output
 //! sample", Environmental Modelling & Software 108, 197-207.
 
-use crate::Estimate;
 use crate::method::{FromPoints, Measure, Told, read};
 use sampling::random::{Purpose, Random};
+use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::{ks_distance, mean, quantile, sorted};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -21,6 +21,10 @@ const RESAMPLES: usize = 200;
 pub struct Slices;
 
 impl FromPoints for Slices {
+    fn name(&self) -> &'static str {
+        "PAWN"
+    }
+
     fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told {
         let pawn = pawn(columns, values, SLICES, RESAMPLES, seed);
         Told::from_iter([("pawn".to_owned(), json!(pawn))])

@@ -5,10 +5,10 @@
 //! Marino et al. (2008), "A methodology for performing global uncertainty and sensitivity analysis
 //! in systems biology", J. Theoretical Biology 254, 178-196. Intervals: jackknife on Fisher's scale.
 
-use crate::Estimate;
 use crate::method::{FromPoints, Measure, Told, read};
 use crate::ratio::jackknife;
 use nalgebra::DMatrix;
+use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::{ascending, pearson, ranks_in};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -25,6 +25,10 @@ const NEARLY: f64 = 1.0 - 1e-12;
 pub struct Ranks;
 
 impl FromPoints for Ranks {
+    fn name(&self) -> &'static str {
+        "rank correlations"
+    }
+
     fn tell(&self, columns: &[&[f64]], values: &[f64], _: u64) -> Told {
         let correlations = correlations(columns, values);
         Told::from_iter([("ranks".to_owned(), json!(correlations))])

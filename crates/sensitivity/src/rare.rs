@@ -6,7 +6,7 @@
 
 use conformity::interval::clopper_pearson;
 
-use crate::Estimate;
+use sampling::statistics::estimate::Estimate;
 
 /// So many pairs show their scatter themselves.
 const ENOUGH: usize = 3;

@@ -1,7 +1,7 @@
 //! The ratio of two means over base points, such as a part of the variance over the variance, with its 95 % interval.
 
-use crate::Estimate;
-use sampling::statistics::moments::mean;
+use sampling::statistics::estimate::Estimate;
+use sampling::statistics::moments::{mean, moderate_unit};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Blocks of consecutive base points that are left out in turn.
@@ -218,6 +218,12 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
         terms: weighted(&|_| of_all),
         crosswise: weighted(&|j| of_others[fold(j)]),
     }
+}
+
+/// Outputs in a unit in which their squares are numbers: no part of a variance depends on the unit.
+pub(crate) fn moderate(outputs: &[f64]) -> Vec<f64> {
+    let unit = moderate_unit(outputs.iter().copied());
+    outputs.iter().map(|value| value / unit).collect()
 }
 
 #[cfg(test)]

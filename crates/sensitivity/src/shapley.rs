@@ -13,13 +13,12 @@
 //! of both is (f_after - f_before) (f_A - f_B) / 2, after Goda (2021), "A simple algorithm for global sensitivity analysis with
 //! Shapley effects", Reliability Engineering & System Safety 213, 107702.
 
-use crate::Estimate;
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
-use crate::moderate;
 use crate::pairs::pairs;
 use crate::ratio::{self, Parts};
 use nalgebra::{DMatrix, DVector};
 use sampling::random::{Purpose, Random};
+use sampling::statistics::estimate::Estimate;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -214,7 +213,7 @@ pub struct Effects {
 ///
 /// `None` where the number of outputs fits no such design, or too few runs have values.
 pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<Effects> {
-    let outputs = &moderate(outputs);
+    let outputs = &ratio::moderate(outputs);
     let width = outputs.len().checked_div(settled.size as usize)?;
     if parameters == 0 || width * settled.size as usize != outputs.len() {
         return None;
@@ -301,7 +300,7 @@ fn bounds(
     correlated: bool,
     outputs: &[f64],
 ) -> Option<[f64; 2]> {
-    let any = crate::range(outputs)?;
+    let any = crate::lost::range(outputs)?;
     let range = |value: f64| if value.is_finite() { [value; 2] } else { any };
     let term = |step: &Step| {
         let [before, after, a, b] = step.map(range);

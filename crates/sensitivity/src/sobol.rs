@@ -5,13 +5,12 @@
 //! Computer Physics Communications 181, 259-270: two independent samples A and B, and for every
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
-use crate::Estimate;
 use crate::lost::{self, Triple};
 use crate::method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
-use crate::moderate;
 use crate::pairs::pairs;
 use crate::rare;
 use crate::ratio::{self, Parts};
+use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -123,7 +122,7 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
     if parameters == 0 || outputs.is_empty() || !outputs.len().is_multiple_of(width) {
         return None;
     }
-    let outputs = &moderate(outputs);
+    let outputs = &ratio::moderate(outputs);
     let finite: Vec<f64> = outputs.iter().copied().filter(|v| v.is_finite()).collect();
     let shift = mean(&finite);
     let failed = outputs.len() - finite.len();
@@ -170,7 +169,7 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
         result.used.push(total.used());
     }
     if failed > 0 {
-        let range = crate::range(outputs)?;
+        let range = lost::range(outputs)?;
         result.bound(&rows, range.map(|end| end - shift));
     }
     Some(result)

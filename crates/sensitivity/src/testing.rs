@@ -1,7 +1,7 @@
 //! Helpers for the tests of several methods.
 
-use crate::Estimate;
 use crate::method::{FirstOrder, Settled};
+use sampling::statistics::estimate::Estimate;
 
 /// A study of this size and seed.
 pub(crate) fn settled(size: u64, seed: u64) -> Settled {

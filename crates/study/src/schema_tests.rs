@@ -10,7 +10,7 @@ use super::Study;
 use curves::Metric;
 use sampling::design::Method;
 use sampling::statistics::Statistic;
-use sensitivity::methods::RUNS;
+use sensitivity::RUNS;
 
 fn studies() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies")

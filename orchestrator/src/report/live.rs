@@ -285,10 +285,12 @@ fn possible(task: &Task) -> Result<(), String> {
                     "curves whose delay is to be found, such as that of {name}"
                 ));
             }
-            (Some(curve), _) if curve.metric == Metric::Iso18571 => {
-                return cannot(format!("ratings by ISO/TS 18571, such as that of {name}"));
-            }
-            (Some(_), _) | (None, Some(Detail::At(_))) => continue,
+            (Some(curve), _) => match curve.metric {
+                Metric::Rmse | Metric::Nrmse | Metric::MaxError => continue,
+                Metric::Corridor | Metric::Area => continue,
+                other => return cannot(format!("the {} of {name}", other.label())),
+            },
+            (None, Some(Detail::At(_))) => continue,
             (None, Some(detail)) => return cannot(format!("the {} of {name}", detail.label())),
             (None, None) => {}
         }

@@ -1,5 +1,6 @@
 //! Where the numbers stand in the text of a recording: preambles, separators, the rows of names and of units.
 
+use std::io::Read;
 use std::path::Path;
 
 use super::Layout;
@@ -29,6 +30,14 @@ const BINARY: [(&[u8], &str); 8] = [
 
 /// Endings of further binary files that the Python package converts.
 const CONVERTED: [&str; 5] = ["mat", "dat", "mdf", "mf4", "hdf"];
+
+/// How a file of a known binary format becomes one that is read here.
+pub(super) fn advice(path: &Path) -> Option<FileError> {
+    let mut begin = [0; 8];
+    files::open(path).ok()?.read_exact(&mut begin).ok()?;
+    let is_known = BINARY.iter().any(|(known, _)| begin.starts_with(known));
+    is_known.then(|| text(path).err()).flatten()
+}
 
 /// Reads a recording as text: UTF-8, UTF-16, or what Windows writes in Western Europe.
 pub(super) fn text(path: &Path) -> Result<String, FileError> {

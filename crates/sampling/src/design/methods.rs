@@ -1,19 +1,12 @@
-//! The designs: the one place that knows them all.
-//!
-//! A new design is a file beside [`super::halton`] with a type that implements [`super::rule::Registered`], its `mod` line
-//! in `design/mod.rs`, and its line below. The name in a study, the JSON Schema and all checks follow from that line.
+//! What follows from the list of designs in `design/mod.rs`: the choice, its names and its checks.
 
-use std::sync::Arc;
-
-use serde::{Deserialize, Serialize};
-
-use super::rule::{self, Inputs, Numbers, Rule};
+use super::Method;
 
 /// Makes the choice of the designs from lines of name, type and meaning.
 macro_rules! methods {
     ($($method:ident = $rule:ty, $meaning:literal;)*) => {
         /// How points are chosen.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
         #[serde(rename_all = "kebab-case")]
         pub enum Method {
             $(#[doc = $meaning] $method,)*
@@ -45,29 +38,20 @@ macro_rules! methods {
             }
 
             /// Whether each of N equally probable slices of every input holds one of N points.
-            pub(super) fn is_stratified(self) -> bool {
+            fn is_stratified(self) -> bool {
                 match self {
                     $(Self::$method => <$rule as rule::Registered>::STRATIFIED,)*
                 }
             }
 
             /// The rule for the points of a study.
-            pub(super) fn rule(self, numbers: &Numbers, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
+            fn rule(self, numbers: &rule::Numbers, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
                 Ok(match self {
                     $(Self::$method => Arc::new(<$rule as rule::Registered>::new(numbers, inputs)?),)*
                 })
             }
         }
     };
-}
-
-methods! {
-    MonteCarlo = super::monte_carlo::Independent, "Independent random points.";
-    LatinHypercube = super::hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
-    OptimisedLatinHypercube = super::optimised::Spread, "The same, with slices paired so that the points are spread well.";
-    Sobol = super::sobol::Nets, "A scrambled Sobol net.";
-    Halton = super::halton::Sequence, "A scrambled Halton sequence.";
-    FullFactorial = super::factorial::Grid, "Every combination of the parameters' levels.";
 }
 
 impl Method {

@@ -12,6 +12,7 @@ mod hypercube;
 mod joint;
 #[cfg(test)]
 mod lasting_tests;
+#[macro_use]
 mod methods;
 pub(crate) mod monte_carlo;
 mod optimised;
@@ -29,9 +30,19 @@ use correlation::Correlation;
 use rule::Rule;
 
 pub use joint::Joint;
-pub use methods::Method;
 pub use rule::Inputs;
 pub use sampling::Sampling;
+
+// The list of all designs. A new one is a file with a type that implements `rule::Registered`, its `mod` line above and its line
+// here. The name in a study, the JSON Schema and all checks follow.
+methods! {
+    MonteCarlo = monte_carlo::Independent, "Independent random points.";
+    LatinHypercube = hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
+    OptimisedLatinHypercube = optimised::Spread, "The same, with slices paired so that the points are spread well.";
+    Sobol = sobol::Nets, "A scrambled Sobol net.";
+    Halton = halton::Sequence, "A scrambled Halton sequence.";
+    FullFactorial = factorial::Grid, "Every combination of the parameters' levels.";
+}
 
 /// A rule that gives every index its point.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::methods::Method;
+use super::Method;
 use super::rule::Numbers;
 
 /// Which points are simulated: the section `[design]` of a study.

@@ -6,6 +6,7 @@ use super::measured::{Column, Measured};
 use super::run::{SMALL, Signal, TOLERANCE};
 use crate::error::Error;
 use crate::results::points::number;
+use curves::Metric;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Kind, Variable};
 use fmu_points::task::Schedule;
@@ -256,6 +257,8 @@ fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
     let unit = column.unit.as_deref();
     let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
     let [head, variable] = head(column.variable);
+    let metrics = Metric::ALL.iter().map(|metric| metric.name());
+    let others: Vec<String> = metrics.filter(|name| name != "nrmse").collect();
     vec![
         head,
         variable,
@@ -265,8 +268,10 @@ fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
             quoted(time),
             quoted(&column.header)
         ),
-        "metric = \"nrmse\" # of the range; or rmse, max-error, corridor, area, iso18571"
-            .to_owned(),
+        format!(
+            "metric = \"nrmse\" # of the range; or {}",
+            others.join(", ")
+        ),
         "tolerance = \"5 %\"".to_owned(),
     ]
 }

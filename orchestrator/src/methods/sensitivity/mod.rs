@@ -19,7 +19,7 @@ use crate::results::origin::Origin;
 use crate::results::{points, table};
 use crate::session::{Request, Session};
 use ::sensitivity::method::{self, FirstOrder, Settled, Space};
-use ::sensitivity::methods::{RUNS, named};
+use ::sensitivity::{RUNS, named};
 use number_tables::csv_file;
 use outputs::from_runs;
 use parameter_regions::table::PointTable;

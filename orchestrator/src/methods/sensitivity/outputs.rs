@@ -1,10 +1,10 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
 use super::failures;
+use crate::results::words::capitalised;
 use parameter_regions::table::PointTable;
 use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
-use sensitivity::methods::{RUNS, VIEWS};
-use sensitivity::{Estimate, dominant, regional};
+use sensitivity::{Estimate, RUNS, VIEWS, dominant, regional, views};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -137,7 +137,7 @@ fn of_points(table: &PointTable, outputs: Vec<(String, Vec<f64>)>, seed: u64) ->
     Sensitivity {
         units: units.map(|(k, unit)| (k.clone(), unit.clone())).collect(),
         outputs: outputs.into_iter().map(output).collect(),
-        method: "Rank correlations and PAWN of existing points".into(),
+        method: format!("{} of existing points", capitalised(&views())),
         runs: table.len(),
         failed: failures::failed(table),
         warnings: Vec::new(),
@@ -189,6 +189,9 @@ pub fn from_runs(
         ));
     }
     result.method = method.done(rows.len(), settled);
+    if !plain.is_empty() {
+        result.method += &format!("; {} of their plain sample", views());
+    }
     result
 }
 
