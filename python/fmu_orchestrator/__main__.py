@@ -9,11 +9,14 @@ from . import _convert
 from ._errors import OrchestratorError
 from ._files import program, study_path
 
+# Commands whose first argument is no study; that of every analysis is one.
+OTHERS = {"inspect", "check", "init", "simulate", "merge", "compare", "completion", "manual", "report", "synchronise", "help"}
+
 
 def arguments(given: list[str]) -> list[str]:
     """The program's arguments: ``verify paper-table3`` becomes the path of that study, where no such file exists."""
     match given:
-        case [command, study, *rest] if not study.startswith("-"):
+        case [command, study, *rest] if command not in OTHERS and not study.startswith("-"):
             return [command, str(study_path(study)), *rest]
     return given
 

@@ -1,4 +1,5 @@
-//! A recording as a table: whatever a logger writes as text, or any other format of tables. Columns with units, and times as numbers or time stamps.
+//! A recording as a table: whatever a logger writes as text, or any other format of tables. Columns with units, and times as
+//! numbers or time stamps.
 
 mod layout;
 mod stamp;
