@@ -18,8 +18,8 @@ pub struct Events<M: 'static> {
     /// Lets at most so many seconds pass from a time, perhaps none, as [`Model::advance`] does. It stops where an event is due, also
     /// at the end, and returns the seconds that have passed until then; `None` if no event is due.
     pub until: Until<M>,
-    /// Handles all events that are due at the present time and state; whether there were any. Rounding may leave a little of the way
-    /// to them, and a host that integrates stops a little late. The clocks have ticked that it lets tick, until the next call.
+    /// Handles all events that are due at the present time and state, and tells whether there were any. Hosts stop a little before or
+    /// after an event, so compare with a margin. A clock that ticks here counts as active until the next call.
     pub handle: fn(&mut M) -> Result<bool, Fault>,
 }
 

@@ -179,7 +179,7 @@ fn steps_end_at_events_in_event_mode_alone() {
     assert!(!seen.clock());
     assert_eq!([seen.enter_step(), seen.enter_step()], [Ok, Error]);
     assert_eq!(seen.step(reached, 3000.0 - reached).1, [false; 2]);
-    // A step that ends at an event is whole, and one that a new value makes due takes no time.
+    // A step may end at an event and still be whole. An event that a new value makes due is handled before time passes.
     let at_end = Host::stepped(1, 1);
     assert_eq!(
         [at_end.enter_step(), at_end.set("setpoint", &[288.15])],
