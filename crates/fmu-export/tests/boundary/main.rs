@@ -8,7 +8,6 @@
 
 mod arguments;
 mod derivatives;
-mod events;
 mod exchange;
 mod host;
 mod intermediate;

@@ -1,4 +1,8 @@
 //! Events, arrays and clocks: a host of the thermostat.
+//!
+//! Apart from the boundary's tests, which run the lag: both libraries export the functions of FMI by the same names, so no
+//! program can be linked with the two.
+#![allow(clippy::unwrap_used)]
 
 use std::ffi::CString;
 use std::marker::PhantomData;
@@ -6,11 +10,10 @@ use std::ptr::{null, null_mut};
 
 use fmu_export::description::{Interface, Version, fingerprint, token};
 use fmu_export::fmi3::calls;
+use fmu_export::fmi3::types::Status::{Discard, Error, Ok};
 use fmu_export::fmi3::types::{Boolean, Component, FmuState, Status, ValueReference};
 use fmu_export::model::Model;
 use thermostat::House;
-
-use crate::host::{Discard, Error, Ok};
 
 fn vr<M: Model>(name: &str) -> ValueReference {
     let mut names = M::variables().iter();
