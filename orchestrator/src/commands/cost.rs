@@ -17,7 +17,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const ENOUGH: f64 = 3.0;
 
 /// A run of so many points that takes so long, s, tells how long one takes.
-const MANY: usize = 64;
+const MANY: usize = 1024;
 const LONG: f64 = 0.5;
 
 /// The estimate for people, or why there is none.
@@ -62,7 +62,7 @@ pub(super) fn of(
         let label = verification.source.label(index);
         return Ok(format!("point {label} fails: {failure}\n"));
     }
-    // The first points take longer, as the worker finds out whether they may share a process. So more and more are run.
+    // The first points take longer: with them the worker finds out whether points may share a process. So more and more are run.
     let (mut count, mut spent) = (1, took);
     while spent < ENOUGH && (took < LONG || count < MANY) {
         let jobs = jobs_of(2 * count);

@@ -361,7 +361,7 @@ fn correlated_errors_are_whole_ones() {
             )
         };
         let study = format!(
-            "fmu = \"functions.fmu\"\n[parameters.x1]\ndistribution = \"uniform\"\nmin = 0\nmax = 1\n{}{}\
+            "fmu = \"functions.fmu\"\n[parameters.x1]\ndistribution = \"uniform\"\nmin = -5\nmax = 6\n{}{}\
              [[uncertainty-correlations]]\nbetween = [\"A\", \"B\"]\ncoefficient = 0.8\n",
             of("A", "final"),
             of("B", "mean")

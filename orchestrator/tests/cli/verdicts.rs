@@ -705,7 +705,7 @@ fn amplitudes_and_slopes_convert_as_differences() {
         let said = bench.run(&["verify", "study.toml", "--output", "out", "--force"]);
         assert!(said.code < 2, "{}", said.err);
         let criterion = &bench.summary("out")["criteria"]["T"];
-        let mut keys = ["nominal", "at-most", "at-least"].into_iter();
+        let mut keys = ["nominal", "upper", "lower"].into_iter();
         let limit = keys.find_map(|key| criterion[key].as_f64()).unwrap();
         assert!(
             (limit - expected).abs() < 1e-9,
