@@ -97,15 +97,15 @@ fn of_the_study(fault: &str) -> Option<String> {
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call or a file, \
-    3 inconclusive: the points do not tell (only with [verdict] in the study), 130 interrupted: --resume goes on.";
+    3 inconclusive (by [verdict] in the study, or all points failed), 130 interrupted: --resume goes on.";
 
 /// How `verify`, `judge` and `merge` come to a verdict.
 macro_rules! verdict_help {
     ($example:literal) => {
         concat!(
             "Verdict: with [verdict] in the study, its `share` of the sampled space must be accepted; without it, one point \
-             that meets all criteria is enough.\n\nExit codes: 0 verified, 1 not verified, 3 inconclusive (only with \
-             [verdict]), 2 a mistake in the call or a file, 130 interrupted (--resume goes on).\n\nExample: ",
+             that meets all criteria is enough.\n\nExit codes: 0 verified, 1 not verified, 3 inconclusive (by [verdict], \
+             or all points failed), 2 a mistake in the call or a file, 130 interrupted.\n\nExample: ",
             $example
         )
     };

@@ -28,7 +28,7 @@ use number_tables::files::FileError;
 use parameter_regions::table::CriterionColumn;
 use sampling::statistics::Statistic;
 use sampling::statistics::moments::length;
-use scalar::{Side, limit, sides, within};
+use scalar::{Side, limit, sense, sides, within};
 use study::concern::Concern;
 use study::plan::find;
 use study::{Name, NominalFrom, Study};
@@ -354,7 +354,7 @@ impl Judge {
                         &text.at_least
                     };
                     match same {
-                        Some(_) => limit(stated, side, &scales[number]),
+                        Some(_) => limit(stated, side, (&scales[number], sense(text))),
                         None => {
                             Err("it has no such limit that the variant could change".to_owned())
                         }

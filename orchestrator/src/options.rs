@@ -22,7 +22,7 @@ pub struct Parts {
     /// Replace the folder's results, also unfinished ones and those of another study or FMU
     #[arg(long, conflicts_with = "resume")]
     pub force: bool,
-    /// Simulate only part I of N equal parts of the points (exit code 0 when done); `merge` joins them
+    /// Simulate only part I of N of the points (exit code 0; searches refuse); `merge` joins them
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// The part, counted from 0, with --shards
@@ -211,7 +211,7 @@ impl Means {
 pub struct Work {
     /// The study, a TOML file
     pub study: PathBuf,
-    /// The folder for the results [default: results/ and the study's name, or the folder of --from]
+    /// The folder for the results [default: results/ and the study's name, or that of any --from]
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Run settings

@@ -48,8 +48,8 @@ pub struct Settings {
     /// The part of the record to use, s.
     #[serde(default, deserialize_with = "window")]
     window: Option<[f64; 2]>,
-    /// When the model starts: a time of the recording, or a time stamp.
-    start: Option<Spanned<String>>,
+    /// When the model starts.
+    start: Option<Spanned<Moment>>,
     /// The line of `start`.
     #[serde(skip)]
     start_line: usize,
@@ -79,8 +79,19 @@ struct TimeColumn {
     unit: Option<String>,
     /// The form of time stamps.
     format: Option<String>,
-    /// When the file's clock starts: a time, or a time stamp where another file has some.
-    offset: Option<String>,
+    /// When the file's clock starts; a time stamp where another file has some.
+    offset: Option<Moment>,
+}
+
+/// A time of the recording in seconds or with its unit, or a time stamp.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a time, such as 12.3 or \"12300 ms\", or a time stamp"
+)]
+enum Moment {
+    Seconds(f64),
+    Text(String),
 }
 
 /// How a file is written.
@@ -105,7 +116,7 @@ struct Signal {
     time: Option<String>,
     /// The value in `unit` is the scale times the cell, plus the offset.
     scale: Option<f64>,
-    offset: Option<f64>,
+    offset: Option<Quantity>,
     #[serde(default, deserialize_with = "unit")]
     unit: Option<String>,
     /// Of its sensor.
@@ -439,14 +450,21 @@ impl Recorded<'_> {
 
     /// When a file's clock starts, s.
     fn offset(&self, time: &TimeColumn) -> Result<f64, FileError> {
-        let Some(text) = &time.offset else {
+        let Some(moment) = &time.offset else {
             return Ok(0.0);
         };
-        self.moment("time: offset", text, time.format.as_deref())
+        self.moment("time: offset", moment, time.format.as_deref())
     }
 
     /// A time of the recording, s, from a time or a time stamp.
-    fn moment(&self, key: &str, text: &str, format: Option<&str>) -> Result<f64, FileError> {
+    fn moment(&self, key: &str, at: &Moment, format: Option<&str>) -> Result<f64, FileError> {
+        let text = match at {
+            Moment::Seconds(time) if time.is_finite() => return Ok(*time),
+            Moment::Seconds(time) => {
+                return Err(self.settings.wrong(format!("{key}: {time} is no time")));
+            }
+            Moment::Text(text) => text,
+        };
         if let (Some(zero), Some(stamp)) = (self.zero, stamp(text, format))
             && zero.clock == stamp.clock
         {
@@ -462,7 +480,7 @@ impl Recorded<'_> {
 
     /// When the model starts, s.
     fn start(&self) -> Result<Option<f64>, FileError> {
-        let Some(text) = &self.settings.start else {
+        let Some(moment) = &self.settings.start else {
             return Ok(None);
         };
         let key = format!("line {}: start", self.settings.start_line);
@@ -470,7 +488,8 @@ impl Recorded<'_> {
             .tables
             .iter()
             .filter_map(|(_, time)| time.format.as_deref());
-        self.moment(&key, text.get_ref(), formats.next()).map(Some)
+        self.moment(&key, moment.get_ref(), formats.next())
+            .map(Some)
     }
 
     /// A channel in its own unit, or in `si`.
@@ -500,9 +519,20 @@ impl Recorded<'_> {
             Some(si) => conversion(&unit, si).map_err(wrong)?,
             None => Conversion::IDENTITY,
         };
+        let offset = match &signal.offset {
+            Some(Quantity {
+                number,
+                unit: Some(own),
+            }) => {
+                let way = conversion(own, &unit);
+                way.map_err(|message| wrong(format!("offset: {message}")))?
+                    .difference(*number)
+            }
+            plain => plain.as_ref().map_or(0.0, |offset| offset.number),
+        };
         let scaled = Conversion {
             factor: signal.scale.unwrap_or(1.0),
-            offset: signal.offset.unwrap_or(0.0),
+            offset,
         };
         let to_unit = scaled.then(way);
         let recorded = table.column(column)?;

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -19,6 +20,9 @@ INTERRUPTED = 130
 # An interrupted program ends within a second; one that does not is held by something outside of it.
 PATIENCE = 5.0
 GLANCE = 0.2
+# The options that the program's remedies name, and their values where it gives one.
+OPTION = re.compile(r"--(resume|force|ship|output|jobs|points|seed|memory-limit|point-timeout)\b(?: (\d+)\b)?")
+SWITCHES = ("resume", "force", "ship")
 Value = str | os.PathLike[str] | int | float | bool | None
 
 
@@ -118,7 +122,7 @@ def remark(said: str) -> None:
     for line in said.splitlines():
         kind, _, text = line.partition(": ")
         if kind in ("warning", "note"):
-            warn(text)
+            warn(with_arguments(text))
 
 
 def warn(text: str) -> None:
@@ -136,4 +140,15 @@ def complaint(said: str, code: int) -> str:
         last = said.strip().splitlines()[-1:] or ["it said nothing"]
         return f"the program ended with {code}: {last[0]}"
     # What follows is how the command is called.
-    return message.split("\n\n")[0].strip()
+    return with_arguments(message.split("\n\n")[0].strip())
+
+
+def with_arguments(text: str) -> str:
+    """A message with this package's arguments in place of the program's options: `--jobs 1` is ``jobs=1``."""
+
+    def argument(option: "re.Match[str]") -> str:
+        name, value = option.groups()
+        value = value or ("True" if name in SWITCHES else None)
+        return name.replace("-", "_") + (f"={value}" if value else "")
+
+    return OPTION.sub(argument, text)

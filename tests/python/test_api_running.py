@@ -86,7 +86,7 @@ def test_ctrl_c_keeps_what_is_done(send, tmp_path, monkeypatch):
     assert not list(folder.glob(".running-*"))
     done = Journal(folder, resume=True)
     assert done.look() and 0 < done.done < 40 and done.total == 40
-    with pytest.raises(OrchestratorError, match="--resume"):
+    with pytest.raises(OrchestratorError, match="continue it with resume=True, replace it with force=True, or choose another output"):
         Study.load(study).verify(output=folder)
     whole = Study.load(study).verify(output=folder, resume=True)
     assert whole.summary["run"]["computed"] == 40 - done.done

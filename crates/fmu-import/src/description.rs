@@ -472,11 +472,12 @@ impl Variable {
         }
     }
 
-    /// Whether an importer may set it before the start. The ticks of a clock are set where nothing else determines them.
+    /// Whether an importer may set it before the start: a result as well where it has a start value, as a state has. The
+    /// ticks of a clock are set where nothing else determines them.
     pub fn is_settable(&self) -> bool {
         let has_part = match self.causality {
             Causality::Parameter | Causality::Input => true,
-            Causality::Local => self.kind.start_value().is_some(),
+            Causality::Local | Causality::Output => self.kind.start_value().is_some(),
             _ => false,
         };
         let is_due = matches!(self.kind, Kind::Clock(timing) if timing.by != Ticking::Triggered);

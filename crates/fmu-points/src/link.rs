@@ -29,6 +29,10 @@ const PARTING: Duration = Duration::from_secs(2);
 /// How long it may take when it is asked to.
 const FAREWELL: Duration = Duration::from_millis(500);
 
+/// Said of bytes that are no frame. Only the worker's own code writes to its output, so they come from the way to it.
+const MIXED: &str = "what came is not what a worker sends: the launcher must start one worker, and pass on its input and \
+                     output unchanged, without a terminal or labels";
+
 /// Why no message comes any more.
 #[derive(Debug)]
 pub(crate) enum Cut {
@@ -173,7 +177,7 @@ impl Link {
                     None => return Err(Cut::Lost("its answer is damaged".to_owned())),
                 },
                 Ok(None) => {}
-                Err(broken) => return Err(Cut::Lost(format!("what came is no answer ({broken})"))),
+                Err(_) => return Err(Cut::Lost(MIXED.to_owned())),
             }
             if stopped() {
                 return Err(Cut::Stopped);

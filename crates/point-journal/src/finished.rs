@@ -26,6 +26,8 @@ pub struct Finished {
     places: Vec<u64>,
     /// How the points were computed, as far as that is noted.
     noted: Option<Conduct>,
+    /// The same of parts that were joined, by their names.
+    parts: BTreeMap<String, Conduct>,
     /// Whether points count only where each had an unpacked FMU of its own.
     apart: bool,
     /// Points that were computed in such processes, or in less strictly separated ones, do not count.
@@ -130,6 +132,9 @@ impl Finished {
                     None => new,
                 });
             }
+            Note::Part(name, conduct) => {
+                self.parts.insert(name, conduct);
+            }
             Note::Crowded(index) => {
                 self.crowded.insert(index);
             }
@@ -149,6 +154,7 @@ impl Finished {
                 if separation <= Separation::New {
                     // Nothing is left of which the notes so far tell.
                     (self.apart, self.noted) = (true, None);
+                    self.parts.clear();
                 }
                 self.of(separation)
                     .into_iter()
@@ -159,7 +165,8 @@ impl Finished {
 
     /// How the points were computed.
     pub fn conduct(&self) -> Conduct {
-        let mut conduct = self.noted.clone().unwrap_or_default();
+        let notes = self.parts.values().chain(&self.noted).cloned();
+        let mut conduct = notes.reduce(Conduct::and).unwrap_or_default();
         let used = |slot: &u64| *slot != NOWHERE && *slot >> SEPARATION == Separation::Used as u64;
         conduct.isolation = if self.places.iter().any(used) {
             // A run that was killed may not have noted it.
@@ -172,8 +179,8 @@ impl Finished {
 
     /// The file that the FMU changes in its own folder, where that was found.
     pub fn changed_file(&self) -> Option<&str> {
-        let noted = self.noted.as_ref();
-        let file = noted.and_then(|noted| noted.changed_file.as_deref());
+        let mut notes = self.parts.values().chain(&self.noted);
+        let file = notes.find_map(|noted| noted.changed_file.as_deref());
         self.apart.then(|| file.unwrap_or("."))
     }
 

@@ -315,7 +315,10 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), Error> {
             Line::End => break,
         }
     }
-    into.note(&Note::Conduct(finished.conduct()))?;
+    // A part may be joined again, such as one that has grown.
+    let name = finished.header.shard.clone();
+    let name = name.unwrap_or_else(|| folder.display().to_string());
+    into.note(&Note::Part(name, finished.conduct()))?;
     into.flush()
 }
 

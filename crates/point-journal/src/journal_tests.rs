@@ -141,7 +141,9 @@ fn what_does_not_count_is_open_again() {
     drop(journal);
     let other = tempfile::tempdir().unwrap();
     let mut joined = Journal::create(other.path(), &header()).unwrap();
-    copy(folder.path(), &mut joined).unwrap();
+    for _ in 0..2 {
+        copy(folder.path(), &mut joined).unwrap();
+    }
     let finished = Finished::read(other.path()).unwrap();
     assert_eq!((finished.count, finished.conduct()), (3, conduct));
     let value = finished.outcomes().unwrap().get(2).unwrap();

@@ -13,6 +13,8 @@ pub type Outcome = Result<Vec<f64>, Failure>;
 pub enum Note {
     /// How points were computed since the last such note.
     Conduct(Conduct),
+    /// How the points of a part were computed that was joined, in place of what was noted of that part before.
+    Part(String, Conduct),
     /// The points so far that were computed in such processes, or in less strictly separated ones, do not count.
     Void(Separation),
     /// The same once more, for the case that its line is damaged.

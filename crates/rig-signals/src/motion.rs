@@ -31,7 +31,8 @@ pub fn motion(time: &[f64], values: &[f64], [start, end]: [f64; 2]) -> Option<Mo
         return None;
     }
     let last = Stretch::new(&time[from..after], &values[from..after])?;
-    if last.turns < TWO_PERIODS {
+    // The rest of stairs that go one way crosses their line at each step, and is no swing.
+    if last.turns < TWO_PERIODS || goes_one_way(&values[from..after]) {
         return Some(slow(&time[from..], &values[from..], after - from, run));
     }
     let swing = last.swing();
@@ -81,6 +82,10 @@ fn slow(time: &[f64], values: &[f64], end: usize, run: f64) -> Motion {
         _ => (range(values), 0.0),
     };
     Motion { swing, drift }
+}
+
+fn goes_one_way(values: &[f64]) -> bool {
+    values.is_sorted() || values.is_sorted_by(|a, b| a >= b)
 }
 
 /// The values after the end of the run, or, where there are none, all of them.
@@ -299,6 +304,16 @@ mod tests {
         let moves = of_a_second(|t| 82.0 - 4.0 * (t - 1.5).powi(2));
         assert!(
             (moves.drift - 1.0).abs() < 1e-3 && moves.swing == 0.0,
+            "{moves:?}"
+        );
+    }
+
+    /// A sensor that holds its value between its readings.
+    #[test]
+    fn stairs_that_go_one_way_do_not_swing() {
+        let moves = of(|t| 82.0 - 5.0 * (-(t / 3.0).floor() / 100.0).exp());
+        assert!(
+            moves.swing == 0.0 && (1.3..1.8).contains(&moves.drift),
             "{moves:?}"
         );
     }

@@ -63,6 +63,8 @@ pub enum Code {
     UncertaintyAboveTolerance,
     /// A measured value is beyond the limit that it stands beside.
     MeasuredBeyondLimit,
+    /// Two criteria judge the same value, and no value meets both.
+    Contradictory,
     /// No point reaches a measured value.
     OutOfReach,
     /// A criterion's value is the same at all points.

@@ -295,6 +295,19 @@ pub struct CriterionText {
     pub case: Option<usize>,
 }
 
+impl CriterionText {
+    /// Whether another criterion judges the same number of the same run, in the same unit.
+    pub fn judges_as(&self, other: &Self) -> bool {
+        let is_curve = self.reference.is_some() || other.reference.is_some();
+        !is_curve
+            && (self.case, &self.variable, &self.unit) == (other.case, &other.variable, &other.unit)
+            && (self.statistic, &self.window) == (other.statistic, &other.window)
+            && (&self.percent, &self.at, &self.level) == (&other.percent, &other.at, &other.level)
+            && (&self.direction, &self.turns, &self.periods)
+                == (&other.direction, &other.turns, &other.periods)
+    }
+}
+
 /// Where a nominal value comes from, where that is no measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -59,7 +59,7 @@ fn settable(variable: &Variable) -> Result<(), String> {
         _ => "computed by the FMU",
     };
     Err(format!(
-        "it is {reason}; only parameters and inputs can be set"
+        "it is {reason}; only parameters, inputs and start values can be set"
     ))
 }
 

@@ -168,8 +168,8 @@ pub struct Merge {
 /// Options of `compare`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Exit codes: 0 the same verdict, and no point that meets all criteria in one result only (beyond the stated \
-    numerical uncertainty), 1 a difference (with --strict also a changed value), 2 a mistake in the call or a \
+    after_help = "Exit codes: 0 the same verdict, and no point changed sides (beyond the stated numerical \
+    uncertainty), 1 a difference (with --strict also a changed value), 2 a mistake in the call or a \
     file.\n\nExample: orchestrator compare \
     results/release-1 results/rig --output results/changes"
 )]

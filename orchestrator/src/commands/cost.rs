@@ -13,8 +13,12 @@ use std::time::{Duration, Instant};
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How long points are run for the estimate, s.
-const ENOUGH: f64 = 0.5;
+/// How long points are run for the estimate, where more of them would tell more, s.
+const ENOUGH: f64 = 3.0;
+
+/// A run of so many points that takes so long, s, tells how long one takes.
+const MANY: usize = 1024;
+const LONG: f64 = 0.5;
 
 /// The estimate for people, or why there is none.
 pub(super) fn of(
@@ -53,18 +57,22 @@ pub(super) fn of(
         Ok::<_, Error>((first.flatten(), begun.elapsed().as_secs_f64()))
     };
     // The first run starts the worker and loads the FMU.
-    let (failure, mut point) = run(&jobs_of(1))?;
+    let (failure, mut took) = run(&jobs_of(1))?;
     if let Some(failure) = failure {
         let label = verification.source.label(index);
         return Ok(format!("point {label} fails: {failure}\n"));
     }
-    // Short points are told from what surrounds them by running many.
-    for _ in 0..2 {
-        let few = jobs_of((ENOUGH / point).clamp(1.0, 1000.0) as usize);
-        if point < ENOUGH {
-            point = run(&few)?.1 / few.len() as f64;
+    // The first points take longer: with them the worker finds out whether points may share a process. So more and more are run.
+    let (mut count, mut spent) = (1, took);
+    while spent < ENOUGH && (took < LONG || count < MANY) {
+        let jobs = jobs_of(2 * count);
+        if jobs.len() <= count {
+            break;
         }
+        took = run(&jobs)?.1;
+        (count, spent) = (jobs.len(), spent + took);
     }
+    let point = took / count as f64;
     Ok(text(point, verification.expected(), jobs))
 }
 

@@ -223,6 +223,9 @@ fn most_probable(summary: &Summary) -> String {
         None if summary.has_samples() => {
             "most probable point: unknown, since the density of a sample of parameters is unknown\n".to_owned()
         }
+        None if summary.parameters.is_empty() => {
+            "most probable point: unknown, since the table has no parameters\n".to_owned()
+        }
         None => {
             "most probable point: unknown, since not every measured value has an uncertainty of its own\n"
                 .to_owned()

@@ -270,7 +270,8 @@ impl Binder<'_> {
                     return Err(self.study.error_at(&exception.case, message));
                 }
             }
-            let middles = self.values(text.column.as_deref(), text.value.as_ref(), &input.scale);
+            let of_input = (&input.scale, Sense::Value);
+            let middles = self.values(text.column.as_deref(), text.value.as_ref(), of_input);
             let middles = middles.map_err(self.at(name))?;
             let cases = bound.problem.cases.iter_mut().zip(&self.table.labels);
             for ((case, label), middle) in cases.zip(middles) {
@@ -295,7 +296,11 @@ impl Binder<'_> {
     fn bind_measured(&self, bound: &mut Bound) -> Result<(), FileError> {
         for (name, text) in &self.settings.measured {
             let (probe, scale) = self.probe(text)?;
-            let values = self.values(text.column.as_deref(), text.value.as_ref(), &scale);
+            let sense = match text.statistic.is_difference() {
+                true => Sense::Difference,
+                false => Sense::Value,
+            };
+            let values = self.values(text.column.as_deref(), text.value.as_ref(), (&scale, sense));
             let values = values.map_err(self.at(name))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {
                 let deviation = |what, number| {
@@ -407,11 +412,11 @@ impl Binder<'_> {
         &self,
         column: Option<&str>,
         value: Option<&Text>,
-        scale: &Scale<'_>,
+        (scale, sense): (&Scale<'_>, Sense),
     ) -> Result<Vec<f64>, String> {
         match (column, value) {
             (Some(column), None) => Ok(self.table.column(column)),
-            (None, Some(value)) => Ok(vec![scale.number(value, Sense::Value)?; self.table.cases()]),
+            (None, Some(value)) => Ok(vec![scale.number(value, sense)?; self.table.cases()]),
             _ => Err("give either `column` or `value`".to_owned()),
         }
     }

@@ -522,8 +522,6 @@ impl Shared {
 /// The measured values whose errors are correlated: their numbers, and a factor of the matrix of correlations.
 struct Tied {
     numbers: Vec<usize>,
-    /// Those whose noise is correlated, too: products, and what they are the product of.
-    products: Vec<usize>,
     factor: Vec<Vec<f64>>,
     /// How many values are means of repeats.
     means: usize,
@@ -549,7 +547,6 @@ impl Tied {
             means: judge.criteria.iter().filter_map(repeats).count(),
             numbers,
             factor,
-            products: judge.products(),
         }
     }
 
@@ -570,11 +567,8 @@ impl Tied {
             let accuracy = law.among(self.means).as_normal();
             return (accuracy, Some(law).filter(|law| !law.is_normal()));
         };
-        let noise_alone = uncertainty.noise > 0.0 && !self.products.contains(&number);
-        let standard = match noise_alone {
-            true => uncertainty.shared(value),
-            false => law.among(self.means).as_normal(),
-        };
+        // A correlation is that of the whole errors, as for the verdict.
+        let standard = law.among(self.means).as_normal();
         let mut sources = Vec::new();
         for (column, part) in self.factor[place]
             .iter()
@@ -598,18 +592,7 @@ impl Tied {
             limit: uncertainty.coverage * standard,
             sources,
         });
-        if !noise_alone {
-            return (LEAST * standard, None);
-        }
-        let noise = Uncertainty {
-            expanded: 0.0,
-            gain: 0.0,
-            ..*uncertainty
-        };
-        let law = noise.law(value);
-        let is_student = law.student > 0.0;
-        let accuracy = law.among(self.means).as_normal().max(LEAST * standard);
-        (accuracy, Some(law).filter(|_| is_student))
+        (LEAST * standard, None)
     }
 }
 

@@ -137,15 +137,6 @@ impl Judge {
         Measurement::new(criteria, &changed.with_following(stated)).ok()
     }
 
-    /// The numbers of the criteria that are derived, and of their factors.
-    pub fn products(&self) -> Vec<usize> {
-        let of = |derived: &Derived| {
-            let factors = derived.factors.iter().map(|(factor, _)| *factor);
-            factors.chain([derived.number]).collect::<Vec<usize>>()
-        };
-        self.derived.iter().flat_map(of).collect()
-    }
-
     /// The numbers of the criteria that are the factors of a derived one.
     fn factors(
         &self,

@@ -51,6 +51,7 @@ impl Judge {
             self.warn_of_uncertainties(study);
         }
         self.warn_of_readings(study);
+        self.warn_of_contradictions(study);
         self.warn_of_own_values(study);
         Ok(())
     }
@@ -235,6 +236,32 @@ impl Judge {
             );
             self.warnings
                 .push(Concern::new(Code::MeasuredBeyondLimit, warning).remedied(remedy));
+        }
+    }
+
+    /// Measured values of one quantity may exclude each other, as those of two sensors do of which one is wrong.
+    fn warn_of_contradictions(&mut self, study: &Study) {
+        let texts: Vec<_> = study.criteria.iter().collect();
+        for (k, (criterion, (name, text))) in self.criteria.iter().zip(&texts).enumerate() {
+            let [low, high] = criterion.limits.ends();
+            let other = (0..k).find(|&other| {
+                let [least, most] = self.criteria[other].limits.ends();
+                (low > most || least > high) && text.judges_as(texts[other].1)
+            });
+            let Some(other) = other.map(|other| &self.criteria[other].name) else {
+                continue;
+            };
+            let message = format!(
+                "no point can meet both {other} and {}: they judge the same value, and their limits have nothing in common",
+                criterion.name
+            );
+            let warning = study.error_at(*name, message).to_string();
+            let remedy = format!(
+                "Find out which of {other} and {} was measured wrongly.",
+                criterion.name
+            );
+            self.warnings
+                .push(Concern::new(Code::Contradictory, warning).remedied(remedy));
         }
     }
 

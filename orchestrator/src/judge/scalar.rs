@@ -8,6 +8,7 @@ use conformity::uncertainty::{Distribution, Uncertainty};
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_points::names::behind;
 use number_tables::files::FileError;
+use sampling::statistics::Statistic;
 use study::limit::gain;
 use study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong};
 
@@ -22,7 +23,8 @@ pub(super) fn criterion(
     curve::refuse_keys(text).map_err(at)?;
     let alone = sides(&text.at_most, &text.at_least).next();
     check_keys(text, alone.is_some()).map_err(at)?;
-    let value = |quantity: &Quantity| scale.number(quantity, Sense::Value).map_err(at);
+    let sense = sense(text);
+    let value = |quantity: &Quantity| scale.number(quantity, sense).map_err(at);
     let (limits, stated, measured) = match (alone, &text.nominal, &text.tolerance) {
         (Some((stated, side)), ..) => {
             let unit = match &stated.unit {
@@ -31,7 +33,7 @@ pub(super) fn criterion(
             };
             let words = format!("{} {stated}{unit}", side.words());
             (
-                limit(stated, side, scale).map_err(at)?,
+                limit(stated, side, (scale, sense)).map_err(at)?,
                 words,
                 text.measured.as_ref().unwrap_or(stated),
             )
@@ -150,9 +152,22 @@ fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
     ])
 }
 
+/// Whether the numbers of a criterion are values, or differences of two, such as amplitudes: these have no offset when units
+/// convert.
+pub(super) fn sense(text: &CriterionText) -> Sense {
+    match text.statistic.is_some_and(Statistic::is_difference) {
+        true => Sense::Difference,
+        false => Sense::Value,
+    }
+}
+
 /// A limit that stands alone, in the study's unit.
-pub(super) fn limit(stated: &Quantity, side: Side, scale: &Scale<'_>) -> Result<Limits, String> {
-    let limit = scale.number(stated, Sense::Value)?;
+pub(super) fn limit(
+    stated: &Quantity,
+    side: Side,
+    (scale, sense): (&Scale<'_>, Sense),
+) -> Result<Limits, String> {
+    let limit = scale.number(stated, sense)?;
     match (side, limit.is_finite()) {
         (_, false) => Err(format!("the limit {stated} is not a finite number")),
         (Side::Most, true) => Ok(Limits::at_most(limit)),
@@ -297,11 +312,19 @@ fn uncertainty(
         true => Uncertainty::rectangular(offset),
         false => Uncertainty::normal(offset, coverage),
     };
-    Ok(Some(Uncertainty {
+    let uncertainty = Uncertainty {
         gain: gain.unwrap_or(0.0) / coverage,
         noise: noise.unwrap_or(0.0),
         // A whole number within the type's range, as refused above otherwise.
         repeats: text.repeats.map(|repeats| repeats as u32),
         ..offset
-    }))
+    };
+    let value = scale.number(nominal, sense(text)).unwrap_or(f64::NAN);
+    match &text.gain_uncertainty {
+        Some(stated) if uncertainty.standard(value) == 0.0 => {
+            let message = "a part of a measured value of 0 is no uncertainty; add `uncertainty`, the error there";
+            Err(study.error_at(stated, message))
+        }
+        _ => Ok(Some(uncertainty)),
+    }
 }

@@ -346,8 +346,8 @@ pub fn improve_first(summary: &Summary) -> Option<String> {
     let Some(first) = by(Gain::Gain) else {
         let nothing = match by(Gain::Open) {
             Some(_) => format!(
-                "Too few points to say what to improve first: take more ({}`--points`).",
-                enough(summary).map_or_else(String::new, |n| format!("about {}, ", grouped(n)))
+                "Too few points to say what to improve first: take more{}.",
+                enough(summary).map_or_else(String::new, |n| format!(" (about {})", grouped(n)))
             ),
             None => "Half an uncertainty or tolerance improves nothing.".to_owned(),
         };

@@ -344,11 +344,7 @@ impl<'a> Tally<'a> {
         match (self.replicates, provenance.method.as_str()) {
             _ if self.is_grid => "none: the points of a grid are no sample".to_owned(),
             (1, "monte-carlo" | "table") => "Clopper and Pearson's".to_owned(),
-            (1, _) => {
-                "Clopper and Pearson's; it takes the points as independent, which makes it wider than the even \
-                 design needs"
-                    .to_owned()
-            }
+            (1, _) => "Clopper and Pearson's; it takes the points as independent".to_owned(),
             (n, _) => format!(
                 "Student's over {n} independently scrambled nets; Clopper and Pearson's where their counts hardly differ"
             ),

@@ -746,10 +746,10 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     let start = |text: &str| {
         say(
             "\n[[files]]\ntime = { column = \"t\"",
-            &format!("\nstart = \"{text}\"\n[[files]]\ntime = {{ column = \"t\""),
+            &format!("\nstart = {text}\n[[files]]\ntime = {{ column = \"t\""),
         )
     };
-    for text in ["0.5 s", "22.11.2026 13:15:07,5"] {
+    for text in ["0.5", "\"500 ms\"", "\"22.11.2026 13:15:07,5\""] {
         let said = start(text);
         for line in [
             "# The model starts at 0.5 s of the recording.",
@@ -766,8 +766,20 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
             );
         }
     }
-    start("5 s").is_mistake(&["settings.toml: line 2: start: 5 s is not before 1.9 s"]);
-    start("5 kg").is_mistake(&["settings.toml: line 2: start: ", "kg"]);
+    start("5.0").is_mistake(&["settings.toml: line 2: start: 5 s is not before 1.9 s"]);
+    start("\"5 kg\"").is_mistake(&["settings.toml: line 2: start: ", "kg"]);
+    start("nan").is_mistake(&["settings.toml: line 2: start: NaN"]);
+    // An offset has the signal's unit, or its own.
+    let shifted = |offset: &str| {
+        let accuracy = "accuracy = \"0.5 degC\"";
+        let said = say(accuracy, &format!("{accuracy}, offset = {offset}"));
+        assert_eq!(said.code, 0, "{}", said.err);
+        let criteria: toml::Table = bench.read("m/criteria.toml").parse().unwrap();
+        criteria["criteria"]["T"]["nominal"].as_float().unwrap() - oil
+    };
+    for offset in ["1.8", "\"1.8 K\"", "\"3.24 degF\""] {
+        assert!((shifted(offset) - 1.8).abs() < 0.01, "{offset}");
+    }
     say("offset = \"22.11.2026 13:15:07\"", "offset = \"soon\"").is_mistake(&[
         "settings.toml",
         "offset",

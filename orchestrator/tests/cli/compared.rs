@@ -73,6 +73,16 @@ fn the_same_study_gives_no_difference_however_it_is_run() {
         assert_eq!(file["criteria"]["Y"]["changed"], 0);
         assert!(bench.read("changes/compare.html").contains("No difference"));
     }
+    // What `judge` has read has no parameters.
+    let judged = ["judge", "old.toml", "old/points.csv", "--output", "judged"];
+    assert_eq!(bench.run(&judged).code, 0);
+    let (said, file) = compared(&bench, "judged", &[]);
+    assert_eq!(
+        (said.code, &file["pairs"]),
+        (0, &json!(200)),
+        "{}",
+        said.out
+    );
 }
 
 #[test]

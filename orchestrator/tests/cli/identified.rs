@@ -345,6 +345,37 @@ criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertaint
 
 /// An input of 1 that was recorded 0.05 too high, in the first two of three cases: its zero error is found with the rate. As an exact
 /// one it would become one of the rate.
+/// A correlation is that of the whole errors, noise as well as offsets: two values of the same quantity with the standard
+/// uncertainty u and a correlation of 0.8 leave u sqrt((1 + 0.8) / 2).
+#[test]
+fn correlated_errors_are_whole_ones() {
+    let bench = Bench::functions();
+    for error in [
+        "noise = 0.05",
+        "uncertainty = 0.1",
+        "uncertainty = 0.08\nnoise = 0.03",
+    ] {
+        let of = |name: &str, statistic: &str| {
+            format!(
+                "[criteria.{name}]\nvariable = \"first\"\nstatistic = \"{statistic}\"\nnominal = 0.5\ntolerance = 0.1\n{error}\n"
+            )
+        };
+        let study = format!(
+            "fmu = \"functions.fmu\"\n[parameters.x1]\ndistribution = \"uniform\"\nmin = -5\nmax = 6\n{}{}\
+             [[uncertainty-correlations]]\nbetween = [\"A\", \"B\"]\ncoefficient = 0.8\n",
+            of("A", "final"),
+            of("B", "mean")
+        );
+        let (_, outcome) = identify(&bench, &study, &[]);
+        let deviation = outcome["free"][0]["deviation"].as_f64().unwrap();
+        let expected = 0.05 * 0.9_f64.sqrt();
+        assert!(
+            (deviation / expected - 1.0).abs() < 0.01,
+            "{error}: {deviation}"
+        );
+    }
+}
+
 #[test]
 fn a_recorded_input_has_a_zero_error() {
     let bench = Bench::new();

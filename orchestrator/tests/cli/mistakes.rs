@@ -469,7 +469,7 @@ fn a_constant_does_not_vary() {
         said.is_mistake(&[
             "study.toml:",
             "lag.rate",
-            "it is a constant; only parameters and inputs can be set",
+            "it is a constant; only parameters, inputs and start values can be set",
         ]);
         assert_eq!(said.err.lines().count(), 1, "{}", said.err);
     }

@@ -682,3 +682,46 @@ fn the_answer_fits_a_terminal() {
     assert!(warnings(&long.out) > 0 && warnings(&said.out) == warnings(&long.out));
     assert!(said.out.contains("here: --verbose tells "), "{}", said.out);
 }
+
+/// In K or degC, an amplitude or a slope is a difference: 3 degC of it are 3 K, and not 276.15 K.
+#[test]
+fn amplitudes_and_slopes_convert_as_differences() {
+    let bench = Bench::new();
+    for (statistic, stated, expected) in [
+        ("amplitude", "at-most = \"3 degC\"", 3.0),
+        ("slope", "at-least = \"-1 degC\"", -1.0),
+        (
+            "amplitude",
+            "nominal = \"2 K\"\ntolerance = 3\nunit = \"degC\"",
+            2.0,
+        ),
+        ("max", "at-most = \"3 degC\"", 276.15),
+    ] {
+        let study = format!(
+            "fmu = \"lag.fmu\"\n[design]\npoints = 2\n[parameters.\"lag.rate\"]\ndistribution = \"uniform\"\nmin = 1\nmax = 2\n\
+             [criteria.T]\nvariable = \"lag.temperature\"\nstatistic = \"{statistic}\"\n{stated}\n"
+        );
+        bench.write("study.toml", &study);
+        let said = bench.run(&["verify", "study.toml", "--output", "out", "--force"]);
+        assert!(said.code < 2, "{}", said.err);
+        let criterion = &bench.summary("out")["criteria"]["T"];
+        let mut keys = ["nominal", "upper", "lower"].into_iter();
+        let limit = keys.find_map(|key| criterion[key].as_f64()).unwrap();
+        assert!(
+            (limit - expected).abs() < 1e-9,
+            "{statistic} {stated}: {limit}"
+        );
+    }
+}
+
+#[test]
+fn a_gain_of_nothing_is_no_uncertainty() {
+    let bench = Bench::empty();
+    bench.write("table.csv", "point,T,F\n1,0,750\n");
+    let zero = STUDY
+        .replace("nominal = 82\ntolerance = \"0.75 %\"", "at-most = 0")
+        .replace("uncertainty = \"0.615 degC\"", "gain-uncertainty = \"1 %\"");
+    bench.write("study.toml", &zero);
+    let said = bench.run(&["judge", "study.toml", "table.csv"]);
+    said.is_mistake(&["study.toml:10:", "measured value of 0", "add `uncertainty`"]);
+}

@@ -46,6 +46,14 @@ fn declared_types_give_what_a_variable_leaves_out() {
     assert_eq!(*start, Some(7));
 }
 
+/// A state of the ball of the tests begins at its start value; its height is computed from a parameter.
+#[test]
+fn results_with_a_start_value_can_be_set() {
+    let ball = description(include_bytes!("../../tests/fixtures/ball.xml")).unwrap();
+    let settable = |name: &str| ball.variables[name].is_settable();
+    assert!(settable("y") && !settable("h") && !settable("count") && !settable("der(y)"));
+}
+
 #[test]
 fn a_relative_quantity_converts_without_offset() {
     let description = read(

@@ -94,6 +94,33 @@ fn a_guard_band_that_leaves_nothing_is_warned_of() {
     assert_eq!(with("3.5").len(), 2);
 }
 
+#[test]
+fn criteria_that_exclude_each_other_are_warned_of() {
+    let beside = |more: &str| {
+        let text = format!("[criteria.U]\nvariable = \"t\"\nnominal = 84\n{more}\n[verdict]");
+        judge(&[("[verdict]", &text)]).unwrap().warnings
+    };
+    let apart = &beside("tolerance = 1\nunit = \"degC\"")[..];
+    let [warning] = apart else {
+        panic!("{apart:?}")
+    };
+    assert_eq!(warning.code, Code::Contradictory);
+    assert!(
+        warning
+            .text
+            .starts_with("s.toml:22:11: no point can meet both T and U"),
+        "{warning}"
+    );
+    for elsewhere in [
+        "tolerance = 1.5\nunit = \"degC\"",
+        "tolerance = 1\nunit = \"K\"",
+        "tolerance = 1\nunit = \"degC\"\nwindow = \"1 s\"",
+        "tolerance = 1\nunit = \"degC\"\nstatistic = \"max\"",
+    ] {
+        assert_eq!(beside(elsewhere), [], "{elsewhere}");
+    }
+}
+
 /// A confidence is a probability, and below one half the contrary would be the surer claim. The share must leave open
 /// whether it is met.
 #[test]

@@ -87,7 +87,7 @@ pub struct Asked {
     /// Also predict each case from the others (leave one out), beside the fit and a plain regression
     #[arg(long)]
     pub cross_validate: bool,
-    /// Also draw N sets of parameters from the posterior, whatever its shape
+    /// Also draw N sets of parameters from the posterior, of any shape
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub posterior: Option<u64>,
     /// Search and sample on polynomials fitted to at most N runs of each case; their error counts as an uncertainty
