@@ -301,7 +301,8 @@ impl CriterionText {
         let is_curve = self.reference.is_some() || other.reference.is_some();
         !is_curve
             && (self.case, &self.variable, &self.unit) == (other.case, &other.variable, &other.unit)
-            && (self.statistic, &self.window) == (other.statistic, &other.window)
+            && self.statistic.unwrap_or_default() == other.statistic.unwrap_or_default()
+            && self.window == other.window
             && (&self.percent, &self.at, &self.level) == (&other.percent, &other.at, &other.level)
             && (&self.direction, &self.turns, &self.periods)
                 == (&other.direction, &other.turns, &other.periods)

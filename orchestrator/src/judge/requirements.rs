@@ -1,5 +1,7 @@
 //! A study's requirements of the model as a whole.
 
+use std::collections::HashMap;
+
 use toml::Spanned;
 
 use super::{Criterion, Judge};
@@ -242,12 +244,16 @@ impl Judge {
     /// Measured values of one quantity may exclude each other, as those of two sensors do of which one is wrong.
     fn warn_of_contradictions(&mut self, study: &Study) {
         let texts: Vec<_> = study.criteria.iter().collect();
+        // Few criteria of a study judge one variable.
+        let mut alike: HashMap<(Option<usize>, &str), Vec<usize>> = HashMap::new();
         for (k, (criterion, (name, text))) in self.criteria.iter().zip(&texts).enumerate() {
             let [low, high] = criterion.limits.ends();
-            let other = (0..k).find(|&other| {
+            let earlier = alike.entry((text.case, &criterion.variable)).or_default();
+            let other = earlier.iter().copied().find(|&other| {
                 let [least, most] = self.criteria[other].limits.ends();
                 (low > most || least > high) && text.judges_as(texts[other].1)
             });
+            earlier.push(k);
             let Some(other) = other.map(|other| &self.criteria[other].name) else {
                 continue;
             };
