@@ -28,7 +28,9 @@ use number_tables::files::FileError;
 use parameter_regions::table::CriterionColumn;
 use sampling::statistics::Statistic;
 use sampling::statistics::moments::length;
-use scalar::{Side, limit, sense, sides, within};
+
+pub(crate) use scalar::sense;
+use scalar::{Side, limit, sides, within};
 use study::concern::Concern;
 use study::plan::find;
 use study::{Name, NominalFrom, Study};
@@ -354,7 +356,10 @@ impl Judge {
                         &text.at_least
                     };
                     match same {
-                        Some(_) => limit(stated, side, (&scales[number], sense(text))),
+                        Some(_) => {
+                            let sense = sense(text.statistic.unwrap_or_default());
+                            limit(stated, side, (&scales[number], sense))
+                        }
                         None => {
                             Err("it has no such limit that the variant could change".to_owned())
                         }

@@ -31,7 +31,7 @@ pub fn motion(time: &[f64], values: &[f64], [start, end]: [f64; 2]) -> Option<Mo
         return None;
     }
     let last = Stretch::new(&time[from..after], &values[from..after])?;
-    // The rest of stairs that go one way crosses their line at each step, and is no swing.
+    // Stairs that go one way cross the line through them at each step; that is no swing.
     if last.turns < TWO_PERIODS || goes_one_way(&values[from..after]) {
         return Some(slow(&time[from..], &values[from..], after - from, run));
     }

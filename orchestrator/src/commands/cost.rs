@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// How long points are run for the estimate, where more of them would tell more, s.
+/// After so long no further points are run for the estimate, s.
 const ENOUGH: f64 = 3.0;
 
-/// A run of so many points that takes so long, s, tells how long one takes.
+/// A run of at least so many points, which takes at least so long, s, tells how long a point takes.
 const MANY: usize = 1024;
 const LONG: f64 = 0.5;
 

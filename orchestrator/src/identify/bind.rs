@@ -2,6 +2,7 @@
 
 use super::cases::Columns;
 use super::late::Reading;
+use crate::judge::sense;
 use calibration::discrepancy::Unknown;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind,
@@ -296,10 +297,7 @@ impl Binder<'_> {
     fn bind_measured(&self, bound: &mut Bound) -> Result<(), FileError> {
         for (name, text) in &self.settings.measured {
             let (probe, scale) = self.probe(text)?;
-            let sense = match text.statistic.is_difference() {
-                true => Sense::Difference,
-                false => Sense::Value,
-            };
+            let sense = sense(text.statistic);
             let values = self.values(text.column.as_deref(), text.value.as_ref(), (&scale, sense));
             let values = values.map_err(self.at(name))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {

@@ -23,7 +23,8 @@ pub(super) fn criterion(
     curve::refuse_keys(text).map_err(at)?;
     let alone = sides(&text.at_most, &text.at_least).next();
     check_keys(text, alone.is_some()).map_err(at)?;
-    let sense = sense(text);
+    let statistic = text.statistic.unwrap_or_default();
+    let sense = sense(statistic);
     let value = |quantity: &Quantity| scale.number(quantity, sense).map_err(at);
     let (limits, stated, measured) = match (alone, &text.nominal, &text.tolerance) {
         (Some((stated, side)), ..) => {
@@ -61,7 +62,7 @@ pub(super) fn criterion(
     let mut criterion = Criterion {
         name: name.as_ref().clone(),
         variable: text.variable.as_ref().clone(),
-        statistic: text.statistic.unwrap_or_default(),
+        statistic,
         detail: text.detail().map_err(at)?,
         unit: scale.unit.clone(),
         limits,
@@ -152,10 +153,10 @@ fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
     ])
 }
 
-/// Whether the numbers of a criterion are values, or differences of two, such as amplitudes: these have no offset when units
+/// Whether the numbers of a statistic are values, or differences of two, such as amplitudes: these have no offset when units
 /// convert.
-pub(super) fn sense(text: &CriterionText) -> Sense {
-    match text.statistic.is_some_and(Statistic::is_difference) {
+pub fn sense(statistic: Statistic) -> Sense {
+    match statistic.is_difference() {
         true => Sense::Difference,
         false => Sense::Value,
     }
@@ -319,7 +320,8 @@ fn uncertainty(
         repeats: text.repeats.map(|repeats| repeats as u32),
         ..offset
     };
-    let value = scale.number(nominal, sense(text)).unwrap_or(f64::NAN);
+    let sense = sense(text.statistic.unwrap_or_default());
+    let value = scale.number(nominal, sense).unwrap_or(f64::NAN);
     match &text.gain_uncertainty {
         Some(stated) if uncertainty.standard(value) == 0.0 => {
             let message = "a part of a measured value of 0 is no uncertainty; add `uncertainty`, the error there";
