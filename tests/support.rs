@@ -32,10 +32,7 @@ pub struct StandModel<'a> {
 impl<'a> StandModel<'a> {
     /// The stand with the start values that the study fixes.
     pub fn new(bound: &'a Bound, description: &Description) -> Self {
-        Self {
-            bound,
-            start: stand(&bound.simulations[0].task, description),
-        }
+        Self { bound, start: stand(&bound.simulations[0].task, description) }
     }
 
     /// The stand before one simulation.
@@ -56,27 +53,21 @@ impl StandModel<'_> {
         let stand = self.stand(query.case, &query.free, &query.latents);
         let results = run(stand, &self.bound.simulations[0].task)?;
         let pairs = results.iter().zip(&self.bound.outputs);
-        Ok(pairs
-            .map(|(&value, conversion)| conversion.value(value))
-            .collect())
+        Ok(pairs.map(|(&value, conversion)| conversion.value(value)).collect())
     }
 }
 
 impl Simulate for StandModel<'_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        Ok(queries
-            .par_iter()
-            .map(|query| self.predict(query))
-            .collect())
+        Ok(queries.par_iter().map(|query| self.predict(query)).collect())
     }
 }
 
 /// The stand with the start values that a task fixes.
 pub fn stand(task: &Task, description: &Description) -> Stand {
     let variables = description.variables.values();
-    let names: HashMap<u32, &str> = variables
-        .map(|variable| (variable.value_reference, variable.name.as_str()))
-        .collect();
+    let names: HashMap<u32, &str> =
+        variables.map(|variable| (variable.value_reference, variable.name.as_str())).collect();
     let mut stand = Stand::default();
     for (reference, value) in &task.fixed {
         set(&mut stand, names[reference], value);
@@ -90,18 +81,10 @@ pub fn stand(task: &Task, description: &Description) -> Stand {
 /// Says why the simulation failed.
 pub fn run(mut stand: Stand, task: &Task) -> Result<Vec<f64>, String> {
     let schedule = task.schedule;
-    let experiment = Experiment {
-        start: schedule.start,
-        stop: Some(schedule.stop),
-        tolerance: schedule.tolerance,
-        resources: None,
-    };
-    stand
-        .initialise(&experiment, &mut ())
-        .map_err(|fault| fault.to_string())?;
-    let mut accumulators: Vec<_> = (task.observed.iter())
-        .map(|probe| Accumulator::new(probe.statistic))
-        .collect();
+    let experiment =
+        Experiment { start: schedule.start, stop: Some(schedule.stop), tolerance: schedule.tolerance, resources: None };
+    stand.initialise(&experiment, &mut ()).map_err(|fault| fault.to_string())?;
+    let mut accumulators: Vec<_> = (task.observed.iter()).map(|probe| Accumulator::new(probe.statistic)).collect();
     let mut observe = |stand: &Stand, elapsed| {
         for (accumulator, probe) in accumulators.iter_mut().zip(&task.observed) {
             accumulator.add(elapsed, get(stand, &probe.name));
@@ -114,9 +97,7 @@ pub fn run(mut stand: Stand, task: &Task) -> Result<Vec<f64>, String> {
             observe(&stand, 0.0);
         }
         let (time, next) = (points.at(index), points.at(index + 1));
-        stand
-            .advance(time, next - time, &mut ())
-            .map_err(|fault| fault.to_string())?;
+        stand.advance(time, next - time, &mut ()).map_err(|fault| fault.to_string())?;
         if index >= from {
             observe(&stand, next - time);
         }
@@ -129,9 +110,7 @@ pub fn run(mut stand: Stand, task: &Task) -> Result<Vec<f64>, String> {
 }
 
 fn variable(name: &str) -> &'static Variable<Stand> {
-    let variable = Stand::variables()
-        .iter()
-        .find(|variable| variable.name == name);
+    let variable = Stand::variables().iter().find(|variable| variable.name == name);
     variable.expect("the description has the stand's own variables")
 }
 
@@ -145,26 +124,11 @@ pub fn get(stand: &Stand, name: &str) -> f64 {
 
 fn set(stand: &mut Stand, name: &str, value: &Value) {
     match (&variable(name).kind, value) {
-        (
-            Kind::Real(Quantity {
-                access: Access { set: Some(set), .. },
-                ..
-            }),
-            Value::Real(value),
-        ) => {
+        (Kind::Real(Quantity { access: Access { set: Some(set), .. }, .. }), Value::Real(value)) => {
             set(stand, value);
         }
-        (
-            Kind::Enumeration {
-                access: Access { set: Some(set), .. },
-                ..
-            },
-            Value::Integer(item),
-        ) => {
-            set(
-                stand,
-                &i32::try_from(*item).expect("an item of an enumeration"),
-            );
+        (Kind::Enumeration { access: Access { set: Some(set), .. }, .. }, Value::Integer(item)) => {
+            set(stand, &i32::try_from(*item).expect("an item of an enumeration"));
         }
         _ => panic!("{name} cannot be set to {value:?}"),
     }

@@ -2,7 +2,5 @@
 
 fn main() {
     println!("cargo::rerun-if-changed=src/logger.c");
-    cc::Build::new()
-        .file("src/logger.c")
-        .compile("fmu_import_logger");
+    cc::Build::new().file("src/logger.c").compile("fmu_import_logger");
 }

@@ -36,10 +36,7 @@ struct Host {
 
 impl Host {
     fn new(film: &Film) -> Self {
-        let guid = description::token(description::fingerprint::<Stand>(
-            Version::Two,
-            Interface::CoSimulation,
-        )) + "\0";
+        let guid = description::token(description::fingerprint::<Stand>(Version::Two, Interface::CoSimulation)) + "\0";
         let callbacks = CallbackFunctions {
             logger: None,
             allocate_memory: None,
@@ -52,8 +49,7 @@ impl Host {
         let component = unsafe {
             let (name, guid) = (c"bench".as_ptr(), guid.as_ptr().cast());
             let callbacks = &raw const callbacks;
-            let component =
-                fmi2Instantiate(name, CO_SIMULATION, guid, null(), callbacks, FALSE, FALSE);
+            let component = fmi2Instantiate(name, CO_SIMULATION, guid, null(), callbacks, FALSE, FALSE);
             let done = [
                 fmi2SetInteger(component, choice.as_ptr(), 1, &film.1),
                 fmi2SetupExperiment(component, FALSE, 0.0, 0.0, FALSE, 0.0),
@@ -63,10 +59,7 @@ impl Host {
             assert_eq!(done, [Status::Ok; 4]);
             component
         };
-        let mut host = Self {
-            component,
-            time: 0.0,
-        };
+        let mut host = Self { component, time: 0.0 };
         for _ in 0..20 {
             assert_eq!(host.step(), Status::Ok);
         }

@@ -28,15 +28,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (amplitude, roughness, tilt) in CASES {
         let lobes = (0..72).map(|i| {
             let angle = 5.0 * f64::from(i);
-            format!(
-                "{angle},{},0\n",
-                1e6 * amplitude * (3.0 * angle.to_radians() + LOBE_PHASE).cos()
-            )
+            format!("{angle},{},0\n", 1e6 * amplitude * (3.0 * angle.to_radians() + LOBE_PHASE).cos())
         });
-        std::fs::write(
-            &file,
-            format!("angle,bush,journal\n{}", lobes.collect::<String>()),
-        )?;
+        std::fs::write(&file, format!("angle,bush,journal\n{}", lobes.collect::<String>()))?;
         let stand = settled(&file, roughness, tilt)?;
         let r = stand.readings();
         println!(

@@ -27,11 +27,7 @@ fn tables() -> String {
         let listed = listing().iter().map(|reference| &table()[*reference]);
         for variable in listed.filter(|v| roles.contains(&v.role)) {
             let (start, unit) = start(&stand, variable);
-            let tunable = if variable.role == Role::TunableParameter {
-                "; tunable"
-            } else {
-                ""
-            };
+            let tunable = if variable.role == Role::TunableParameter { "; tunable" } else { "" };
             let _ = writeln!(
                 html,
                 "<tr><td><code>{}</code></td><td class=\"number\">{start}</td><td>{unit}</td><td>{}{tunable}</td></tr>",
@@ -53,10 +49,7 @@ fn start(stand: &Stand, variable: &Variable<Stand>) -> (String, &'static str) {
         Kind::Enumeration { access, of } => {
             let value = (access.get)(stand);
             let item = of.items.iter().find(|item| item.value == value);
-            (
-                item.map_or_else(|| value.to_string(), |item| item.name.to_owned()),
-                "",
-            )
+            (item.map_or_else(|| value.to_string(), |item| item.name.to_owned()), "")
         }
         Kind::String { access } => (format!("\"{}\"", (access.get)(stand)), ""),
         Kind::Clock { .. } => (String::new(), ""),
@@ -69,9 +62,8 @@ fn shown(stand: &Stand, real: &Quantity<Stand>) -> (String, &'static str) {
     let value = (real.access.get)(stand);
     let mut units = real.unit.display.iter();
     let display = units.find(|known| Some(known.name) == real.display);
-    let (value, name) = display.map_or((value, real.unit.name), |known| {
-        (value * known.factor + known.offset, known.name)
-    });
+    let (value, name) =
+        display.map_or((value, real.unit.name), |known| (value * known.factor + known.offset, known.name));
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     let text = match rounded.abs() {
         x if x == 0.0 || (1e-4..1e7).contains(&x) => rounded.to_string(),
@@ -86,10 +78,7 @@ mod tests {
 
     #[test]
     fn the_committed_page_is_fresh() {
-        let path = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../modelDescription/documentation/index.html"
-        );
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription/documentation/index.html");
         let committed = std::fs::read_to_string(path).unwrap_or_default();
         assert!(
             committed.replace("\r\n", "\n") == page(),
@@ -100,9 +89,7 @@ mod tests {
     #[test]
     fn values_are_shown_in_their_display_units() {
         let html = tables();
-        assert!(html.contains(
-            "<code>bearing.radialClearance</code></td><td class=\"number\">0.02</td><td>mm</td>"
-        ));
+        assert!(html.contains("<code>bearing.radialClearance</code></td><td class=\"number\">0.02</td><td>mm</td>"));
         assert!(html.contains("<code>bearing.film</code></td><td class=\"number\">Mobility</td>"));
     }
 }

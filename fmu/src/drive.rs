@@ -20,11 +20,7 @@ pub struct Drive {
 
 impl Default for Drive {
     fn default() -> Self {
-        Self {
-            fluctuation_amplitude: 0.0,
-            fluctuation_frequency: 0.5,
-            support_friction: 0.0,
-        }
+        Self { fluctuation_amplitude: 0.0, fluctuation_frequency: 0.5, support_friction: 0.0 }
     }
 }
 
@@ -131,16 +127,8 @@ mod tests {
     }
 
     fn check_angle(fluctuation_frequency: f64) {
-        let drive = Drive {
-            fluctuation_amplitude: 0.9,
-            fluctuation_frequency,
-            ..Drive::default()
-        };
-        let command = Command {
-            time: 1.3,
-            speed: 31.4,
-            slope: -12.0,
-        };
+        let drive = Drive { fluctuation_amplitude: 0.9, fluctuation_frequency, ..Drive::default() };
+        let command = Command { time: 1.3, speed: 31.4, slope: -12.0 };
         let (n, tau) = (2000, 0.9);
         let dx = tau / n as f64;
         // Simpson's rule.
@@ -157,27 +145,15 @@ mod tests {
             .sum();
         let expected = sum * dx / 3.0;
         let turned = drive.turned(&command, tau);
-        assert!(
-            (turned - expected).abs() < 1e-12 * expected,
-            "{fluctuation_frequency} Hz: {turned}, {expected}"
-        );
+        assert!((turned - expected).abs() < 1e-12 * expected, "{fluctuation_frequency} Hz: {turned}, {expected}");
     }
 
     /// At 300 rpm a turn takes 0.2 s.
     #[test]
     fn speed_and_angle_repeat_after_their_common_turns() {
-        for (fluctuation_frequency, turns) in [(0.5, 10), (1.5, 10), (5.0, 1), (50.0, 1), (0.0, 1)]
-        {
-            let drive = Drive {
-                fluctuation_amplitude: 0.5,
-                fluctuation_frequency,
-                ..Drive::default()
-            };
-            let command = Command {
-                time: 1.3,
-                speed: -10.0 * std::f64::consts::PI,
-                slope: 0.0,
-            };
+        for (fluctuation_frequency, turns) in [(0.5, 10), (1.5, 10), (5.0, 1), (50.0, 1), (0.0, 1)] {
+            let drive = Drive { fluctuation_amplitude: 0.5, fluctuation_frequency, ..Drive::default() };
+            let command = Command { time: 1.3, speed: -10.0 * std::f64::consts::PI, slope: 0.0 };
             assert_eq!(drive.common_turns(command.speed), Some(turns));
             let span = 0.2 * f64::from(turns);
             let turned = drive.turned(&command, span) / TAU;
@@ -190,11 +166,7 @@ mod tests {
     #[test]
     fn not_every_fluctuation_repeats_with_the_turns() {
         let turns = |fluctuation_frequency, speed| {
-            let drive = Drive {
-                fluctuation_amplitude: 0.5,
-                fluctuation_frequency,
-                ..Drive::default()
-            };
+            let drive = Drive { fluctuation_amplitude: 0.5, fluctuation_frequency, ..Drive::default() };
             drive.common_turns(speed)
         };
         assert_eq!(turns(5.0 / 64.0, TAU * 5.0), Some(64));
@@ -207,11 +179,7 @@ mod tests {
 
     #[test]
     fn a_constant_speed_turns_exactly() {
-        let command = Command {
-            time: 7.0,
-            speed: 10.0 * std::f64::consts::PI,
-            slope: 0.0,
-        };
+        let command = Command { time: 7.0, speed: 10.0 * std::f64::consts::PI, slope: 0.0 };
         assert_eq!(Drive::default().turned(&command, 0.2), TAU);
     }
 }

@@ -71,10 +71,7 @@ mod tests {
 
     #[test]
     fn no_eccentricity_gives_a_constant_load() {
-        let load = Load {
-            eccentricity: 0.0,
-            ..Load::default()
-        };
+        let load = Load { eccentricity: 0.0, ..Load::default() };
         let expected = 16.621 * (48.0 - 100.0 * 0.03267);
         for angle in [0.0, 1.0, 4.0] {
             assert!((load.force(angle, 31.4) - expected).abs() < 1e-9);

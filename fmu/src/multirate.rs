@@ -72,12 +72,7 @@ pub trait TwoScales {
     /// Whether the clearance closes there.
     fn is_closed(&self, temperatures: &Temperatures, worn: f64) -> bool;
     /// Rates of the temperatures, K/s, at a clearance, m, under given flows.
-    fn thermal_rates(
-        &self,
-        temperatures: &Temperatures,
-        clearance: f64,
-        flows: &Flows,
-    ) -> Temperatures;
+    fn thermal_rates(&self, temperatures: &Temperatures, clearance: f64, flows: &Flows) -> Temperatures;
     /// Whether the surfaces wear.
     fn wears(&self) -> bool;
     /// Rate of the wear depth, m/s, under given flows.
@@ -100,22 +95,12 @@ pub struct Departure {
 impl Departure {
     /// A place that no turn has led to.
     pub fn at(eccentricity: [f64; 2], temperatures: Temperatures, worn: f64) -> Self {
-        Self {
-            before: eccentricity,
-            eccentricity,
-            temperatures,
-            worn,
-        }
+        Self { before: eccentricity, eccentricity, temperatures, worn }
     }
 }
 
 /// Leaps over `turns` whole turns, to where the next leap could begin.
-pub fn leap(
-    model: &impl TwoScales,
-    tolerance: f64,
-    turns: usize,
-    from: Departure,
-) -> Result<Departure, NoLeap> {
+pub fn leap(model: &impl TwoScales, tolerance: f64, turns: usize, from: Departure) -> Result<Departure, NoLeap> {
     let mean = Averaged::new(model, None, tolerance, Across::Cubics, &from)?;
     let span = turns as f64 * model.period();
     let (t, worn) = if model.wears() {
@@ -162,8 +147,7 @@ pub fn flows(model: &impl TwoScales, tolerance: f64, at: &Departure) -> Result<F
 /// When there is no orbit at a temperature.
 pub fn drift(model: &impl TwoScales, tolerance: f64, from: &Departure) -> Result<Matrix4, NoLeap> {
     let mean = Averaged::new(model, None, tolerance, Across::Cubics, from)?;
-    mean.linear(&vector(&from.temperatures))
-        .map(|(_, drift)| drift)
+    mean.linear(&vector(&from.temperatures)).map(|(_, drift)| drift)
 }
 
 /// The same under flows that do not follow the temperatures.
@@ -205,13 +189,7 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         from: &Departure,
     ) -> Result<Self, NoLeap> {
         let (curves, first) = Curves::new(model, tolerance, across, from)?;
-        let mut mean = Self {
-            model,
-            correction,
-            curves: RefCell::new(curves),
-            nudge: NUDGE,
-            worn: from.worn,
-        };
+        let mut mean = Self { model, correction, curves: RefCell::new(curves), nudge: NUDGE, worn: from.worn };
         let drift = mean.rates_under(&vector(&from.temperatures), from.worn, &first.flows());
         // Beside a point means ahead of it, where the orbits are needed anyway.
         mean.nudge = NUDGE.copysign(drift[0]);
@@ -268,11 +246,7 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         for column in 0..4 {
             let mut nudged = *t;
             nudged[column] += self.nudge;
-            let changed = if self.follows(column, &nudged, clearance) {
-                self.flows(&nudged, self.worn)?
-            } else {
-                here
-            };
+            let changed = if self.follows(column, &nudged, clearance) { self.flows(&nudged, self.worn)? } else { here };
             let change = self.rates_under(&nudged, self.worn, &changed) - at_here;
             jacobian.set_column(column, &(change / self.nudge));
         }
@@ -302,10 +276,7 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         mut pass: impl FnMut(&Vector4),
     ) -> Result<Vector4, NoLeap> {
         let mut t = vector(&from.temperatures);
-        let integrator = Rodas3 {
-            allowed: [DRIFT_ERROR * tolerance; 4],
-            budget: Budget::of(100_000),
-        };
+        let integrator = Rodas3 { allowed: [DRIFT_ERROR * tolerance; 4], budget: Budget::of(100_000) };
         integrator.integrate(
             |t| self.rates(t),
             |t| {
@@ -320,25 +291,11 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
     }
 
     /// The temperatures and the wear depth `span` seconds later.
-    fn follow_wear(
-        &self,
-        tolerance: f64,
-        span: f64,
-        from: &Departure,
-    ) -> Result<(Vector4, f64), NoLeap> {
+    fn follow_wear(&self, tolerance: f64, span: f64, from: &Departure) -> Result<(Vector4, f64), NoLeap> {
         let mut y = vector(&from.temperatures).push(from.worn);
         let [kelvin, metre] = [DRIFT_ERROR, WEAR_ERROR].map(|error| error * tolerance);
-        let integrator = Rodas3 {
-            allowed: [kelvin, kelvin, kelvin, kelvin, metre],
-            budget: Budget::of(100_000),
-        };
-        integrator.integrate(
-            |y| self.wearing(y),
-            |y| self.wearing_linear(y),
-            &mut y,
-            span,
-            self.model.period(),
-        )?;
+        let integrator = Rodas3 { allowed: [kelvin, kelvin, kelvin, kelvin, metre], budget: Budget::of(100_000) };
+        integrator.integrate(|y| self.wearing(y), |y| self.wearing_linear(y), &mut y, span, self.model.period())?;
         Ok((y.fixed_rows::<4>(0).into(), y[4]))
     }
 

@@ -198,10 +198,7 @@ pub struct Nearby {
 
 impl Default for Nearby {
     fn default() -> Self {
-        Self {
-            centre: f64::INFINITY,
-            coefficients: [0.0; 6],
-        }
+        Self { centre: f64::INFINITY, coefficients: [0.0; 6] }
     }
 }
 
@@ -227,10 +224,7 @@ impl Nearby {
                 coefficients[i] = (coefficients[i] - coefficients[i - 1]) / width;
             }
         }
-        Self {
-            centre,
-            coefficients,
-        }
+        Self { centre, coefficients }
     }
 
     /// Dynamic viscosity, Pa.s, at a temperature, K, with the viscosity scale. The oil must be the same at every call,
@@ -243,10 +237,7 @@ impl Nearby {
         }
         let x = (temperature - self.centre) * (1.0 / Self::REACH);
         let terms = self.coefficients.iter().zip(&Self::PLACES).rev();
-        oil.viscosity_scale
-            * terms.fold(0.0, |sum, (coefficient, place)| {
-                coefficient + (x - place) * sum
-            })
+        oil.viscosity_scale * terms.fold(0.0, |sum, (coefficient, place)| coefficient + (x - place) * sum)
     }
 }
 
@@ -266,16 +257,9 @@ mod tests {
     #[test]
     fn sae_15w40_at_the_rigs_temperatures() {
         let oil = Oil::default().through_two_points();
-        for (celsius, expected, digit) in [
-            (48.0, 63e-3, 1e-3),
-            (82.0, 18.9e-3, 0.2e-3),
-            (120.0, 7.5e-3, 0.1e-3),
-        ] {
+        for (celsius, expected, digit) in [(48.0, 63e-3, 1e-3), (82.0, 18.9e-3, 0.2e-3), (120.0, 7.5e-3, 0.1e-3)] {
             let viscosity = oil.viscosity(celsius + 273.15);
-            assert!(
-                (viscosity - expected).abs() <= digit,
-                "{celsius} degC: {viscosity}"
-            );
+            assert!((viscosity - expected).abs() <= digit, "{celsius} degC: {viscosity}");
         }
     }
 
@@ -318,14 +302,8 @@ mod tests {
     /// SAE J300 (2021), Table 1: limits of the kinematic viscosity at 100 °C for each grade.
     #[test]
     fn shipped_grades_are_inside_sae_j300() {
-        let resources =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/resources");
-        let experiment = Experiment {
-            start: 0.0,
-            stop: None,
-            tolerance: None,
-            resources: Some(&resources),
-        };
+        let resources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/resources");
+        let experiment = Experiment { start: 0.0, stop: None, tolerance: None, resources: Some(&resources) };
         for (file, least, below) in [
             ("sae-0w-20.csv", 6.9, 9.3),
             ("sae-5w-30.csv", 9.3, 12.5),
@@ -333,15 +311,8 @@ mod tests {
             ("sae-15w-40.csv", 12.5, 16.3),
             ("sae-20w-50.csv", 16.3, 21.9),
         ] {
-            let oil = Oil {
-                properties_file: file.into(),
-                ..Oil::default()
-            };
-            let at_100 = oil
-                .properties(&experiment)
-                .unwrap()
-                .kinematic_viscosity(373.15)
-                * 1e6;
+            let oil = Oil { properties_file: file.into(), ..Oil::default() };
+            let at_100 = oil.properties(&experiment).unwrap().kinematic_viscosity(373.15) * 1e6;
             assert!((least..below).contains(&at_100), "{file}: {at_100}");
         }
     }

@@ -26,10 +26,8 @@ pub extern "C" fn film_pressure(
     let [columns, rows] = CELLS;
     let eps = Vector2::new(ex, ey);
     let load = Vector2::new(wx, wy);
-    let [finite, inside] = [
-        load.norm().is_finite() && (0.0..1.0).contains(&roughness),
-        eps.norm() < 1.0 + 3.0 * roughness,
-    ];
+    let [finite, inside] =
+        [load.norm().is_finite() && (0.0..1.0).contains(&roughness), eps.norm() < 1.0 + 3.0 * roughness];
     let sound = finite && inside && width_to_diameter > 0.0;
     let Ok(mut field) = FIELD.lock() else {
         return std::ptr::null();

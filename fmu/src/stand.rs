@@ -51,10 +51,7 @@ pub struct Solver {
 
 impl Default for Solver {
     fn default() -> Self {
-        Self {
-            tolerance: 1e-6,
-            multirate: true,
-        }
+        Self { tolerance: 1e-6, multirate: true }
     }
 }
 
@@ -169,11 +166,7 @@ impl Stand {
             Ok::<_, Fault>(ahead.read(0.0, &unknowns(&ahead.state)))
         };
         // A transient film's flows depend on the length of its last step, so two steps of the same length are compared.
-        let begin = if self.film.is_transient() {
-            later()?
-        } else {
-            self.readings
-        };
+        let begin = if self.film.is_transient() { later()? } else { self.readings };
         Ok(begin.rates_to(&later()?, AHEAD))
     }
 
@@ -192,13 +185,7 @@ impl Stand {
     }
 
     /// The part of the motion that the time integration needs, with the situation that it is one of.
-    fn drift(
-        &self,
-        tau: f64,
-        eccentricity: [f64; 2],
-        viscosity: f64,
-        clearance: f64,
-    ) -> (Situation, Drift) {
+    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64) -> (Situation, Drift) {
         let at = self.instant(tau, eccentricity, viscosity, clearance);
         let felt = self.feels_side_flow();
         (at, self.film.drift(&self.bearing, &at, felt))
@@ -211,21 +198,9 @@ impl Stand {
 
     /// The film's situation `tau` seconds into the step, with its place (1), viscosity (Pa.s) and clearance (m) given.
     #[inline]
-    fn instant(
-        &self,
-        tau: f64,
-        eccentricity: [f64; 2],
-        viscosity: f64,
-        clearance: f64,
-    ) -> Situation {
+    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64) -> Situation {
         let (speed, load) = self.driven(tau);
-        Situation {
-            load,
-            eccentricity,
-            clearance,
-            viscosity,
-            speed,
-        }
+        Situation { load, eccentricity, clearance, viscosity, speed }
     }
 
     /// Shaft speed (rad/s) and load on the journal (N, along x and y), `tau` seconds into the step.
@@ -245,26 +220,14 @@ impl Stand {
 
     /// The lower half of Fig. 3: rates of the temperatures from friction heat and heat transfer, K/s, at a clearance, m.
     #[inline]
-    fn thermal_rates(
-        &self,
-        tau: f64,
-        temperatures: &Temperatures,
-        clearance: f64,
-        flows: &Flows,
-    ) -> Temperatures {
+    fn thermal_rates(&self, tau: f64, temperatures: &Temperatures, clearance: f64, flows: &Flows) -> Temperatures {
         let heat = self.heat_of(tau, temperatures, clearance, flows);
         self.thermal.rates(temperatures, &heat)
     }
 
     /// Heat sources and flows under these flows of the film.
     #[inline]
-    fn heat_of(
-        &self,
-        tau: f64,
-        temperatures: &Temperatures,
-        clearance: f64,
-        flows: &Flows,
-    ) -> Heat {
+    fn heat_of(&self, tau: f64, temperatures: &Temperatures, clearance: f64, flows: &Flows) -> Heat {
         let oil = &self.fluid;
         let film = temperatures.film;
         let carried = |flow: f64, temperature: f64| match flow {
@@ -276,10 +239,7 @@ impl Stand {
             viscous: flows.viscous,
             boundary: flows.boundary,
             side_flow: carried(flows.side_flow + self.assumed_feed, film),
-            fed: carried(
-                flows.feed + self.assumed_feed,
-                self.bearing.supply.temperature,
-            ),
+            fed: carried(flows.feed + self.assumed_feed, self.bearing.supply.temperature),
             fed_temperature: self.bearing.supply.temperature,
             bath: self.bath_capacity(temperatures.oil),
             ambient: self.inputs.ambient_temperature.at(tau),
@@ -326,8 +286,7 @@ impl Stand {
 
     /// Friction torque of the support bearings, N.m, at a load (N) and a shaft speed (rad/s).
     fn support_torque(&self, load: f64, speed: f64) -> f64 {
-        self.drive
-            .support_torque(load, self.bearing.radius(), speed)
+        self.drive.support_torque(load, self.bearing.radius(), speed)
     }
 
     /// `M/(F_N*D/2)`, 1, with the magnitude of the load.
@@ -367,9 +326,7 @@ impl Stand {
             hot_radial_clearance: at.clearance,
             journal_velocity: at.clearance * motion.velocity[0],
             wear_depth: worn(y),
-            ambient_heat_flow: self
-                .thermal
-                .loss(&temperatures, self.inputs.ambient_temperature.at(tau)),
+            ambient_heat_flow: self.thermal.loss(&temperatures, self.inputs.ambient_temperature.at(tau)),
             oil_bath_capacity: self.bath_capacity(temperatures.oil),
         }
     }
@@ -390,11 +347,7 @@ impl Stand {
     }
 
     fn command(&self) -> Command {
-        Command {
-            time: self.state.time,
-            speed: self.inputs.speed.value,
-            slope: self.inputs.speed.slope,
-        }
+        Command { time: self.state.time, speed: self.inputs.speed.value, slope: self.inputs.speed.slope }
     }
 }
 
@@ -421,14 +374,8 @@ impl Model for Stand {
         default_step: 0.001,
         default_stop: 150.0,
         log_categories: &[
-            (
-                EVENTS,
-                "The model's set-up, and how each step is made: with every turn resolved, or in a leap",
-            ),
-            (
-                validity::VALIDITY,
-                "Limits of the model's laws that a run passes, once each",
-            ),
+            (EVENTS, "The model's set-up, and how each step is made: with every turn resolved, or in a leap"),
+            (validity::VALIDITY, "Limits of the model's laws that a run passes, once each"),
         ],
         ..fmu_export::info!()
     };
@@ -505,9 +452,7 @@ impl Model for Stand {
 
     fn differentiate(&mut self) -> Result<(), Fault> {
         self.rates = self.differences().map_err(|stuck| {
-            Fault::Failed(format!(
-                "the outputs have no time derivatives here: a short step ahead failed: {stuck}"
-            ))
+            Fault::Failed(format!("the outputs have no time derivatives here: a short step ahead failed: {stuck}"))
         })?;
         Ok(())
     }
@@ -521,26 +466,16 @@ impl Model for Stand {
         let long = self.is_long(step);
         let hindrance = long.then(|| self.hindrance()).flatten();
         let leaps = long && hindrance.is_none();
-        let how = if leaps {
-            "in a leap over most of its turns"
-        } else {
-            "with every turn resolved"
-        };
+        let how = if leaps { "in a leap over most of its turns" } else { "with every turn resolved" };
         log.log(EVENTS, format_args!("{step:?} s from {time:?} s {how}"));
         if let Some(why) = hindrance {
             log.log(EVENTS, format_args!("no leap: {why}"));
         }
-        let done = if leaps {
-            self.leap(step, log)
-        } else {
-            self.resolve(step)
-        };
+        let done = if leaps { self.leap(step, log) } else { self.resolve(step) };
         if let Err(failure) = done {
             (self.state, self.inputs) = before;
             self.film.take_back();
-            return Err(Fault::Failed(format!(
-                "the step from {time:?} s over {step:?} s failed: {failure}"
-            )));
+            return Err(Fault::Failed(format!("the step from {time:?} s over {step:?} s failed: {failure}")));
         }
         self.inputs.each(|input| input.slope = 0.0);
         self.readings = self.read(0.0, &unknowns(&self.state));

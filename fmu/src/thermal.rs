@@ -107,12 +107,7 @@ pub struct Temperatures {
 impl Temperatures {
     /// Those of film, bush, shaft and oil bath.
     pub fn of([film, bush, shaft, oil]: [f64; 4]) -> Self {
-        Self {
-            film,
-            bush,
-            shaft,
-            oil,
-        }
+        Self { film, bush, shaft, oil }
     }
 
     /// The same in one array.
@@ -181,27 +176,14 @@ impl Thermal {
         let from_bath = self.fresh_oil * (heat.side_flow - heat.fed).max(0.0);
         let film_to_oil = from_bath * (t.film - t.oil);
         let film_to_fed = fed * (t.film - heat.fed_temperature);
-        let mut rates = self.rates_beside(
-            t,
-            heat,
-            [
-                film_to_bush,
-                film_to_shaft,
-                film_to_oil + fed * (t.film - t.oil),
-            ],
-        );
-        rates.film = (heat.viscous - film_to_bush - film_to_shaft - film_to_oil - film_to_fed)
-            / self.film_capacity;
+        let mut rates = self.rates_beside(t, heat, [film_to_bush, film_to_shaft, film_to_oil + fed * (t.film - t.oil)]);
+        rates.film = (heat.viscous - film_to_bush - film_to_shaft - film_to_oil - film_to_fed) / self.film_capacity;
         rates
     }
 
     /// Conductances from the film to bush and shaft at a radial clearance, m, in W/K.
     pub fn film_conductances(&self, clearance: f64) -> [f64; 2] {
-        let across = if self.reference_clearance > 0.0 {
-            self.reference_clearance / clearance
-        } else {
-            1.0
-        };
+        let across = if self.reference_clearance > 0.0 { self.reference_clearance / clearance } else { 1.0 };
         [across * self.film_bush, across * self.film_shaft]
     }
 
@@ -219,17 +201,11 @@ impl Thermal {
         let boundary_to_bush = heat.boundary - boundary_to_shaft;
         Temperatures {
             film: 0.0,
-            bush: (film_to_bush + boundary_to_bush
-                - bush_to_oil
-                - self.bush_ambient * (t.bush - heat.ambient))
+            bush: (film_to_bush + boundary_to_bush - bush_to_oil - self.bush_ambient * (t.bush - heat.ambient))
                 / self.bush_capacity,
-            shaft: (film_to_shaft + boundary_to_shaft
-                - shaft_to_oil
-                - self.shaft_ambient * (t.shaft - heat.ambient))
+            shaft: (film_to_shaft + boundary_to_shaft - shaft_to_oil - self.shaft_ambient * (t.shaft - heat.ambient))
                 / self.shaft_capacity,
-            oil: (film_to_oil + bush_to_oil + shaft_to_oil
-                - self.oil_ambient * (t.oil - heat.ambient))
-                / heat.bath,
+            oil: (film_to_oil + bush_to_oil + shaft_to_oil - self.oil_ambient * (t.oil - heat.ambient)) / heat.bath,
         }
     }
 }
@@ -240,17 +216,8 @@ mod tests {
 
     #[test]
     fn energy_is_conserved() {
-        let thermal = Thermal {
-            bush_ambient: 0.1,
-            shaft_ambient: 0.05,
-            ..Thermal::default()
-        };
-        let t = Temperatures {
-            film: 360.0,
-            bush: 355.0,
-            shaft: 354.0,
-            oil: 321.0,
-        };
+        let thermal = Thermal { bush_ambient: 0.1, shaft_ambient: 0.05, ..Thermal::default() };
+        let t = Temperatures { film: 360.0, bush: 355.0, shaft: 354.0, oil: 321.0 };
         let heat = Heat {
             viscous: 2.0,
             boundary: 12.0,
@@ -266,9 +233,7 @@ mod tests {
             + r.bush * thermal.bush_capacity
             + r.shaft * thermal.shaft_capacity
             + r.oil * heat.bath;
-        let lost = 0.1 * (t.bush - 295.0)
-            + 0.05 * (t.shaft - 295.0)
-            + thermal.oil_ambient * (t.oil - 295.0);
+        let lost = 0.1 * (t.bush - 295.0) + 0.05 * (t.shaft - 295.0) + thermal.oil_ambient * (t.oil - 295.0);
         let spilt = 0.05 * (t.oil - 310.0);
         assert!((stored + lost + spilt - heat.viscous - heat.boundary).abs() < 1e-10);
     }

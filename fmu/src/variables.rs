@@ -35,28 +35,13 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
     let mut rows: Vec<(usize, V)> = rows.map(variable).collect();
     let listing = rows.iter().map(|(reference, _)| *reference).collect();
     rows.sort_by_key(|(reference, _)| *reference);
-    Table {
-        variables: rows.into_iter().map(|(_, variable)| variable).collect(),
-        listing,
-    }
+    Table { variables: rows.into_iter().map(|(_, variable)| variable).collect(), listing }
 });
 
 /// The variable of a row, after its value reference.
 fn variable(row: &'static str) -> (usize, V) {
     let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-    let [
-        name,
-        reference,
-        role,
-        unit,
-        shown,
-        least,
-        most,
-        about,
-        follows,
-        description,
-    ] = cells[..]
-    else {
+    let [name, reference, role, unit, shown, least, most, about, follows, description] = cells[..] else {
         panic!("a row has ten cells: {row}");
     };
     let number = |cell: &str| (!cell.is_empty()).then(|| cell.parse().expect("it is a number"));
@@ -79,10 +64,7 @@ fn variable(row: &'static str) -> (usize, V) {
     };
     let inputs = Vec::from_iter(follows.split_whitespace()).leak();
     let variable = fmu_export::declare::variable(name, role, kind, description);
-    (
-        reference.parse().expect("a reference is a number"),
-        variable.depends_on(inputs),
-    )
+    (reference.parse().expect("a reference is a number"), variable.depends_on(inputs))
 }
 
 fmu_export::enumerations! {
@@ -130,10 +112,7 @@ fmu_export::enumerations! {
 
 /// Reads and writes the choice of the film model.
 fn film_model() -> Access<Stand, i32, i32> {
-    Access {
-        get: |stand| stand.film.model.value(),
-        set: Some(|stand, value| stand.film.model = FilmModel::of(*value)),
-    }
+    Access { get: |stand| stand.film.model.value(), set: Some(|stand, value| stand.film.model = FilmModel::of(*value)) }
 }
 
 /// How the variable with this name is read and set, if there is one.
@@ -169,10 +148,7 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.wearCoefficient" => real(field!(bearing.wear.coefficient)),
         "bearing.width" => real(field!(bearing.width)),
         "bearing.diameter" => real(field!(bearing.diameter)),
-        "bearing.film" => Kind::Enumeration {
-            access: film_model(),
-            of: &FILM,
-        },
+        "bearing.film" => Kind::Enumeration { access: film_model(), of: &FILM },
         "bearing.feed" => {
             choice!(FEED, Feeding { None = 1, AxialGrooves = 2, Hole = 3, CircumferentialGroove = 4 }, bearing.supply.feed)
         }
@@ -272,10 +248,7 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.wearDepth" => output!(wear_depth),
         "bearing.journalVelocity" => output!(journal_velocity),
         "bearing.pressureLimit" => real(field!(bearing.pressure_limit)),
-        "status.validity" => whole(Access {
-            get: |s| s.validity(),
-            set: None,
-        }),
+        "status.validity" => whole(Access { get: |s| s.validity(), set: None }),
         "bearing.stiffnessXX" => resting!(coefficients.stiffness.m11),
         "bearing.stiffnessXY" => resting!(coefficients.stiffness.m12),
         "bearing.stiffnessYX" => resting!(coefficients.stiffness.m21),
@@ -306,11 +279,7 @@ mod tests {
             let Kind::Real(real) = &variable.kind else {
                 continue;
             };
-            if let Access {
-                get,
-                set: Some(set),
-            } = real.access
-            {
+            if let Access { get, set: Some(set) } = real.access {
                 let other = get(&stand) * 1.5 + 1e-3;
                 set(&mut stand, &other);
                 assert_eq!(get(&stand), other, "{}", variable.name);
@@ -344,10 +313,6 @@ mod tests {
         let mut runs: Vec<_> = groups.collect();
         runs.dedup();
         // Inputs, then the parameters of each block, then outputs.
-        assert_eq!(
-            runs[3..9],
-            ["drive", "load", "bearing", "oil", "thermal", "solver"],
-            "{runs:?}"
-        );
+        assert_eq!(runs[3..9], ["drive", "load", "bearing", "oil", "thermal", "solver"], "{runs:?}");
     }
 }

@@ -40,11 +40,7 @@ fn summary(table: &PointTable) -> Summary {
     let share = |passes: &dyn Fn(usize) -> bool| {
         let count = (0..table.len()).filter(|&i| passes(i)).count();
         let share = Fraction::wilson(count, table.len());
-        Count {
-            passed: count as u64,
-            fraction: share.value(),
-            interval: Some([share.low, share.high]),
-        }
+        Count { passed: count as u64, fraction: share.value(), interval: Some([share.low, share.high]) }
     };
     let bindings: Vec<_> = (0..table.len()).map(|i| table.binding(i)).collect();
     let criterion = |(k, c): (usize, &CriterionColumn)| {
@@ -70,11 +66,7 @@ fn summary(table: &PointTable) -> Summary {
         (c.name.clone(), count)
     };
     let group = |name: &str| {
-        let members: Vec<_> = table
-            .criteria
-            .iter()
-            .filter(|c| c.group.as_deref() == Some(name))
-            .collect();
+        let members: Vec<_> = table.criteria.iter().filter(|c| c.group.as_deref() == Some(name)).collect();
         (name.to_owned(), share(&|i| members.iter().all(|c| c.ok[i])))
     };
     let verified = share(&|i| table.verified[i]);
@@ -102,11 +94,7 @@ fn documents(table: &PointTable) -> Vec<Document> {
     let few = table.len() <= 5000;
     let matters = few.then(|| sensitivity::from_points(table, 1));
     let cloud = || region::cloud(&rows(table), 1);
-    let room = if few {
-        robustness(table, &cloud(), 0.8)
-    } else {
-        None
-    };
+    let room = if few { robustness(table, &cloud(), 0.8) } else { None };
     let nominal = Some(Member::of(table, 0));
     let costs = trade_off(table, true, nominal, "the study's points".into());
     let told = [
@@ -131,9 +119,7 @@ fn cloud(n: usize) -> PointTable {
     let columns: Vec<Vec<f64>> = laws
         .iter()
         .map(|&(_, _, mean, sd)| {
-            (0..n)
-                .map(|_| (mean + sd * random.sample::<f64, _>(StandardNormal)).max(0.25 * mean))
-                .collect()
+            (0..n).map(|_| (mean + sd * random.sample::<f64, _>(StandardNormal)).max(0.25 * mean)).collect()
         })
         .collect();
     let failed = |i: usize| i % 41 == 40;
@@ -143,22 +129,11 @@ fn cloud(n: usize) -> PointTable {
         16.621 * column(3, i) + 0.2616 * column(1, i) * column(4, i) - 0.5429 * column(1, i)
             + 0.1612 * column(2, i) * column(4, i)
     };
-    let power = |i: usize| {
-        14.0 * (column(6, i) / 25.0).powi(3)
-            * (column(5, i) / 19.0)
-            * (column(0, i) / 0.02).powf(-0.75)
-    };
-    let criterion = |name: &str,
-                     unit: &str,
-                     group: &str,
-                     nominal: f64,
-                     tolerance: f64,
-                     law: &dyn Fn(usize) -> f64| {
+    let power =
+        |i: usize| 14.0 * (column(6, i) / 25.0).powi(3) * (column(5, i) / 19.0) * (column(0, i) / 0.02).powf(-0.75);
+    let criterion = |name: &str, unit: &str, group: &str, nominal: f64, tolerance: f64, law: &dyn Fn(usize) -> f64| {
         let values: Vec<f64> = (0..n).map(|i| value(i, law(i))).collect();
-        let ok = values
-            .iter()
-            .map(|v| (v - nominal).abs() <= tolerance)
-            .collect();
+        let ok = values.iter().map(|v| (v - nominal).abs() <= tolerance).collect();
         CriterionColumn {
             name: name.into(),
             source: "final value".into(),
@@ -172,9 +147,7 @@ fn cloud(n: usize) -> PointTable {
         }
     };
     let criteria = vec![
-        criterion("T_oil", "degC", "temperature", 48.0, 0.5, &|i| {
-            47.82 + 0.0143 * power(i)
-        }),
+        criterion("T_oil", "degC", "temperature", 48.0, 0.5, &|i| 47.82 + 0.0143 * power(i)),
         criterion("T_bearing", "degC", "temperature", 82.0, 0.615, &|i| {
             80.9 + 0.037 * power(i) + 0.0014 * power(i).powi(2)
         }),
@@ -183,9 +156,7 @@ fn cloud(n: usize) -> PointTable {
     ];
     PointTable {
         ids: (1..=n as u64).collect(),
-        beyond: (1..=n as u64)
-            .filter(|&id| column(0, id as usize - 1) < 0.018)
-            .collect(),
+        beyond: (1..=n as u64).filter(|&id| column(0, id as usize - 1) < 0.018).collect(),
         verified: (0..n).map(|i| criteria.iter().all(|c| c.ok[i])).collect(),
         status: (0..n)
             .map(|i| {
@@ -212,14 +183,8 @@ fn cloud(n: usize) -> PointTable {
 
 fn history() -> Vec<Series> {
     let time: Vec<f64> = (0..15_001).map(|i| f64::from(i) * 0.01).collect();
-    let force = time
-        .iter()
-        .map(|t| 750.0 + 45.0 * (31.416 * t).sin())
-        .collect();
-    let temperature = time
-        .iter()
-        .map(|t| 82.0 - 0.4 * (1.0 - (-t / 60.0).exp()))
-        .collect();
+    let force = time.iter().map(|t| 750.0 + 45.0 * (31.416 * t).sin()).collect();
+    let temperature = time.iter().map(|t| 82.0 - 0.4 * (1.0 - (-t / 60.0).exp())).collect();
     vec![
         Series {
             measured: None,

@@ -38,22 +38,10 @@ pub fn parse() -> Result<Cli, String> {
 /// The fault of the command line, on one line and in plain words.
 fn told(message: &str) -> String {
     const WORDS: [(&str, &str); 7] = [
-        (
-            "number would be zero for non-zero type",
-            "at least 1 is needed",
-        ),
-        (
-            "invalid digit found in string",
-            "a whole number is needed, not negative",
-        ),
-        (
-            "number too large to fit in target type",
-            "too large a number",
-        ),
-        (
-            "invalid float literal",
-            "a number is needed, with a decimal point and without a unit",
-        ),
+        ("number would be zero for non-zero type", "at least 1 is needed"),
+        ("invalid digit found in string", "a whole number is needed, not negative"),
+        ("number too large to fit in target type", "too large a number"),
+        ("invalid float literal", "a number is needed, with a decimal point and without a unit"),
         ("were not provided:", "are missing:"),
         ("tip: a similar", "a similar"),
         ("tip: some similar", "some similar"),
@@ -79,21 +67,11 @@ fn of_the_study(fault: &str) -> Option<String> {
     let schema: serde_json::Value = serde_json::from_str(SCHEMA).ok()?;
     let sections = schema["properties"].as_object()?.iter();
     let has = |(_, section): &(&String, &serde_json::Value)| {
-        let parts = section["$ref"]
-            .as_str()
-            .and_then(|at| at.strip_prefix("#/$defs/"));
+        let parts = section["$ref"].as_str().and_then(|at| at.strip_prefix("#/$defs/"));
         parts.is_some_and(|name| schema["$defs"][name]["properties"].get(key).is_some())
     };
-    let sections: Vec<String> = sections
-        .filter(has)
-        .map(|(name, _)| format!("[{name}]"))
-        .collect();
-    (!sections.is_empty()).then(|| {
-        format!(
-            "{fault}; `{key}` is set in the study, under {}",
-            sections.join(" or ")
-        )
-    })
+    let sections: Vec<String> = sections.filter(has).map(|(name, _)| format!("[{name}]")).collect();
+    (!sections.is_empty()).then(|| format!("{fault}; `{key}` is set in the study, under {}", sections.join(" or ")))
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call or a file, \
@@ -177,10 +155,7 @@ mod tests {
             told(&error.to_string())
         };
         for (line, message) in [
-            (
-                "o verify s --jobs 0",
-                "invalid value '0' for '--jobs <J>': at least 1 is needed",
-            ),
+            ("o verify s --jobs 0", "invalid value '0' for '--jobs <J>': at least 1 is needed"),
             (
                 "o verify s --points 1e4",
                 "invalid value '1e4' for '--points <N>': a whole number is needed, not negative",
@@ -189,30 +164,18 @@ mod tests {
                 "o simulate m --stop 10s",
                 "invalid value '10s' for '--stop <T>': a number is needed, with a decimal point and without a unit",
             ),
-            (
-                "o verify s --ponits 3",
-                "unexpected argument '--ponits' found; a similar argument exists: '--points'",
-            ),
+            ("o verify s --ponits 3", "unexpected argument '--ponits' found; a similar argument exists: '--points'"),
             (
                 "o identify s --descents 3",
                 "unexpected argument '--descents' found; `descents` is set in the study, under [identify]",
             ),
-            (
-                "o verify",
-                "the following required arguments are missing: <STUDY>",
-            ),
-            (
-                "o verfy s",
-                "unrecognized subcommand 'verfy'; a similar subcommand exists: 'verify'",
-            ),
+            ("o verify", "the following required arguments are missing: <STUDY>"),
+            ("o verfy s", "unrecognized subcommand 'verfy'; a similar subcommand exists: 'verify'"),
             (
                 "o verify s --isolation none",
                 "invalid value 'none' for '--isolation <HOW>' [possible values: fresh, audited, reuse]",
             ),
-            (
-                "o verify s --output",
-                "a value is required for '--output <DIR>' but none was supplied",
-            ),
+            ("o verify s --output", "a value is required for '--output <DIR>' but none was supplied"),
         ] {
             assert_eq!(said(line), format!("{message}; --help shows what there is"));
         }

@@ -42,9 +42,7 @@ pub enum Error {
     #[error("the simulation failed: {0}")]
     Simulation(#[from] Failure),
     /// The FMU refused a step of a size that it has not suggested.
-    #[error(
-        "the simulation failed: {failure}: the step is {step} s, as the FMU suggests none; set another by --step"
-    )]
+    #[error("the simulation failed: {failure}: the step is {step} s, as the FMU suggests none; set another by --step")]
     Step {
         /// The FMU's remarks.
         failure: Failure,
@@ -76,10 +74,7 @@ pub enum Error {
 impl Error {
     /// The value of an option cannot be used.
     pub fn option(option: &'static str, message: impl Into<String>) -> Self {
-        Self::Option {
-            option,
-            message: message.into(),
-        }
+        Self::Option { option, message: message.into() }
     }
 
     /// What is wrong with a file's content.

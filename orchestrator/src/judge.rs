@@ -94,11 +94,7 @@ impl Criterion {
         // Without a reading it is a gauge's error at the limit that counts.
         let at = value.unwrap_or(limits.about);
         let error = self.uncertainty.map(|u| u.law(at));
-        Measured {
-            limits,
-            value,
-            error,
-        }
+        Measured { limits, value, error }
     }
 
     /// How far a value is from the measured one, in tolerances of its side: 1 at a limit. At a limit that stands alone it
@@ -145,11 +141,7 @@ impl Criterion {
 
     /// What the study allows, in its words: `tolerance 0.75 %`, `at most 85 degC`.
     pub fn allowed(&self) -> String {
-        let word = if self.limits.is_one_sided() {
-            ""
-        } else {
-            "tolerance "
-        };
+        let word = if self.limits.is_one_sided() { "" } else { "tolerance " };
         format!("{word}{}", self.stated_tolerance)
     }
 
@@ -337,11 +329,7 @@ impl Judge {
                         }
                         None => Err(format!(
                             "it has a limit and no tolerance; give the variant's with its key: [variants.{name}] {}.{} = ...",
-                            if text.at_most.is_some() {
-                                "at-most"
-                            } else {
-                                "at-least"
-                            },
+                            if text.at_most.is_some() { "at-most" } else { "at-least" },
                             criterion.as_ref()
                         )),
                     }
@@ -350,27 +338,17 @@ impl Judge {
             for ((criterion, stated), side) in sides(&text.at_most, &text.at_least) {
                 vary(criterion, &|number| {
                     let text = &study.criteria[number];
-                    let same = if side == Side::Most {
-                        &text.at_most
-                    } else {
-                        &text.at_least
-                    };
+                    let same = if side == Side::Most { &text.at_most } else { &text.at_least };
                     match same {
                         Some(_) => {
                             let sense = sense(text.statistic.unwrap_or_default());
                             limit(stated, side, (&scales[number], sense))
                         }
-                        None => {
-                            Err("it has no such limit that the variant could change".to_owned())
-                        }
+                        None => Err("it has no such limit that the variant could change".to_owned()),
                     }
                 })?;
             }
-            self.variants.push(Variant {
-                name: name.clone(),
-                about: text.about.clone(),
-                limits,
-            });
+            self.variants.push(Variant { name: name.clone(), about: text.about.clone(), limits });
         }
         Ok(())
     }
@@ -399,17 +377,10 @@ impl Judge {
         self.verdict_within(|number| variant.limits[number], values)
     }
 
-    fn verdict_within(
-        &self,
-        limits: impl Fn(usize) -> Limits,
-        values: Option<&[f64]>,
-    ) -> PointVerdict {
+    fn verdict_within(&self, limits: impl Fn(usize) -> Limits, values: Option<&[f64]>) -> PointVerdict {
         let value = |number: usize| values.and_then(|values| values.get(number));
-        let passed = (0..self.criteria.len())
-            .map(|number| value(number).is_some_and(|&v| limits(number).accepts(v)));
-        PointVerdict {
-            passed: passed.collect(),
-        }
+        let passed = (0..self.criteria.len()).map(|number| value(number).is_some_and(|&v| limits(number).accepts(v)));
+        PointVerdict { passed: passed.collect() }
     }
 
     /// Judges what came of one point. Where the study has cases, a failed point still meets the criteria of the cases that
@@ -462,11 +433,7 @@ fn cases(study: &Study) -> Vec<JudgedCase> {
             let count = criteria.filter(|text| text.case == Some(number)).count();
             let members = first..first + count;
             first = members.end;
-            JudgedCase {
-                name: case.name.as_ref().clone(),
-                held_out: case.held_out,
-                members,
-            }
+            JudgedCase { name: case.name.as_ref().clone(), held_out: case.held_out, members }
         })
         .collect()
 }
@@ -475,11 +442,7 @@ fn cases(study: &Study) -> Vec<JudgedCase> {
 fn check_columns(study: &Study) -> Result<(), FileError> {
     const OWN: [&str; 4] = ["point", "verified", "accepted", "status"];
     let parameters = study.parameters.keys().map(|name| name.as_ref().as_str());
-    let mut columns: HashSet<String> = OWN
-        .into_iter()
-        .chain(parameters)
-        .map(String::from)
-        .collect();
+    let mut columns: HashSet<String> = OWN.into_iter().chain(parameters).map(String::from).collect();
     for name in study.criteria.keys() {
         let text = name.as_ref();
         if text.trim().is_empty() || text.contains(char::is_control) {
@@ -488,8 +451,7 @@ fn check_columns(study: &Study) -> Result<(), FileError> {
         }
         for column in [text.clone(), format!("{text}.ok")] {
             if !columns.insert(column.clone()) {
-                let message =
-                    format!("points.csv would have two columns `{column}`; rename the criterion");
+                let message = format!("points.csv would have two columns `{column}`; rename the criterion");
                 return Err(study.error_at(name, message));
             }
         }

@@ -34,20 +34,13 @@ pub enum Outcome {
 impl Test {
     /// A test of a group.
     pub fn new(class: &str, name: &str, outcome: Outcome) -> Self {
-        Self {
-            class: class.to_owned(),
-            name: name.to_owned(),
-            outcome,
-        }
+        Self { class: class.to_owned(), name: name.to_owned(), outcome }
     }
 
     fn xml(&self) -> String {
         let element = |name: &str, why: &str| {
             let why = written(why);
-            format!(
-                "<{name} message=\"{why}\" type=\"{}\">{why}</{name}>",
-                self.outcome.word()
-            )
+            format!("<{name} message=\"{why}\" type=\"{}\">{why}</{name}>", self.outcome.word())
         };
         let inner = match &self.outcome {
             Outcome::Passed => String::new(),
@@ -56,9 +49,7 @@ impl Test {
             Outcome::Skipped(why) => format!("<skipped message=\"{}\"/>", written(why)),
         };
         let [class, name] = [&self.class, &self.name].map(|text| written(text));
-        format!(
-            "    <testcase classname=\"{class}\" name=\"{name}\" time=\"0\">{inner}</testcase>\n"
-        )
+        format!("    <testcase classname=\"{class}\" name=\"{name}\" time=\"0\">{inner}</testcase>\n")
     }
 }
 
@@ -86,10 +77,7 @@ impl Outcome {
 /// # Errors
 /// When the system says no.
 pub fn write(file: &Path, suite: &str, tests: &[Test], seconds: f64) -> Result<(), Error> {
-    if let Some(folder) = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-    {
+    if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         make_folder(folder)?;
     }
     Ok(write_text(file, xml(suite, tests, seconds))?)
@@ -135,31 +123,16 @@ mod tests {
         let document = roxmltree::Document::parse(&text).unwrap();
         let suites = document.root_element();
         let suite = suites.first_element_child().unwrap();
-        for (name, value) in [
-            ("tests", "4"),
-            ("failures", "1"),
-            ("errors", "1"),
-            ("skipped", "1"),
-        ] {
+        for (name, value) in [("tests", "4"), ("failures", "1"), ("errors", "1"), ("skipped", "1")] {
             assert_eq!(suites.attribute(name), Some(value));
             assert_eq!(suite.attribute(name), Some(value));
         }
         let cases: Vec<_> = suite.children().filter(|node| node.is_element()).collect();
-        let inner = |case: usize| {
-            cases[case]
-                .first_element_child()
-                .map(|node| node.tag_name().name())
-        };
+        let inner = |case: usize| cases[case].first_element_child().map(|node| node.tag_name().name());
         let inner = [0, 1, 2, 3].map(inner);
-        assert_eq!(
-            inner,
-            [Some("failure"), None, Some("error"), Some("skipped")]
-        );
+        assert_eq!(inner, [Some("failure"), None, Some("error"), Some("skipped")]);
         let failure = cases[0].first_element_child().unwrap();
-        assert_eq!(
-            failure.attribute("message"),
-            Some("a < b & \"c\" \\u001b[31m?")
-        );
+        assert_eq!(failure.attribute("message"), Some("a < b & \"c\" \\u001b[31m?"));
         assert_eq!(cases[1].attribute("classname"), Some("study.300 rpm"));
     }
 }

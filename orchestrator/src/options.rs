@@ -44,10 +44,9 @@ impl Parts {
                 let number = index + 1;
                 Ok(Some(Shard { number, of }))
             }
-            (Some(index), Some(of)) => Err(Error::option(
-                "shard-index",
-                format!("{index} is none of {of} parts, which are counted from 0"),
-            )),
+            (Some(index), Some(of)) => {
+                Err(Error::option("shard-index", format!("{index} is none of {of} parts, which are counted from 0")))
+            }
             _ => Ok(self.shard),
         }
     }
@@ -78,12 +77,7 @@ pub struct Means {
     #[arg(long, value_enum, value_name = "HOW", default_value = "audited")]
     pub isolation: Isolation,
     /// The longest time that a point may take, s
-    #[arg(
-        long,
-        value_name = "T",
-        default_value_t = 3600.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "T", default_value_t = 3600.0, allow_negative_numbers = true)]
     pub point_timeout: f64,
     /// The most memory that a worker process may take, such as 500MB [default: a fair share of
     /// the machine's]
@@ -101,12 +95,7 @@ pub struct Afar {
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
     launcher: Option<String>,
     /// Hosts, a line each with the number of workers; `{host}` in the command becomes the name
-    #[arg(
-        long,
-        value_name = "FILE",
-        requires = "launcher",
-        conflicts_with = "jobs"
-    )]
+    #[arg(long, value_name = "FILE", requires = "launcher", conflicts_with = "jobs")]
     hosts: Option<PathBuf>,
     /// Send the FMU to hosts that do not share the disk
     #[arg(long, requires = "launcher")]
@@ -115,12 +104,7 @@ pub struct Afar {
     #[arg(long, value_name = "PATH", requires = "launcher")]
     worker_program: Option<PathBuf>,
     /// The longest time for a worker to start, or to be silent, s [default: 30]
-    #[arg(
-        long,
-        value_name = "T",
-        requires = "launcher",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "T", requires = "launcher", allow_negative_numbers = true)]
     launcher_timeout: Option<f64>,
 }
 
@@ -250,9 +234,7 @@ pub fn folder_of(study: &Path) -> PathBuf {
 /// A size with a unit, bytes.
 fn size(text: &str) -> Option<u64> {
     let text = text.trim();
-    let digits = text
-        .find(|c: char| !c.is_ascii_digit() && c != '.')
-        .unwrap_or(text.len());
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     let number: f64 = text[..digits].parse().ok()?;
     let factor = match text[digits..].trim().to_uppercase().as_str() {
         "" | "B" => 1.0,

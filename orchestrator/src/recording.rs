@@ -85,10 +85,7 @@ struct TimeColumn {
 
 /// A time of the recording in seconds or with its unit, or a time stamp.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a time, such as 12.3 or \"12300 ms\", or a time stamp"
-)]
+#[serde(untagged, expecting = "expected a time, such as 12.3 or \"12300 ms\", or a time stamp")]
 enum Moment {
     Seconds(f64),
     Text(String),
@@ -154,10 +151,7 @@ struct Power {
 
 /// Passes the turn's tenth harmonic at 300 rpm.
 fn usual_smoothing() -> Smoothing {
-    Smoothing::Butterworth {
-        cutoff: 50.0,
-        order: 4,
-    }
+    Smoothing::Butterworth { cutoff: 50.0, order: 4 }
 }
 
 impl Settings {
@@ -173,11 +167,7 @@ impl Settings {
             FileError::new(path, format!("line {line}: {}", error.message()))
         })?;
         let start = settings.start.as_ref().map(Spanned::span);
-        Ok(Self {
-            path: path.to_owned(),
-            start_line: start.map_or(1, line),
-            ..settings
-        })
+        Ok(Self { path: path.to_owned(), start_line: start.map_or(1, line), ..settings })
     }
 
     fn wrong(&self, message: impl Into<String>) -> FileError {
@@ -198,9 +188,7 @@ impl Settings {
         let mut tables = Vec::new();
         for (place, path) in measured.iter().enumerate() {
             let own = self.files.get(place);
-            let time = own
-                .and_then(|file| file.time.as_ref())
-                .or(self.time.as_ref());
+            let time = own.and_then(|file| file.time.as_ref()).or(self.time.as_ref());
             let time = time.cloned().unwrap_or_default();
             let layout = Layout {
                 delimiter: own.and_then(|file| file.delimiter.clone()),
@@ -209,11 +197,7 @@ impl Settings {
             };
             tables.push((RecordedTable::read(path, &layout)?, time));
         }
-        let mut recorded = Recorded {
-            settings: self,
-            tables,
-            zero: None,
-        };
+        let mut recorded = Recorded { settings: self, tables, zero: None };
         for file in 0..recorded.tables.len() {
             let first = recorded.first_stamp(file)?;
             recorded.zero = recorded.zero.or(first);
@@ -234,17 +218,9 @@ impl Settings {
 
     /// Signals and inputs that the model has without a unit, by their keys.
     fn plain(&self) -> impl Iterator<Item = (String, &Signal)> {
-        let signals = self
-            .signals
-            .iter()
-            .map(|(name, signal)| (format!("signals.{name}"), signal));
-        let inputs = self
-            .inputs
-            .iter()
-            .map(|(name, input)| (format!("inputs.{name}"), input));
-        signals
-            .chain(inputs)
-            .filter(|(_, signal)| signal.is_plain())
+        let signals = self.signals.iter().map(|(name, signal)| (format!("signals.{name}"), signal));
+        let inputs = self.inputs.iter().map(|(name, input)| (format!("inputs.{name}"), input));
+        signals.chain(inputs).filter(|(_, signal)| signal.is_plain())
     }
 
     /// How far the model may be off, by criteria's names.
@@ -259,28 +235,18 @@ impl Settings {
             Some((name, text))
         };
         let both = [(&self.load, "F_N"), (&self.torque, "M")];
-        let both = both
-            .into_iter()
-            .filter_map(|(signal, name)| named(signal.as_ref()?, name));
-        let others = self
-            .signals
-            .iter()
-            .filter_map(|(name, signal)| named(signal, name));
+        let both = both.into_iter().filter_map(|(signal, name)| named(signal.as_ref()?, name));
+        let others = self.signals.iter().filter_map(|(name, signal)| named(signal, name));
         both.chain(others).collect()
     }
 
     /// Refuses what no case can be called, and tolerances that are no errors of a curve.
     pub fn check_case(&self, name: &str) -> Result<(), FileError> {
         if name.is_empty() || name.contains('/') {
-            return Err(self.wrong(format!(
-                "--case {name}: the name of a case must not be empty and has no `/`"
-            )));
+            return Err(self.wrong(format!("--case {name}: the name of a case must not be empty and has no `/`")));
         }
         let tolerances = self.tolerances();
-        match tolerances
-            .iter()
-            .find(|(_, tolerance)| tolerance.ends_with('%'))
-        {
+        match tolerances.iter().find(|(_, tolerance)| tolerance.ends_with('%')) {
             Some((signal, tolerance)) => Err(self.wrong(format!(
                 "{signal}: the tolerance {tolerance} of a curve is not a part of anything; give it with a unit"
             ))),
@@ -291,8 +257,7 @@ impl Settings {
     /// A quantity in an SI unit.
     fn si(&self, key: &str, quantity: &Quantity, si_unit: &str) -> Result<f64, FileError> {
         let unit = quantity.unit.as_deref().unwrap_or(si_unit);
-        let way =
-            conversion(unit, si_unit).map_err(|message| self.wrong(format!("{key}: {message}")))?;
+        let way = conversion(unit, si_unit).map_err(|message| self.wrong(format!("{key}: {message}")))?;
         Ok(way.value(quantity.number))
     }
 
@@ -324,21 +289,14 @@ impl Recorded<'_> {
             let ((line, count), name) = (table.others?, files::name(table.path()));
             Some(match count {
                 1 => format!("{name}: line {line} holds no number and was left out"),
-                _ => format!(
-                    "{name}: {count} lines hold no number and were left out, line {line} first"
-                ),
+                _ => format!("{name}: {count} lines hold no number and were left out, line {line} first"),
             })
         };
         let plain = self.settings.plain().filter_map(|(key, signal)| {
             let column = signal.column.as_deref()?;
-            let table = self
-                .tables
-                .iter()
-                .find_map(|(table, _)| table.get(column))?;
+            let table = self.tables.iter().find_map(|(table, _)| table.get(column))?;
             let unit = table.unit.as_deref()?;
-            Some(format!(
-                "{key}: the model has no unit, so the values are those in `{unit}`, as they are"
-            ))
+            Some(format!("{key}: the model has no unit, so the values are those in `{unit}`, as they are"))
         });
         let timeless = (0..self.tables.len()).filter_map(|file| self.timeless(file));
         let notes = self.tables.iter().filter_map(note);
@@ -350,40 +308,24 @@ impl Recorded<'_> {
         let (table, time) = &self.tables[file];
         let name = self.time_name(file, None);
         let (stamp, values) = table.times(name).ok()?;
-        if stamp.is_some()
-            || time.rate.is_some()
-            || time.unit.is_some()
-            || table.get(name)?.unit.is_some()
-        {
+        if stamp.is_some() || time.rate.is_some() || time.unit.is_some() || table.get(name)?.unit.is_some() {
             return None;
         }
         let known = || values.iter().copied().filter(|value| value.is_finite());
-        let length =
-            known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
-        Some(format!(
-            "{}: the time has no unit and is read as s: {length} s long",
-            files::name(table.path())
-        ))
+        let length = known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
+        Some(format!("{}: the time has no unit and is read as s: {length} s long", files::name(table.path())))
     }
 
     /// How far the noise of a row alone is beyond the tolerance of a curve.
     pub fn too_tight(&self, recorded: &RigRecording, result: &Synchronised) -> Vec<String> {
         let settings = self.settings;
         let both = [("F_N", &settings.load), ("M", &settings.torque)];
-        let both = both
-            .into_iter()
-            .filter_map(|(name, signal)| Some((name, signal.as_ref()?)));
-        let signals = settings
-            .signals
-            .iter()
-            .map(|(name, signal)| (name.as_str(), signal));
+        let both = both.into_iter().filter_map(|(name, signal)| Some((name, signal.as_ref()?)));
+        let signals = settings.signals.iter().map(|(name, signal)| (name.as_str(), signal));
         let note = |(name, signal): (&str, &Signal)| {
             let name = signal.name.as_deref().unwrap_or(name);
             let channel = recorded.signals().find(|channel| channel.name == name)?;
-            let mut means = result
-                .findings
-                .iter()
-                .filter(|f| f.name == name && f.statistic == "mean");
+            let mut means = result.findings.iter().filter(|f| f.name == name && f.statistic == "mean");
             let row = means.next()?.noise?.row;
             let tolerance = of_zero(signal.tolerance.as_ref()?, &channel.unit).ok()??;
             (row > tolerance).then(|| format!(
@@ -400,8 +342,7 @@ impl Recorded<'_> {
     fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> &'b str {
         let (table, time) = &self.tables[file];
         let own = signal.and_then(|signal| signal.time.as_deref());
-        own.or(time.column.as_deref())
-            .unwrap_or_else(|| table.first())
+        own.or(time.column.as_deref()).unwrap_or_else(|| table.first())
     }
 
     /// The first time stamp of a file that has some.
@@ -418,21 +359,16 @@ impl Recorded<'_> {
         if let Some(rate) = &time.rate {
             let rate = settings.si("time: rate", rate, "Hz")?;
             let start = self.offset(time)?;
-            return Ok((0..table.rows)
-                .map(|row| start + row as f64 / rate)
-                .collect());
+            return Ok((0..table.rows).map(|row| start + row as f64 / rate).collect());
         }
         let name = self.time_name(file, Some(signal));
         let (first, values) = table.times(name)?;
         let from_zero = |stamp: Stamp| {
             let zero = self.zero.unwrap_or(stamp);
-            let wrong = || {
-                settings.wrong("some time stamps have a zone, some a date alone, some neither; make them alike")
-            };
+            let wrong =
+                || settings.wrong("some time stamps have a zone, some a date alone, some neither; make them alike");
             let between = (stamp.nanoseconds - zero.nanoseconds) as f64 * 1e-9;
-            (zero.clock == stamp.clock)
-                .then_some(between)
-                .ok_or_else(wrong)
+            (zero.clock == stamp.clock).then_some(between).ok_or_else(wrong)
         };
         if let Some(first) = first {
             let start = from_zero(first)? + self.offset(time)?;
@@ -442,8 +378,7 @@ impl Recorded<'_> {
             (None, None) => "s".to_owned(),
             (unit, _) => table.unit(name, unit.as_deref())?,
         };
-        let way =
-            conversion(&unit, "s").map_err(|message| settings.wrong(format!("time: {message}")))?;
+        let way = conversion(&unit, "s").map_err(|message| settings.wrong(format!("time: {message}")))?;
         let start = self.offset(time)?;
         Ok(values.iter().map(|time| start + way.value(*time)).collect())
     }
@@ -471,9 +406,7 @@ impl Recorded<'_> {
             return Ok((stamp.nanoseconds - zero.nanoseconds) as f64 * 1e-9);
         }
         let quantity: Quantity = text.parse().map_err(|message| {
-            self.settings.wrong(format!(
-                "{key}: {message}, and no time stamp like those of a file"
-            ))
+            self.settings.wrong(format!("{key}: {message}, and no time stamp like those of a file"))
         })?;
         self.settings.si(key, &quantity, "s")
     }
@@ -484,31 +417,18 @@ impl Recorded<'_> {
             return Ok(None);
         };
         let key = format!("line {}: start", self.settings.start_line);
-        let mut formats = self
-            .tables
-            .iter()
-            .filter_map(|(_, time)| time.format.as_deref());
-        self.moment(&key, moment.get_ref(), formats.next())
-            .map(Some)
+        let mut formats = self.tables.iter().filter_map(|(_, time)| time.format.as_deref());
+        self.moment(&key, moment.get_ref(), formats.next()).map(Some)
     }
 
     /// A channel in its own unit, or in `si`.
-    fn channel(
-        &self,
-        key: &str,
-        signal: &Signal,
-        name: &str,
-        si: Option<&str>,
-    ) -> Result<Channel, FileError> {
+    fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel, FileError> {
         let settings = self.settings;
         let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
         let column = settings.needed(signal.column.as_ref(), key, "column")?;
         let file = self.file_of(key, signal, column)?;
         let table = &self.tables[file].0;
-        let unit = table.unit(
-            column,
-            signal.unit.as_deref().filter(|_| signal.scale.is_none()),
-        );
+        let unit = table.unit(column, signal.unit.as_deref().filter(|_| signal.scale.is_none()));
         // Of volts the settings say what they mean.
         let unit = match (&signal.scale, &signal.unit) {
             (Some(_), Some(unit)) => known::usual(unit).unwrap_or(unit).to_owned(),
@@ -520,51 +440,34 @@ impl Recorded<'_> {
             None => Conversion::IDENTITY,
         };
         let offset = match &signal.offset {
-            Some(Quantity {
-                number,
-                unit: Some(own),
-            }) => {
+            Some(Quantity { number, unit: Some(own) }) => {
                 let way = conversion(own, &unit);
-                way.map_err(|message| wrong(format!("offset: {message}")))?
-                    .difference(*number)
+                way.map_err(|message| wrong(format!("offset: {message}")))?.difference(*number)
             }
             plain => plain.as_ref().map_or(0.0, |offset| offset.number),
         };
-        let scaled = Conversion {
-            factor: signal.scale.unwrap_or(1.0),
-            offset,
-        };
+        let scaled = Conversion { factor: signal.scale.unwrap_or(1.0), offset };
         let to_unit = scaled.then(way);
         let recorded = table.column(column)?;
         let times = self.times(file, signal)?;
         let clock = table.get(self.time_name(file, Some(signal)));
-        if let Some(fall) = clock
-            .and_then(|clock| clock.fall)
-            .filter(|_| self.tables[file].1.rate.is_none())
-        {
+        if let Some(fall) = clock.and_then(|clock| clock.fall).filter(|_| self.tables[file].1.rate.is_none()) {
             let message = format!("line {fall}: the clock jumps back: cut the file there");
             return Err(FileError::new(table.path(), message));
         }
         let pairs = times.iter().zip(&recorded.values);
         let known = pairs.filter(|(time, value)| time.is_finite() && value.is_finite());
-        let (time, values): (Vec<f64>, Vec<f64>) = known
-            .map(|(time, value)| (*time, to_unit.value(*value)))
-            .unzip();
+        let (time, values): (Vec<f64>, Vec<f64>) = known.map(|(time, value)| (*time, to_unit.value(*value))).unzip();
         let timeless = table.rows - values.len() - recorded.empty - recorded.unreadable;
         let zero = Quantity::from(0.0);
-        let accuracy = accuracy(signal.accuracy.as_ref().unwrap_or(&zero), &unit, way.factor)
-            .map_err(wrong)?;
+        let accuracy = accuracy(signal.accuracy.as_ref().unwrap_or(&zero), &unit, way.factor).map_err(wrong)?;
         let time_column = (file, self.time_name(file, Some(signal)));
         Ok(Channel {
             name: signal.name.clone().unwrap_or_else(|| name.to_owned()),
             variable: signal.variable.clone().unwrap_or_default(),
             unit: si.map_or(unit, str::to_owned),
             clock: self.clock(time_column),
-            lost: vec![
-                (recorded.empty, "empty"),
-                (recorded.unreadable, "no number"),
-                (timeless, "without a time"),
-            ],
+            lost: vec![(recorded.empty, "empty"), (recorded.unreadable, "no number"), (timeless, "without a time")],
             time,
             values,
             accuracy,
@@ -574,10 +477,7 @@ impl Recorded<'_> {
 
     /// The number of a column of times.
     fn clock(&self, (file, name): (usize, &str)) -> usize {
-        let before = self.tables[..file]
-            .iter()
-            .map(|(table, _)| table.width())
-            .sum::<usize>();
+        let before = self.tables[..file].iter().map(|(table, _)| table.width()).sum::<usize>();
         before + self.tables[file].0.place(name)
     }
 
@@ -585,14 +485,9 @@ impl Recorded<'_> {
     fn file_of(&self, key: &str, signal: &Signal, column: &str) -> Result<usize, FileError> {
         let settings = self.settings;
         if let Some(file) = signal.file {
-            let place = file
-                .checked_sub(1)
-                .filter(|place| *place < self.tables.len());
+            let place = file.checked_sub(1).filter(|place| *place < self.tables.len());
             return place.ok_or_else(|| {
-                settings.wrong(format!(
-                    "{key}: there is no file {file}; {} were given",
-                    self.tables.len()
-                ))
+                settings.wrong(format!("{key}: there is no file {file}; {} were given", self.tables.len()))
             });
         }
         let have = |file: &usize| self.tables[*file].0.get(column).is_some();
@@ -603,9 +498,8 @@ impl Recorded<'_> {
                 let tables: Vec<_> = self.tables.iter().map(|(table, _)| table).collect();
                 Err(RecordedTable::none_has(&tables, column))
             }
-            _ => Err(settings.wrong(format!(
-                "{key}: several files have a column `{column}`; add `file`, which counts from 1"
-            ))),
+            _ => Err(settings
+                .wrong(format!("{key}: several files have a column `{column}`; add `file`, which counts from 1"))),
         }
     }
 
@@ -615,22 +509,13 @@ impl Recorded<'_> {
     /// When there are none, or a column or a unit does not fit.
     pub fn drives(&self) -> Result<Vec<Drive>, FileError> {
         let settings = self.settings;
-        let speed = settings
-            .speed
-            .iter()
-            .filter_map(|speed| Some(("speed", speed.variable.clone()?, speed)));
-        let inputs = settings
-            .inputs
-            .iter()
-            .map(|(variable, input)| ("inputs", variable.clone(), input));
+        let speed = settings.speed.iter().filter_map(|speed| Some(("speed", speed.variable.clone()?, speed)));
+        let inputs = settings.inputs.iter().map(|(variable, input)| ("inputs", variable.clone(), input));
         let mut drives = Vec::new();
         for (key, variable, input) in speed.chain(inputs) {
             let key = format!("{key}: {variable}");
             let (unit, values) = match (input.value, &input.column) {
-                (Some(value), None) => (
-                    input.unit.clone().unwrap_or_default(),
-                    Driven::Constant(value),
-                ),
+                (Some(value), None) => (input.unit.clone().unwrap_or_default(), Driven::Constant(value)),
                 _ => {
                     let channel = self.channel(&key, input, &variable, None)?;
                     (channel.unit.clone(), Driven::Recorded(channel))
@@ -669,12 +554,12 @@ impl Recorded<'_> {
             (None, None) => None,
             (Some(load), Some(torque)) => Some(self.bearing(load, torque)?),
             _ => {
-                return Err(settings
-                    .wrong("load and torque go together; a single one is one of the `signals`"));
+                return Err(settings.wrong("load and torque go together; a single one is one of the `signals`"));
             }
         };
         if bearing.is_none() && others.is_empty() {
-            return Err(settings.wrong("no signal is named; add signals.NAME = { column = ..., variable = ..., accuracy = ... }"));
+            return Err(settings
+                .wrong("no signal is named; add signals.NAME = { column = ..., variable = ..., accuracy = ... }"));
         }
         let start = self.start()?;
         let recording = RigRecording {
@@ -732,8 +617,7 @@ impl Recorded<'_> {
             variable: power.variable.clone(),
             group: power.group.clone(),
         });
-        let diameter =
-            settings.needed(settings.diameter.as_ref(), "load and torque", "diameter")?;
+        let diameter = settings.needed(settings.diameter.as_ref(), "load and torque", "diameter")?;
         Ok(Bearing {
             torque: self.channel("torque", torque, "M", Some("N.m"))?,
             load,
@@ -751,12 +635,7 @@ impl Recorded<'_> {
 
 /// The way from one unit to another one.
 fn conversion(unit: &str, to: &str) -> Result<Conversion, String> {
-    known::between(unit, to).ok_or_else(|| {
-        format!(
-            "unit `{unit}` does not fit; use {}",
-            known::alike(to).join(", ")
-        )
-    })
+    known::between(unit, to).ok_or_else(|| format!("unit `{unit}` does not fit; use {}", known::alike(to).join(", ")))
 }
 
 /// The limit of a zero error; none where the accuracy is a part of the value.
@@ -775,9 +654,8 @@ fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, St
         Some("%") => Ok(Accuracy::Relative(quantity.number / 100.0)),
         // Where the model has no unit, the recording's is not converted.
         Some(given) if given != unit && unit != "1" => {
-            let way = known::between(given, unit).ok_or_else(|| {
-                format!("the accuracy `{quantity}` must be in {unit} or %, not in {given}")
-            })?;
+            let way = known::between(given, unit)
+                .ok_or_else(|| format!("the accuracy `{quantity}` must be in {unit} or %, not in {given}"))?;
             Ok(Accuracy::Absolute(way.difference(quantity.number) * factor))
         }
         _ => Ok(Accuracy::Absolute(quantity.number * factor)),

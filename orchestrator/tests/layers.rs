@@ -76,10 +76,7 @@ fn no_arrow_goes_back_up() {
     }
     let known: BTreeSet<String> = tree.files().map(arrows::module).collect();
     for module in FLOORS.concat() {
-        assert!(
-            known.contains(module),
-            "FLOORS names `{module}`, which is gone"
-        );
+        assert!(known.contains(module), "FLOORS names `{module}`, which is gone");
     }
 }
 
@@ -109,10 +106,7 @@ fn an_arrow_up_and_a_circle_are_found() {
         std::fs::write(path, text).unwrap();
     };
     write("lib.rs", "pub mod high;\npub mod low;\n");
-    write(
-        "low.rs",
-        "pub struct Low;\nfn f() { crate::high::part::g(); }",
-    );
+    write("low.rs", "pub struct Low;\nfn f() { crate::high::part::g(); }");
     write("high/mod.rs", "pub mod part;\npub use part::Part;\n");
     write(
         "high/part.rs",
@@ -127,10 +121,7 @@ fn an_arrow_up_and_a_circle_are_found() {
     // Names that a module hands on belong to the file that defines them.
     write("low.rs", "use crate::high::Part;\npub struct Low;");
     let tree = Tree::read(folder.path());
-    assert!(
-        tree.arrows()
-            .any(|arrow| arrow == ("low.rs", "high/part.rs", "Part"))
-    );
+    assert!(tree.arrows().any(|arrow| arrow == ("low.rs", "high/part.rs", "Part")));
     // A name that is handed on is used, and so is one within a macro, and one that only tests do without.
     for text in [
         "pub(crate) use crate::high::part::Part;",

@@ -25,32 +25,17 @@ fn main() -> Result<(), SearchError> {
     let case = |(time, level): (&f64, &f64)| Case {
         label: format!("{time} s"),
         latents: Vec::new(),
-        measured: vec![Measured {
-            value: *level,
-            accuracy: 0.1,
-        }],
+        measured: vec![Measured { value: *level, accuracy: 0.1 }],
     };
     let problem = Problem {
-        free: vec![
-            free("final level", 1.0, 100.0),
-            free("time constant", 0.1, 100.0),
-        ],
-        quantities: vec![Quantity {
-            name: "level".into(),
-            unit: None,
-        }],
+        free: vec![free("final level", 1.0, 100.0), free("time constant", 0.1, 100.0)],
+        quantities: vec![Quantity { name: "level".into(), unit: None }],
         cases: TIMES.iter().zip(&LEVELS).map(case).collect(),
         ..Problem::default()
     };
     let objective = Objective::new(&problem, &growth, 1e-4);
-    let starts: Vec<Vec<f64>> = (1..16)
-        .map(|k| vec![f64::from(k) / 16.0, (f64::from(k) * 0.618).fract()])
-        .collect();
-    let effort = Effort {
-        descents: 4,
-        iterations: 60,
-        deadline: None,
-    };
+    let starts: Vec<Vec<f64>> = (1..16).map(|k| vec![f64::from(k) / 16.0, (f64::from(k) * 0.618).fract()]).collect();
+    let effort = Effort { descents: 4, iterations: 60, deadline: None };
     let (optima, progress) = search(&objective, &starts, &effort, &|_| ())?;
     let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
     println!("{}", text::summary(&outcome));

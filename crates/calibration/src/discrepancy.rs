@@ -27,10 +27,7 @@ impl Unknown {
         let cases = problem.cases.iter();
         let squares = cases.map(|case| case.measured[quantity].accuracy.powi(2));
         let mean = squares.sum::<f64>() / problem.cases.len().max(1) as f64;
-        Self {
-            quantity,
-            scale: mean.sqrt(),
-        }
+        Self { quantity, scale: mean.sqrt() }
     }
 
     /// The standard deviation at a place: the prior probability, from 0 to 1, of a smaller one.
@@ -76,12 +73,7 @@ impl Discrepancy {
     /// The most probable discrepancy of a quantity, given the predictions of a fit with so many unknowns; those of other
     /// quantities are known in the problem. A fit follows its data, so the squares of its misfits are too small; they count
     /// as so many degrees of freedom as they have.
-    pub fn estimate(
-        unknown: &Unknown,
-        problem: &Problem,
-        predicted: &[Vec<f64>],
-        fitted: usize,
-    ) -> Self {
+    pub fn estimate(unknown: &Unknown, problem: &Problem, predicted: &[Vec<f64>], fitted: usize) -> Self {
         let values = problem.values();
         let factor = match values.checked_sub(fitted) {
             Some(left) if left > 0 => values as f64 / left as f64,
@@ -97,9 +89,8 @@ impl Discrepancy {
         // The most probable variance is no larger than the largest square. Steps are even below the accuracy and grow in
         // proportion above it, so that a model that misses by thousands of accuracies is found, too.
         let pairs = problem.cases.iter().zip(predicted);
-        let misfits = pairs.map(|(case, predicted)| {
-            (predicted[unknown.quantity] - case.measured[unknown.quantity].value).abs()
-        });
+        let misfits =
+            pairs.map(|(case, predicted)| (predicted[unknown.quantity] - case.measured[unknown.quantity].value).abs());
         let largest = misfits.fold(0.0, f64::max) * factor.sqrt();
         let reach = (largest / unknown.scale).asinh();
         let steps = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
@@ -148,10 +139,7 @@ mod tests {
 
     #[test]
     fn a_place_and_its_deviation_belong_together() {
-        let unknown = Unknown {
-            quantity: 0,
-            scale: 0.2,
-        };
+        let unknown = Unknown { quantity: 0, scale: 0.2 };
         assert_eq!(unknown.deviation(0.0), 0.0);
         assert!((unknown.deviation(0.5) - 0.2).abs() < 1e-12);
         assert!((unknown.place(unknown.deviation(0.83)) - 0.83).abs() < 1e-12);
@@ -166,10 +154,7 @@ mod tests {
         assert!((unknown.scale - 0.3).abs() < 1e-12);
         let mean = misfits.iter().map(|m| m * m).sum::<f64>() / 8.0;
         let discrepancy = Discrepancy::estimate(&unknown, &problem, &predicted, 0);
-        assert!(
-            (discrepancy.deviation - (mean - 0.09).sqrt()).abs() < 2e-3,
-            "{discrepancy:?}"
-        );
+        assert!((discrepancy.deviation - (mean - 0.09).sqrt()).abs() < 2e-3, "{discrepancy:?}");
         assert!(discrepancy.told);
         // With two fitted unknowns the same misfits count for six values.
         let fitted = Discrepancy::estimate(&unknown, &problem, &predicted, 2);

@@ -37,9 +37,8 @@ impl Errors {
         let accuracy: Vec<Vec<f64>> = cases
             .map(|(case, text)| {
                 let measured = text.measured.iter().enumerate();
-                let of = |(quantity, value): (usize, &super::problem::Measured)| {
-                    value.accuracy.hypot(more(case, quantity))
-                };
+                let of =
+                    |(quantity, value): (usize, &super::problem::Measured)| value.accuracy.hypot(more(case, quantity));
                 measured.map(of).collect()
             })
             .collect();
@@ -61,20 +60,12 @@ impl Errors {
             }
             matrix += columns.tr_mul(&columns);
         }
-        let factor = (sources > 0)
-            .then(|| Cholesky::new(matrix).expect("the identity and squares have a positive sum"));
+        let factor =
+            (sources > 0).then(|| Cholesky::new(matrix).expect("the identity and squares have a positive sum"));
         let singles = accuracy.iter().flatten();
         let singles = singles.map(|accuracy| -accuracy.ln() - 0.5 * std::f64::consts::TAU.ln());
-        let shared = factor
-            .as_ref()
-            .map_or(0.0, |factor| factor.l_dirty().diagonal().map(f64::ln).sum());
-        Self {
-            peak: singles.sum::<f64>() - shared,
-            accuracy,
-            effects,
-            factor,
-            sources,
-        }
+        let shared = factor.as_ref().map_or(0.0, |factor| factor.l_dirty().diagonal().map(f64::ln).sum());
+        Self { peak: singles.sum::<f64>() - shared, accuracy, effects, factor, sources }
     }
 
     /// `M`.
@@ -147,19 +138,14 @@ impl Errors {
     /// `V'x`, for the values of one case.
     pub(crate) fn onto(&self, case: usize, values: &[f64]) -> DVector<f64> {
         let sum = |column: &Vec<(usize, f64)>| -> f64 {
-            column
-                .iter()
-                .map(|(quantity, part)| part * values[*quantity])
-                .sum()
+            column.iter().map(|(quantity, part)| part * values[*quantity]).sum()
         };
         DVector::from_iterator(self.sources, self.effects[case].iter().map(sum))
     }
 
     /// `M^-1 x`.
     pub(crate) fn solved(&self, x: &DVector<f64>) -> DVector<f64> {
-        self.factor
-            .as_ref()
-            .map_or_else(|| x.clone(), |factor| factor.solve(x))
+        self.factor.as_ref().map_or_else(|| x.clone(), |factor| factor.solve(x))
     }
 
     /// `L^-1 X` with `M = L L'`: its squares are those of `X` in the metric of `M^-1`.
@@ -175,10 +161,7 @@ impl Errors {
     pub(crate) fn channels(&self, problem: &Problem, sources: &[f64]) -> Vec<[f64; 2]> {
         let channels = problem.channels.iter().map(|channel| {
             let weights = channel.weights(self.sources);
-            let mean = weights
-                .iter()
-                .zip(sources)
-                .map(|(weight, value)| weight * value);
+            let mean = weights.iter().zip(sources).map(|(weight, value)| weight * value);
             let column = DMatrix::from_column_slice(self.sources, 1, weights.as_slice());
             [mean.sum(), self.halved(column).norm()]
         });

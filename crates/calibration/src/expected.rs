@@ -28,23 +28,14 @@ impl Expected {
         let lost = estimates().map(|noise| count(noise) - independent(noise));
         let freedom = (squares as f64 - lost.sum::<f64>() - unknowns as f64).round();
         let of_noise = estimates().map(|noise| independent(noise).powi(2) / noise.freedom);
-        let more =
-            estimates().map(|noise| 2.0 * independent(noise) / (noise.freedom - 2.0).max(1.0));
-        Self {
-            freedom,
-            of_noise: freedom.powi(2) / of_noise.sum::<f64>(),
-            mean: freedom + more.sum::<f64>(),
-        }
+        let more = estimates().map(|noise| 2.0 * independent(noise) / (noise.freedom - 2.0).max(1.0));
+        Self { freedom, of_noise: freedom.powi(2) / of_noise.sum::<f64>(), mean: freedom + more.sum::<f64>() }
     }
 
     /// The probability that a right model misses by a larger sum; none without degrees of freedom.
     pub fn chance(&self, sum: f64) -> Option<f64> {
         const POSITIVE: &str = "degrees of freedom are positive numbers";
-        let Self {
-            freedom,
-            of_noise,
-            mean,
-        } = *self;
+        let Self { freedom, of_noise, mean } = *self;
         if freedom <= 0.0 {
             return None;
         }
@@ -69,12 +60,7 @@ mod tests {
     /// that share their noise count for fewer.
     #[test]
     fn a_noise_that_is_an_estimate_doubts_a_right_model_as_seldom() {
-        let estimate = |from, freedom, rows| Estimate {
-            quantities: from..from + 100,
-            freedom,
-            correlation: 0.0,
-            rows,
-        };
+        let estimate = |from, freedom, rows| Estimate { quantities: from..from + 100, freedom, correlation: 0.0, rows };
         let mut problem = problem(Vec::new(), vec![measured(&[0.0; 300], 1.0)]);
         // SciPy: `f(100, 60).sf(1.2)`, `chi2(100).sf(120)`.
         let known = Expected::new(&problem, 100, 0);
@@ -92,9 +78,7 @@ mod tests {
             normal.sum()
         };
         let mut sum = || (0..3).map(|_| square(50) / square(60) * 60.0).sum::<f64>();
-        let doubted = (0..2000)
-            .filter(|_| three.chance(sum()).unwrap() < 0.05)
-            .count();
+        let doubted = (0..2000).filter(|_| three.chance(sum()).unwrap() < 0.05).count();
         assert!((70..=135).contains(&doubted), "{doubted}");
         assert_eq!(Expected::new(&problem, 2, 2).chance(1.0), None);
     }

@@ -25,8 +25,7 @@ impl Failures {
         let Some(message) = failure else { return };
         self.failed += 1;
         message.clone_into(&mut self.message);
-        self.reach
-            .resize(problem.free.len(), [f64::INFINITY, f64::NEG_INFINITY]);
+        self.reach.resize(problem.free.len(), [f64::INFINITY, f64::NEG_INFINITY]);
         for ([low, high], place) in self.reach.iter_mut().zip(places) {
             *low = low.min(*place);
             *high = high.max(*place);
@@ -67,18 +66,11 @@ pub struct Range {
 
 impl Excluded {
     /// What a search has excluded; `None` where no run failed. `screened` says of each start whether its runs ended.
-    pub fn new(
-        problem: &Problem,
-        failures: &Failures,
-        screened: impl Iterator<Item = bool> + Clone,
-    ) -> Option<Self> {
+    pub fn new(problem: &Problem, failures: &Failures, screened: impl Iterator<Item = bool> + Clone) -> Option<Self> {
         (failures.failed > 0).then(|| Self {
             asked: failures.asked,
             failed: failures.failed,
-            starts: [
-                screened.clone().count(),
-                screened.filter(|ended| !ended).count(),
-            ],
+            starts: [screened.clone().count(), screened.filter(|ended| !ended).count()],
             within: failures.ranges(problem),
             message: failures.message.clone(),
         })

@@ -29,8 +29,7 @@ impl IdentificationOutcome {
         let orders = curves.iter().filter_map(|curve| {
             let is_its = |e: &&Estimate| e.quantities.contains(&curve.values[0][1]);
             let residuals = curve.values.iter();
-            let residuals =
-                residuals.map(|&[case, quantity]| self.cases[case].residuals[quantity].missed());
+            let residuals = residuals.map(|&[case, quantity]| self.cases[case].residuals[quantity].missed());
             let residuals: Vec<f64> = residuals.collect();
             Order::of(&curve.name, &residuals, estimates.iter().find(is_its))
         });
@@ -125,16 +124,11 @@ mod tests {
     fn fitted(values: Vec<Measured>, model: &dyn Fn(f64, usize) -> f64) -> IdentificationOutcome {
         let count = values.len();
         let problem = problem(vec![free("p", Spacing::Linear, -10.0, 10.0)], vec![values]);
-        let model =
-            |_: usize, p: &[f64], _: &[f64]| Ok((0..count).map(|k| model(p[0], k)).collect());
+        let model = |_: usize, p: &[f64], _: &[f64]| Ok((0..count).map(|k| model(p[0], k)).collect());
         let objective = Objective::new(&problem, &model, 1e-4);
-        let (optima, progress) =
-            search(&objective, &starts(1, 4), &effort(2, 40), &|_| ()).unwrap();
+        let (optima, progress) = search(&objective, &starts(1, 4), &effort(2, 40), &|_| ()).unwrap();
         let mut outcome = IdentificationOutcome::new(&problem, &optima, &progress);
-        let curve = Group {
-            name: "curve".into(),
-            values: (0..count).map(|k| [0, k]).collect(),
-        };
+        let curve = Group { name: "curve".into(), values: (0..count).map(|k| [0, k]).collect() };
         outcome.look_along(&[curve], &problem.estimates);
         outcome
     }
@@ -146,10 +140,7 @@ mod tests {
         assert!((outcome.probability.unwrap() - 0.0085).abs() < 1e-4);
         assert_eq!(outcome.fit(), Fit::Misses);
         let text = text::summary(&outcome);
-        assert!(
-            text.contains("A right model would miss by this much in fewer than 1 of 100 tests"),
-            "{text}"
-        );
+        assert!(text.contains("A right model would miss by this much in fewer than 1 of 100 tests"), "{text}");
         let outcome = fitted(measured(&[0.0, 2.0], 1.0), &|p, _| p);
         assert_eq!(outcome.fit(), Fit::Good);
     }
@@ -159,12 +150,7 @@ mod tests {
         let outcome = fitted(measured(&[1.0], 1.0), &|p, _| p);
         assert_eq!(outcome.fit(), Fit::Untested);
         let text = text::summary(&outcome);
-        assert!(
-            text.contains(
-                "As many unknowns as measured values: a fit was certain and shows nothing."
-            ),
-            "{text}"
-        );
+        assert!(text.contains("As many unknowns as measured values: a fit was certain and shows nothing."), "{text}");
     }
 
     /// A square reaches no negative number.
@@ -173,10 +159,7 @@ mod tests {
         let outcome = fitted(measured(&[-5.0], 1.0), &|p, _| p * p);
         assert_eq!(outcome.fit(), Fit::Misses);
         let text = text::summary(&outcome);
-        assert!(
-            text.starts_with("The model cannot reach the measured values"),
-            "{text}"
-        );
+        assert!(text.starts_with("The model cannot reach the measured values"), "{text}");
     }
 
     /// A wave of height 1 has several crests, all of them far below 49.
@@ -185,15 +168,9 @@ mod tests {
         let outcome = fitted(measured(&[49.0], 1.0), &|p, _| p.sin());
         assert!(outcome.has_several() && !outcome.ambiguous && outcome.fit() == Fit::Misses);
         let section = text::fixed_section("s.toml", 0, &outcome, &[]);
-        assert!(
-            section.contains(": all miss the measured values."),
-            "{section}"
-        );
+        assert!(section.contains(": all miss the measured values."), "{section}");
         let text = text::summary(&outcome);
-        assert!(
-            text.starts_with("The model cannot reach the measured values"),
-            "{text}"
-        );
+        assert!(text.starts_with("The model cannot reach the measured values"), "{text}");
         assert!(text.contains("None of the "), "{text}");
         assert!(!text.contains("fit the measured values"), "{text}");
     }
@@ -211,16 +188,12 @@ mod tests {
             doubted += usize::from(order.probability < DOUBTFUL);
         }
         assert!((3..=20).contains(&doubted), "{doubted}");
-        let wave =
-            |k: usize| (0.2 * k as f64).sin() + 0.7 * random.sample::<f64, _>(StandardNormal);
+        let wave = |k: usize| (0.2 * k as f64).sin() + 0.7 * random.sample::<f64, _>(StandardNormal);
         let values: Vec<f64> = (0..100).map(wave).collect();
         let outcome = fitted(measured(&values, 1.0), &|p, _| p);
         assert!(outcome.probability.unwrap() > 0.05);
         assert_eq!(outcome.fit(), Fit::Misses);
         let text = text::summary(&outcome);
-        assert!(
-            text.contains("The residuals of curve are no noise"),
-            "{text}"
-        );
+        assert!(text.contains("The residuals of curve are no noise"), "{text}");
     }
 }

@@ -68,17 +68,8 @@ pub fn minimise(
     limits: &Limits,
 ) -> Result<Minimum, NoPrediction> {
     let misfit = objective.misfit(&start)?;
-    let mut at = Minimum {
-        places: start,
-        misfit,
-        end: End::Iterations,
-        blocked: false,
-        surrounded: Vec::new(),
-    };
-    let mut damping = Damping {
-        value: 1e-3,
-        growth: 2.0,
-    };
+    let mut at = Minimum { places: start, misfit, end: End::Iterations, blocked: false, surrounded: Vec::new() };
+    let mut damping = Damping { value: 1e-3, growth: 2.0 };
     for _ in 0..limits.iterations {
         if is_over(limits.deadline) {
             at.end = End::Time;
@@ -95,8 +86,7 @@ pub fn minimise(
             break;
         }
     }
-    at.blocked =
-        at.blocked && at.end != End::Time && goes_on(objective, held, differences, &mut at)?;
+    at.blocked = at.blocked && at.end != End::Time && goes_on(objective, held, differences, &mut at)?;
     Ok(at)
 }
 
@@ -239,19 +229,9 @@ mod tests {
         let valley = |_: usize, p: &[f64], _: &[f64]| Ok(vec![10.0 * (p[1] - p[0] * p[0]), p[0]]);
         let objective = Objective::new(&problem, &valley, 1e-6);
         let start = vec![0.2, 0.9];
-        let minimum = minimise(
-            &objective,
-            start,
-            &[],
-            Differences::Central,
-            &limits(200, 1e-12),
-        )
-        .unwrap();
+        let minimum = minimise(&objective, start, &[], Differences::Central, &limits(200, 1e-12)).unwrap();
         let values = problem.free_values(&minimum.places);
-        assert!(
-            (values[0] - 1.0).abs() < 1e-6 && (values[1] - 1.0).abs() < 1e-6,
-            "{values:?}"
-        );
+        assert!((values[0] - 1.0).abs() < 1e-6 && (values[1] - 1.0).abs() < 1e-6, "{values:?}");
     }
 
     #[test]
@@ -261,46 +241,22 @@ mod tests {
         let plane = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + p[1], p[0] - p[1]]);
         let objective = Objective::new(&problem, &plane, 1e-4);
         let start = vec![0.3, 0.3];
-        let minimum = minimise(
-            &objective,
-            start,
-            &[],
-            Differences::Forward,
-            &limits(200, 1e-12),
-        )
-        .unwrap();
+        let minimum = minimise(&objective, start, &[], Differences::Forward, &limits(200, 1e-12)).unwrap();
         let values = problem.free_values(&minimum.places);
         // With x = 1: (y - 2)^2 + (1 - y)^2 is least at y = 1.5.
-        assert!(
-            (values[0] - 1.0).abs() < 1e-12 && (values[1] - 1.5).abs() < 1e-6,
-            "{values:?}"
-        );
+        assert!((values[0] - 1.0).abs() < 1e-12 && (values[1] - 1.5).abs() < 1e-6, "{values:?}");
     }
 
     #[test]
     fn keeps_away_from_where_the_simulation_fails() {
         let problem = one_case(&[(0.0, 10.0)], &[(2.0, 1.0)]);
         let fragile = |_: usize, p: &[f64], _: &[f64]| {
-            if p[0] < 1.0 {
-                Err("too thin".to_owned())
-            } else {
-                Ok(vec![p[0].ln() * 3.0])
-            }
+            if p[0] < 1.0 { Err("too thin".to_owned()) } else { Ok(vec![p[0].ln() * 3.0]) }
         };
         let objective = Objective::new(&problem, &fragile, 1e-5);
-        let minimum = minimise(
-            &objective,
-            vec![0.95],
-            &[],
-            Differences::Central,
-            &limits(200, 1e-12),
-        )
-        .unwrap();
+        let minimum = minimise(&objective, vec![0.95], &[], Differences::Central, &limits(200, 1e-12)).unwrap();
         let values = problem.free_values(&minimum.places);
-        assert!(
-            (values[0] - (2.0_f64 / 3.0).exp()).abs() < 1e-5,
-            "{values:?}"
-        );
+        assert!((values[0] - (2.0_f64 / 3.0).exp()).abs() < 1e-5, "{values:?}");
         assert!(!minimum.blocked);
     }
 
@@ -312,19 +268,9 @@ mod tests {
             false => Ok(vec![p[0]]),
         };
         let objective = Objective::new(&problem, &fragile, 1e-5);
-        let minimum = minimise(
-            &objective,
-            vec![0.9],
-            &[],
-            Differences::Central,
-            &limits(200, 1e-12),
-        )
-        .unwrap();
+        let minimum = minimise(&objective, vec![0.9], &[], Differences::Central, &limits(200, 1e-12)).unwrap();
         let values = problem.free_values(&minimum.places);
-        assert!(
-            minimum.blocked && values[0] >= 3.0 && values[0] < 3.1,
-            "{values:?}"
-        );
+        assert!(minimum.blocked && values[0] >= 3.0 && values[0] < 3.1, "{values:?}");
         let failures = objective.failures();
         assert!(failures.failed > 0 && failures.failed < failures.asked);
     }

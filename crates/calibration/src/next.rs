@@ -21,7 +21,8 @@ const CALIBRATED: f64 = 0.1;
 const WORTH: f64 = 0.98;
 
 /// Where no measurement is worth a line.
-pub const NOTHING: &str = "Repeating or calibrating what was measured gains less than 2 %: measure another quantity or operating point.";
+pub const NOTHING: &str =
+    "Repeating or calibrating what was measured gains less than 2 %: measure another quantity or operating point.";
 
 /// Lines for people.
 const SHOWN: usize = 5;
@@ -72,11 +73,8 @@ impl NextOutcome {
     ) -> Self {
         let posterior = &optimum.posterior;
         let sampled = sample.map(|sample| covariance(sample, problem.unknowns()));
-        let sampled = sampled.and_then(|covariance| {
-            Some((Cholesky::new(covariance.clone())?.inverse(), covariance))
-        });
-        let (precision, now) =
-            sampled.unwrap_or_else(|| (posterior.precision.clone(), posterior.covariance.clone()));
+        let sampled = sampled.and_then(|covariance| Some((Cholesky::new(covariance.clone())?.inverse(), covariance)));
+        let (precision, now) = sampled.unwrap_or_else(|| (posterior.precision.clone(), posterior.covariance.clone()));
         let deviation = |unknown: usize| now[(unknown, unknown)].sqrt();
         let errors = Errors::new(problem);
         let [slopes, along] = &posterior.slopes;
@@ -84,24 +82,15 @@ impl NextOutcome {
         // With the shared errors as unknowns, too. What they take from the curvature comes back.
         let halved = errors.halved(along.clone());
         let mut full = DMatrix::zeros(n + sources, n + sources);
-        full.view_mut((0, 0), (n, n))
-            .copy_from(&(&precision + halved.tr_mul(&halved)));
+        full.view_mut((0, 0), (n, n)).copy_from(&(&precision + halved.tr_mul(&halved)));
         full.view_mut((n, 0), (sources, n)).copy_from(along);
-        full.view_mut((0, n), (n, sources))
-            .copy_from(&along.transpose());
-        full.view_mut((n, n), (sources, sources))
-            .copy_from(&errors.matrix());
+        full.view_mut((0, n), (n, sources)).copy_from(&along.transpose());
+        full.view_mut((n, n), (sources, sources)).copy_from(&errors.matrix());
         let free = &problem.free[parameter];
         let measurement = |work: String, more: DMatrix<f64>| {
             let covariance = Cholesky::new(&full + more)?.inverse();
-            let left = (0..problem.free.len())
-                .map(|k| covariance[(k, k)].sqrt() / deviation(k))
-                .collect::<Vec<f64>>();
-            Some(Measurement {
-                work,
-                deviation: free.spread(deviation(parameter) * left[parameter]),
-                left,
-            })
+            let left = (0..problem.free.len()).map(|k| covariance[(k, k)].sqrt() / deviation(k)).collect::<Vec<f64>>();
+            Some(Measurement { work, deviation: free.spread(deviation(parameter) * left[parameter]), left })
         };
         let again = groups.iter().filter_map(|group| {
             let mut rows = DMatrix::zeros(group.values.len(), n + sources);
@@ -119,11 +108,8 @@ impl NextOutcome {
                 more[(n + source, n + source)] = CALIBRATED.powi(-2) - 1.0;
             }
             let limit = rounded(100.0 * CALIBRATED, 2);
-            let work = format!(
-                "calibrate {}: {} to {limit} % of its stated limits",
-                channel.name,
-                channel.kind.words()
-            );
+            let work =
+                format!("calibrate {}: {} to {limit} % of its stated limits", channel.name, channel.kind.words());
             measurement(work, more)
         });
         let mut measurements: Vec<Measurement> = again.chain(calibrated).collect();
@@ -162,16 +148,10 @@ impl NextOutcome {
 fn covariance(sample: &Sample, unknowns: usize) -> DMatrix<f64> {
     let count = sample.particles.len() as f64;
     let column = |unknown: usize| {
-        let places = sample
-            .particles
-            .iter()
-            .map(|particle| particle.places[unknown]);
+        let places = sample.particles.iter().map(|particle| particle.places[unknown]);
         let places: Vec<f64> = places.collect();
         let mean = places.iter().sum::<f64>() / count;
-        places
-            .into_iter()
-            .map(|place| place - mean)
-            .collect::<Vec<f64>>()
+        places.into_iter().map(|place| place - mean).collect::<Vec<f64>>()
     };
     let columns: Vec<Vec<f64>> = (0..unknowns).map(column).collect();
     DMatrix::from_fn(unknowns, unknowns, |a, b| {
@@ -183,16 +163,10 @@ fn covariance(sample: &Sample, unknowns: usize) -> DMatrix<f64> {
 /// The lines for people.
 pub fn summary(next: &NextOutcome) -> String {
     let now = next.words(next.deviation);
-    let mut text = format!(
-        "\nto measure next for {}, which is known to {now} (one standard deviation):\n",
-        next.parameter
-    );
+    let mut text =
+        format!("\nto measure next for {}, which is known to {now} (one standard deviation):\n", next.parameter);
     for measurement in next.worthwhile() {
-        text += &format!(
-            "  {:>12}  {}\n",
-            next.words(measurement.deviation),
-            measurement.work
-        );
+        text += &format!("  {:>12}  {}\n", next.words(measurement.deviation), measurement.work);
     }
     if next.worthwhile().next().is_none() {
         text += &format!("  {NOTHING}\n");
@@ -218,16 +192,8 @@ mod tests {
         let offset = [0.5, 0.5, 0.5, 0.0];
         let values: Vec<(f64, f64)> = accuracies.iter().map(|&a| (1.0, a)).collect();
         let mut problem = one_case(&[(-20.0, 20.0), (-20.0, 20.0)], &values);
-        let effect = |quantity| Effect {
-            part: None,
-            case: 0,
-            quantity,
-            change: 0.5,
-        };
-        problem.sources.push(Source {
-            effects: (0..3).map(effect).collect(),
-            rectangular: false,
-        });
+        let effect = |quantity| Effect { part: None, case: 0, quantity, change: 0.5 };
+        problem.sources.push(Source { effects: (0..3).map(effect).collect(), rectangular: false });
         problem.channels.push(Channel {
             name: "y".into(),
             kind: SharedKind::Offset,
@@ -235,22 +201,11 @@ mod tests {
             limit: 1.0,
             sources: vec![(0, 0.5)],
         });
-        let model = move |_: usize, p: &[f64], _: &[f64]| {
-            Ok(design
-                .iter()
-                .map(|row| row[0] * p[0] + row[1] * p[1])
-                .collect())
-        };
+        let model =
+            move |_: usize, p: &[f64], _: &[f64]| Ok(design.iter().map(|row| row[0] * p[0] + row[1] * p[1]).collect());
         let objective = Objective::new(&problem, &model, 1e-3);
         let start = vec![0.5, 0.5];
-        let minimum = minimise(
-            &objective,
-            start,
-            &[],
-            Differences::Central,
-            &limits(50, 1e-12),
-        )
-        .unwrap();
+        let minimum = minimise(&objective, start, &[], Differences::Central, &limits(50, 1e-12)).unwrap();
         let mut optimum = Optimum::new(&objective, minimum, 1).unwrap();
         optimum.weight = 1.0;
         let group = |name: &str, values: &[usize]| Group {
@@ -294,27 +249,12 @@ mod tests {
         let problem = one_case(&[(0.0, 2.0)], &[(0.0, 0.01)]);
         let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0].powi(3) / 3.0]);
         let objective = Objective::new(&problem, &model, 1e-3);
-        let minimum = minimise(
-            &objective,
-            vec![0.5],
-            &[],
-            Differences::Central,
-            &limits(200, 1e-12),
-        )
-        .unwrap();
+        let minimum = minimise(&objective, vec![0.5], &[], Differences::Central, &limits(200, 1e-12)).unwrap();
         let optimum = Optimum::new(&objective, minimum, 1).unwrap();
         let settings = super::super::testing::settings(2000, 3);
-        let sample = super::super::sample::sample(
-            &objective,
-            std::slice::from_ref(&optimum),
-            &settings,
-            &|_, _| (),
-        )
-        .unwrap();
-        let groups = [Group {
-            name: "y".into(),
-            values: vec![[0, 0]],
-        }];
+        let sample =
+            super::super::sample::sample(&objective, std::slice::from_ref(&optimum), &settings, &|_, _| ()).unwrap();
+        let groups = [Group { name: "y".into(), values: vec![[0, 0]] }];
         let of = |sample| NextOutcome::new(&problem, (&optimum, sample), &groups, 0).deviation;
         // By quadrature of exp(-(p^3 / 0.03)^2 / 2).
         let expected = 0.10275;

@@ -80,10 +80,7 @@ impl NumericalError {
         });
         let most = (0..rows).max_by(|&a, &b| change[a].abs().total_cmp(&change[b].abs()));
         let value = most.map(|row| {
-            let (case, k) = (
-                row / problem.quantities.len(),
-                row % problem.quantities.len(),
-            );
+            let (case, k) = (row / problem.quantities.len(), row % problem.quantities.len());
             let several = problem.cases.len() > 1;
             Changed {
                 quantity: problem.quantities[k].name.clone(),
@@ -94,11 +91,7 @@ impl NumericalError {
                 part: change[row].abs(),
             }
         });
-        Self {
-            steps,
-            free: free.collect(),
-            value,
-        }
+        Self { steps, free: free.collect(), value }
     }
 
     /// What to do about steps that are too coarse.
@@ -112,16 +105,10 @@ impl NumericalError {
         let told = match (&moved[..], changed) {
             ([], None) => return None,
             ([], Some(changed)) => format!("half of it changes {}", changed.words()),
-            (moved, _) => format!(
-                "with finer ones {}, which the intervals leave out",
-                moved.join(", ")
-            ),
+            (moved, _) => format!("with finer ones {}, which the intervals leave out", moved.join(", ")),
         };
         let steps: Vec<String> = self.steps.iter().map(f64::to_string).collect();
-        Some(format!(
-            "the communication step of {} s is too coarse: {told}",
-            steps.join(" and ")
-        ))
+        Some(format!("the communication step of {} s is too coarse: {told}", steps.join(" and ")))
     }
 }
 
@@ -131,11 +118,7 @@ impl Moved {
         let side = if self.higher < 0.0 { "lower" } else { "higher" };
         let unit = shown(&self.unit);
         let number = format!("{by} {unit}");
-        format!(
-            "{} would be about {} {side} (interval +-{half})",
-            self.name,
-            number.trim_end()
-        )
+        format!("{} would be about {} {side} (interval +-{half})", self.name, number.trim_end())
     }
 }
 
@@ -144,11 +127,7 @@ impl Changed {
         let [from, to] = [self.predicted, self.finer].map(|v| rounded(v, 4));
         let case = self.case.as_ref();
         let case = case.map_or_else(String::new, |case| format!(" of case {case}"));
-        let text = format!(
-            "{}{case} from {from} to {to} {}",
-            self.quantity,
-            shown(&self.unit)
-        );
+        let text = format!("{}{case} from {from} to {to} {}", self.quantity, shown(&self.unit));
         text.trim_end().to_owned()
     }
 }
@@ -164,13 +143,9 @@ mod tests {
     /// The model with the error `e` is `p + e` and `2 p - e`: by hand the optimum of the exact one, `(y1 + 2 y2) / 5`, is higher
     /// by `-e / 5`, and a deviation is the accuracy over the root of 5.
     fn error(of: f64, accuracy: f64) -> NumericalError {
-        let problem = problem(
-            vec![free("p", Spacing::Linear, -10.0, 10.0)],
-            vec![measured(&[1.0, 2.0], accuracy)],
-        );
+        let problem = problem(vec![free("p", Spacing::Linear, -10.0, 10.0)], vec![measured(&[1.0, 2.0], accuracy)]);
         let coarse = move |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + of, 2.0 * p[0] - of]);
-        let half =
-            move |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + 0.5 * of, 2.0 * p[0] - 0.5 * of]);
+        let half = move |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + 0.5 * of, 2.0 * p[0] - 0.5 * of]);
         let objective = Objective::new(&problem, &coarse, 1e-4);
         let (optima, _) = search(&objective, &starts(1, 4), &effort(2, 40), &|_| ()).unwrap();
         let places = &optima[0].minimum.places;
@@ -181,9 +156,7 @@ mod tests {
     #[test]
     fn a_parameter_moves_as_far_as_the_exact_fit_is_away() {
         let found = error(0.5, 0.1);
-        let [moved] = &found.free[..] else {
-            panic!("{found:?}")
-        };
+        let [moved] = &found.free[..] else { panic!("{found:?}") };
         assert!((moved.higher + 0.1).abs() < 1e-4, "{moved:?}");
         let half = 1.96 * 0.1 / 5.0_f64.sqrt();
         assert!((moved.half_interval - half).abs() < 1e-3, "{moved:?}");

@@ -106,13 +106,7 @@ struct Displaced {
 impl<'a> Objective<'a> {
     /// The objective of a problem.
     pub fn new(problem: &'a Problem, simulate: &'a dyn Simulate, difference: f64) -> Self {
-        Self {
-            errors: Errors::new(problem),
-            problem,
-            simulate,
-            difference,
-            failures: RefCell::default(),
-        }
+        Self { errors: Errors::new(problem), problem, simulate, difference, failures: RefCell::default() }
     }
 
     /// The places that were asked for so far, and those at which a run failed.
@@ -121,21 +115,13 @@ impl<'a> Objective<'a> {
     }
 
     fn query(&self, case: usize, places: &[f64]) -> Query {
-        Query {
-            case,
-            free: self.problem.free_values(places),
-            latents: self.problem.latent_values(case, places),
-        }
+        Query { case, free: self.problem.free_values(places), latents: self.problem.latent_values(case, places) }
     }
 
     /// The predictions; one that is not finite is none.
     fn predict(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
         let predictions = self.simulate.simulate(queries)?;
-        assert_eq!(
-            predictions.len(),
-            queries.len(),
-            "each query has its prediction"
-        );
+        assert_eq!(predictions.len(), queries.len(), "each query has its prediction");
         Ok(predictions.into_iter().map(finite).collect())
     }
 
@@ -153,10 +139,7 @@ impl<'a> Objective<'a> {
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub fn misfits<P: AsRef<[f64]>>(
-        &self,
-        sets: &[P],
-    ) -> Result<Vec<Result<Misfit, String>>, NoPrediction> {
+    pub fn misfits<P: AsRef<[f64]>>(&self, sets: &[P]) -> Result<Vec<Result<Misfit, String>>, NoPrediction> {
         let cases = self.problem.cases.len();
         let queries = sets.iter().flat_map(|places| {
             let places = places.as_ref();
@@ -183,10 +166,7 @@ impl<'a> Objective<'a> {
         let data = self.errors.residuals(self.problem, &predicted);
         let data = data.iter().copied();
         let residuals: Vec<f64> = data.chain(self.prior_residuals(places)).collect();
-        Misfit {
-            predicted,
-            residuals: DVector::from_vec(residuals),
-        }
+        Misfit { predicted, residuals: DVector::from_vec(residuals) }
     }
 
     fn prior_residuals(&self, places: &[f64]) -> impl Iterator<Item = f64> {
@@ -201,12 +181,7 @@ impl<'a> Objective<'a> {
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub fn linear(
-        &self,
-        places: &[f64],
-        misfit: &Misfit,
-        differences: Differences,
-    ) -> Result<Linear, NoPrediction> {
+    pub fn linear(&self, places: &[f64], misfit: &Misfit, differences: Differences) -> Result<Linear, NoPrediction> {
         let n = self.problem.unknowns();
         let jobs = self.displacements(places);
         let columns = self.derivatives(&jobs, places, misfit, differences)?;
@@ -229,10 +204,7 @@ impl<'a> Objective<'a> {
             let known: Vec<(usize, &DVector<f64>)> = known.collect();
             for &(a, first) in &known {
                 let place = (case * quantities, a);
-                linear
-                    .slopes
-                    .view_mut(place, (quantities, 1))
-                    .copy_from(first);
+                linear.slopes.view_mut(place, (quantities, 1)).copy_from(first);
                 linear.gradient[a] += first.dot(&residuals);
                 let mut along = linear.shared.column_mut(a);
                 along += self.errors.onto(case, first.as_slice());
@@ -323,8 +295,7 @@ impl<'a> Objective<'a> {
             (Err(_), _) => return None,
         };
         let slopes = ahead.iter().zip(behind).enumerate();
-        let slopes =
-            slopes.map(|(k, (a, b))| (a - b) / distance / self.errors.accuracy(job.case, k));
+        let slopes = slopes.map(|(k, (a, b))| (a - b) / distance / self.errors.accuracy(job.case, k));
         Some(DVector::from_iterator(here.len(), slopes))
     }
 }

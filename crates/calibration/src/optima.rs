@@ -99,25 +99,12 @@ impl Local {
 }
 
 impl Optimum {
-    pub(crate) fn new(
-        objective: &Objective<'_>,
-        minimum: Minimum,
-        reached: usize,
-    ) -> Result<Self, NoPrediction> {
+    pub(crate) fn new(objective: &Objective<'_>, minimum: Minimum, reached: usize) -> Result<Self, NoPrediction> {
         let posterior = Posterior::at(objective, &minimum)?;
         let free = 0..objective.problem.free.len();
-        let intervals = free.map(|index| Local {
-            ends: posterior.interval(index),
-            approximation: Approximation::Holds,
-        });
-        Ok(Self {
-            intervals: intervals.collect(),
-            posterior,
-            minimum,
-            reached,
-            weight: 0.0,
-            edge: Edge::default(),
-        })
+        let intervals =
+            free.map(|index| Local { ends: posterior.interval(index), approximation: Approximation::Holds });
+        Ok(Self { intervals: intervals.collect(), posterior, minimum, reached, weight: 0.0, edge: Edge::default() })
     }
 
     /// Runs the model at the ends of the free parameters' intervals, where the other unknowns go with them as the normal
@@ -143,8 +130,7 @@ impl Optimum {
                 end > 0.0 && end < 1.0 && rise > 0.0
             });
             let sets = open.iter();
-            let sets =
-                sets.map(|&(index, side, _)| self.along(index, self.intervals[index].ends[side]));
+            let sets = sets.map(|&(index, side, _)| self.along(index, self.intervals[index].ends[side]));
             let misfits = objective.misfits(&sets.collect::<Vec<_>>())?;
             let mut short = Vec::new();
             for (&(index, side, predicted), misfit) in open.iter().zip(misfits) {
@@ -169,8 +155,7 @@ impl Optimum {
         let covariance = &self.posterior.covariance;
         let step = (end - self.minimum.places[index]) / covariance[(index, index)];
         let places = self.minimum.places.iter().enumerate();
-        let moved =
-            places.map(|(k, place)| (place + step * covariance[(k, index)]).clamp(0.0, 1.0));
+        let moved = places.map(|(k, place)| (place + step * covariance[(k, index)]).clamp(0.0, 1.0));
         moved.collect()
     }
 
@@ -201,11 +186,7 @@ pub struct Optima<'a, 'b> {
 impl<'a, 'b> Optima<'a, 'b> {
     /// None yet.
     pub fn new(objective: &'a Objective<'b>, limits: Limits) -> Self {
-        Self {
-            objective,
-            limits,
-            optima: Vec::new(),
-        }
+        Self { objective, limits, optima: Vec::new() }
     }
 
     /// How many minima could be the right one.
@@ -217,10 +198,7 @@ impl<'a, 'b> Optima<'a, 'b> {
 
     /// The least sum of squares so far; infinite without a minimum.
     pub fn least(&self) -> f64 {
-        let costs = self
-            .optima
-            .iter()
-            .map(|optimum| optimum.minimum.misfit.cost());
+        let costs = self.optima.iter().map(|optimum| optimum.minimum.misfit.cost());
         costs.fold(f64::INFINITY, f64::min)
     }
 
@@ -261,11 +239,7 @@ impl<'a, 'b> Optima<'a, 'b> {
 
     /// The minimum that a place belongs to.
     fn same(&self, end: &Minimum) -> Result<Option<usize>, NoPrediction> {
-        let distance = |optimum: &Optimum| {
-            optimum
-                .posterior
-                .distance(&optimum.minimum.places, &end.places)
-        };
+        let distance = |optimum: &Optimum| optimum.posterior.distance(&optimum.minimum.places, &end.places);
         let mut order: Vec<(usize, f64)> = self.optima.iter().map(distance).enumerate().collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1));
         for (index, distance) in order {
@@ -286,20 +260,14 @@ impl<'a, 'b> Optima<'a, 'b> {
         };
         let line = (1..=BETWEEN).map(|k| at(k as f64 / (BETWEEN + 1) as f64));
         let misfits = self.objective.misfits(&line.collect::<Vec<_>>())?;
-        let low = |misfit: &Result<Misfit, String>| {
-            misfit.as_ref().is_ok_and(|misfit| misfit.cost() <= most)
-        };
+        let low = |misfit: &Result<Misfit, String>| misfit.as_ref().is_ok_and(|misfit| misfit.cost() <= most);
         if misfits.iter().all(low) {
             return Ok(true);
         }
         if bends == 0 {
             return Ok(false);
         }
-        let limits = Limits {
-            iterations: STEPS_DOWN,
-            decrease: 1e-4,
-            ..self.limits
-        };
+        let limits = Limits { iterations: STEPS_DOWN, decrease: 1e-4, ..self.limits };
         let middle = match minimise(self.objective, at(0.5), &[], Differences::Forward, &limits) {
             Ok(middle) => middle,
             Err(NoPrediction::Here(_)) => return Ok(false),
@@ -340,9 +308,7 @@ fn between(a: &[f64], middle: &[f64], b: &[f64]) -> bool {
     };
     let way = distance(a, b);
     let parts = [distance(a, middle), distance(middle, b)];
-    parts
-        .iter()
-        .all(|part| (AT_AN_END * way..way).contains(part))
+    parts.iter().all(|part| (AT_AN_END * way..way).contains(part))
 }
 
 /// The logarithm of the part of a Gaussian posterior that lies between the bounds, one unknown after the other.

@@ -27,9 +27,7 @@ fn an_interval_holds_its_value_where_a_bound_stops_another_unknown() {
     let problem = one_case(&[(0.0, 10.0), (0.0, 10.0)], &[(5.0, 0.1), (-8.0, 1.0)]);
     let sum = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] + p[1], p[1]]);
     let (_, outcome) = solved(&problem, &sum);
-    let [first, second] = &outcome.free[..] else {
-        unreachable!("there are two")
-    };
+    let [first, second] = &outcome.free[..] else { unreachable!("there are two") };
     assert_eq!(second.at_bound, Some("lower"));
     assert!((first.value - 5.0).abs() < 1e-6, "{first:?}");
     // Quantiles of 5 + N(0, 0.1) - X, where X has the density exp(-(x + 8)^2 / 2) above 0.
@@ -64,27 +62,17 @@ fn all_six_solutions_of_a_wave_are_found_with_their_parts() {
         let value = problem.free_values(&optimum.minimum.places)[0];
         assert!((value - x).abs() < 1e-6, "{value} {x}");
         let part = 1.0 / slope(x) / all;
-        assert!(
-            (optimum.weight / part - 1.0).abs() < 0.02,
-            "{} {part}",
-            optimum.weight
-        );
+        assert!((optimum.weight / part - 1.0).abs() < 0.02, "{} {part}", optimum.weight);
         // The reported 95 % interval is that of a straight line through the solution.
         let mut places = outcome.optima.iter();
-        let same =
-            |optimum: &&super::outcome::OptimumOutcome| (optimum.free[0].value - x).abs() < 1e-3;
+        let same = |optimum: &&super::outcome::OptimumOutcome| (optimum.free[0].value - x).abs() < 1e-3;
         let [low, high] = places.find(same).unwrap().free[0].interval;
         let width = 2.0 * 1.959_964 * 0.02 / slope(x);
         assert!(((high - low) / width - 1.0).abs() < 0.02, "{low} {high}");
     }
     assert!((optima.iter().map(|optimum| optimum.weight).sum::<f64>() - 1.0).abs() < 1e-12);
     assert!(outcome.ambiguous);
-    assert!(
-        outcome
-            .optima
-            .windows(2)
-            .all(|two| two[0].weight >= two[1].weight)
-    );
+    assert!(outcome.optima.windows(2).all(|two| two[0].weight >= two[1].weight));
     let text = text::summary(&outcome);
     assert!(text.contains("6 distinct sets of parameters fit"), "{text}");
     assert!(!text.contains("determine every parameter"), "{text}");
@@ -97,11 +85,7 @@ fn root(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
     }
     for _ in 0..60 {
         let middle = 0.5 * (a + b);
-        (a, b) = if f(a) * f(middle) <= 0.0 {
-            (a, middle)
-        } else {
-            (middle, b)
-        };
+        (a, b) = if f(a) * f(middle) <= 0.0 { (a, middle) } else { (middle, b) };
     }
     Some(a)
 }
@@ -122,19 +106,12 @@ fn the_parts_of_two_optima_are_those_of_the_integral() {
     let problem = one_case(&[(-2.0, 2.0), (-1.0, 1.0)], &[(0.0, 1.0), (0.0, 1.0)]);
     let model = |_: usize, p: &[f64], _: &[f64]| {
         let [x, y] = [p[0], p[1]];
-        Ok(if x < 0.0 {
-            vec![(x + 1.0) / 0.1, y / 0.1]
-        } else {
-            vec![(x - 1.0) / 0.2, y / 0.2]
-        })
+        Ok(if x < 0.0 { vec![(x + 1.0) / 0.1, y / 0.1] } else { vec![(x - 1.0) / 0.2, y / 0.2] })
     };
     let (optima, _) = solved(&problem, &model);
     assert_eq!(optima.len(), 2, "{optima:?}");
     let weights = [optima[0].weight, optima[1].weight];
-    assert!(
-        (weights[0] - 0.2).abs() < 0.01 && (weights[1] - 0.8).abs() < 0.01,
-        "{weights:?}"
-    );
+    assert!((weights[0] - 0.2).abs() < 0.01 && (weights[1] - 0.8).abs() < 0.01, "{weights:?}");
 }
 
 #[test]
@@ -148,9 +125,7 @@ fn a_minimum_that_is_too_improbable_is_no_solution() {
     assert!(text::summary(&outcome).contains("The intervals are normal approximations"));
     // Without it both are.
     let both = one_case(&[(-2.0, 2.0)], &[(1.0, 0.01)]);
-    let (optima, _) = solved(&both, &|_: usize, p: &[f64], _: &[f64]| {
-        Ok(vec![p[0] * p[0] - 0.02 * p[0]])
-    });
+    let (optima, _) = solved(&both, &|_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[0] - 0.02 * p[0]]));
     assert_eq!(optima.len(), 2);
 }
 
@@ -166,27 +141,14 @@ fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
     // The starts of which a run ends have failing runs at this distance of a derivative.
     let objective = Objective::new(&problem, &stripes, 5e-4);
     let (optima, progress) = search(&objective, &starts, &effort(8, 60), &|_| ()).unwrap();
-    assert!(
-        optima
-            .iter()
-            .all(|optimum| optimum.minimum.surrounded == [0] && optimum.edge.blocked)
-    );
+    assert!(optima.iter().all(|optimum| optimum.minimum.surrounded == [0] && optimum.edge.blocked));
     let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
-    let [first, second] = &outcome.free[..] else {
-        panic!()
-    };
+    let [first, second] = &outcome.free[..] else { panic!() };
     // The second parameter is found as usual; of the first one the prior is left.
     assert!((second.value - 0.5).abs() < 0.01 && !second.surrounded && second.left < 0.5);
-    assert!(
-        first.surrounded && (first.left - 1.0).abs() < 1e-9,
-        "{first:?}"
-    );
+    assert!(first.surrounded && (first.left - 1.0).abs() < 1e-9, "{first:?}");
     let text = text::summary(&outcome);
-    for words in [
-        "no minimum is known",
-        "the interval is that of the prior",
-        "Runs failed at",
-    ] {
+    for words in ["no minimum is known", "the interval is that of the prior", "Runs failed at"] {
         assert!(text.contains(words), "{text}");
     }
     assert!(!text.contains("determine every parameter"), "{text}");

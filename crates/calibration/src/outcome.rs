@@ -244,9 +244,7 @@ pub struct SearchOutcome {
 impl IdentificationOutcome {
     /// Gathers the results of a search, which has at least one optimum.
     pub fn new(problem: &Problem, optima: &[Optimum], progress: &Progress) -> Self {
-        let Optimum {
-            minimum, posterior, ..
-        } = &optima[0];
+        let Optimum { minimum, posterior, .. } = &optima[0];
         let n = problem.free.len();
         let cost = minimum.misfit.cost();
         let data_cost = minimum.misfit.data_cost(problem);
@@ -262,9 +260,7 @@ impl IdentificationOutcome {
         let outcomes: Vec<_> = optima.iter().map(|each| optimum(problem, each)).collect();
         let OptimumOutcome { free, latents, .. } = &outcomes[0];
         let shifts = problem.shifts(minimum.misfit.sources(problem));
-        let case = |(index, latents): (usize, &Vec<_>)| {
-            case(problem, minimum, (latents, &shifts[index]), index)
-        };
+        let case = |(index, latents): (usize, &Vec<_>)| case(problem, minimum, (latents, &shifts[index]), index);
         let cases: Vec<_> = latents.iter().enumerate().map(case).collect();
         let quantities = problem.quantities.iter().enumerate();
         Self {
@@ -284,16 +280,10 @@ impl IdentificationOutcome {
             free: free.clone(),
             correlations: (0..n).map(correlation).collect(),
             directions: directions.map(|d| direction(problem, d)).collect(),
-            worst: quantities
-                .map(|(k, quantity)| worst(quantity, &cases, k))
-                .collect(),
+            worst: quantities.map(|(k, quantity)| worst(quantity, &cases, k)).collect(),
             cases,
             search: searches(progress),
-            excluded: Excluded::new(
-                problem,
-                &progress.failures,
-                progress.screened.iter().map(Option::is_some),
-            ),
+            excluded: Excluded::new(problem, &progress.failures, progress.screened.iter().map(Option::is_some)),
             discrepancies: Vec::new(),
             numerical_error: None,
             next: None,
@@ -327,12 +317,8 @@ fn optimum(problem: &Problem, optimum: &Optimum) -> OptimumOutcome {
         end: optimum.minimum.end,
         reached: optimum.reached,
         edge: optimum.edge,
-        free: (0..problem.free.len())
-            .map(|index| free(problem, optimum, index))
-            .collect(),
-        latents: (0..problem.cases.len())
-            .map(|case| latents(problem, optimum, case))
-            .collect(),
+        free: (0..problem.free.len()).map(|index| free(problem, optimum, index)).collect(),
+        latents: (0..problem.cases.len()).map(|case| latents(problem, optimum, case)).collect(),
     }
 }
 
@@ -361,10 +347,7 @@ fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
         bounds: [free.min, free.max],
         at_bound: bound(place),
         left: deviation * optimum.posterior.prior[index].sqrt(),
-        of_case: problem
-            .populations
-            .iter()
-            .any(|population| population.members.contains(&index)),
+        of_case: problem.populations.iter().any(|population| population.members.contains(&index)),
         surrounded: optimum.minimum.surrounded.contains(&index),
     }
 }
@@ -372,16 +355,10 @@ fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
 fn direction(problem: &Problem, direction: &Direction) -> DirectionOutcome {
     const SMALL: f64 = 0.1;
     let pairs = problem.free.iter().zip(&direction.weights);
-    let mut weights: Vec<(String, f64)> = pairs
-        .filter(|(_, weight)| weight.abs() >= SMALL)
-        .map(|(free, &weight)| (free.name.clone(), weight))
-        .collect();
+    let mut weights: Vec<(String, f64)> =
+        pairs.filter(|(_, weight)| weight.abs() >= SMALL).map(|(free, &weight)| (free.name.clone(), weight)).collect();
     weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-    DirectionOutcome {
-        left: direction.left,
-        undetermined: direction.left > UNDETERMINED,
-        weights,
-    }
+    DirectionOutcome { left: direction.left, undetermined: direction.left > UNDETERMINED, weights }
 }
 
 fn is_zero(number: &f64) -> bool {
@@ -405,24 +382,18 @@ fn case(
         shared,
         accuracy: measured.accuracy,
     });
-    CaseOutcome {
-        label: case.label.clone(),
-        latents: latents.to_vec(),
-        residuals: residuals.collect(),
-    }
+    CaseOutcome { label: case.label.clone(), latents: latents.to_vec(), residuals: residuals.collect() }
 }
 
 fn latents(problem: &Problem, optimum: &Optimum, index: usize) -> Vec<LatentOutcome> {
     let unknowns = problem.latents_of(index);
     let latents = problem.latents.iter().zip(&problem.cases[index].latents);
-    let latents = latents
-        .zip(unknowns)
-        .map(|((latent, interval), unknown)| LatentOutcome {
-            name: latent.name.clone(),
-            value: interval.value(optimum.minimum.places[unknown]),
-            deviation: optimum.posterior.deviation(unknown) * (interval.max - interval.min),
-            interval: [interval.min, interval.max],
-        });
+    let latents = latents.zip(unknowns).map(|((latent, interval), unknown)| LatentOutcome {
+        name: latent.name.clone(),
+        value: interval.value(optimum.minimum.places[unknown]),
+        deviation: optimum.posterior.deviation(unknown) * (interval.max - interval.min),
+        interval: [interval.min, interval.max],
+    });
     latents.collect()
 }
 

@@ -83,8 +83,7 @@ impl Posterior {
             precision[(index, index)] += bounds;
         }
         let rough = "the curvature at the minimum is not positive: the simulations are too rough";
-        let factor =
-            Cholesky::new(precision.clone()).ok_or_else(|| NoPrediction::Here(rough.to_owned()))?;
+        let factor = Cholesky::new(precision.clone()).ok_or_else(|| NoPrediction::Here(rough.to_owned()))?;
         let covariance = factor.inverse();
         let directions = directions(&covariance, &prior);
         let away = &covariance * &linear.gradient;
@@ -118,8 +117,7 @@ impl Posterior {
         chosen.push(unknown);
         let last = chosen.len() - 1;
         let mut covariance = self.covariance.select_rows(&chosen).select_columns(&chosen);
-        let mut means =
-            DVector::from_iterator(chosen.len(), chosen.iter().map(|&k| self.centre[k]));
+        let mut means = DVector::from_iterator(chosen.len(), chosen.iter().map(|&k| self.centre[k]));
         for (k, &other) in chosen[..last].iter().enumerate() {
             // What follows is linear in this one, of which the bound cuts most away.
             let [mean, variance] = moments(self.cut(other, means[k], covariance[(k, k)]));
@@ -173,17 +171,10 @@ impl Posterior {
 
     /// By how much the sum of squares rises between two sets of places, by the normal approximation.
     pub fn rise(&self, from: &[f64], to: &[f64]) -> f64 {
-        let step =
-            DVector::from_iterator(to.len(), to.iter().zip(from).map(|(to, from)| to - from));
-        let away = from
-            .iter()
-            .zip(&self.centre)
-            .map(|(from, centre)| from - centre);
+        let step = DVector::from_iterator(to.len(), to.iter().zip(from).map(|(to, from)| to - from));
+        let away = from.iter().zip(&self.centre).map(|(from, centre)| from - centre);
         let away = DVector::from_iterator(from.len(), away);
-        let bounds = step
-            .iter()
-            .zip(&self.bounds)
-            .map(|(step, bounds)| bounds * step * step);
+        let bounds = step.iter().zip(&self.bounds).map(|(step, bounds)| bounds * step * step);
         (&self.precision * &step).dot(&(&step + 2.0 * away)) - bounds.sum::<f64>()
     }
 
@@ -201,9 +192,7 @@ impl Posterior {
             end
         };
         let directions = self.directions.iter();
-        directions
-            .flat_map(|direction| [-1.0, 1.0].map(|side| end(direction, side)))
-            .collect()
+        directions.flat_map(|direction| [-1.0, 1.0].map(|side| end(direction, side))).collect()
     }
 
     /// The squared distance of two sets of places, in standard deviations of the posterior.
@@ -286,17 +275,14 @@ fn without_shared(objective: &Objective<'_>, minimum: &Minimum, linear: &Linear)
         ..linear.clone()
     }
     .damped(1e-12);
-    let here = misfit.cost() - misfit.data_cost(problem)
-        + errors.plain(problem, &misfit.predicted).norm_squared();
+    let here = misfit.cost() - misfit.data_cost(problem) + errors.plain(problem, &misfit.predicted).norm_squared();
     let step = bounded_step(&plain, &minimum.places, &minimum.surrounded);
     here - plain.fall(&step)
 }
 
 fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {
     let n = prior.len();
-    let scaled = DMatrix::from_fn(n, n, |i, j| {
-        covariance[(i, j)] * (prior[i] * prior[j]).sqrt()
-    });
+    let scaled = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] * (prior[i] * prior[j]).sqrt());
     let eigen = scaled.symmetric_eigen();
     let direction = |index: usize| {
         let vector = eigen.eigenvectors.column(index);

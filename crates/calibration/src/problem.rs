@@ -101,29 +101,21 @@ impl Free {
     pub fn check(&self) -> Result<(), String> {
         let Self { min, max, .. } = *self;
         if !(min.is_finite() && max.is_finite() && min < max) {
-            return Err(format!(
-                "the bounds {min} and {max} must be two numbers in rising order"
-            ));
+            return Err(format!("the bounds {min} and {max} must be two numbers in rising order"));
         }
         if self.scale == Spacing::Log && min <= 0.0 {
-            return Err(format!(
-                "a logarithmic scale needs a lower bound above 0, not {min}"
-            ));
+            return Err(format!("a logarithmic scale needs a lower bound above 0, not {min}"));
         }
         let Some(Prior { centre, spread }) = self.prior else {
             return Ok(());
         };
         let above = |limit: f64, number: f64| number.is_finite() && number > limit;
         match self.scale {
-            Spacing::Linear if !above(0.0, spread) => {
-                Err(format!("the deviation {spread} must be positive"))
+            Spacing::Linear if !above(0.0, spread) => Err(format!("the deviation {spread} must be positive")),
+            Spacing::Log if !above(1.0, spread) => Err(format!("the factor {spread} must be more than 1")),
+            Spacing::Log if !above(0.0, centre) => {
+                Err(format!("the median {centre} must be positive on a logarithmic scale"))
             }
-            Spacing::Log if !above(1.0, spread) => {
-                Err(format!("the factor {spread} must be more than 1"))
-            }
-            Spacing::Log if !above(0.0, centre) => Err(format!(
-                "the median {centre} must be positive on a logarithmic scale"
-            )),
             _ => Ok(()),
         }
     }
@@ -313,11 +305,7 @@ impl Channel {
 
     /// The standard uncertainty before the measurement.
     pub fn standard(&self) -> f64 {
-        self.sources
-            .iter()
-            .map(|(_, weight)| weight * weight)
-            .sum::<f64>()
-            .sqrt()
+        self.sources.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt()
     }
 }
 
@@ -361,17 +349,11 @@ impl Problem {
     /// A digest of the measured values and their units: the same for the same data, whatever the model.
     pub fn digest(&self) -> String {
         let of = |hash: u64, number: u64| mix(hash.wrapping_mul(3) ^ number);
-        let units = self
-            .quantities
-            .iter()
-            .filter_map(|quantity| quantity.unit.as_deref());
+        let units = self.quantities.iter().filter_map(|quantity| quantity.unit.as_deref());
         let letters = units.flat_map(str::bytes).map(u64::from);
         let values = self.cases.iter().flat_map(|case| &case.measured);
         let values = values.map(|measured| measured.value.to_bits());
-        format!(
-            "{:016x}",
-            letters.chain(values).fold(self.values() as u64, of)
-        )
+        format!("{:016x}", letters.chain(values).fold(self.values() as u64, of))
     }
 
     /// Where a case's latent parameters stand among the unknowns.
@@ -390,9 +372,7 @@ impl Problem {
     pub fn latent_values(&self, case: usize, places: &[f64]) -> Vec<f64> {
         let places = &places[self.latents_of(case)];
         let pairs = self.cases[case].latents.iter().zip(places);
-        pairs
-            .map(|(interval, &place)| interval.value(place))
-            .collect()
+        pairs.map(|(interval, &place)| interval.value(place)).collect()
     }
 
     /// What shared errors of these sizes, in standard uncertainties, add to the measured values, case by case.

@@ -8,9 +8,7 @@ use super::local::Minimum;
 use super::objective::Objective;
 use super::optima::Optimum;
 use super::posterior::{Direction, Posterior, UNDETERMINED};
-use super::problem::{
-    Case, Interval, Measured, NoPrediction, Prediction, Problem, Query, Simulate, Spacing,
-};
+use super::problem::{Case, Interval, Measured, NoPrediction, Prediction, Problem, Query, Simulate, Spacing};
 use super::search::{SearchError, search};
 use super::testing::{effort, free, named, starts};
 
@@ -69,25 +67,14 @@ fn synthetic(seed: u64) -> (Problem, Vec<f64>) {
         let measured = exact
             .iter()
             .zip(ACCURACY)
-            .map(|(value, accuracy)| Measured {
-                value: value + accuracy * noise.normal(),
-                accuracy,
-            });
+            .map(|(value, accuracy)| Measured { value: value + accuracy * noise.normal(), accuracy });
         problem.cases.push(Case {
             label: case.to_string(),
-            latents: vec![Interval {
-                min: printed - 0.1,
-                max: printed + 0.1,
-            }],
+            latents: vec![Interval { min: printed - 0.1, max: printed + 0.1 }],
             measured: measured.collect(),
         });
     }
-    let truth = problem
-        .free
-        .iter()
-        .zip(TRUTH)
-        .map(|(free, value)| free.place(value))
-        .collect();
+    let truth = problem.free.iter().zip(TRUTH).map(|(free, value)| free.place(value)).collect();
     (problem, truth)
 }
 
@@ -102,9 +89,7 @@ fn identify(objective: &Objective<'_>) -> (Minimum, Posterior) {
 /// The directions of which the data tell little.
 fn undetermined(posterior: &Posterior) -> Vec<&Direction> {
     let directions = posterior.directions.iter();
-    directions
-        .filter(|direction| direction.left > UNDETERMINED)
-        .collect()
+    directions.filter(|direction| direction.left > UNDETERMINED).collect()
 }
 
 #[test]
@@ -123,10 +108,7 @@ fn known_parameters_are_recovered_within_the_stated_uncertainty() {
     // value would mean that the stated uncertainty is too large).
     let mean_square = pulls.iter().map(|pull| pull * pull).sum::<f64>() / pulls.len() as f64;
     assert!(pulls.iter().all(|pull| pull.abs() < 3.5), "{pulls:?}");
-    assert!(
-        (0.5..1.7).contains(&mean_square),
-        "{mean_square}: {pulls:?}"
-    );
+    assert!((0.5..1.7).contains(&mean_square), "{mean_square}: {pulls:?}");
 }
 
 #[test]
@@ -134,22 +116,15 @@ fn two_parameters_that_only_act_together_are_reported() {
     let (mut problem, _) = synthetic(5);
     // The film's scale is split into viscosity times area: nothing measured can tell them apart.
     problem.free.push(free("area", Spacing::Log, 0.1, 10.0));
-    let split =
-        |case: usize, p: &[f64], latent: &[f64]| bearing(case, &[p[0] * p[3], p[1], p[2]], latent);
+    let split = |case: usize, p: &[f64], latent: &[f64]| bearing(case, &[p[0] * p[3], p[1], p[2]], latent);
     let objective = Objective::new(&problem, &split, 1e-4);
     let (_, posterior) = identify(&objective);
     let undetermined = undetermined(&posterior);
     assert_eq!(undetermined.len(), 1, "{undetermined:?}");
     let weights = &undetermined[0].weights;
     assert!(undetermined[0].left > 0.95);
-    assert!(
-        weights[0] * weights[3] < 0.0,
-        "one rises as the other falls: {weights:?}"
-    );
-    assert!(
-        weights[1].abs() < 0.2 && weights[2].abs() < 0.2,
-        "{weights:?}"
-    );
+    assert!(weights[0] * weights[3] < 0.0, "one rises as the other falls: {weights:?}");
+    assert!(weights[1].abs() < 0.2 && weights[2].abs() < 0.2, "{weights:?}");
     assert!(posterior.correlation(0, 3) < -0.98);
 }
 
@@ -201,11 +176,7 @@ fn a_search_asks_for_the_same_points_again_and_goes_on_where_it_stopped() {
     let known = RefCell::default();
     let mut stops = 0;
     let resumed = loop {
-        let model = Remembering {
-            known: &known,
-            asked: Cell::new(0),
-            left: Cell::new(150),
-        };
+        let model = Remembering { known: &known, asked: Cell::new(0), left: Cell::new(150) };
         let objective = Objective::new(&problem, &model, 1e-4);
         match search(&objective, &starts, &settings, &|_| ()) {
             Ok((optima, _)) => break optima,
@@ -214,11 +185,7 @@ fn a_search_asks_for_the_same_points_again_and_goes_on_where_it_stopped() {
         }
     };
     assert!(stops > 2, "{stops}");
-    let places = |optima: &[Optimum]| -> Vec<Vec<f64>> {
-        optima
-            .iter()
-            .map(|optimum| optimum.minimum.places.clone())
-            .collect()
-    };
+    let places =
+        |optima: &[Optimum]| -> Vec<Vec<f64>> { optima.iter().map(|optimum| optimum.minimum.places.clone()).collect() };
     assert_eq!(places(&whole), places(&resumed));
 }

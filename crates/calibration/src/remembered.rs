@@ -17,10 +17,7 @@ pub struct Remembered<'a> {
 impl<'a> Remembered<'a> {
     /// Nothing is known yet.
     pub fn new(model: &'a dyn Simulate) -> Self {
-        Self {
-            model,
-            answers: RefCell::default(),
-        }
+        Self { model, answers: RefCell::default() }
     }
 }
 
@@ -28,10 +25,7 @@ impl<'a> Remembered<'a> {
 fn key(query: &Query) -> Vec<u64> {
     let numbers = query.free.iter().chain(&query.latents);
     let case = query.case as u64;
-    [case]
-        .into_iter()
-        .chain(numbers.map(|number| number.to_bits()))
-        .collect()
+    [case].into_iter().chain(numbers.map(|number| number.to_bits())).collect()
 }
 
 impl Simulate for Remembered<'_> {
@@ -71,20 +65,13 @@ mod tests {
             Ok(vec![p[0] + case as f64])
         };
         let model = Remembered::new(&model);
-        let query = |case, x| Query {
-            case,
-            free: vec![x],
-            latents: Vec::new(),
-        };
+        let query = |case, x| Query { case, free: vec![x], latents: Vec::new() };
         let ask = |queries: &[Query]| model.simulate(queries).unwrap();
         let first = ask(&[query(0, 1.0), query(1, 1.0), query(0, 1.0), query(0, 3.0)]);
         assert_eq!(first[..3], [Ok(vec![1.0]), Ok(vec![2.0]), Ok(vec![1.0])]);
         assert!(first[3].is_err());
         assert_eq!(asked.get(), 3);
-        assert_eq!(
-            ask(&[query(1, 1.0), query(0, 3.0)]),
-            first[1..=3].iter().step_by(2).cloned().collect::<Vec<_>>()
-        );
+        assert_eq!(ask(&[query(1, 1.0), query(0, 3.0)]), first[1..=3].iter().step_by(2).cloned().collect::<Vec<_>>());
         assert_eq!(asked.get(), 3);
         assert_eq!(ask(&[query(0, 2.0)]), [Ok(vec![2.0])]);
         assert_eq!(asked.get(), 4);

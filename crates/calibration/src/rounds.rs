@@ -48,12 +48,7 @@ impl Searched {
     pub fn outcome(&self) -> IdentificationOutcome {
         let mut outcome = IdentificationOutcome::new(&self.problem, &self.optima, &self.progress);
         outcome.discrepancies.clone_from(&self.discrepancies);
-        if outcome.end == End::Converged
-            && self
-                .discrepancies
-                .iter()
-                .any(|discrepancy| !discrepancy.settled)
-        {
+        if outcome.end == End::Converged && self.discrepancies.iter().any(|discrepancy| !discrepancy.settled) {
             outcome.end = End::Rounds;
         }
         outcome
@@ -65,11 +60,7 @@ impl Searched {
 ///
 /// # Errors
 /// Those of [`search`].
-pub fn searched(
-    task: &Task<'_>,
-    model: &dyn Simulate,
-    observe: &dyn Fn(&Progress),
-) -> Result<Searched, SearchError> {
+pub fn searched(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(&Progress)) -> Result<Searched, SearchError> {
     let mut without = task.problem.clone();
     if let Some(first) = task.problem.with_parts(None) {
         let objective = Objective::new(&first, model, task.difference);
@@ -92,25 +83,14 @@ pub fn searched(
                 false => of_quantity(task.unknown, &all_known, quantity),
             });
             let mut discrepancy = Discrepancy::estimate(unknown, &others, predicted, fitted);
-            discrepancy.settled =
-                (discrepancy.deviation - known).abs() <= CLOSE * (discrepancy.scale + known);
+            discrepancy.settled = (discrepancy.deviation - known).abs() <= CLOSE * (discrepancy.scale + known);
             discrepancy
         };
-        let discrepancies: Vec<Discrepancy> =
-            task.unknown.iter().zip(&known).map(estimate).collect();
+        let discrepancies: Vec<Discrepancy> = task.unknown.iter().zip(&known).map(estimate).collect();
         if discrepancies.iter().all(|discrepancy| discrepancy.settled) || round == ROUNDS {
-            return Ok(Searched {
-                problem,
-                without,
-                optima,
-                progress,
-                discrepancies,
-            });
+            return Ok(Searched { problem, without, optima, progress, discrepancies });
         }
-        known = discrepancies
-            .iter()
-            .map(|discrepancy| discrepancy.deviation)
-            .collect();
+        known = discrepancies.iter().map(|discrepancy| discrepancy.deviation).collect();
         problem = widened(&without, task.unknown, &known);
         round += 1;
     }

@@ -102,9 +102,7 @@ pub fn search(
         let sets = starts.iter().map(|start| unknowns(objective, start));
         for misfit in objective.misfits(&sets.collect::<Vec<_>>())? {
             let misfit = misfit.map_err(|error| last_error = error);
-            progress
-                .screened
-                .push(misfit.ok().map(|misfit| misfit.cost()));
+            progress.screened.push(misfit.ok().map(|misfit| misfit.cost()));
         }
         observe(&progress);
     }
@@ -115,11 +113,7 @@ pub fn search(
     let Some(&first) = order.first() else {
         return Err(SearchError::NoStart(progress.screened.len(), last_error));
     };
-    let deepest = Limits {
-        iterations: 2 * settings.iterations,
-        decrease: 1e-7,
-        deadline: settings.deadline,
-    };
+    let deepest = Limits { iterations: 2 * settings.iterations, decrease: 1e-7, deadline: settings.deadline };
     let mut optima = Optima::new(objective, deepest);
     let mut queue = order.into_iter();
     // As many descents for each minimum: where there are several, there may be more.
@@ -139,17 +133,8 @@ pub fn search(
     }
     if optima.count() == 0 {
         let start = unknowns(objective, &starts[first]);
-        let none = Limits {
-            iterations: 0,
-            ..deepest
-        };
-        optima.add(&minimise(
-            objective,
-            start,
-            &[],
-            Differences::Forward,
-            &none,
-        )?)?;
+        let none = Limits { iterations: 0, ..deepest };
+        optima.add(&minimise(objective, start, &[], Differences::Forward, &none)?)?;
     }
     let mut ranked = optima.weighed();
     for optimum in &mut ranked {
@@ -177,11 +162,7 @@ fn descend(
     progress: &mut Progress,
     observe: &dyn Fn(&Progress),
 ) -> Result<Vec<Minimum>, SearchError> {
-    let limits = Limits {
-        iterations: settings.iterations,
-        decrease: 1e-4,
-        deadline: settings.deadline,
-    };
+    let limits = Limits { iterations: settings.iterations, decrease: 1e-4, deadline: settings.deadline };
     let mut ends: Vec<Minimum> = Vec::new();
     for &start in batch {
         let from = unknowns(objective, &starts[start]);

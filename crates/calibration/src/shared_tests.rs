@@ -18,21 +18,10 @@ use super::text;
 /// Adds an offset of all values of the given cases, with a channel that tells of it.
 fn with_offset(problem: &mut Problem, name: &str, cases: &[usize], standard: f64) {
     let quantities = problem.quantities.len();
-    let effects = cases.iter().flat_map(|&case| {
-        (0..quantities).map(move |quantity| Effect {
-            part: None,
-            case,
-            quantity,
-            change: standard,
-        })
-    });
-    add(
-        problem,
-        name,
-        SharedKind::Offset,
-        effects.collect(),
-        standard,
-    );
+    let effects = cases
+        .iter()
+        .flat_map(|&case| (0..quantities).map(move |quantity| Effect { part: None, case, quantity, change: standard }));
+    add(problem, name, SharedKind::Offset, effects.collect(), standard);
 }
 
 /// Adds a gain error of all values.
@@ -49,12 +38,7 @@ fn gain(problem: &mut Problem, name: &str, standard: f64, part: Option<f64>) {
     let cases = problem.cases.iter().enumerate();
     let effects = cases.flat_map(|(case, text)| {
         let values = text.measured.iter().enumerate();
-        values.map(move |(quantity, value)| Effect {
-            part,
-            case,
-            quantity,
-            change: standard * value.value,
-        })
+        values.map(move |(quantity, value)| Effect { part, case, quantity, change: standard * value.value })
     });
     let effects = effects.collect();
     add(problem, name, SharedKind::Gain, effects, standard);
@@ -68,10 +52,7 @@ fn add(problem: &mut Problem, name: &str, kind: SharedKind, effects: Vec<Effect>
         limit: 2.0 * standard,
         sources: vec![(problem.sources.len(), standard)],
     });
-    problem.sources.push(Source {
-        effects,
-        rectangular: false,
-    });
+    problem.sources.push(Source { effects, rectangular: false });
 }
 
 /// The covariance of all values, entry by entry.
@@ -79,12 +60,7 @@ fn covariance(problem: &Problem) -> DMatrix<f64> {
     let quantities = problem.quantities.len();
     let n = problem.values();
     let mut all = DMatrix::zeros(n, n);
-    for (k, value) in problem
-        .cases
-        .iter()
-        .flat_map(|case| &case.measured)
-        .enumerate()
-    {
+    for (k, value) in problem.cases.iter().flat_map(|case| &case.measured).enumerate() {
         all[(k, k)] = value.accuracy.powi(2);
     }
     let place = |effect: &Effect| effect.case * quantities + effect.quantity;
@@ -103,32 +79,19 @@ fn log_density(problem: &Problem, predicted: &[Vec<f64>]) -> f64 {
     let covariance = covariance(problem);
     let values = problem.cases.iter().zip(predicted);
     let misfits = values.flat_map(|(case, predicted)| {
-        case.measured
-            .iter()
-            .zip(predicted)
-            .map(|(measured, predicted)| predicted - measured.value)
+        case.measured.iter().zip(predicted).map(|(measured, predicted)| predicted - measured.value)
     });
     let misfits = DVector::from_vec(misfits.collect());
     let factor = covariance.cholesky().unwrap();
     let volume: f64 = factor.l_dirty().diagonal().map(f64::ln).sum();
-    -0.5 * factor.solve(&misfits).dot(&misfits)
-        - volume
-        - 0.5 * misfits.len() as f64 * std::f64::consts::TAU.ln()
+    -0.5 * factor.solve(&misfits).dot(&misfits) - volume - 0.5 * misfits.len() as f64 * std::f64::consts::TAU.ln()
 }
 
 /// Four cases of three values with two offsets that overlap and a gain.
 fn crossed() -> (Problem, Vec<Vec<f64>>) {
     let values = |case: i32| (0..3).map(move |k| 2.0 + (f64::from(case * 3 + k) * 1.7).sin());
-    let cases = (0..4).map(|case| {
-        measured(
-            &values(case).collect::<Vec<_>>(),
-            0.1 + 0.05 * f64::from(case),
-        )
-    });
-    let unknown = vec![
-        free("a", Spacing::Linear, 0.0, 5.0),
-        free("b", Spacing::Linear, -2.0, 2.0),
-    ];
+    let cases = (0..4).map(|case| measured(&values(case).collect::<Vec<_>>(), 0.1 + 0.05 * f64::from(case)));
+    let unknown = vec![free("a", Spacing::Linear, 0.0, 5.0), free("b", Spacing::Linear, -2.0, 2.0)];
     let mut problem = problem(unknown, cases.collect());
     with_offset(&mut problem, "first", &[0, 1, 2], 0.4);
     with_offset(&mut problem, "second", &[2, 3], 3.0);
@@ -161,9 +124,7 @@ fn the_curvature_is_that_of_the_whole_covariance() {
     let objective = Objective::new(&problem, &model, 1e-4);
     let places = [0.3, 0.8];
     let misfit = objective.misfit(&places).unwrap();
-    let linear = objective
-        .linear(&places, &misfit, Differences::Central)
-        .unwrap();
+    let linear = objective.linear(&places, &misfit, Differences::Central).unwrap();
     let [a, b] = [1.5, 1.2];
     let slopes = (0..4).flat_map(|case| {
         let case = f64::from(case);
@@ -181,17 +142,11 @@ fn the_curvature_is_that_of_the_whole_covariance() {
 fn shared_errors_are_unknowns_with_a_prior() {
     let truth: Vec<f64> = (0..20).map(|k| 3.0 + 0.1 * f64::from(k)).collect();
     let noise = |k: usize| 0.02 * (1.7 * k as f64).sin();
-    let values: Vec<f64> = truth
-        .iter()
-        .enumerate()
-        .map(|(k, t)| 0.15 + 1.01 * t + noise(k))
-        .collect();
+    let values: Vec<f64> = truth.iter().enumerate().map(|(k, t)| 0.15 + 1.01 * t + noise(k)).collect();
     let slope = |parts: &[f64]| -> Vec<f64> {
         let [offset, gain] = [parts[1], parts[2]];
         let rows = (0..20).map(|k| 3.0 + parts[0] * f64::from(k));
-        rows.zip(&values)
-            .map(|(row, value)| row + offset + gain * value)
-            .collect()
+        rows.zip(&values).map(|(row, value)| row + offset + gain * value).collect()
     };
     let bounds = || free("slope", Spacing::Linear, 0.0, 0.3);
     let mut shared = problem(vec![bounds()], vec![measured(&values, 0.02)]);
@@ -199,16 +154,10 @@ fn shared_errors_are_unknowns_with_a_prior() {
     with_gain(&mut shared, "M", 0.005);
     let alone = |_: usize, p: &[f64], _: &[f64]| Ok(slope(&[p[0], 0.0, 0.0]));
     let normal = |name: &str, spread: f64| super::problem::Free {
-        prior: Some(Prior {
-            centre: 0.0,
-            spread,
-        }),
+        prior: Some(Prior { centre: 0.0, spread }),
         ..free(name, Spacing::Linear, -2.0, 2.0)
     };
-    let explicit = problem(
-        vec![bounds(), normal("offset", 0.1), normal("gain", 0.005)],
-        vec![measured(&values, 0.02)],
-    );
+    let explicit = problem(vec![bounds(), normal("offset", 0.1), normal("gain", 0.005)], vec![measured(&values, 0.02)]);
     let together = |_: usize, p: &[f64], _: &[f64]| Ok(slope(p));
     let outcome = |problem: &Problem, model: &dyn Simulate| {
         let objective = Objective::new(problem, model, 1e-4);
@@ -223,11 +172,7 @@ fn shared_errors_are_unknowns_with_a_prior() {
     assert_eq!(shared.degrees_of_freedom, explicit.degrees_of_freedom);
     near(shared.free[0].value, explicit.free[0].value, width);
     for end in [0, 1] {
-        near(
-            shared.free[0].interval[end],
-            explicit.free[0].interval[end],
-            width,
-        );
+        near(shared.free[0].interval[end], explicit.free[0].interval[end], width);
         for (told, known) in shared.shared.iter().zip(&explicit.free[1..]) {
             near(told.interval[end], known.interval[end], known.deviation);
         }
@@ -237,10 +182,7 @@ fn shared_errors_are_unknowns_with_a_prior() {
     assert!(shared.probability_without_shared.unwrap() < 1e-6);
     let said = text::summary(&shared);
     assert!(said.contains("The sensor of M most likely reads"), "{said}");
-    assert!(
-        said.contains("the fit is good only with these shared errors"),
-        "{said}"
-    );
+    assert!(said.contains("the fit is good only with these shared errors"), "{said}");
 }
 
 /// Where nothing but an offset is left to explain, it is the mean of what the other cases miss, drawn to 0 by its prior.
@@ -248,21 +190,11 @@ fn shared_errors_are_unknowns_with_a_prior() {
 fn a_case_left_out_is_predicted_with_what_the_others_say_of_the_offset() {
     let values = [5.3, 5.1, 5.25, 5.45, 5.2];
     let cases = values.iter().map(|&value| measured(&[value], 0.1));
-    let mut problem = problem(
-        vec![free("nothing", Spacing::Linear, 0.0, 1.0)],
-        cases.collect(),
-    );
+    let mut problem = problem(vec![free("nothing", Spacing::Linear, 0.0, 1.0)], cases.collect());
     with_offset(&mut problem, "y0", &[0, 1, 2, 3, 4], 0.2);
     let model = |_: usize, _: &[f64], _: &[f64]| Ok(vec![5.0]);
     let objective = Objective::new(&problem, &model, 1e-3);
-    let minimum: Minimum = minimise(
-        &objective,
-        vec![0.5],
-        &[],
-        Differences::Central,
-        &limits(20, 1e-9),
-    )
-    .unwrap();
+    let minimum: Minimum = minimise(&objective, vec![0.5], &[], Differences::Central, &limits(20, 1e-9)).unwrap();
     let known = vec![Vec::new(); 5];
     let whole = Whole {
         problem: &problem,
@@ -280,19 +212,14 @@ fn a_case_left_out_is_predicted_with_what_the_others_say_of_the_offset() {
         // Precisions: 4 values of 0.1, and the prior's of 0.2.
         let offset = sum / 0.01 / (4.0 / 0.01 + 1.0 / 0.04);
         let predicted = case.results[0].predicted.unwrap();
-        assert!(
-            (predicted - 5.0 - offset).abs() < 1e-9,
-            "{k}: {predicted} {offset}"
-        );
+        assert!((predicted - 5.0 - offset).abs() < 1e-9, "{k}: {predicted} {offset}");
     }
 }
 
 /// An offset of all cases is no discrepancy of the model; scatter from case to case is.
 #[test]
 fn an_offset_is_told_from_a_discrepancy() {
-    let scatter = [
-        0.1, -0.08, 0.03, -0.12, 0.09, -0.02, 0.11, -0.1, 0.05, -0.06,
-    ];
+    let scatter = [0.1, -0.08, 0.03, -0.12, 0.09, -0.02, 0.11, -0.1, 0.05, -0.06];
     let at = |scale: f64| {
         let cases = scatter.iter().map(|s| measured(&[1.0 + scale * s], 0.1));
         let mut problem = problem(Vec::new(), cases.collect());
@@ -331,31 +258,17 @@ fn on_grid(cells: usize, density: impl Fn(f64, f64) -> f64) -> [[f64; 5]; 2] {
                 .unwrap()
                 .0
         };
-        [
-            mean,
-            variance.sqrt(),
-            quantile(0.025),
-            quantile(0.5),
-            quantile(0.975),
-        ]
+        [mean, variance.sqrt(), quantile(0.025), quantile(0.5), quantile(0.975)]
     })
 }
 
 /// The same of a sample's places.
-fn of_sample(
-    objective: &Objective<'_>,
-    particles: u64,
-    seed: u64,
-) -> (Vec<[f64; 5]>, PosteriorOutcome) {
+fn of_sample(objective: &Objective<'_>, particles: u64, seed: u64) -> (Vec<[f64; 5]>, PosteriorOutcome) {
     let sample = sample(objective, &[], &settings(particles, seed), &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(objective, &[], &sample);
     let unknowns = 0..objective.problem.free.len();
     let marginals = unknowns.map(|k| {
-        let mut places: Vec<f64> = sample
-            .particles
-            .iter()
-            .map(|particle| particle.places[k])
-            .collect();
+        let mut places: Vec<f64> = sample.particles.iter().map(|particle| particle.places[k]).collect();
         places.sort_by(f64::total_cmp);
         let n = places.len() as f64;
         let mean = places.iter().sum::<f64>() / n;
@@ -370,35 +283,18 @@ fn agree(sampled: &[[f64; 5]], expected: &[[f64; 5]]) {
     for (sampled, expected) in sampled.iter().zip(expected) {
         let deviation = expected[1];
         println!("sampled {sampled:.5?}\nexpected {expected:.5?}");
-        assert!(
-            (sampled[0] - expected[0]).abs() < 0.05 * deviation,
-            "{sampled:?} {expected:?}"
-        );
-        assert!(
-            (sampled[1] / deviation - 1.0).abs() < 0.05,
-            "{sampled:?} {expected:?}"
-        );
+        assert!((sampled[0] - expected[0]).abs() < 0.05 * deviation, "{sampled:?} {expected:?}");
+        assert!((sampled[1] / deviation - 1.0).abs() < 0.05, "{sampled:?} {expected:?}");
         for k in 2..5 {
-            assert!(
-                (sampled[k] - expected[k]).abs() < 0.1 * deviation,
-                "{sampled:?} {expected:?}"
-            );
+            assert!((sampled[k] - expected[k]).abs() < 0.1 * deviation, "{sampled:?} {expected:?}");
         }
     }
 }
 
 /// A curve whose rows share an offset: its unknowns lie in a bent valley.
-fn banana() -> (
-    Problem,
-    impl Fn(usize, &[f64], &[f64]) -> super::problem::Prediction,
-) {
-    let values: Vec<f64> = (0..12)
-        .map(|k| 1.0 + 0.25 + 0.05 * (2.3 * f64::from(k)).sin())
-        .collect();
-    let unknown = vec![
-        free("x", Spacing::Linear, -2.0, 2.0),
-        free("y", Spacing::Linear, -1.0, 3.0),
-    ];
+fn banana() -> (Problem, impl Fn(usize, &[f64], &[f64]) -> super::problem::Prediction) {
+    let values: Vec<f64> = (0..12).map(|k| 1.0 + 0.25 + 0.05 * (2.3 * f64::from(k)).sin()).collect();
+    let unknown = vec![free("x", Spacing::Linear, -2.0, 2.0), free("y", Spacing::Linear, -1.0, 3.0)];
     let mut problem = problem(unknown, vec![measured(&values, 0.1)]);
     with_offset(&mut problem, "M", &[0], 0.3);
     let model = |_: usize, p: &[f64], _: &[f64]| {
@@ -409,17 +305,10 @@ fn banana() -> (
 }
 
 /// Two values of an unknown explain the curve, one better than the other; rows share a gain and an offset.
-fn two_modes() -> (
-    Problem,
-    impl Fn(usize, &[f64], &[f64]) -> super::problem::Prediction,
-) {
-    let values: Vec<f64> = (0..10)
-        .map(|k| 1.05 + 0.1 * f64::from(k) * 0.5 + 0.03 * (4.1 * f64::from(k)).cos())
-        .collect();
-    let unknown = vec![
-        free("x", Spacing::Linear, -2.0, 2.0),
-        free("y", Spacing::Linear, 0.0, 1.0),
-    ];
+fn two_modes() -> (Problem, impl Fn(usize, &[f64], &[f64]) -> super::problem::Prediction) {
+    let values: Vec<f64> =
+        (0..10).map(|k| 1.05 + 0.1 * f64::from(k) * 0.5 + 0.03 * (4.1 * f64::from(k)).cos()).collect();
+    let unknown = vec![free("x", Spacing::Linear, -2.0, 2.0), free("y", Spacing::Linear, 0.0, 1.0)];
     let mut problem = problem(unknown, vec![measured(&values, 0.06)]);
     with_offset(&mut problem, "M", &[0], 0.1);
     with_gain(&mut problem, "M", 0.03);
@@ -435,11 +324,7 @@ fn against_grid(problem: &Problem, model: &dyn Simulate, particles: u64, cells: 
     let objective = Objective::new(problem, model, 1e-4);
     let weights = covariance(problem).try_inverse().unwrap();
     let density = |x: f64, y: f64| {
-        let query = super::problem::Query {
-            case: 0,
-            free: problem.free_values(&[x, y]),
-            latents: Vec::new(),
-        };
+        let query = super::problem::Query { case: 0, free: problem.free_values(&[x, y]), latents: Vec::new() };
         let predicted = model.simulate(&[query]).unwrap().remove(0).unwrap();
         let measured = &problem.cases[0].measured;
         let misfits = predicted.iter().zip(measured).map(|(p, m)| p - m.value);
@@ -493,10 +378,7 @@ fn eight_unknowns_are_those_of_another_sampler() {
     let values: Vec<f64> = spoilt.collect();
     let heights = (0..4).map(|k| free(&format!("height {k}"), Spacing::Linear, 0.0, 2.0));
     let widths = (0..4).map(|k| free(&format!("width {k}"), Spacing::Linear, 0.03, 0.15));
-    let mut problem = problem(
-        heights.chain(widths).collect(),
-        vec![measured(&values, 0.05)],
-    );
+    let mut problem = problem(heights.chain(widths).collect(), vec![measured(&values, 0.05)]);
     with_offset(&mut problem, "M", &[0], 0.2);
     with_gain(&mut problem, "M", 0.02);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(peaks(p));
@@ -517,30 +399,18 @@ fn intervals_of_weak_data_hold() {
     for seed in 0..100 {
         let mut random = Random::new(900 + seed, Purpose::Search, 0);
         let unknown = unknown_decay();
-        let truth: Vec<f64> = unknown
-            .iter()
-            .map(|free| free.value(random.unit()))
-            .collect();
+        let truth: Vec<f64> = unknown.iter().map(|free| free.value(random.unit())).collect();
         let normals = random.normals(TIMES.len() + 1);
         let offset = 0.2 * normals[TIMES.len()];
         let values = decay(&truth);
-        let values: Vec<f64> = values
-            .iter()
-            .zip(&normals)
-            .map(|(value, error)| value + offset + 0.15 * error)
-            .collect();
+        let values: Vec<f64> =
+            values.iter().zip(&normals).map(|(value, error)| value + offset + 0.15 * error).collect();
         let mut problem = problem(unknown, vec![measured(&values, 0.15)]);
         with_offset(&mut problem, "level", &[0], 0.2);
         let model = |_: usize, p: &[f64], _: &[f64]| Ok(decay(p));
         let objective = Objective::new(&problem, &model, 1e-3);
-        let starts: Vec<Vec<f64>> = (0..16)
-            .map(|k| {
-                vec![
-                    (f64::from(k) + 0.5) / 16.0,
-                    (f64::from(k) * 0.618 + 0.3).fract(),
-                ]
-            })
-            .collect();
+        let starts: Vec<Vec<f64>> =
+            (0..16).map(|k| vec![(f64::from(k) + 0.5) / 16.0, (f64::from(k) * 0.618 + 0.3).fract()]).collect();
         let (optima, progress) = search(&objective, &starts, &effort(4, 60), &|_| ()).unwrap();
         let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
         let (_, sample) = of_sample(&objective, 800, seed);
@@ -569,26 +439,15 @@ fn a_gain_does_not_pull_a_fit_to_zero() {
     let line = |p: &[f64], row: usize| p[0] + p[1] * row as f64 * 1e-2;
     let noisy = |row| line(&[2.0, 0.3], row) + 0.5 * random.sample::<f64, _>(StandardNormal);
     let values: Vec<f64> = (0..1001).map(noisy).collect();
-    let unknowns = vec![
-        free("a", Spacing::Linear, 0.0, 5.0),
-        free("b", Spacing::Linear, 0.0, 1.0),
-    ];
+    let unknowns = vec![free("a", Spacing::Linear, 0.0, 5.0), free("b", Spacing::Linear, 0.0, 1.0)];
     let mut problem = problem(unknowns, vec![measured(&values, 0.5)]);
     with_gain_of_the_model(&mut problem, "y", 0.01);
-    let task = Task {
-        problem: &problem,
-        unknown: &[],
-        difference: 1e-4,
-        starts: &[vec![0.3, 0.4]],
-        effort: effort(1, 40),
-    };
+    let task =
+        Task { problem: &problem, unknown: &[], difference: 1e-4, starts: &[vec![0.3, 0.4]], effort: effort(1, 40) };
     let model = move |_: usize, p: &[f64], _: &[f64]| Ok((0..1001).map(|k| line(p, k)).collect());
     let outcome = searched(&task, &model, &|_| ()).unwrap().outcome();
     // Least squares tell a to 0.032, b to 0.0055; with the gain a is known to 0.037 and b to 0.0063.
-    for (free, truth, deviation) in [
-        (&outcome.free[0], 2.0, 0.0374),
-        (&outcome.free[1], 0.3, 0.0062),
-    ] {
+    for (free, truth, deviation) in [(&outcome.free[0], 2.0, 0.0374), (&outcome.free[1], 0.3, 0.0062)] {
         let half = 0.5 * (free.interval[1] - free.interval[0]);
         assert!((free.value - truth).abs() < 3.0 * deviation, "{free:?}");
         assert!((half / (1.96 * deviation) - 1.0).abs() < 0.1, "{free:?}");

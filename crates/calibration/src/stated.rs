@@ -50,20 +50,11 @@ impl Stated {
             law.normal = law.normal.hypot(more.max(0.0).sqrt());
             NotNormal { law, ..*value }
         });
-        Self {
-            values: values.collect(),
-            rectangles: rectangles(problem, errors),
-        }
+        Self { values: values.collect(), rectangles: rectangles(problem, errors) }
     }
 
     /// What the logarithm of the likelihood has beyond that of normal errors, given the sources' most probable values by these.
-    pub(crate) fn ln_beyond(
-        &self,
-        problem: &Problem,
-        errors: &Errors,
-        predicted: &[Vec<f64>],
-        sources: &[f64],
-    ) -> f64 {
+    pub(crate) fn ln_beyond(&self, problem: &Problem, errors: &Errors, predicted: &[Vec<f64>], sources: &[f64]) -> f64 {
         let values = self.values.iter().map(|value| {
             let (case, quantity) = (value.case, value.quantity);
             let error = problem.cases[case].measured[quantity].value - predicted[case][quantity];
@@ -77,12 +68,7 @@ impl Stated {
     }
 
     /// Mean and standard deviation of each channel's error, given those by normal errors.
-    pub(crate) fn channels(
-        &self,
-        problem: &Problem,
-        mut known: Vec<[f64; 2]>,
-        sources: &[f64],
-    ) -> Vec<[f64; 2]> {
+    pub(crate) fn channels(&self, problem: &Problem, mut known: Vec<[f64; 2]>, sources: &[f64]) -> Vec<[f64; 2]> {
         for rectangle in &self.rectangles {
             let normal = [sources[rectangle.source], rectangle.variance()];
             let cut = rectangle.moments(sources);
@@ -108,10 +94,7 @@ fn rectangles(problem: &Problem, errors: &Errors) -> Vec<Rectangle> {
     let all = numbers.iter().map(|&source| {
         let mut unit = DVector::zeros(errors.sources());
         unit[source] = 1.0;
-        Rectangle {
-            source,
-            covariances: errors.solved(&unit),
-        }
+        Rectangle { source, covariances: errors.solved(&unit) }
     });
     let apart = |rectangle: &Rectangle| {
         let mut others = numbers.iter().filter(|&&other| other != rectangle.source);
@@ -156,9 +139,6 @@ impl Rectangle {
         let density = |z: f64| (-0.5 * (z * z + std::f64::consts::TAU.ln()) - inside).exp();
         let shift = density(low) - density(high);
         let variance = 1.0 + low * density(low) - high * density(high) - shift * shift;
-        [
-            (mean + deviation * shift).clamp(-LIMIT, LIMIT),
-            deviation.powi(2) * variance.clamp(0.0, 1.0),
-        ]
+        [(mean + deviation * shift).clamp(-LIMIT, LIMIT), deviation.powi(2) * variance.clamp(0.0, 1.0)]
     }
 }

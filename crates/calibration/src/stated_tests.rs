@@ -47,13 +47,7 @@ fn moments(grid: &[f64], density: &[f64]) -> [f64; 5] {
         });
         grid[place.unwrap()]
     };
-    [
-        centre,
-        mean(&|x| (x - centre).powi(2)).sqrt(),
-        quantile(0.025),
-        quantile(0.975),
-        (all / grid.len() as f64).ln(),
-    ]
+    [centre, mean(&|x| (x - centre).powi(2)).sqrt(), quantile(0.025), quantile(0.975), (all / grid.len() as f64).ln()]
 }
 
 fn close(got: f64, expected: f64, within: f64) {
@@ -69,10 +63,7 @@ fn rectangular_zero_errors_are_those_of_a_grid() {
     const GAIN: f64 = 0.04;
     let levels = [2.0, 3.55];
     let value = |k: usize| levels[k / ROWS] + NOISE * (1.7 * k as f64).sin();
-    let values = (0..2 * ROWS).map(|k| Measured {
-        value: value(k),
-        accuracy: NOISE,
-    });
+    let values = (0..2 * ROWS).map(|k| Measured { value: value(k), accuracy: NOISE });
     let unknown = vec![free("p", Spacing::Linear, 0.0, 6.0)];
     let mut problem = problem(unknown, vec![values.collect()]);
     let standard = 3.0_f64.sqrt().recip();
@@ -84,27 +75,11 @@ fn rectangular_zero_errors_are_those_of_a_grid() {
             limit: 1.0,
             sources: vec![(curve, standard)],
         });
-        let effect = |row| Effect {
-            part: None,
-            case: 0,
-            quantity: curve * ROWS + row,
-            change: standard,
-        };
-        problem.sources.push(Source {
-            effects: (0..ROWS).map(effect).collect(),
-            rectangular: true,
-        });
+        let effect = |row| Effect { part: None, case: 0, quantity: curve * ROWS + row, change: standard };
+        problem.sources.push(Source { effects: (0..ROWS).map(effect).collect(), rectangular: true });
     }
-    let effect = |row| Effect {
-        part: None,
-        case: 0,
-        quantity: row,
-        change: GAIN * value(row),
-    };
-    problem.sources.push(Source {
-        effects: (0..ROWS).map(effect).collect(),
-        rectangular: false,
-    });
+    let effect = |row| Effect { part: None, case: 0, quantity: row, change: GAIN * value(row) };
+    problem.sources.push(Source { effects: (0..ROWS).map(effect).collect(), rectangular: false });
     let (_, sampled, evidence) = answer(&problem, &|p| vec![p; 2 * ROWS], 8000);
 
     let even = |count: usize, low: f64, high: f64| -> Vec<f64> {
@@ -156,12 +131,7 @@ fn rectangular_zero_errors_are_those_of_a_grid() {
     let [mean, deviation, ..] = moments(&offsets, &of_offset);
     close(sampled.shared[0].value, mean, 0.03);
     close(sampled.shared[0].left * standard / deviation, 1.0, 0.06);
-    assert!(
-        sampled.shared[0]
-            .interval
-            .iter()
-            .all(|end| end.abs() <= 1.0)
-    );
+    assert!(sampled.shared[0].interval.iter().all(|end| end.abs() <= 1.0));
 }
 
 /// The mean of repeats, and the distribution of its error.
@@ -186,13 +156,7 @@ fn of_repeats(values: &[Vec<f64>]) -> Problem {
     let unknown = vec![free("p", Spacing::Linear, -20.0, 20.0)];
     let mut problem = problem(unknown, vec![measured]);
     let laws = laws.into_iter().enumerate();
-    problem.not_normal = laws
-        .map(|(quantity, law)| NotNormal {
-            case: 0,
-            quantity,
-            law,
-        })
-        .collect();
+    problem.not_normal = laws.map(|(quantity, law)| NotNormal { case: 0, quantity, law }).collect();
     problem
 }
 
@@ -217,11 +181,7 @@ fn a_mean_of_three_repeats_has_students_interval() {
 
 #[test]
 fn means_of_repeats_are_combined_as_on_a_grid() {
-    let problem = of_repeats(&[
-        vec![0.9, 1.05, 1.1],
-        vec![1.2, 1.9],
-        vec![0.6, 0.9, 1.0, 1.3],
-    ]);
+    let problem = of_repeats(&[vec![0.9, 1.05, 1.1], vec![1.2, 1.9], vec![0.6, 0.9, 1.0, 1.3]]);
     let (_, sampled, _) = answer(&problem, &|p| vec![p; 3], 8000);
     let grid: Vec<f64> = (0..4000).map(|k| -1.0 + 0.001 * f64::from(k)).collect();
     let density = |p: &f64| {
@@ -247,14 +207,11 @@ fn draws(means: usize, mut take: impl FnMut(&Objective<'_>, &[Optimum], [f64; 2]
     let mut doubted = 0;
     for _ in 0..DRAWS {
         let mut reading = || 3.0 + random.sample::<f64, _>(StandardNormal);
-        let values: Vec<Vec<f64>> = (0..means)
-            .map(|_| (0..3).map(|_| reading()).collect())
-            .collect();
+        let values: Vec<Vec<f64>> = (0..means).map(|_| (0..3).map(|_| reading()).collect()).collect();
         let problem = of_repeats(&values);
         let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]; means]);
         let objective = Objective::new(&problem, &model, 1e-4);
-        let (optima, progress) =
-            search(&objective, &starts(1, 2), &effort(1, 40), &|_| ()).unwrap();
+        let (optima, progress) = search(&objective, &starts(1, 2), &effort(1, 40), &|_| ()).unwrap();
         let fit = IdentificationOutcome::new(&problem, &optima, &progress);
         doubted += usize::from(fit.probability.is_some_and(|p| p < 0.05));
         take(&objective, &optima, fit.free[0].interval);

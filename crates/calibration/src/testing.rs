@@ -15,30 +15,17 @@ pub fn decay(p: &[f64]) -> Vec<f64> {
 
 /// The unknowns of [`decay`].
 pub fn unknown_decay() -> Vec<Free> {
-    vec![
-        free("amplitude", Spacing::Linear, 0.5, 2.0),
-        free("rate", Spacing::Log, 0.1, 10.0),
-    ]
+    vec![free("amplitude", Spacing::Linear, 0.5, 2.0), free("rate", Spacing::Log, 0.1, 10.0)]
 }
 
 /// A parameter without a prior.
 pub fn free(name: &str, scale: Spacing, min: f64, max: f64) -> Free {
-    Free {
-        name: name.to_owned(),
-        unit: None,
-        scale,
-        min,
-        max,
-        prior: None,
-    }
+    Free { name: name.to_owned(), unit: None, scale, min, max, prior: None }
 }
 
 /// A quantity or latent parameter without a unit.
 pub fn named(name: &str) -> Named {
-    Named {
-        name: name.to_owned(),
-        unit: None,
-    }
+    Named { name: name.to_owned(), unit: None }
 }
 
 /// Values that are all as accurate.
@@ -50,11 +37,8 @@ pub fn measured(values: &[f64], accuracy: f64) -> Vec<Measured> {
 /// Cases with these measured values, labelled from 0; the quantities are `y0`, `y1` and so on.
 pub fn problem(free: Vec<Free>, cases: Vec<Vec<Measured>>) -> Problem {
     let quantities = 0..cases.first().map_or(0, Vec::len);
-    let case = |(index, measured): (usize, Vec<Measured>)| Case {
-        label: index.to_string(),
-        latents: Vec::new(),
-        measured,
-    };
+    let case =
+        |(index, measured): (usize, Vec<Measured>)| Case { label: index.to_string(), latents: Vec::new(), measured };
     Problem {
         free,
         quantities: quantities.map(|k| named(&format!("y{k}"))).collect(),
@@ -74,37 +58,21 @@ pub fn one_case(bounds: &[(f64, f64)], measured: &[(f64, f64)]) -> Problem {
 
 /// Starts on a diagonal lattice (Kronecker's, with the powers of an irrational number).
 pub fn starts(dimensions: usize, count: usize) -> Vec<Vec<f64>> {
-    let place =
-        |i: usize, d: usize| ((i + 1) as f64 * 0.754_877_666_f64.powi(d as i32 + 1)).fract();
-    (0..count)
-        .map(|i| (0..dimensions).map(|d| place(i, d)).collect())
-        .collect()
+    let place = |i: usize, d: usize| ((i + 1) as f64 * 0.754_877_666_f64.powi(d as i32 + 1)).fract();
+    (0..count).map(|i| (0..dimensions).map(|d| place(i, d)).collect()).collect()
 }
 
 /// A search without a time limit.
 pub fn effort(descents: usize, iterations: usize) -> Effort {
-    Effort {
-        descents,
-        iterations,
-        deadline: None,
-    }
+    Effort { descents, iterations, deadline: None }
 }
 
 /// A local search without a time limit.
 pub fn limits(iterations: usize, decrease: f64) -> Limits {
-    Limits {
-        iterations,
-        decrease,
-        deadline: None,
-    }
+    Limits { iterations, decrease, deadline: None }
 }
 
 /// A sample without a time limit and without discrepancies.
 pub fn settings(particles: u64, seed: u64) -> Settings<'static> {
-    Settings {
-        particles,
-        seed,
-        deadline: None,
-        discrepancies: &[],
-    }
+    Settings { particles, seed, deadline: None, discrepancies: &[] }
 }

@@ -17,21 +17,12 @@ use super::shared::SharedOutcome;
 use super::surrogate;
 
 /// The free parameters as the section `[fixed]` of a study, but for those that are no parameters of the model.
-pub fn fixed_section(
-    study: &str,
-    place: usize,
-    outcome: &IdentificationOutcome,
-    others: &[String],
-) -> String {
+pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome, others: &[String]) -> String {
     let misses = outcome.fit() == Fit::Misses;
     let mut text = match outcome.optima.len() {
         0 | 1 => format!(
             "# The optimum of {study}{}.\n[fixed]\n",
-            if misses {
-                ", which misses the measured values"
-            } else {
-                ""
-            }
+            if misses { ", which misses the measured values" } else { "" }
         ),
         of => format!(
             "# Optimum {} of {of} of {study}: {}.\n[fixed]\n",
@@ -42,12 +33,8 @@ pub fn fixed_section(
             }
         ),
     };
-    for free in outcome
-        .optima
-        .get(place)
-        .iter()
-        .flat_map(|optimum| &optimum.free)
-        .filter(|free| !others.contains(&free.name))
+    for free in
+        outcome.optima.get(place).iter().flat_map(|optimum| &optimum.free).filter(|free| !others.contains(&free.name))
     {
         let (name, number) = (&free.name, digits(free.value));
         if free.of_case {
@@ -91,22 +78,15 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
 
 /// What makes the parameters doubtful, however well they fit.
 fn warning(outcome: &IdentificationOutcome) -> String {
-    let doubt = outcome
-        .numerical_error
-        .as_ref()
-        .and_then(NumericalError::doubt);
-    doubt.map_or_else(String::new, |doubt| {
-        format!("warning: {doubt}. {}\n\n", NumericalError::REMEDY)
-    })
+    let doubt = outcome.numerical_error.as_ref().and_then(NumericalError::doubt);
+    doubt.map_or_else(String::new, |doubt| format!("warning: {doubt}. {}\n\n", NumericalError::REMEDY))
 }
 
 /// All optima, where no single one is the value.
 fn several(outcome: &IdentificationOutcome) -> String {
     let found = outcome.optima.len();
     let mut text = match outcome.fit() {
-        Fit::Misses => format!(
-            "None of the {found} distinct sets of parameters found fits the measured values.\n"
-        ),
+        Fit::Misses => format!("None of the {found} distinct sets of parameters found fits the measured values.\n"),
         _ => format!(
             "{found} distinct sets of parameters fit the measured values, and none of them is \"the\" value: further \
              measurements must decide.\n"
@@ -150,10 +130,7 @@ fn parameters(parameters: &[FreeOutcome], on_ridges: &[&str]) -> String {
         let [value, low, high] = [free.value, free.interval[0], free.interval[1]].map(number);
         let remark = remark(free, on_ridges.contains(&name.as_str()));
         let interval = format!("{low} .. {high} {unit}");
-        text += &format!(
-            "{name:width$}  {value:>11}  {}{remark}\n",
-            interval.trim_end()
-        );
+        text += &format!("{name:width$}  {value:>11}  {}{remark}\n", interval.trim_end());
     }
     text
 }
@@ -166,9 +143,7 @@ fn remark(free: &FreeOutcome, on_ridge: bool) -> String {
     let bound = free.at_bound.map_or_else(String::new, |side| match on_ridge {
         false => format!("; at its {side} bound"),
         // All places along the ridge fit alike, and the search has to end at one.
-        true => format!(
-            "; the search ended at its {side} bound, but the data do not determine it, see below"
-        ),
+        true => format!("; the search ended at its {side} bound, but the data do not determine it, see below"),
     });
     let left = rounded(100.0 * free.left, 2);
     let ends = match free.approximation {
@@ -186,11 +161,7 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
     if open.is_empty() {
         return confirmed(outcome);
     }
-    let which = if outcome.has_several() {
-        " at optimum 1"
-    } else {
-        ""
-    };
+    let which = if outcome.has_several() { " at optimum 1" } else { "" };
     let mut text = format!("\nThe data do not determine{which}:\n");
     for direction in open {
         let left = 100.0 * direction.left;
@@ -198,10 +169,7 @@ fn undetermined(outcome: &IdentificationOutcome) -> String {
             .map(|(name, weight)| format!("{} {name}", if *weight < 0.0 { '-' } else { '+' }))
             .collect();
         text += &match &names[..] {
-            [name] => format!(
-                "  {}: {left:.0} % of the prior's spread is left\n",
-                &name[2..]
-            ),
+            [name] => format!("  {}: {left:.0} % of the prior's spread is left\n", &name[2..]),
             names => format!(
                 "  {}: the data tell these parameters only together; where they change by these signs at once, {left:.0} % of \
                  the prior's spread is left\n",
@@ -229,8 +197,7 @@ fn confirmed(outcome: &IdentificationOutcome) -> String {
         return String::new();
     }
     let Some(sample) = &outcome.posterior else {
-        return "\nThe intervals are normal approximations; --posterior 1000 checks them.\n"
-            .to_owned();
+        return "\nThe intervals are normal approximations; --posterior 1000 checks them.\n".to_owned();
     };
     if !sample.populations.is_empty() {
         // The sample is of another problem: one with a common mean and spread.
@@ -245,9 +212,7 @@ fn confirmed(outcome: &IdentificationOutcome) -> String {
         (false, _) => String::new(),
         (true, []) => format!(
             "\nA second calculation, by sampling, gives these intervals, too: no end is off by more than {} % of their length.\n",
-            apart
-                .iter()
-                .fold(1.0, |most, (_, apart)| (100.0 * apart).ceil().max(most))
+            apart.iter().fold(1.0, |most, (_, apart)| (100.0 * apart).ceil().max(most))
         ),
         (true, other) => format!(
             "\nThe normal approximation does not hold for {}: take the intervals of the sample below.\n",
@@ -298,7 +263,8 @@ fn shared(outcome: &IdentificationOutcome) -> String {
     const NONE: f64 = 0.001;
     let without = outcome.probability_without_shared;
     if outcome.probability.is_some_and(|p| p >= DOUBTFUL) && without.is_some_and(|p| p < NONE) {
-        text += "the fit is good only with these shared errors: without them no parameters explain the measured values\n";
+        text +=
+            "the fit is good only with these shared errors: without them no parameters explain the measured values\n";
     }
     text
 }
@@ -336,22 +302,11 @@ fn of_channel(error: &SharedOutcome) -> String {
         error.name,
         value.trim_end(),
         if side < 0.0 { "low" } else { "high" },
-        if error.kind == SharedKind::Gain {
-            ", as a part of the value"
-        } else {
-            ""
-        },
-        if ends[0] <= 0.0 {
-            ", which includes 0"
-        } else {
-            ""
-        },
+        if error.kind == SharedKind::Gain { ", as a part of the value" } else { "" },
+        if ends[0] <= 0.0 { ", which includes 0" } else { "" },
         match (error.coverage.powi(2) - 3.0).abs() < 1e-6 {
             true => format!("its limits of error are +-{limit}"),
-            false => format!(
-                "its data sheet allows +-{limit} (k = {})",
-                rounded(error.coverage, 3)
-            ),
+            false => format!("its data sheet allows +-{limit} (k = {})", rounded(error.coverage, 3)),
         }
     )
 }
@@ -457,11 +412,7 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
     if let ([case], false) = (&outcome.cases[..], outcome.worst.is_empty()) {
         return one_case(case, outcome);
     }
-    let which = if outcome.has_several() {
-        "\nAt optimum 1:"
-    } else {
-        ""
-    };
+    let which = if outcome.has_several() { "\nAt optimum 1:" } else { "" };
     let mut text = format!("{which}\n{:>8}", "case");
     if let Some(first) = outcome.cases.first() {
         for latent in &first.latents {
@@ -491,10 +442,7 @@ fn residuals(outcome: &IdentificationOutcome) -> String {
         // A measured value of 0 has no percentage.
         let relative = worst.relative.is_finite().then_some(100.0 * worst.relative);
         let percent = relative.map_or_else(String::new, |percent| format!(" ({percent:.2} %)"));
-        text += &format!(
-            "largest misfit of {}: {difference} {unit}{percent}\n",
-            worst.quantity
-        );
+        text += &format!("largest misfit of {}: {difference} {unit}{percent}\n", worst.quantity);
     }
     text
 }
@@ -551,8 +499,7 @@ fn goodness(outcome: &IdentificationOutcome, doubts: &str) -> String {
             End::Rounds =>
                 "the searches ended before they converged, and the values above would change further: state the model's \
                  discrepancy as a number, or give more cases\n",
-            End::Iterations =>
-                "the search ended before it converged: give it more `iterations` in [identify]\n",
+            End::Iterations => "the search ended before it converged: give it more `iterations` in [identify]\n",
             End::Time => "the search ended before it converged; --resume goes on\n",
         }
     )

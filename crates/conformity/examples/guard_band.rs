@@ -15,9 +15,7 @@ fn main() -> Result<(), String> {
             tally.add(Some(&measurement.assess(&[model])));
         }
         let statement = tally.statement();
-        let risk = statement
-            .all
-            .and_then(|all| all.not_conforming_given_accepted);
+        let risk = statement.all.and_then(|all| all.not_conforming_given_accepted);
         println!(
             "guard band {:.3} K: {} of 10,000 models accepted, P(not conforming | accepted) = {:.3} %",
             statement.guard.unwrap_or(f64::NAN),

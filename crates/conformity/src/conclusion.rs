@@ -124,11 +124,7 @@ impl Ruling {
 /// The guard bands that may be the right one, unless there is one only.
 fn guard_bands(bands: &Bands) -> Option<[Option<f64>; 2]> {
     let [narrowest, widest] = bands.factors;
-    (narrowest < widest).then(|| {
-        bands
-            .factors
-            .map(|factor| Some(factor).filter(|f| f.is_finite()))
-    })
+    (narrowest < widest).then(|| bands.factors.map(|factor| Some(factor).filter(|f| f.is_finite())))
 }
 
 /// Where no point can be accepted, although some are within all tolerances, nothing is known of the share that a better
@@ -157,9 +153,7 @@ fn undecided(
             100.0 * (1.0 - least),
             percent(1.0 - limit)
         ),
-        Unfit::Guard => {
-            "the guard band is as wide as a tolerance and leaves nothing of it".to_owned()
-        }
+        Unfit::Guard => "the guard band is as wide as a tolerance and leaves nothing of it".to_owned(),
     };
     let words = format!("{verdict}: the measurement cannot decide: {why}");
     (verdict, required, words)
@@ -176,11 +170,7 @@ impl Conclusion {
             }
             None => {
                 let any = accepted > 0;
-                let verdict = if any {
-                    Decision::Verified
-                } else {
-                    Decision::NotVerified
-                };
+                let verdict = if any { Decision::Verified } else { Decision::NotVerified };
                 let words = format!("{verdict} by the one-point rule: {}", of(accepted, points));
                 (verdict, None, words)
             }
@@ -190,9 +180,7 @@ impl Conclusion {
             rule: ruling.map_or(RuleName::OnePoint, |_| RuleName::Share),
             verdict_words: words,
             required,
-            other_verdict_interval: ruling
-                .is_none()
-                .then(|| other_verdict(accepted, points, 0.95)),
+            other_verdict_interval: ruling.is_none().then(|| other_verdict(accepted, points, 0.95)),
             accepted,
             guard_band: statement.guard,
             risk: statement.all.clone(),
@@ -203,23 +191,18 @@ impl Conclusion {
 fn method(way: Way, samples: usize) -> String {
     match (way, samples) {
         (Way::Once, 1) => "Clopper and Pearson's".to_owned(),
-        (Way::Once, n) => format!(
-            "Student's over {n} replicates; Clopper and Pearson's where their counts hardly differ"
-        ),
-        (Way::EveryPoint, _) => {
-            "a confidence sequence, which may be looked at after every point".to_owned()
+        (Way::Once, n) => {
+            format!("Student's over {n} replicates; Clopper and Pearson's where their counts hardly differ")
         }
-        (Way::Doublings, n) => format!(
-            "Student's over {n} replicates, with the probability of a wrong verdict divided among the looks"
-        ),
+        (Way::EveryPoint, _) => "a confidence sequence, which may be looked at after every point".to_owned(),
+        (Way::Doublings, n) => {
+            format!("Student's over {n} replicates, with the probability of a wrong verdict divided among the looks")
+        }
     }
 }
 
 fn by_share(verdict: Decision, required: &Requirement, of_which: &str) -> String {
-    let [low, high] = required
-        .interval
-        .unwrap_or([0.0, 1.0])
-        .map(|limit| 100.0 * limit);
+    let [low, high] = required.interval.unwrap_or([0.0, 1.0]).map(|limit| 100.0 * limit);
     let [share, confidence] = [required.rule.share, required.rule.confidence].map(percent);
     format!(
         "{verdict}: required are {share} % of the sampled space, found {low:.2} .. {high:.2} %{of_which} at a \

@@ -61,9 +61,7 @@ pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
         return clopper_pearson(total as f64, points as f64, confidence);
     }
     let size = |k: u64| points / n + u64::from(k < points % n);
-    let shares = (0..)
-        .zip(counts)
-        .map(|(k, &count)| count as f64 / size(k) as f64);
+    let shares = (0..).zip(counts).map(|(k, &count)| count as f64 / size(k) as f64);
     let shares: Vec<f64> = shares.collect();
     student(total as f64 / points as f64, &shares, confidence)
 }
@@ -76,11 +74,7 @@ pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
 pub fn other_verdict(accepted: u64, points: u64, confidence: f64) -> [f64; 2] {
     let shares = clopper_pearson(accepted as f64, points as f64, confidence);
     let [some, none] = shares.map(|share| (1.0 - share).powf(points as f64));
-    if accepted > 0 {
-        [none, some]
-    } else {
-        [1.0 - some, 1.0 - none]
-    }
+    if accepted > 0 { [none, some] } else { [1.0 - some, 1.0 - none] }
 }
 
 /// How many counts differ from the most frequent one.

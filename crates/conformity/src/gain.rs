@@ -35,9 +35,8 @@ pub fn interval(pairs: &[Pair], confidence: f64) -> [f64; 2] {
     let difference = |p: &Pair| p.weight * n / weights * (p.changed - changed) - (p.now - now);
     // Each added point has the difference 1 or -1.
     let squares = sum(&|p| difference(p).powi(2)) + ADDED;
-    let limit = StudentsT::new(0.0, 1.0, effective - 1.0).map_or(f64::INFINITY, |student| {
-        student.inverse_cdf(0.5 + 0.5 * confidence)
-    });
+    let limit = StudentsT::new(0.0, 1.0, effective - 1.0)
+        .map_or(f64::INFINITY, |student| student.inverse_cdf(0.5 + 0.5 * confidence));
     let half = limit * squares.sqrt() / (n + ADDED);
     let gain = changed - now;
     [(gain - half).max(-1.0), (gain + half).min(1.0)]
@@ -72,11 +71,7 @@ mod tests {
                 .map(|_| {
                     let x = normal(&mut random);
                     let worth = f64::from(u8::from((x - nominal).abs() <= tolerance));
-                    Pair {
-                        weight: weight(x),
-                        changed: worth,
-                        now: worth,
-                    }
+                    Pair { weight: weight(x), changed: worth, now: worth }
                 })
                 .collect();
             let [low, high] = interval(&pairs, 0.95);
@@ -87,14 +82,9 @@ mod tests {
 
     #[test]
     fn the_interval_holds_the_true_gain() {
-        for (n, nominal, tolerance) in [
-            (50, 0.0, 0.5),
-            (50, 0.0, 2.0),
-            (50, 1.0, 0.3),
-            (30, 0.0, 0.1),
-            (200, 0.5, 0.5),
-            (1000, 0.0, 0.02),
-        ] {
+        for (n, nominal, tolerance) in
+            [(50, 0.0, 0.5), (50, 0.0, 2.0), (50, 1.0, 0.3), (30, 0.0, 0.1), (200, 0.5, 0.5), (1000, 0.0, 0.02)]
+        {
             let held = coverage(n, nominal, tolerance);
             assert!(held > 0.935, "{n} {nominal} {tolerance}: {held}");
         }
@@ -108,11 +98,7 @@ mod tests {
             let pairs: Vec<Pair> = (0..50)
                 .map(|_| {
                     let worth = f64::from(u8::from(random.random_range(0.0..1.0) < 0.22));
-                    Pair {
-                        weight: weight(normal(&mut random)),
-                        changed: worth,
-                        now: worth,
-                    }
+                    Pair { weight: weight(normal(&mut random)), changed: worth, now: worth }
                 })
                 .collect();
             let [low, high] = interval(&pairs, 0.95);
@@ -140,16 +126,7 @@ mod tests {
 
     #[test]
     fn points_that_agree_have_an_interval_with_width() {
-        let same = |n| {
-            vec![
-                Pair {
-                    weight: 1.0,
-                    changed: 0.0,
-                    now: 0.0,
-                };
-                n
-            ]
-        };
+        let same = |n| vec![Pair { weight: 1.0, changed: 0.0, now: 0.0 }; n];
         let [low, high] = interval(&same(50), 0.95);
         assert!(low < -0.02 && high > 0.02, "{low} {high}");
         assert_eq!(interval(&same(1), 0.95), [-1.0, 1.0]);

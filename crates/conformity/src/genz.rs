@@ -49,12 +49,7 @@ pub(super) fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 /// Graphical Statistics 1: the box becomes the unit cube by conditioning each number on those
 /// before it. Few numbers are integrated one after the other by Gauss-Legendre rules; more of them, and such that nearly
 /// follow from others, on a [lattice](Lattice). A `roughly` known probability is one to about 1e-3.
-pub(super) fn probability(
-    correlation: &[Vec<f64>],
-    lower: &[f64],
-    upper: &[f64],
-    roughly: bool,
-) -> f64 {
+pub(super) fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64], roughly: bool) -> f64 {
     const ROUGHLY: f64 = 1e-3;
     const FEW: usize = 4;
     let alone = lower.iter().zip(upper).map(|(&a, &b)| between(a, b));
@@ -80,11 +75,7 @@ pub(super) fn probability(
 /// The Cholesky factor of the correlations, and the limits, in the order of the integrals: each number has the least probable
 /// interval of those that are left, if those before it have their mean values (Gibson, Glasbey and Elston 1994; Genz and Bretz
 /// 2009, "Computation of multivariate normal and t probabilities", 4.1.3). This leaves the least variation to the integral.
-fn ordered(
-    correlation: &[Vec<f64>],
-    lower: &[f64],
-    upper: &[f64],
-) -> (Vec<Vec<f64>>, Vec<[f64; 2]>) {
+fn ordered(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> (Vec<Vec<f64>>, Vec<[f64; 2]>) {
     let size = lower.len();
     let mut rest: Vec<usize> = (0..size).collect();
     let (mut order, mut means) = (Vec::with_capacity(size), Vec::with_capacity(size));
@@ -96,10 +87,7 @@ fn ordered(
             let variance = 1.0 - row.iter().map(|c| c * c).sum::<f64>();
             // The matrix was accepted in another order: only rounding can get below.
             let deviation = variance.max(SINGULAR * SINGULAR).sqrt();
-            (
-                [lower[i], upper[i]].map(|limit| (limit - known) / deviation),
-                deviation,
-            )
+            ([lower[i], upper[i]].map(|limit| (limit - known) / deviation), deviation)
         };
         let chances = rest.iter().map(|&i| {
             let [a, b] = given(i).0;
@@ -126,20 +114,12 @@ fn ordered(
 fn mean_between(lower: f64, upper: f64, chance: f64) -> f64 {
     let density = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt();
     let mean = (density(lower) - density(upper)) / chance;
-    if mean.is_finite() {
-        mean.clamp(lower, upper)
-    } else {
-        0.0_f64.clamp(lower, upper)
-    }
+    if mean.is_finite() { mean.clamp(lower, upper) } else { 0.0_f64.clamp(lower, upper) }
 }
 
 /// The rules with so many nodes.
 static RULES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
-    let rule = |nodes: usize| {
-        GaussLegendre::new(nodes.max(2))
-            .on_unit_interval()
-            .collect()
-    };
+    let rule = |nodes: usize| GaussLegendre::new(nodes.max(2)).on_unit_interval().collect();
     (0..=MOST_NODES).map(rule).collect()
 });
 
@@ -226,22 +206,13 @@ mod tests {
                     (0..size).map(each).product::<f64>() * (-0.5 * z * z).exp()
                 };
                 let steps = if correlation > 0.99 { 400_000 } else { 20_000 };
-                let sum: f64 = (0..=steps)
-                    .map(|i| given(-8.0 + 16.0 * f64::from(i) / f64::from(steps)))
-                    .sum();
+                let sum: f64 = (0..=steps).map(|i| given(-8.0 + 16.0 * f64::from(i) / f64::from(steps))).sum();
                 let expected = sum * 16.0 / f64::from(steps) / TAU.sqrt();
                 let matrix = equicorrelated(size, correlation);
                 let probability = probability(&matrix, &lower[..size], &upper[..size], false);
                 let error = (probability - expected).abs();
-                let aim = if size > NESTED || correlation > 0.98 {
-                    ON_LATTICE
-                } else {
-                    ACCURACY
-                };
-                assert!(
-                    error < aim,
-                    "{size} {correlation}: {probability} {expected}"
-                );
+                let aim = if size > NESTED || correlation > 0.98 { ON_LATTICE } else { ACCURACY };
+                assert!(error < aim, "{size} {correlation}: {probability} {expected}");
             }
         }
     }
@@ -264,13 +235,8 @@ mod tests {
         };
         for trial in 0..60 {
             let (common, single) = (random.random_range(0.0..2.0), 0.3);
-            let directions: Vec<Vec<f64>> = (0..4)
-                .map(|_| {
-                    (0..3)
-                        .map(|_| common * random.random_range(-1.0..1.0))
-                        .collect()
-                })
-                .collect();
+            let directions: Vec<Vec<f64>> =
+                (0..4).map(|_| (0..3).map(|_| common * random.random_range(-1.0..1.0)).collect()).collect();
             let covariance = |i: usize, j: usize| {
                 let shared: f64 = (0..3).map(|k| directions[i][k] * directions[j][k]).sum();
                 shared + if i == j { single } else { 0.0 }
@@ -279,10 +245,7 @@ mod tests {
             let row = |i| (0..4).map(|j| entry(i, j)).collect();
             let matrix: Vec<Vec<f64>> = (0..4).map(row).collect();
             let lower: Vec<f64> = (0..4).map(|_| random.random_range(-3.0..0.5)).collect();
-            let upper: Vec<f64> = lower
-                .iter()
-                .map(|a| a + random.random_range(0.5..4.0))
-                .collect();
+            let upper: Vec<f64> = lower.iter().map(|a| a + random.random_range(0.5..4.0)).collect();
             let l = cholesky(&matrix).unwrap();
             let spread = l[3][2].hypot(l[3][3]);
             let mut expected = 0.0;
@@ -311,9 +274,8 @@ mod tests {
         let mut random = StdRng::seed_from_u64(3);
         for (trial, &part) in own_parts.iter().enumerate() {
             let (size, parts) = (3 + trial % 6, 2 + trial % 3);
-            let mut rows: Vec<Vec<f64>> = (0..size)
-                .map(|_| (0..parts).map(|_| random.random_range(-1.0..1.0)).collect())
-                .collect();
+            let mut rows: Vec<Vec<f64>> =
+                (0..size).map(|_| (0..parts).map(|_| random.random_range(-1.0..1.0)).collect()).collect();
             for row in &mut rows {
                 let length = (row.iter().map(|x| x * x).sum::<f64>() + part * part).sqrt();
                 row.iter_mut().for_each(|x| *x /= length);
@@ -326,22 +288,16 @@ mod tests {
             let row = |i| (0..size).map(|j| entry(i, j)).collect();
             let matrix: Vec<Vec<f64>> = (0..size).map(row).collect();
             let lower: Vec<f64> = (0..size).map(|_| random.random_range(-3.0..-0.5)).collect();
-            let upper: Vec<f64> = lower
-                .iter()
-                .map(|a| a + random.random_range(1.0..4.0))
-                .collect();
+            let upper: Vec<f64> = lower.iter().map(|a| a + random.random_range(1.0..4.0)).collect();
             let mut inside = 0_u32;
             for _ in 0..draws {
                 let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
                 let common: Vec<f64> = (0..parts).map(|_| normal()).collect();
-                let within = rows
-                    .iter()
-                    .zip(lower.iter().zip(&upper))
-                    .all(|(row, (a, b))| {
-                        let shared: f64 = row.iter().zip(&common).map(|(x, z)| x * z).sum();
-                        let value = shared + rest(row) * normal();
-                        *a < value && value < *b
-                    });
+                let within = rows.iter().zip(lower.iter().zip(&upper)).all(|(row, (a, b))| {
+                    let shared: f64 = row.iter().zip(&common).map(|(x, z)| x * z).sum();
+                    let value = shared + rest(row) * normal();
+                    *a < value && value < *b
+                });
                 inside += u32::from(within);
             }
             let expected = f64::from(inside) / f64::from(draws);
@@ -349,10 +305,7 @@ mod tests {
             let chance = (expected * (1.0 - expected) / f64::from(draws)).sqrt();
             let error = (fine - expected).abs();
             println!("{size} {parts} {part}: {fine:.6}, {error:.1e}, by chance {chance:.1e}");
-            assert!(
-                error < 4.0 * chance + accuracy,
-                "{size} {part}: {fine} {expected}"
-            );
+            assert!(error < 4.0 * chance + accuracy, "{size} {part}: {fine} {expected}");
             let rough = probability(&matrix, &lower, &upper, true);
             assert!((rough - fine).abs() < 3e-3, "{size} {part}: {rough} {fine}");
         }
@@ -366,9 +319,7 @@ mod tests {
     #[test]
     #[ignore = "ten million draws for each of 24 matrices; run by scripts/test --long"]
     fn numbers_that_nearly_follow_from_others_agree_with_ten_million_draws() {
-        let own_parts: Vec<f64> = (0..24)
-            .map(|k| 10.0_f64.powf(-0.15 * f64::from(k)))
-            .collect();
+        let own_parts: Vec<f64> = (0..24).map(|k| 10.0_f64.powf(-0.15 * f64::from(k))).collect();
         simulated(10_000_000, &own_parts, ON_LATTICE);
     }
 
@@ -379,10 +330,7 @@ mod tests {
         let matrix = vec![vec![1.0, a, b], vec![a, 1.0, c], vec![b, c, 1.0]];
         let expected = 0.125 + (a.asin() + b.asin() + c.asin()) / (4.0 * std::f64::consts::PI);
         let probability = probability(&matrix, &[0.0; 3], &[f64::INFINITY; 3], false);
-        assert!(
-            (probability - expected).abs() < ACCURACY,
-            "{probability} {expected}"
-        );
+        assert!((probability - expected).abs() < ACCURACY, "{probability} {expected}");
     }
 
     #[test]

@@ -21,11 +21,7 @@ pub struct Moments {
 impl Moments {
     /// Takes one more number.
     pub fn add(&mut self, number: f64) {
-        self.merge(Self {
-            count: 1,
-            sum: number,
-            squares: number * number,
-        });
+        self.merge(Self { count: 1, sum: number, squares: number * number });
     }
 
     /// Takes the numbers of another sample.
@@ -50,20 +46,12 @@ impl Moments {
     /// The moments of 1 - x, for all x of the sample.
     pub fn complement(&self) -> Self {
         let n = self.count as f64;
-        Self {
-            count: self.count,
-            sum: (n - self.sum).max(0.0),
-            squares: (n - 2.0 * self.sum + self.squares).max(0.0),
-        }
+        Self { count: self.count, sum: (n - self.sum).max(0.0), squares: (n - 2.0 * self.sum + self.squares).max(0.0) }
     }
 
     /// The moments of `factor` times x, for all x of the sample.
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            count: self.count,
-            sum: factor * self.sum,
-            squares: factor * factor * self.squares,
-        }
+        Self { count: self.count, sum: factor * self.sum, squares: factor * factor * self.squares }
     }
 
     /// Student's interval about the mean of independent numbers; that of fewer than two is unknown.
@@ -138,10 +126,7 @@ fn nearer(total: Moments, scattering: [f64; 2], confidence: f64) -> [f64; 2] {
 fn drawn_out(ends: [f64; 2], lowered: f64, numbers: u64, confidence: f64) -> [f64; 2] {
     let missed = clopper_pearson(0.0, numbers as f64, confidence)[1];
     let [low, high] = ends.map(|end| end.clamp(0.0, 1.0));
-    [
-        (low - missed * lowered).max(0.0),
-        high + missed * (1.0 - high),
-    ]
+    [(low - missed * lowered).max(0.0), high + missed * (1.0 - high)]
 }
 
 /// The interval of a share from independent trials, whose number was fixed beforehand: no share
@@ -157,11 +142,7 @@ pub fn clopper_pearson(hits: f64, trials: f64, confidence: f64) -> [f64; 2] {
     let tail = 0.5 * (1.0 - confidence);
     let misses = trials - hits;
     // The probability of at least `hits` grows with the share, that of at most `hits` falls.
-    let low = if hits < NONE {
-        0.0
-    } else {
-        crossing(|share| beta_reg(hits, misses.max(0.0) + 1.0, share) - tail)[0]
-    };
+    let low = if hits < NONE { 0.0 } else { crossing(|share| beta_reg(hits, misses.max(0.0) + 1.0, share) - tail)[0] };
     let high = if misses < NONE {
         1.0
     } else {
@@ -207,9 +188,7 @@ fn student_limit(confidence: f64, freedom: f64) -> f64 {
     if freedom > 1e5 {
         return normal_limit(confidence);
     }
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |student| {
-        student.inverse_cdf(0.5 + 0.5 * confidence)
-    })
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(0.5 + 0.5 * confidence))
 }
 
 #[cfg(test)]
@@ -241,10 +220,7 @@ mod tests {
         // Exact by hand: 1 - 0.025^(1/n).
         let [low, high] = clopper_pearson(0.0, 50_000.0, 0.95);
         let expected = 1.0 - 0.025_f64.powf(1.0 / 50_000.0);
-        assert!(
-            low == 0.0 && (high - expected).abs() < 1e-12,
-            "{low} {high}"
-        );
+        assert!(low == 0.0 && (high - expected).abs() < 1e-12, "{low} {high}");
     }
 
     /// The limits of half a hit of ten trials are quantiles of beta distributions: 2.5 % of B(0.5,
@@ -289,10 +265,7 @@ mod tests {
         let half = 1.959_964 * 0.1 * 2.0_f64.sqrt() / f64::from(N).sqrt();
         let missed = -0.025_f64.ln() / f64::from(N);
         let [low, high] = of_mean(&[moments(numbers)], 0.95);
-        let expected = [
-            0.5 - half - 0.5 * missed,
-            0.5 + half + (0.5 - half) * missed,
-        ];
+        let expected = [0.5 - half - 0.5 * missed, 0.5 + half + (0.5 - half) * missed];
         assert!((low - expected[0]).abs() < 1e-9, "{low}");
         assert!((high - expected[1]).abs() < 1e-9, "{high}");
     }
@@ -304,10 +277,7 @@ mod tests {
         let complement = moments(numbers).complement();
         assert!((complement.sum - expected.sum).abs() < 1e-15);
         assert!((complement.squares - expected.squares).abs() < 1e-15);
-        let with_zeros = Moments {
-            count: 5,
-            ..moments(numbers)
-        };
+        let with_zeros = Moments { count: 5, ..moments(numbers) };
         assert_eq!(with_zeros, moments([0.1, 0.5, 1.0, 0.0, 0.0]));
     }
 
@@ -315,8 +285,7 @@ mod tests {
     /// have missed.
     #[test]
     fn several_samples_have_students_interval() {
-        let part =
-            |k: usize| moments((0..1000).map(move |i| if i < 400 + k % 3 { 0.5 } else { 0.1 }));
+        let part = |k: usize| moments((0..1000).map(move |i| if i < 400 + k % 3 { 0.5 } else { 0.1 }));
         let parts: Vec<Moments> = (0..16).map(part).collect();
         let means: Vec<f64> = parts.iter().map(Moments::mean).collect();
         let mean = means.iter().sum::<f64>() / 16.0;
@@ -335,10 +304,7 @@ mod tests {
         let one = of_mean(&[Moments::total(&accepted)], 0.95);
         assert_eq!(of_part(&accepted, 0.95), one);
         let none = [moments([0.2, 0.4]), Moments::default()];
-        assert_eq!(
-            of_mean(&none, 0.95),
-            clopper_pearson(none[0].sum, 2.0, 0.95)
-        );
+        assert_eq!(of_mean(&none, 0.95), clopper_pearson(none[0].sum, 2.0, 0.95));
     }
 }
 

@@ -36,21 +36,16 @@ impl JointNormal {
     /// # Errors
     /// When a coefficient is not from -1 to 1, or when the correlations contradict each other.
     pub fn new(errors: usize, pairs: &[(usize, usize, f64)]) -> Result<Self, String> {
-        let mut joint = Self {
-            block_of: vec![0; errors],
-            ..Self::default()
-        };
+        let mut joint = Self { block_of: vec![0; errors], ..Self::default() };
         for mut block in blocks(errors, pairs)? {
             let all = std::mem::take(&mut block.members);
             let twins = twins(&block.correlation)?;
             let is_own = |i: &usize| twins.iter().all(|(twin, ..)| twin != i);
             let originals: Vec<usize> = (0..all.len()).filter(is_own).collect();
             let correlation = with_density(part(&block.correlation, &originals))?;
-            let place =
-                |(twin, original, sign): (usize, usize, f64)| (all[twin], all[original], sign);
+            let place = |(twin, original, sign): (usize, usize, f64)| (all[twin], all[original], sign);
             joint.twins.extend(twins.into_iter().map(place));
-            all.iter()
-                .for_each(|&i| joint.block_of[i] = joint.blocks.len());
+            all.iter().for_each(|&i| joint.block_of[i] = joint.blocks.len());
             joint.blocks.push(Block {
                 single: all.len() == 1,
                 members: originals.iter().map(|&i| all[i]).collect(),
@@ -64,10 +59,7 @@ impl JointNormal {
     /// The same errors, whose probabilities are only known to about 1e-3 where they are many: enough for a mean over many
     /// points, and much faster.
     pub fn roughly(self) -> Self {
-        Self {
-            roughly: true,
-            ..self
-        }
+        Self { roughly: true, ..self }
     }
 
     /// The probability that all errors lie between their limits, in units of their standard
@@ -80,9 +72,7 @@ impl JointNormal {
     pub fn parts(&self, lower: &[f64], upper: &[f64]) -> Vec<f64> {
         let [lower, upper] = self.narrowed(lower, upper);
         let blocks = self.blocks.iter();
-        blocks
-            .map(|block| block.probability(&lower, &upper, self.roughly))
-            .collect()
+        blocks.map(|block| block.probability(&lower, &upper, self.roughly)).collect()
     }
 
     /// The number of the part that an error is all by itself; none where another one depends on it.
@@ -114,19 +104,10 @@ impl JointNormal {
 
 impl Block {
     fn probability(&self, lower: &[f64], upper: &[f64], roughly: bool) -> f64 {
-        let pick = |values: &[f64]| {
-            self.members
-                .iter()
-                .map(|&i| values[i])
-                .collect::<Vec<f64>>()
-        };
+        let pick = |values: &[f64]| self.members.iter().map(|&i| values[i]).collect::<Vec<f64>>();
         match self.members[..] {
             [i] => between(lower[i], upper[i]),
-            [i, j] => between_both(
-                [lower[i], lower[j]],
-                [upper[i], upper[j]],
-                self.correlation[0][1],
-            ),
+            [i, j] => between_both([lower[i], lower[j]], [upper[i], upper[j]], self.correlation[0][1]),
             _ => match &self.common {
                 Some(common) => common.probability(&pick(lower), &pick(upper)),
                 None => genz::probability(&self.correlation, &pick(lower), &pick(upper), roughly),
@@ -188,10 +169,7 @@ pub(super) struct Correlated {
 
 /// The errors in blocks that are independent of each other. A matrix of all errors would take the square of their number,
 /// and its factor the cube.
-pub(super) fn blocks(
-    errors: usize,
-    pairs: &[(usize, usize, f64)],
-) -> Result<Vec<Correlated>, String> {
+pub(super) fn blocks(errors: usize, pairs: &[(usize, usize, f64)]) -> Result<Vec<Correlated>, String> {
     let mut linked = vec![Vec::new(); errors];
     for &(a, b, coefficient) in pairs {
         if !(-1.0..=1.0).contains(&coefficient) {
@@ -228,14 +206,9 @@ pub(super) fn blocks(
         let mut correlation = vec![vec![0.0; members.len()]; members.len()];
         for (k, &i) in members.iter().enumerate() {
             correlation[k][k] = 1.0;
-            linked[i]
-                .iter()
-                .for_each(|&(other, coefficient)| correlation[k][place[other]] = coefficient);
+            linked[i].iter().for_each(|&(other, coefficient)| correlation[k][place[other]] = coefficient);
         }
-        blocks.push(Correlated {
-            members,
-            correlation,
-        });
+        blocks.push(Correlated { members, correlation });
     }
     Ok(blocks)
 }
@@ -265,10 +238,7 @@ mod tests {
             };
             let expected: f64 = (0..STEPS).map(given).sum::<f64>() / std::f64::consts::TAU.sqrt();
             let probability = joint.probability(&lower, &upper);
-            assert!(
-                (probability - expected).abs() < 5e-5,
-                "{lower:?}: {probability} {expected}"
-            );
+            assert!((probability - expected).abs() < 5e-5, "{lower:?}: {probability} {expected}");
         }
     }
 
@@ -306,10 +276,7 @@ mod tests {
         let pair = between_both([-1.0, -1.0], [0.5, 0.8], 0.7);
         let expected = pair * between(-1.0, 1.0) * between(-1.0, 2.0);
         let probability = joint.probability(&lower, &upper);
-        assert!(
-            (probability - expected).abs() < 1e-15,
-            "{probability} {expected}"
-        );
+        assert!((probability - expected).abs() < 1e-15, "{probability} {expected}");
     }
 
     /// A chain of errors far apart in a list of many: a matrix of all of them would have 10^10 entries.
@@ -323,10 +290,7 @@ mod tests {
         let chain = chain.probability(&[-4.5; 3], &[4.5; 3]);
         let expected = chain * between(-4.5, 4.5).powi(ERRORS as i32 - 3);
         let probability = joint.probability(&lower, &upper);
-        assert!(
-            (probability / expected - 1.0).abs() < 1e-9,
-            "{probability} {expected}"
-        );
+        assert!((probability / expected - 1.0).abs() < 1e-9, "{probability} {expected}");
         let (part, probability) = joint.part_of(400, &lower, &upper);
         assert_eq!((part, probability), (7, chain));
         assert_eq!(joint.parts(&lower, &upper)[7], chain);
@@ -335,25 +299,14 @@ mod tests {
     #[test]
     fn a_chain_is_one_block() {
         let joint = JointNormal::new(5, &[(4, 1, 0.5), (1, 3, 0.5)]).unwrap();
-        let members: Vec<_> = joint
-            .blocks
-            .iter()
-            .map(|block| block.members.clone())
-            .collect();
+        let members: Vec<_> = joint.blocks.iter().map(|block| block.members.clone()).collect();
         assert_eq!(members, [vec![0], vec![1, 3, 4], vec![2]]);
     }
 
     #[test]
     fn errors_that_are_equal_or_opposite_only_narrow_the_limits() {
         let r = 0.6;
-        let pairs = [
-            (0, 1, r),
-            (0, 2, 1.0),
-            (1, 2, r),
-            (0, 3, -1.0),
-            (1, 3, -r),
-            (2, 3, -1.0),
-        ];
+        let pairs = [(0, 1, r), (0, 2, 1.0), (1, 2, r), (0, 3, -1.0), (1, 3, -r), (2, 3, -1.0)];
         let joint = JointNormal::new(4, &pairs).unwrap();
         let probability = joint.probability(&[-1.0, -1.5, -0.4, -0.5], &[1.0, 0.7, 2.0, 9.0]);
         let expected = between_both([-0.4, -1.5], [0.5, 0.7], r);
@@ -365,16 +318,8 @@ mod tests {
     #[test]
     fn impossible_correlations_are_refused() {
         let contradiction = [(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)];
-        assert!(
-            JointNormal::new(3, &contradiction)
-                .unwrap_err()
-                .contains("contradict")
-        );
-        assert!(
-            JointNormal::new(2, &[(0, 1, 1.1)])
-                .unwrap_err()
-                .contains("1.1")
-        );
+        assert!(JointNormal::new(3, &contradiction).unwrap_err().contains("contradict"));
+        assert!(JointNormal::new(2, &[(0, 1, 1.1)]).unwrap_err().contains("1.1"));
         assert!(JointNormal::new(2, &[(0, 1, f64::NAN)]).is_err());
     }
 }

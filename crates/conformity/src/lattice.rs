@@ -15,9 +15,7 @@ const SHARP: f64 = 0.5;
 /// A product below this adds nothing.
 const NOTHING: f64 = 1e-10;
 /// The generating vector of the lattice; its order of dimensions does not matter much here.
-const GENERATORS: [u64; 10] = [
-    1, 182_667, 469_891, 498_753, 110_745, 446_247, 250_185, 118_627, 245_333, 283_199,
-];
+const GENERATORS: [u64; 10] = [1, 182_667, 469_891, 498_753, 110_745, 446_247, 250_185, 118_627, 245_333, 283_199];
 
 /// A box whose numbers are conditioned on those before them (Genz 1992): the factor of their correlations and their
 /// limits, in the order of the integral.
@@ -35,15 +33,9 @@ impl Lattice {
         let left = |row: &[f64]| row.iter().map(|part| part * part).sum::<f64>().sqrt();
         let of = |k: usize| {
             let later = (k + 1..size).map(|j| (j, left(&factor[j][k + 1..=j])));
-            later
-                .filter(|(j, left)| *left < SHARP * factor[*j][k].abs())
-                .collect()
+            later.filter(|(j, left)| *left < SHARP * factor[*j][k].abs()).collect()
         };
-        Self {
-            followers: (0..size).map(of).collect(),
-            factor,
-            limits,
-        }
+        Self { followers: (0..size).map(of).collect(), factor, limits }
     }
 
     /// The probability with about this error, on a lattice that grows (Cools, Kuo and Nuyens 2006, "Constructing
@@ -60,9 +52,7 @@ impl Lattice {
             let (from, every) = if points == first { (0, 1) } else { (1, 2) };
             for (shifts, sum) in SHIFT.iter().zip(&mut sums) {
                 let new = (from..points).step_by(every);
-                *sum += new
-                    .map(|point| self.at(shifts, point, points, &mut known))
-                    .sum::<f64>();
+                *sum += new.map(|point| self.at(shifts, point, points, &mut known)).sum::<f64>();
             }
             let n = SHIFTS as f64;
             let means = sums.map(|sum| sum / points as f64);

@@ -24,9 +24,8 @@ impl Likelihood {
         let measured: Vec<(usize, f64, Law)> = measured.collect::<Option<_>>()?;
         let place = |number: usize| measured.iter().position(|(of, ..)| *of == number);
         let pairs = measurement.correlations().iter();
-        let pairs: Vec<_> = pairs
-            .filter_map(|&(a, b, coefficient)| Some((place(a)?, place(b)?, coefficient)))
-            .collect();
+        let pairs: Vec<_> =
+            pairs.filter_map(|&(a, b, coefficient)| Some((place(a)?, place(b)?, coefficient))).collect();
         let blocks = blocks(measured.len(), &pairs).ok()?.into_iter();
         let factors = blocks.map(|block| Some((block.members, cholesky(&block.correlation)?)));
         let blocks: Vec<_> = factors.collect::<Option<_>>()?;
@@ -64,13 +63,8 @@ mod tests {
     use crate::uncertainty::Uncertainty;
 
     fn likelihood(correlation: &[(usize, usize, f64)]) -> Option<Likelihood> {
-        let measured = |nominal, expanded| {
-            Measured::within(
-                nominal,
-                1.0,
-                Some(Uncertainty::normal(expanded, 2.0).law(0.0)),
-            )
-        };
+        let measured =
+            |nominal, expanded| Measured::within(nominal, 1.0, Some(Uncertainty::normal(expanded, 2.0).law(0.0)));
         let criteria = vec![measured(10.0, 1.0), measured(-3.0, 4.0)];
         Likelihood::new(&Measurement::new(criteria, correlation).unwrap())
     }

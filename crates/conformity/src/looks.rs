@@ -109,24 +109,14 @@ impl Looks {
 
     /// The confidence that is left.
     fn left(self, confidence: f64) -> f64 {
-        if self.after_fixed {
-            0.5 + 0.5 * confidence
-        } else {
-            confidence
-        }
+        if self.after_fixed { 0.5 + 0.5 * confidence } else { confidence }
     }
 
     /// A rule with the confidence that is left for going on after this look, however often one looks then.
     pub fn going_on(self, rule: Rule) -> Rule {
         let after_fixed = self.after_fixed || self.way == Way::Once;
-        let next = Self {
-            after_fixed,
-            ..self
-        };
-        Rule {
-            confidence: next.left(rule.confidence),
-            ..rule
-        }
+        let next = Self { after_fixed, ..self };
+        Rule { confidence: next.left(rule.confidence), ..rule }
     }
 
     /// The confidence for a guard band that is found from the same points. Each look has a part of its own of the
@@ -179,9 +169,7 @@ impl Looks {
             return rule.decide(self.interval(accepted, points, rule.confidence));
         }
         // The same as by the interval, whose ends take a search.
-        let sequence = ConfidenceSequence {
-            confidence: self.left(rule.confidence),
-        };
+        let sequence = ConfidenceSequence { confidence: self.left(rule.confidence) };
         let hits: u64 = accepted.iter().sum();
         match (sequence.excludes(rule.share, hits, points), points) {
             (true, 1..) if hits as f64 / points as f64 > rule.share => Decision::Verified,

@@ -24,29 +24,17 @@ impl Limits {
     /// A tolerance that is the same to both sides.
     pub fn within(nominal: f64, tolerance: f64) -> Self {
         let [minus, plus] = [tolerance; 2];
-        Self {
-            about: nominal,
-            minus,
-            plus,
-        }
+        Self { about: nominal, minus, plus }
     }
 
     /// An upper limit alone.
     pub fn at_most(limit: f64) -> Self {
-        Self {
-            about: limit,
-            minus: f64::INFINITY,
-            plus: 0.0,
-        }
+        Self { about: limit, minus: f64::INFINITY, plus: 0.0 }
     }
 
     /// A lower limit alone.
     pub fn at_least(limit: f64) -> Self {
-        Self {
-            about: limit,
-            minus: 0.0,
-            plus: f64::INFINITY,
-        }
+        Self { about: limit, minus: 0.0, plus: f64::INFINITY }
     }
 
     /// The lower and the upper limit.
@@ -110,9 +98,7 @@ impl From<Limits> for Written {
         let has_two = !limits.is_one_sided();
         let is_even = has_two && minus == plus;
         let [minus, plus] = [minus, plus].map(|side| has_two.then_some(side));
-        let ends = limits
-            .ends()
-            .map(|end| Some(end).filter(|end| end.is_finite()));
+        let ends = limits.ends().map(|end| Some(end).filter(|end| end.is_finite()));
         let [lower, upper] = ends.map(|end| (!is_even).then_some(end));
         Self {
             nominal: has_two.then_some(about),
@@ -127,13 +113,8 @@ impl From<Limits> for Written {
 
 impl From<Written> for Limits {
     fn from(written: Written) -> Self {
-        let [minus, plus] = [written.minus, written.plus]
-            .map(|side| side.or(written.tolerance).unwrap_or_default());
-        match (
-            written.nominal,
-            written.lower.flatten(),
-            written.upper.flatten(),
-        ) {
+        let [minus, plus] = [written.minus, written.plus].map(|side| side.or(written.tolerance).unwrap_or_default());
+        match (written.nominal, written.lower.flatten(), written.upper.flatten()) {
             (Some(about), ..) => Self { about, minus, plus },
             (None, _, Some(limit)) => Self::at_most(limit),
             (None, Some(limit), None) => Self::at_least(limit),
@@ -156,11 +137,7 @@ pub struct Measured {
 impl Measured {
     /// A measured value with a tolerance to both sides.
     pub fn within(nominal: f64, tolerance: f64, error: Option<Law>) -> Self {
-        Self {
-            limits: Limits::within(nominal, tolerance),
-            value: Some(nominal),
-            error,
-        }
+        Self { limits: Limits::within(nominal, tolerance), value: Some(nominal), error }
     }
 
     /// How far a model value is within the limits, in expanded uncertainties: a guard band of
@@ -254,12 +231,7 @@ impl Measurement {
     pub fn new(criteria: Vec<Measured>, pairs: &[(usize, usize, f64)]) -> Result<Self, String> {
         let errors = JointNormal::new(criteria.len(), pairs)?;
         let correlations = pairs.to_vec();
-        Ok(Self {
-            criteria,
-            told: Vec::new(),
-            correlations,
-            errors,
-        })
+        Ok(Self { criteria, told: Vec::new(), correlations, errors })
     }
 
     /// The same, where the conformance probabilities of these criteria are told point by point: see
@@ -270,19 +242,13 @@ impl Measurement {
 
     /// Whether the conformance probability of a criterion is known, by its uncertainty or as it is told.
     pub fn knows(&self, criterion: usize) -> bool {
-        let by_uncertainty = self
-            .criteria
-            .get(criterion)
-            .is_some_and(|c| c.error.is_some());
+        let by_uncertainty = self.criteria.get(criterion).is_some_and(|c| c.error.is_some());
         by_uncertainty || self.told.contains(&criterion)
     }
 
     /// The same, with joint probabilities of many correlated errors to about 1e-3 only (see [`JointNormal::roughly`]).
     pub fn roughly(self) -> Self {
-        Self {
-            errors: self.errors.roughly(),
-            ..self
-        }
+        Self { errors: self.errors.roughly(), ..self }
     }
 
     /// The criteria.
@@ -350,22 +316,15 @@ impl Measurement {
             probability: told_of(number).or_else(|| probability(number)),
         });
         let criteria = criteria.collect();
-        let joint =
-            parts.map(|parts| parts.iter().product::<f64>() * told.map_or(1.0, |told| told.all));
-        let all = Assessed {
-            margin: self.margin(values),
-            probability: joint,
-        };
+        let joint = parts.map(|parts| parts.iter().product::<f64>() * told.map_or(1.0, |told| told.all));
+        let all = Assessed { margin: self.margin(values), probability: joint };
         Conformity { criteria, all }
     }
 
     /// A point as all criteria together would judge it if one uncertainty were this part of what it is: that of the first
     /// criterion, of the second one, and so on, each with the others as they are.
     pub fn with_other_uncertainty(&self, values: &[f64], part: f64) -> Vec<Assessed> {
-        let changed = |c: &Measured| Measured {
-            error: c.error.map(|error| error.times(part)),
-            ..*c
-        };
+        let changed = |c: &Measured| Measured { error: c.error.map(|error| error.times(part)), ..*c };
         let criteria = || self.criteria.iter().zip(values);
         let margins: Vec<f64> = criteria().map(|(c, &value)| c.margin(value)).collect();
         let other_margins = of_the_others(&margins, f64::INFINITY, f64::min);
@@ -422,22 +381,12 @@ mod tests {
 
     #[test]
     fn limits_come_back_from_files_as_they_were() {
-        let uneven = Limits {
-            about: 82.1,
-            minus: 0.1,
-            plus: 0.3,
-        };
+        let uneven = Limits { about: 82.1, minus: 0.1, plus: 0.3 };
         for (limits, text) in [
-            (
-                Limits::within(82.0, 0.6),
-                r#"{"nominal":82.0,"tolerance":0.6}"#,
-            ),
+            (Limits::within(82.0, 0.6), r#"{"nominal":82.0,"tolerance":0.6}"#),
             (Limits::at_most(85.1), r#"{"lower":null,"upper":85.1}"#),
             (Limits::at_least(-2.0), r#"{"lower":-2.0,"upper":null}"#),
-            (
-                uneven,
-                r#"{"nominal":82.1,"minus":0.1,"plus":0.3,"lower":82.0,"upper":82.39999999999999}"#,
-            ),
+            (uneven, r#"{"nominal":82.1,"minus":0.1,"plus":0.3,"lower":82.0,"upper":82.39999999999999}"#),
         ] {
             assert_eq!(serde_json::to_string(&limits).unwrap(), text);
             assert_eq!(serde_json::from_str::<Limits>(text).unwrap(), limits);
@@ -446,11 +395,7 @@ mod tests {
 
     #[test]
     fn a_side_may_be_open_or_narrower() {
-        let uneven = Limits {
-            about: 82.0,
-            minus: 1.0,
-            plus: 2.0,
-        };
+        let uneven = Limits { about: 82.0, minus: 1.0, plus: 2.0 };
         let accepts = |limits: Limits| [80.9, 81.0, 84.0, 84.1].map(|v| limits.accepts(v));
         assert_eq!(accepts(uneven), [false, true, true, false]);
         assert_eq!(accepts(Limits::at_most(84.0)), [true, true, true, false]);
@@ -458,24 +403,14 @@ mod tests {
         assert!(!Limits::at_most(84.0).accepts(f64::NAN));
         assert_eq!(uneven.drawn_in(0.5), Some([81.5, 83.5]));
         assert_eq!(uneven.drawn_in(1.6), None);
-        assert_eq!(
-            Limits::at_most(84.0).drawn_in(9.0),
-            Some([f64::NEG_INFINITY, 75.0])
-        );
+        assert_eq!(Limits::at_most(84.0).drawn_in(9.0), Some([f64::NEG_INFINITY, 75.0]));
         // The limit itself conforms with one half, values that keep a guard band away with less risk.
         let error = Some(Uncertainty::normal(0.5, 2.0).law(84.0));
-        let measured = Measured {
-            limits: Limits::at_most(84.0),
-            value: None,
-            error,
-        };
+        let measured = Measured { limits: Limits::at_most(84.0), value: None, error };
         assert_eq!(measured.most_not_conforming(0.0), Some(0.5));
         let most = measured.most_not_conforming(1.0).unwrap();
         assert!((most - 0.022_750_132).abs() < 1e-9, "{most}");
-        assert_eq!(
-            (measured.capability(), measured.largest_margin()),
-            (None, f64::INFINITY)
-        );
+        assert_eq!((measured.capability(), measured.largest_margin()), (None, f64::INFINITY));
     }
 
     fn measured(nominal: f64, tolerance: f64, expanded: f64) -> Measured {
@@ -513,12 +448,8 @@ mod tests {
 
     #[test]
     fn half_an_uncertainty_is_that_of_a_measurement_with_it() {
-        let criteria = vec![
-            measured(10.0, 1.0, 1.0),
-            measured(-3.0, 2.0, 4.0),
-            measured(0.0, 1.0, 2.0),
-            measured(1.0, 1.0, 0.5),
-        ];
+        let criteria =
+            vec![measured(10.0, 1.0, 1.0), measured(-3.0, 2.0, 4.0), measured(0.0, 1.0, 2.0), measured(1.0, 1.0, 0.5)];
         // The second and the last error are twins.
         let pairs = [(0, 1, -0.6), (1, 3, 1.0), (0, 3, -0.6)];
         let measurement = Measurement::new(criteria.clone(), &pairs).unwrap();
@@ -527,54 +458,33 @@ mod tests {
         for (k, assessed) in changed.iter().enumerate() {
             let mut criteria = criteria.clone();
             criteria[k].error = criteria[k].error.map(|error| error.times(0.5));
-            let expected = Measurement::new(criteria, &pairs)
-                .unwrap()
-                .assess(&values)
-                .all;
+            let expected = Measurement::new(criteria, &pairs).unwrap().assess(&values).all;
             assert_eq!(assessed.margin, expected.margin, "{k}");
             let [probability, expected] = [*assessed, expected].map(|one| one.probability.unwrap());
-            assert!(
-                (probability - expected).abs() < 1e-15,
-                "{k}: {probability} {expected}"
-            );
+            assert!((probability - expected).abs() < 1e-15, "{k}: {probability} {expected}");
         }
     }
 
     #[test]
     fn nothing_is_assumed_where_no_uncertainty_is_stated() {
-        let unknown = Measured {
-            error: None,
-            ..measured(750.0, 52.5, 1.0)
-        };
+        let unknown = Measured { error: None, ..measured(750.0, 52.5, 1.0) };
         let measurement = Measurement::new(vec![measured(82.0, 1.0, 0.5), unknown], &[]).unwrap();
         assert!(!measurement.complete());
         let known = vec![measured(82.0, 1.0, 0.5)];
         assert!(Measurement::new(known, &[]).unwrap().complete());
         assert!(!Measurement::default().complete());
         let inside = measurement.assess(&[82.5, 802.5]);
-        assert_eq!(
-            inside.all,
-            Assessed {
-                margin: 1.0,
-                probability: None
-            }
-        );
+        assert_eq!(inside.all, Assessed { margin: 1.0, probability: None });
         assert!(inside.criteria[0].probability.is_some());
         assert_eq!(inside.criteria[1].margin, f64::INFINITY);
-        assert_eq!(
-            measurement.assess(&[82.5, 803.0]).all.margin,
-            f64::NEG_INFINITY
-        );
+        assert_eq!(measurement.assess(&[82.5, 803.0]).all.margin, f64::NEG_INFINITY);
         assert_eq!(unknown.capability(), None);
     }
 
     #[test]
     fn values_that_are_not_numbers_are_never_within() {
         let sure = measured(82.0, 1.0, 0.5);
-        let unknown = Measured {
-            error: None,
-            ..sure
-        };
+        let unknown = Measured { error: None, ..sure };
         let measurement = Measurement::new(vec![sure, unknown], &[]).unwrap();
         for values in [[f64::NAN, 82.0], [82.0, f64::NAN], [f64::INFINITY, 82.0]] {
             assert_eq!(measurement.margin(&values), f64::NEG_INFINITY, "{values:?}");

@@ -79,11 +79,7 @@ const NOTHING: f64 = 1e-17;
 
 /// The same of two numbers that are equal, or opposite.
 fn identical(lower: [f64; 2], upper: [f64; 2], equal: bool) -> f64 {
-    let second = if equal {
-        [lower[1], upper[1]]
-    } else {
-        [-upper[1], -lower[1]]
-    };
+    let second = if equal { [lower[1], upper[1]] } else { [-upper[1], -lower[1]] };
     between(lower[0].max(second[0]), upper[0].min(second[1]))
 }
 
@@ -181,10 +177,7 @@ mod tests {
         for correlation in [-0.999_999, -0.95, -0.3, 0.0, 0.5, 0.925, 0.99, 0.999_999_9] {
             let expected = 0.25 + f64::asin(correlation) / TAU;
             let probability = between_both([0.0, 0.0], [FREE, FREE], correlation);
-            assert!(
-                (probability - expected).abs() < 1e-14,
-                "{correlation}: {probability}"
-            );
+            assert!((probability - expected).abs() < 1e-14, "{correlation}: {probability}");
         }
     }
 
@@ -248,9 +241,7 @@ mod tests {
             i if i % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        let sum: f64 = (0..=intervals)
-            .map(|i| weight(i) * f(from + i as f64 * h))
-            .sum();
+        let sum: f64 = (0..=intervals).map(|i| weight(i) * f(from + i as f64 * h)).sum();
         sum * h / 3.0
     }
 }

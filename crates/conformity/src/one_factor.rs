@@ -13,8 +13,7 @@ const PIECE: f64 = 3.0;
 /// The step from 0 to 1 of a probability is cut here, in its own standard deviations.
 const STEP: [f64; 5] = [-FAR, -3.5, 0.0, 3.5, FAR];
 
-static RULE: LazyLock<Vec<[f64; 2]>> =
-    LazyLock::new(|| GaussLegendre::new(20).on_unit_interval().collect());
+static RULE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| GaussLegendre::new(20).on_unit_interval().collect());
 
 /// Standard normal numbers, each the common part times its loading plus an independent part.
 #[derive(Clone, Debug)]
@@ -36,20 +35,13 @@ impl OneFactor {
             return None;
         }
         let loading = square.sqrt().min(1.0);
-        let loadings: Vec<f64> = (0..first.len())
-            .map(|k| if k == 0 { loading } else { first[k] / loading })
-            .collect();
-        let is_product = |i: usize, j: usize| {
-            i == j || (correlation[i][j] - loadings[i] * loadings[j]).abs() <= ROUNDING
-        };
+        let loadings: Vec<f64> = (0..first.len()).map(|k| if k == 0 { loading } else { first[k] / loading }).collect();
+        let is_product =
+            |i: usize, j: usize| i == j || (correlation[i][j] - loadings[i] * loadings[j]).abs() <= ROUNDING;
         let all = 0..loadings.len();
         let fits = all.clone().all(|i| all.clone().all(|j| is_product(i, j)))
-            && loadings
-                .iter()
-                .all(|l| l.abs() <= 1.0 + ROUNDING && *l != 0.0);
-        fits.then(|| Self {
-            loadings: loadings.iter().map(|l| l.clamp(-1.0, 1.0)).collect(),
-        })
+            && loadings.iter().all(|l| l.abs() <= 1.0 + ROUNDING && *l != 0.0);
+        fits.then(|| Self { loadings: loadings.iter().map(|l| l.clamp(-1.0, 1.0)).collect() })
     }
 
     /// The probability that every one of the correlated numbers lies between its own limits.
@@ -75,19 +67,14 @@ impl OneFactor {
             let each = numbers().map(|(&loading, (&lower, &upper))| match deviation(loading) {
                 // The number is the common part, or its opposite; the cuts lie at its limits.
                 0.0 => 1.0,
-                deviation => between(
-                    (lower - loading * common) / deviation,
-                    (upper - loading * common) / deviation,
-                ),
+                deviation => between((lower - loading * common) / deviation, (upper - loading * common) / deviation),
             });
             each.product::<f64>() * (-0.5 * common * common).exp()
         };
         let piece = |[start, end]: [f64; 2]| {
             let width = (end - start).max(0.0);
             let nodes = RULE.iter();
-            let sum: f64 = nodes
-                .map(|[at, weight]| weight * given(start + at * width))
-                .sum();
+            let sum: f64 = nodes.map(|[at, weight]| weight * given(start + at * width)).sum();
             sum * width
         };
         let pieces = cuts.windows(2).map(|ends| piece([ends[0], ends[1]]));
@@ -107,16 +94,10 @@ mod tests {
 
     fn matrix(loadings: &[f64]) -> Vec<Vec<f64>> {
         let entry = |i: usize, j: usize| {
-            if i == j {
-                1.0
-            } else {
-                loadings[i] * loadings[j]
-            }
+            if i == j { 1.0 } else { loadings[i] * loadings[j] }
         };
         let size = loadings.len();
-        (0..size)
-            .map(|i| (0..size).map(|j| entry(i, j)).collect())
-            .collect()
+        (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect()
     }
 
     #[test]
@@ -126,12 +107,7 @@ mod tests {
         for (loading, expected) in factor.loadings.iter().zip(loadings) {
             assert!((loading - expected).abs() < 1e-12, "{loading} {expected}");
         }
-        for [a, b, c] in [
-            [0.5, 0.5, -0.5],
-            [0.5, 0.5, 0.0],
-            [0.9, 0.9, 0.7],
-            [0.0, 0.5, 0.5],
-        ] {
+        for [a, b, c] in [[0.5, 0.5, -0.5], [0.5, 0.5, 0.0], [0.9, 0.9, 0.7], [0.0, 0.5, 0.5]] {
             let other = vec![vec![1.0, a, b], vec![a, 1.0, c], vec![b, c, 1.0]];
             assert!(OneFactor::of(&other).is_none(), "{a} {b} {c}");
         }
@@ -145,12 +121,7 @@ mod tests {
     #[test]
     fn two_limited_numbers_have_their_bivariate_probability() {
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-        for loadings in [
-            [0.5, -0.8, 0.3],
-            [0.999, 0.9999, -0.5],
-            [1.0, 0.7, 0.9],
-            [-1.0, 0.999_999, 0.2],
-        ] {
+        for loadings in [[0.5, -0.8, 0.3], [0.999, 0.9999, -0.5], [1.0, 0.7, 0.9], [-1.0, 0.999_999, 0.2]] {
             let numbers = OneFactor::of(&matrix(&loadings)).unwrap();
             for (lower, upper) in [
                 ([-1.0, -0.4, low], [0.7, 2.0, high]),
@@ -159,17 +130,10 @@ mod tests {
                 ([2.0, 1.9, low], [2.5, 2.2, high]),
             ] {
                 let [lower, upper]: [[f64; 3]; 2] = [lower, upper];
-                let expected = between_both(
-                    [lower[0], lower[1]],
-                    [upper[0], upper[1]],
-                    loadings[0] * loadings[1],
-                );
+                let expected = between_both([lower[0], lower[1]], [upper[0], upper[1]], loadings[0] * loadings[1]);
                 let probability = numbers.probability(&lower, &upper);
                 let error = (probability - expected).abs();
-                assert!(
-                    error < 1e-11,
-                    "{loadings:?} {lower:?}: {probability} {expected}"
-                );
+                assert!(error < 1e-11, "{loadings:?} {lower:?}: {probability} {expected}");
             }
         }
     }
@@ -182,18 +146,12 @@ mod tests {
         let probability = numbers.probability(&[0.0; 3], &[f64::INFINITY; 3]);
         let angles = (-0.63_f64).asin() + 0.36_f64.asin() + (-0.28_f64).asin();
         let expected = 0.125 + angles / (2.0 * TAU);
-        assert!(
-            (probability - expected).abs() < 1e-12,
-            "{probability} {expected}"
-        );
+        assert!((probability - expected).abs() < 1e-12, "{probability} {expected}");
         for size in 3..=12 {
             let numbers = OneFactor::of(&matrix(&vec![0.5_f64.sqrt(); size])).unwrap();
             let probability = numbers.probability(&vec![0.0; size], &vec![f64::INFINITY; size]);
             let expected = 1.0 / (size as f64 + 1.0);
-            assert!(
-                (probability - expected).abs() < 1e-12,
-                "{size}: {probability}"
-            );
+            assert!((probability - expected).abs() < 1e-12, "{size}: {probability}");
         }
     }
 }

@@ -183,10 +183,7 @@ impl RiskTally {
     pub fn add(&mut self, point: Option<&Conformity>) {
         let sample = (self.points % self.samples as u64) as usize;
         self.points += 1;
-        let failed = Assessed {
-            margin: f64::NEG_INFINITY,
-            probability: Some(0.0),
-        };
+        let failed = Assessed { margin: f64::NEG_INFINITY, probability: Some(0.0) };
         for (k, acceptance) in self.criteria.iter_mut().enumerate() {
             let assessed = point.map_or(failed, |point| point.criteria[k]);
             acceptance.add(self.guard, sample, assessed);
@@ -243,10 +240,9 @@ impl RiskTally {
     fn unfit(&self, guard: Option<f64>, accepted: u64) -> Option<Unfit> {
         let within = self.within.iter().any(|&n| n > 0);
         match self.guard {
-            Guard::Limiting { risk } if guard.is_none() => Some(Unfit::Risk {
-                limit: risk,
-                least: self.all.least_risk(),
-            }),
+            Guard::Limiting { risk } if guard.is_none() => {
+                Some(Unfit::Risk { limit: risk, least: self.all.least_risk() })
+            }
             Guard::Given(_) if within && accepted == 0 && !self.possible => Some(Unfit::Guard),
             _ => None,
         }

@@ -147,10 +147,7 @@ mod tests {
 
     #[test]
     fn the_points_needed_are_those_at_which_it_is_decided() {
-        let rule = Rule {
-            share: 0.05,
-            confidence: 0.95,
-        };
+        let rule = Rule { share: 0.05, confidence: 0.95 };
         for (share, decision) in [(0.1, Decision::Verified), (0.02, Decision::NotVerified)] {
             let points = points_needed(rule, share).unwrap();
             let at = |n: u64| {
@@ -179,10 +176,7 @@ mod tests {
             (0, 10, 0.001, 3691),
             (1, 64, 0.05, 142),
         ] {
-            let rule = Rule {
-                share: required,
-                confidence: 0.95,
-            };
+            let rule = Rule { share: required, confidence: 0.95 };
             let share = f64::from(hits) / f64::from(points);
             let decided = |n: u64| {
                 let hits = (share * n as f64).round();
@@ -193,19 +187,13 @@ mod tests {
             // A rounded count is off by half a point at most, which so many points make up for at the limit.
             let off = (1.0 / (share - required).abs()).ceil() as u64 + 1;
             let first = (1..).find(|&n| decided(n)).unwrap();
-            assert!(
-                first + off >= needed && first <= needed + off,
-                "{needed} {first}"
-            );
+            assert!(first + off >= needed && first <= needed + off, "{needed} {first}");
             assert!((needed + off..needed + 20 * off).all(decided), "{needed}");
             assert!(needed.abs_diff(published) <= off, "{needed} {published}");
             // Waiting takes longer.
             assert!(points_needed(rule, share).unwrap() > needed);
         }
-        let rule = Rule {
-            share: 0.05,
-            confidence: 0.95,
-        };
+        let rule = Rule { share: 0.05, confidence: 0.95 };
         assert_eq!(points_needed_once(rule, 0.05), None);
         assert!(points_needed_once(rule, 0.0501).unwrap() > 10_000_000);
         assert!(points_needed_once(rule, 1.0).unwrap() <= 2);

@@ -46,12 +46,7 @@ pub(super) fn quantile(probability: f64) -> f64 {
     let q = probability - 0.5;
     if q.abs() <= SPLIT {
         let r = SPLIT * SPLIT - q * q;
-        let above = [
-            3.387_132_717_9,
-            50.434_271_938,
-            159.291_132_02,
-            59.109_374_720,
-        ];
+        let above = [3.387_132_717_9, 50.434_271_938, 159.291_132_02, 59.109_374_720];
         let below = [1.0, 17.895_169_469, 78.757_757_664, 67.187_563_600];
         return q * polynomial(above, r) / polynomial(below, r);
     }
@@ -61,21 +56,11 @@ pub(super) fn quantile(probability: f64) -> f64 {
     }
     let r = (-tail.ln()).sqrt();
     let size = if r <= 5.0 {
-        let above = [
-            1.423_437_277_7,
-            2.756_815_390_0,
-            1.306_728_481_6,
-            0.170_238_211_03,
-        ];
+        let above = [1.423_437_277_7, 2.756_815_390_0, 1.306_728_481_6, 0.170_238_211_03];
         let below = [1.0, 0.737_001_642_50, 0.120_211_329_75, 0.0];
         polynomial(above, r - 1.6) / polynomial(below, r - 1.6)
     } else {
-        let above = [
-            6.657_905_115_0,
-            3.081_226_386_0,
-            0.428_682_943_37,
-            0.017_337_203_997,
-        ];
+        let above = [6.657_905_115_0, 3.081_226_386_0, 0.428_682_943_37, 0.017_337_203_997];
         let below = [1.0, 0.241_978_942_25, 0.012_258_202_635, 0.0];
         polynomial(above, r - 5.0) / polynomial(below, r - 5.0)
     };
@@ -112,10 +97,7 @@ mod tests {
             for probability in [x, x.powi(8), 1.0 - 1e-3 * x] {
                 let expected = precise.inverse_cdf(probability);
                 let error = (quantile(probability) - expected).abs();
-                assert!(
-                    error < 1e-6 * expected.abs().max(1.0),
-                    "{probability}: {error}"
-                );
+                assert!(error < 1e-6 * expected.abs().max(1.0), "{probability}: {error}");
             }
         }
         assert_eq!((quantile(0.0), quantile(1.0)), (-FAR, FAR));

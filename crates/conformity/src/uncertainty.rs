@@ -54,32 +54,17 @@ impl Uncertainty {
 
     /// That of a normal offset alone: U and k.
     pub fn normal(expanded: f64, coverage: f64) -> Self {
-        Self {
-            expanded,
-            coverage,
-            distribution: Distribution::Normal,
-            gain: 0.0,
-            noise: 0.0,
-            repeats: None,
-        }
+        Self { expanded, coverage, distribution: Distribution::Normal, gain: 0.0, noise: 0.0, repeats: None }
     }
 
     /// That of an offset between limits of error: any value up to `half_width` to either side.
     pub fn rectangular(half_width: f64) -> Self {
-        Self {
-            distribution: Distribution::Rectangular,
-            ..Self::normal(half_width, 3.0_f64.sqrt())
-        }
+        Self { distribution: Distribution::Rectangular, ..Self::normal(half_width, 3.0_f64.sqrt()) }
     }
 
     /// The same uncertainty, so many times as large.
     pub fn times(&self, factor: f64) -> Self {
-        Self {
-            expanded: factor * self.expanded,
-            gain: factor * self.gain,
-            noise: factor * self.noise,
-            ..*self
-        }
+        Self { expanded: factor * self.expanded, gain: factor * self.gain, noise: factor * self.noise, ..*self }
     }
 
     /// The standard uncertainty of the offset.
@@ -113,11 +98,8 @@ impl Uncertainty {
     /// The expanded uncertainties and the noise, by the keys with which a study states them; the gain in per cent.
     pub fn parts(&self) -> Vec<(&'static str, f64)> {
         let coverage = self.normal_coverage();
-        let all = [
-            ("uncertainty", self.expanded),
-            ("gain-uncertainty", 100.0 * coverage * self.gain),
-            ("noise", self.noise),
-        ];
+        let all =
+            [("uncertainty", self.expanded), ("gain-uncertainty", 100.0 * coverage * self.gain), ("noise", self.noise)];
         all.into_iter().filter(|(_, part)| *part > 0.0).collect()
     }
 
@@ -288,10 +270,7 @@ impl Law {
         let student = StudentsT::new(0.0, 1.0, self.freedom);
         let student = student.expect("a mean of repeats has a degree of freedom or more");
         let [one, all] = [1, means].map(|means| student.inverse_cdf(1.0 - 0.025 / means as f64));
-        Self {
-            student: self.student * all / one,
-            ..self
-        }
+        Self { student: self.student * all / one, ..self }
     }
 
     /// Half the interval about 0 that holds this probability.
@@ -338,10 +317,7 @@ impl Law {
                 if weight < LEAST {
                     break;
                 }
-                take(
-                    weight,
-                    self.normal.hypot(self.student * (-0.5 * place).exp()),
-                );
+                take(weight, self.normal.hypot(self.student * (-0.5 * place).exp()));
                 place += step;
             }
         }

@@ -44,28 +44,17 @@ pub struct Numerical {
 
 impl Default for Numerical {
     fn default() -> Self {
-        Self {
-            standard: None,
-            note: "not observed".to_owned(),
-        }
+        Self { standard: None, note: "not observed".to_owned() }
     }
 }
 
 impl Comparison {
     /// The comparison with a measured value, given mean and standard deviation of the model's value over the points. None where
     /// nothing is measured, or one of its numbers would be beyond all numbers.
-    pub fn new(
-        measured: &Measured,
-        [mean, deviation]: [f64; 2],
-        numerical: Numerical,
-    ) -> Option<Self> {
+    pub fn new(measured: &Measured, [mean, deviation]: [f64; 2], numerical: Numerical) -> Option<Self> {
         const COVERAGE: f64 = 2.0;
         let u_d = measured.error.map(|error| error.standard());
-        let known = [
-            ("numerical", numerical.standard),
-            ("input", Some(deviation)),
-            ("measurement", u_d),
-        ];
+        let known = [("numerical", numerical.standard), ("input", Some(deviation)), ("measurement", u_d)];
         // Squares of large numbers would be beyond all numbers.
         let u_val = known.iter().filter_map(|(_, u)| *u).fold(0.0, f64::hypot);
         let error = mean - measured.value?;
@@ -74,9 +63,7 @@ impl Comparison {
             a.total_cmp(&b)
         });
         let model_error = [-1.0, 1.0].map(|side| error + side * COVERAGE * u_val);
-        let numbers = [mean, error, deviation, u_val]
-            .into_iter()
-            .chain(model_error);
+        let numbers = [mean, error, deviation, u_val].into_iter().chain(model_error);
         numbers.into_iter().all(f64::is_finite).then(|| Self {
             model: mean,
             error,
@@ -155,10 +142,7 @@ pub fn refined([coarse, middle, fine]: [f64; 3], by: Refined) -> Numerical {
 
 impl Numerical {
     fn unknown(why: &str) -> Self {
-        Self {
-            standard: None,
-            note: format!("not observable: {why}"),
-        }
+        Self { standard: None, note: format!("not observable: {why}") }
     }
 
     /// Two independent parts of it; of one that is not known only the note is kept.
@@ -217,25 +201,16 @@ mod tests {
     use crate::uncertainty::Uncertainty;
 
     fn measured(uncertainty: Option<f64>) -> Measured {
-        Measured::within(
-            82.0,
-            0.6,
-            uncertainty.map(|expanded| Uncertainty::normal(expanded, 2.0).law(82.0)),
-        )
+        Measured::within(82.0, 0.6, uncertainty.map(|expanded| Uncertainty::normal(expanded, 2.0).law(82.0)))
     }
 
     #[test]
     fn the_model_error_lies_about_the_comparison_error() {
-        let numerical = Numerical {
-            standard: Some(0.4),
-            note: String::new(),
-        };
+        let numerical = Numerical { standard: Some(0.4), note: String::new() };
         let told = Comparison::new(&measured(Some(0.6)), [81.0, 1.2], numerical).unwrap();
         // 0.4, 1.2 and 0.3 make 1.3.
         assert!((told.u_val - 1.3).abs() < 1e-12 && told.complete);
-        assert!(
-            (told.model_error[0] + 3.6).abs() < 1e-12 && (told.model_error[1] - 1.6).abs() < 1e-12
-        );
+        assert!((told.model_error[0] + 3.6).abs() < 1e-12 && (told.model_error[1] - 1.6).abs() < 1e-12);
         assert_eq!(told.dominant, "input");
     }
 
@@ -278,22 +253,14 @@ mod tests {
         let of_tolerance = |tol: f64| 5.0 + 3.0 * tol;
         let told = refined([1e-3, 1e-4, 1e-5].map(of_tolerance), Refined::Tolerance);
         let stated = told.standard.unwrap();
-        assert!(
-            (stated / (3e-3 * 1.25 / 1.15) - 1.0).abs() < 1e-6,
-            "{told:?}"
-        );
-        let step = Numerical {
-            standard: Some(stated),
-            note: "a".to_owned(),
-        };
+        assert!((stated / (3e-3 * 1.25 / 1.15) - 1.0).abs() < 1e-6, "{told:?}");
+        let step = Numerical { standard: Some(stated), note: "a".to_owned() };
         let both = told.clone().and(step).standard.unwrap();
         assert!((both / stated - 2.0_f64.sqrt()).abs() < 1e-12);
         let ignored = refined([1.0; 3], Refined::Step).and(told);
         assert_eq!(ignored.standard, Some(stated));
         assert!(
-            ignored
-                .note
-                .starts_with("not observable: the results do not depend on the step; by"),
+            ignored.note.starts_with("not observable: the results do not depend on the step; by"),
             "{}",
             ignored.note
         );
@@ -313,21 +280,12 @@ mod tests {
             let [mean, deviation] = of(&[unit, 2.0 * unit, 6.0 * unit]);
             assert!((mean / unit - 3.0).abs() < 1e-12, "{unit}: {mean}");
             let expected = 7.0_f64.sqrt();
-            assert!(
-                unit < 1.0 || (deviation / unit / expected - 1.0).abs() < 1e-12,
-                "{unit}: {deviation}"
-            );
+            assert!(unit < 1.0 || (deviation / unit / expected - 1.0).abs() < 1e-12, "{unit}: {deviation}");
         }
         let [mean, deviation] = of(&[0.86, 1e160]);
-        assert!(
-            (mean / 5e159 - 1.0).abs() < 1e-12
-                && (deviation / 5e159 - 2.0_f64.sqrt()).abs() < 1e148
-        );
+        assert!((mean / 5e159 - 1.0).abs() < 1e-12 && (deviation / 5e159 - 2.0_f64.sqrt()).abs() < 1e148);
         // Beyond all numbers, there is no comparison.
         let spread = of(&[f64::MAX, -f64::MAX]);
-        assert_eq!(
-            Comparison::new(&measured(None), spread, Numerical::default()),
-            None
-        );
+        assert_eq!(Comparison::new(&measured(None), spread, Numerical::default()), None);
     }
 }

@@ -9,19 +9,12 @@ use std::io::{Read, stdin};
 use curves::{Curve, Metric, Pair, Sampler, iso18571};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let options: Vec<f64> = std::env::args()
-        .skip(1)
-        .map(|text| text.parse())
-        .collect::<Result<_, _>>()?;
+    let options: Vec<f64> = std::env::args().skip(1).map(|text| text.parse()).collect::<Result<_, _>>()?;
     let mut text = String::new();
     stdin().read_to_string(&mut text)?;
     let [reference, model] = read(&text)?;
     for &metric in Metric::ALL {
-        let curve = if metric.needs_even_times() {
-            reference.evenly()
-        } else {
-            reference.clone()
-        };
+        let curve = if metric.needs_even_times() { reference.evenly() } else { reference.clone() };
         let values = sample(&curve, &model)?;
         let band = vec![options.first().copied().unwrap_or(0.0); values.len()];
         let pair = Pair {
@@ -44,13 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The model's values at the reference's times, as a simulation would give them.
 fn sample(reference: &Curve, model: &Curve) -> Result<Vec<f64>, String> {
     let mut sampler = Sampler::new(reference.times().to_vec());
-    sampler.add_all(
-        model
-            .times()
-            .iter()
-            .copied()
-            .zip(model.values().iter().copied()),
-    );
+    sampler.add_all(model.times().iter().copied().zip(model.values().iter().copied()));
     let values = sampler.finish().map(<[f64]>::to_vec);
     values.map_err(|time| format!("the model ends before {time}"))
 }

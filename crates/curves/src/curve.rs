@@ -103,10 +103,7 @@ impl Curve {
     /// When fewer than two rows are left.
     pub fn cut(&self, [from, to]: [f64; 2]) -> Result<Self, Fault> {
         let rows = self.rows([from, to]);
-        Self::new(
-            self.times[rows.clone()].to_vec(),
-            self.values[rows].to_vec(),
-        )
+        Self::new(self.times[rows.clone()].to_vec(), self.values[rows].to_vec())
     }
 
     /// The rows with times between two others, these included.
@@ -151,10 +148,7 @@ impl Curve {
         };
         let times: Vec<f64> = (0..=parts).map(place).collect();
         let value = |&time: &f64| self.at(time).expect("the times are those of the span");
-        Self {
-            values: times.iter().map(value).collect(),
-            times,
-        }
+        Self { values: times.iter().map(value).collect(), times }
     }
 }
 
@@ -187,14 +181,8 @@ mod tests {
         };
         assert_eq!(of(&[0.0, 1.0], &[1.0]).0, Fault::Lengths(2, 1));
         assert_eq!(of(&[0.0], &[1.0]).0, Fault::Few(1));
-        assert_eq!(
-            of(&[0.0, 1.0], &[1.0, f64::NAN]),
-            (Fault::Value(1), Some(1))
-        );
-        assert_eq!(
-            of(&[0.0, f64::INFINITY], &[1.0; 2]),
-            (Fault::Time(1), Some(1))
-        );
+        assert_eq!(of(&[0.0, 1.0], &[1.0, f64::NAN]), (Fault::Value(1), Some(1)));
+        assert_eq!(of(&[0.0, f64::INFINITY], &[1.0; 2]), (Fault::Time(1), Some(1)));
         assert_eq!(of(&[0.0, 1.0, 1.0], &[1.0; 3]), (Fault::Order(2), Some(2)));
     }
 

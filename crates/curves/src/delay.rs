@@ -37,27 +37,17 @@ pub fn find(reference: &Curve, model: &Curve, [least, most]: [f64; 2]) -> Result
     let parts = (2.0 * (most - least) / reference.step()).ceil();
     let parts = parts.clamp(1.0, MOST) as usize;
     let place = |part: usize| least + (most - least) * (part as f64 / parts as f64);
-    let tried: Vec<Found> = (0..=parts)
-        .map(|part| at(reference, model, place(part)))
-        .collect();
-    let rank = |a: &Found, b: &Found| {
-        a.rmse
-            .total_cmp(&b.rmse)
-            .then(a.delay.abs().total_cmp(&b.delay.abs()))
-    };
+    let tried: Vec<Found> = (0..=parts).map(|part| at(reference, model, place(part))).collect();
+    let rank = |a: &Found, b: &Found| a.rmse.total_cmp(&b.rmse).then(a.delay.abs().total_cmp(&b.delay.abs()));
     let is_valley = |&part: &usize| {
-        let lower =
-            |other: Option<&Found>| other.is_none_or(|other| tried[part].rmse <= other.rmse);
+        let lower = |other: Option<&Found>| other.is_none_or(|other| tried[part].rmse <= other.rmse);
         lower(part.checked_sub(1).map(|before| &tried[before])) && lower(tried.get(part + 1))
     };
     let mut valleys: Vec<usize> = (0..=parts).filter(is_valley).collect();
     valleys.sort_by(|&a, &b| rank(&tried[a], &tried[b]));
     let refined = valleys.iter().take(REFINED).flat_map(|&part| {
         let ends = [place(part.saturating_sub(1)), place((part + 1).min(parts))];
-        [
-            tried[part],
-            golden(ends, |delay| at(reference, model, delay)),
-        ]
+        [tried[part], golden(ends, |delay| at(reference, model, delay))]
     });
     let best = refined.min_by(rank);
     Ok(best.unwrap_or(tried[0]))
@@ -74,10 +64,7 @@ pub fn at(reference: &Curve, model: &Curve, delay: f64) -> Found {
         }
         squares += (model.between(after, time) - value).powi(2);
     }
-    Found {
-        delay,
-        rmse: (squares / reference.times().len() as f64).sqrt(),
-    }
+    Found { delay, rmse: (squares / reference.times().len() as f64).sqrt() }
 }
 
 /// The least of a function with one valley between two ends.

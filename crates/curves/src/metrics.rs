@@ -27,12 +27,7 @@ pub struct Pair<'a> {
 impl<'a> Pair<'a> {
     /// A pair without a corridor, and with a normaliser of 1.
     pub fn new(reference: &'a [f64], model: &'a [f64]) -> Self {
-        Self {
-            reference,
-            model,
-            band: &[],
-            normaliser: 1.0,
-        }
+        Self { reference, model, band: &[], normaliser: 1.0 }
     }
 
     /// The model's deviations from the reference.
@@ -105,9 +100,7 @@ impl Metric {
     /// Its name in a study.
     pub fn name(self) -> String {
         let name = serde_json::to_value(self).expect("a metric is written as a word");
-        name.as_str()
-            .expect("a metric is written as a word")
-            .to_owned()
+        name.as_str().expect("a metric is written as a word").to_owned()
     }
 
     /// The number for a pair of curves; not a number where a value of the model is none, or there are no values.
@@ -115,17 +108,9 @@ impl Metric {
     /// # Panics
     /// When the curves are not equally long, and when a corridor has another length than its curve.
     pub fn compare(self, pair: &Pair<'_>) -> f64 {
-        assert_eq!(
-            pair.reference.len(),
-            pair.model.len(),
-            "curves of one length"
-        );
+        assert_eq!(pair.reference.len(), pair.model.len(), "curves of one length");
         if self == Self::Corridor {
-            assert_eq!(
-                pair.reference.len(),
-                pair.band.len(),
-                "a corridor as long as its curve"
-            );
+            assert_eq!(pair.reference.len(), pair.band.len(), "a corridor as long as its curve");
         }
         if pair.model.is_empty() || pair.model.iter().any(|value| !value.is_finite()) {
             return f64::NAN;
@@ -147,11 +132,7 @@ mod tests {
     const MODEL: [f64; 4] = [1.5, 2.0, -3.0, 4.25];
 
     fn pair() -> Pair<'static> {
-        Pair {
-            band: &[0.5, 0.5, 0.5, 0.1],
-            normaliser: 5.0,
-            ..Pair::new(&REFERENCE, &MODEL)
-        }
+        Pair { band: &[0.5, 0.5, 0.5, 0.1], normaliser: 5.0, ..Pair::new(&REFERENCE, &MODEL) }
     }
 
     #[test]
@@ -175,15 +156,8 @@ mod tests {
         let wave: Vec<f64> = (0..50).map(|k| (0.3 * f64::from(k)).sin()).collect();
         let band = vec![0.0; wave.len()];
         for &metric in Metric::ALL {
-            let value = metric.compare(&Pair {
-                band: &band,
-                ..Pair::new(&wave, &wave)
-            });
-            let expected = if metric.kind() == Kind::Rating {
-                1.0
-            } else {
-                0.0
-            };
+            let value = metric.compare(&Pair { band: &band, ..Pair::new(&wave, &wave) });
+            let expected = if metric.kind() == Kind::Rating { 1.0 } else { 0.0 };
             assert_eq!(value, expected, "{metric:?}");
         }
     }
@@ -193,10 +167,7 @@ mod tests {
         let mut model = MODEL;
         model[2] = f64::NAN;
         for &metric in Metric::ALL {
-            let broken = Pair {
-                model: &model,
-                ..pair()
-            };
+            let broken = Pair { model: &model, ..pair() };
             assert!(metric.compare(&broken).is_nan(), "{metric:?}");
         }
     }

@@ -18,12 +18,8 @@ pub struct Sampler {
 impl Sampler {
     /// A sampler at these times, which must grow.
     pub fn new(times: Vec<f64>) -> Self {
-        let mut sampler = Self {
-            values: Vec::with_capacity(times.len()),
-            times,
-            next: f64::INFINITY,
-            last: [f64::NAN; 2],
-        };
+        let mut sampler =
+            Self { values: Vec::with_capacity(times.len()), times, next: f64::INFINITY, last: [f64::NAN; 2] };
         sampler.restart();
         sampler
     }
@@ -80,11 +76,7 @@ impl Sampler {
             } else if before.is_nan() {
                 // The signal begins too late, but for rounding.
                 let slack = SLACK * self.next.abs().max(time.abs());
-                if self.next + slack < time {
-                    f64::NAN
-                } else {
-                    value
-                }
+                if self.next + slack < time { f64::NAN } else { value }
             } else {
                 old + (self.next - before) / (time - before) * (value - old)
             };
@@ -154,12 +146,7 @@ mod tests {
             one.add(begins[step] + sizes[step], values[2 * step]);
         }
         for steps in [0..7, 7..7, 7..8, 8..20, 20..30] {
-            many.add_steps(
-                &begins[steps.clone()],
-                &sizes[steps.clone()],
-                &values[2 * steps.start..],
-                2,
-            );
+            many.add_steps(&begins[steps.clone()], &sizes[steps.clone()], &values[2 * steps.start..], 2);
         }
         assert_eq!(one.finish(), many.finish());
     }
@@ -167,9 +154,7 @@ mod tests {
     /// Also uneven ones, events that take no time, and samples at their ends.
     #[test]
     fn uneven_steps_together_are_as_one_by_one() {
-        let sizes: Vec<f64> = (0..60)
-            .map(|k| [0.5, 0.25, 0.0, 0.125, 4.0, 0.0, 0.0][k % 7])
-            .collect();
+        let sizes: Vec<f64> = (0..60).map(|k| [0.5, 0.25, 0.0, 0.125, 4.0, 0.0, 0.0][k % 7]).collect();
         let begin = |step: usize| sizes[..step].iter().sum::<f64>();
         let begins: Vec<f64> = (0..60).map(begin).collect();
         let values: Vec<f64> = (0..60).map(|k| f64::from(k * k % 23)).collect();
@@ -184,12 +169,7 @@ mod tests {
                 }
                 for first in (0..60).step_by(together) {
                     let steps = first..(first + together).min(60);
-                    many.add_steps(
-                        &begins[steps.clone()],
-                        &sizes[steps.clone()],
-                        &values[steps],
-                        1,
-                    );
+                    many.add_steps(&begins[steps.clone()], &sizes[steps.clone()], &values[steps], 1);
                 }
                 let bits = |sampler: &mut Sampler| -> Vec<u64> {
                     let samples = sampler.finish().unwrap();

@@ -31,10 +31,7 @@ pub(crate) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Re
         fmu: &setup.fmu,
         name: &setup.fmu,
         home: None,
-        limits: Limits {
-            time: patience,
-            memory: MEMORY,
-        },
+        limits: Limits { time: patience, memory: MEMORY },
         echo: false,
     };
     let mut outcome = Outcome::default();

@@ -4,15 +4,8 @@
 use fmu_import::Version;
 
 /// Those of FMI 3.0; the first one is unknown to FMI 2.0.
-const CAUSALITIES: [&str; 7] = [
-    "structuralParameter",
-    "parameter",
-    "calculatedParameter",
-    "input",
-    "output",
-    "local",
-    "independent",
-];
+const CAUSALITIES: [&str; 7] =
+    ["structuralParameter", "parameter", "calculatedParameter", "input", "output", "local", "independent"];
 
 const VARIABILITIES: [&str; 5] = ["constant", "fixed", "tunable", "discrete", "continuous"];
 
@@ -37,11 +30,7 @@ pub(crate) fn variabilities(causality: &str) -> &'static [&'static str] {
 }
 
 /// The values of `initial` that are allowed, the usual one first.
-pub(crate) fn initials(
-    version: Version,
-    causality: &str,
-    variability: &str,
-) -> &'static [&'static str] {
+pub(crate) fn initials(version: Version, causality: &str, variability: &str) -> &'static [&'static str] {
     match (causality, variability) {
         ("independent", _) => &[],
         ("input", _) if version == Version::Two => &[],

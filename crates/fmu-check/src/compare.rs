@@ -34,8 +34,7 @@ pub(crate) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Optio
         }
     }
     let [first, second] = [one, other].map(|run| run.times.last().copied().unwrap_or(f64::NAN));
-    (first.to_bits() != second.to_bits())
-        .then(|| format!("it ends at {second} s instead of {first} s"))
+    (first.to_bits() != second.to_bits()).then(|| format!("it ends at {second} s instead of {first} s"))
 }
 
 /// By how much a variable changes between two runs, in parts of its range.
@@ -61,9 +60,7 @@ pub(crate) fn changes<'a>(columns: &[&'a Variable], one: &Run, other: &Run) -> V
     let of = move |(place, variable): (usize, &&'a Variable)| {
         let values = || pairs.iter().map(|(row, _)| row[place].number());
         let finite = || values().filter(|value| value.is_finite());
-        let [low, high] = finite().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-            [low.min(v), high.max(v)]
-        });
+        let [low, high] = finite().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
         let range = (high - low).max(LEAST * low.abs().max(high.abs()));
         let change = |(row, other): &(&Vec<Value>, &Vec<Value>)| {
             let [one, other] = [row, other].map(|row| row[place].number());

@@ -11,11 +11,7 @@ use crate::hit::Hit;
 
 /// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
 /// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.
-pub(crate) fn alike(
-    document: &Document<'_>,
-    path: &'static str,
-    attributes: &[&'static str],
-) -> Vec<Hit> {
+pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&'static str]) -> Vec<Hit> {
     let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
     let mut steps = path.split('/');
     let last = steps.next_back().unwrap_or_default();
@@ -25,9 +21,7 @@ pub(crate) fn alike(
     });
     let clash = |parent: Node<'_, '_>| {
         let nodes = || elements(parent).filter(|node| is(node, last));
-        attributes
-            .iter()
-            .find_map(|attribute| twice(nodes(), attribute))
+        attributes.iter().find_map(|attribute| twice(nodes(), attribute))
     };
     parents.into_iter().filter_map(clash).collect()
 }
@@ -46,17 +40,13 @@ pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
 
 /// Units and ranges of types that cannot be.
 pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
-    let types = document
-        .all("TypeDefinitions", "SimpleType")
-        .flat_map(elements);
+    let types = document.all("TypeDefinitions", "SimpleType").flat_map(elements);
     let wrong = |node: Node<'_, '_>| {
         let number = |name| node.attribute(name)?.trim().parse::<f64>().ok();
         if let Some((min, max)) = number("min").zip(number("max"))
             && min > max
         {
-            return Some(format!(
-                "min {min} is greater than max {max}: exchange or correct them"
-            ));
+            return Some(format!("min {min} is greater than max {max}: exchange or correct them"));
         }
         match (node.attribute("unit"), node.attribute("displayUnit")) {
             (None, shown) => shown.map(unit_missing),
@@ -64,10 +54,7 @@ pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
         }
     };
     // Where a variable uses the type, the finding is the variable's.
-    let used: HashSet<&str> = document
-        .known()
-        .filter_map(|s| s.typed.attribute("declaredType"))
-        .collect();
+    let used: HashSet<&str> = document.known().filter_map(|s| s.typed.attribute("declaredType")).collect();
     types
         .filter(|node| {
             let name = node.parent().and_then(|parent| parent.attribute("name"));
@@ -86,9 +73,7 @@ pub(crate) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
         Version::Three => "FMUState",
     };
     let text = format!("canSerialize{state} without canGetAndSet{state}: set both or none");
-    let part = ["CoSimulation", "ModelExchange"]
-        .into_iter()
-        .find_map(|part| named(document.root, part).next());
+    let part = ["CoSimulation", "ModelExchange"].into_iter().find_map(|part| named(document.root, part).next());
     Vec::from_iter(part.filter(|_| is_wrong).map(|node| at(node, text)))
 }
 
@@ -112,8 +97,7 @@ pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
     let mut types = document.all("TypeDefinitions", "SimpleType");
     let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
     let hit = |(node, name)| {
-        let text =
-            format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type");
+        let text = format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type");
         at(node, text)
     };
     Vec::from_iter(same.map(hit))
@@ -125,10 +109,7 @@ pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
     let wrong = text.filter(|text| !is_date(text.trim()));
     let hit = |text| {
         let wanted = "write it as 2009-12-08T14:33:22Z, or remove it";
-        at(
-            document.root,
-            format!("generationDateAndTime is \"{text}\": {wanted}"),
-        )
+        at(document.root, format!("generationDateAndTime is \"{text}\": {wanted}"))
     };
     Vec::from_iter(wrong.map(hit))
 }
@@ -136,13 +117,7 @@ pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
 fn is_date(text: &str) -> bool {
     const SECONDS: &str = "0000-00-00T00:00:00";
     /// Where month, day, hour, minute and second are, and from where to where they go.
-    const FIELDS: [(usize, u8, u8); 5] = [
-        (5, 1, 12),
-        (8, 1, 31),
-        (11, 0, 24),
-        (14, 0, 59),
-        (17, 0, 59),
-    ];
+    const FIELDS: [(usize, u8, u8); 5] = [(5, 1, 12), (8, 1, 31), (11, 0, 24), (14, 0, 59), (17, 0, 59)];
     let Some((seconds, rest)) = text.split_at_checked(SECONDS.len()) else {
         return false;
     };
@@ -167,10 +142,7 @@ pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
     }
     let mut counts: HashMap<&str, (&Scalar<'_>, usize)> = HashMap::new();
     for scalar in document.known() {
-        for (node, name) in [
-            (scalar.node, "canHandleMultipleSetPerTimeInstant"),
-            (scalar.typed, "reinit"),
-        ] {
+        for (node, name) in [(scalar.node, "canHandleMultipleSetPerTimeInstant"), (scalar.typed, "reinit")] {
             if node.has_attribute(name) {
                 counts.entry(name).or_insert((scalar, 0)).1 += 1;
             }
@@ -196,12 +168,9 @@ mod tests {
 
     #[test]
     fn dates() {
-        for text in [
-            "2009-12-08T14:33:22Z",
-            "2009-12-08T14:33:22",
-            "2009-12-08T14:33:22.123Z",
-            "2009-12-08T14:33:22+01:00",
-        ] {
+        for text in
+            ["2009-12-08T14:33:22Z", "2009-12-08T14:33:22", "2009-12-08T14:33:22.123Z", "2009-12-08T14:33:22+01:00"]
+        {
             assert!(is_date(text), "{text}");
         }
         for text in [

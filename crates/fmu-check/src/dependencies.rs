@@ -17,8 +17,8 @@ const LATER_KINDS: [&str; 3] = ["fixed", "tunable", "discrete"];
 /// Dependencies are on variables, with a kind each where kinds are given.
 pub(crate) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
     every(document, |name, unknown| {
-        let strange = dependencies_on(unknown)
-            .find(|(_, place)| place.is_none_or(|place| place >= document.scalars.len()));
+        let strange =
+            dependencies_on(unknown).find(|(_, place)| place.is_none_or(|place| place >= document.scalars.len()));
         if let Some((index, _)) = strange {
             return Some(format!(
                 "a dependency on index {index}, which is none of the {} variables: indexes count them from 1",
@@ -31,45 +31,26 @@ pub(crate) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
 
 /// Faults of the kinds.
 fn kinds(list: &str, unknown: Node<'_, '_>) -> Option<String> {
-    let kinds: Vec<&str> = unknown
-        .attribute("dependenciesKind")?
-        .split_whitespace()
-        .collect();
+    let kinds: Vec<&str> = unknown.attribute("dependenciesKind")?.split_whitespace().collect();
     let later: &[&str] = match list {
         "InitialUnknowns" => &[],
         _ => &LATER_KINDS,
     };
-    if let Some(kind) = kinds
-        .iter()
-        .find(|kind| !KINDS.contains(kind) && !later.contains(kind))
-    {
+    if let Some(kind) = kinds.iter().find(|kind| !KINDS.contains(kind) && !later.contains(kind)) {
         let known = [&KINDS[..], later].concat();
-        return Some(format!(
-            "dependenciesKind {kind} is none of {}",
-            known.join(", ")
-        ));
+        return Some(format!("dependenciesKind {kind} is none of {}", known.join(", ")));
     }
     let count = dependencies_on(unknown).count();
-    (count != kinds.len()).then(|| {
-        format!(
-            "{count} dependencies, but {} dependenciesKind: give one for each",
-            kinds.len()
-        )
-    })
+    (count != kinds.len())
+        .then(|| format!("{count} dependencies, but {} dependenciesKind: give one for each", kinds.len()))
 }
 
 /// Dependencies are sorted by index, each there once.
 pub(crate) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
     every(document, |_, unknown| {
-        let places: Vec<usize> = dependencies_on(unknown)
-            .filter_map(|(_, place)| place)
-            .collect();
+        let places: Vec<usize> = dependencies_on(unknown).filter_map(|(_, place)| place).collect();
         let pair = places.windows(2).find(|pair| pair[0] >= pair[1])?;
-        Some(format!(
-            "dependencies: index {} after {}: sort them by index, each once",
-            pair[1] + 1,
-            pair[0] + 1
-        ))
+        Some(format!("dependencies: index {} after {}: sort them by index, each once", pair[1] + 1, pair[0] + 1))
     })
 }
 
@@ -80,11 +61,8 @@ pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
         let kinds = unknown.attribute("dependenciesKind")?;
         let factor = kinds.split_whitespace().find(|kind| *kind != "dependent")?;
         let (name, kind) = (scalar.name, scalar.kind());
-        (kind != "Real").then(|| {
-            format!(
-                "dependenciesKind {factor} for {name}, which is no Real but {kind}: write dependent"
-            )
-        })
+        (kind != "Real")
+            .then(|| format!("dependenciesKind {factor} for {name}, which is no Real but {kind}: write dependent"))
     });
     first_of(wrong)
 }
@@ -120,15 +98,11 @@ fn is_known(scalar: &Scalar<'_>, list: &str, states: &HashSet<usize>) -> bool {
 }
 
 /// Faults of each unknown.
-fn every(
-    document: &Document<'_>,
-    wrong: impl Fn(&'static str, Node<'_, '_>) -> Option<String>,
-) -> Vec<Hit> {
+fn every(document: &Document<'_>, wrong: impl Fn(&'static str, Node<'_, '_>) -> Option<String>) -> Vec<Hit> {
     let mut hits = Vec::new();
     for name in LISTS {
         hits.extend(
-            listed(document, name)
-                .filter_map(|node| Some(at(node, format!("{name}: {}", wrong(name, node)?)))),
+            listed(document, name).filter_map(|node| Some(at(node, format!("{name}: {}", wrong(name, node)?)))),
         );
     }
     hits
@@ -147,13 +121,5 @@ fn first_of(mut hits: Vec<Hit>) -> Vec<Hit> {
 /// The indexes on which an unknown depends, with their places among the variables, from 0.
 fn dependencies_on<'a>(unknown: Node<'a, 'a>) -> impl Iterator<Item = (&'a str, Option<usize>)> {
     let text = unknown.attribute("dependencies").unwrap_or_default();
-    text.split_whitespace().map(|index| {
-        (
-            index,
-            index
-                .parse::<usize>()
-                .ok()
-                .and_then(|index| index.checked_sub(1)),
-        )
-    })
+    text.split_whitespace().map(|index| (index, index.parse::<usize>().ok().and_then(|index| index.checked_sub(1))))
 }

@@ -42,28 +42,17 @@ impl<'a> Document<'a> {
             .collect();
         let types = named(root, "TypeDefinitions").flat_map(elements);
         let typed = |node: Node<'a, 'a>| match version {
-            Version::Two => elements(node)
-                .next()
-                .filter(|_| node.has_tag_name("SimpleType")),
+            Version::Two => elements(node).next().filter(|_| node.has_tag_name("SimpleType")),
             Version::Three => Some(node),
         };
-        let types = types
-            .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
-            .collect();
+        let types = types.filter_map(|node| Some((node.attribute("name")?, typed(node)?))).collect();
         let mut aliases: HashMap<Place<'a>, Vec<usize>> = HashMap::new();
         for scalar in scalars.iter().flatten() {
             if let Some(place) = scalar.place() {
                 aliases.entry(place).or_default().push(scalar.position);
             }
         }
-        Self {
-            root,
-            scalars,
-            types,
-            read,
-            aliases,
-            lines: starts_of_lines(root.document().input_text()),
-        }
+        Self { root, scalars, types, read, aliases, lines: starts_of_lines(root.document().input_text()) }
     }
 
     /// Gives a finding its line.
@@ -75,15 +64,8 @@ impl<'a> Document<'a> {
 
     /// The remarks of the reader on a part of the description.
     pub(crate) fn remarks(&self, about: About) -> Vec<Hit> {
-        let remarks = self
-            .read
-            .remarks
-            .iter()
-            .filter(|remark| remark.about == about);
-        let hit = |remark: &Remark| Hit {
-            line: Some(remark.line),
-            ..Hit::of(NAME, remark.text.clone())
-        };
+        let remarks = self.read.remarks.iter().filter(|remark| remark.about == about);
+        let hit = |remark: &Remark| Hit { line: Some(remark.line), ..Hit::of(NAME, remark.text.clone()) };
         remarks.map(hit).collect()
     }
 
@@ -104,11 +86,7 @@ impl<'a> Document<'a> {
     }
 
     /// All elements of one kind within the lists of another.
-    pub(crate) fn all(
-        &self,
-        list: &'static str,
-        of: &'static str,
-    ) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+    pub(crate) fn all(&self, list: &'static str, of: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
         named(self.root, list).flat_map(move |list| named(list, of))
     }
 
@@ -133,17 +111,12 @@ impl<'a> Document<'a> {
 
 fn starts_of_lines(text: &str) -> Vec<usize> {
     let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-    std::iter::once(0)
-        .chain(ends.map(|(at, _)| at + 1))
-        .collect()
+    std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect()
 }
 
 /// A finding at an element.
 pub(crate) fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
-    Hit {
-        position: Some(node.range().start),
-        ..Hit::of(NAME, text)
-    }
+    Hit { position: Some(node.range().start), ..Hit::of(NAME, text) }
 }
 
 /// A variable as it is written.
@@ -165,18 +138,12 @@ impl<'a> Scalar<'a> {
     fn new(version: Version, node: Node<'a, 'a>, position: usize) -> Option<Self> {
         let types = ["Real", "Integer", "Boolean", "String", "Enumeration"];
         let typed = match version {
-            Version::Two => {
-                elements(node).find(|child| types.contains(&child.tag_name().name()))?
-            }
+            Version::Two => elements(node).find(|child| types.contains(&child.tag_name().name()))?,
             Version::Three => node,
         };
         let causality = node.attribute("causality").unwrap_or("local");
         let usual = match (causality, typed.tag_name().name()) {
-            ("parameter" | "calculatedParameter" | "structuralParameter", _)
-                if version == Version::Three =>
-            {
-                "fixed"
-            }
+            ("parameter" | "calculatedParameter" | "structuralParameter", _) if version == Version::Three => "fixed",
             (_, "Real" | "Float32" | "Float64") => "continuous",
             // The default of FMI 2.0 is continuous, which only a Real can be; tools mean discrete.
             _ => "discrete",
@@ -184,21 +151,14 @@ impl<'a> Scalar<'a> {
         let variability = node.attribute("variability").unwrap_or(usual);
         let initials = combinations::initials(version, causality, variability);
         let default = match initials {
-            [usual, ..]
-                if version == Version::Two
-                    || combinations::are_known(version, causality, variability) =>
-            {
-                usual
-            }
+            [usual, ..] if version == Version::Two || combinations::are_known(version, causality, variability) => usual,
             _ => "",
         };
         Some(Self {
             node,
             typed,
             position,
-            name: node
-                .attribute("name")
-                .unwrap_or("a variable without a name"),
+            name: node.attribute("name").unwrap_or("a variable without a name"),
             causality,
             variability,
             initial: node.attribute("initial").unwrap_or(default),

@@ -9,15 +9,9 @@ pub(crate) fn columns(fmu: &Description) -> Vec<&Variable> {
     let mut columns: Vec<&Variable> = fmu.with(Causality::Output).collect();
     if columns.is_empty() {
         let varying = |variable: &&Variable| variable.variability != Variability::Constant;
-        columns = fmu
-            .with(Causality::Local)
-            .filter(varying)
-            .take(LOCALS)
-            .collect();
+        columns = fmu.with(Causality::Local).filter(varying).take(LOCALS).collect();
     }
-    let numbers = fmu
-        .with(Causality::Parameter)
-        .filter(|variable| variable.number_handle().is_some());
+    let numbers = fmu.with(Causality::Parameter).filter(|variable| variable.number_handle().is_some());
     columns.extend(numbers);
     columns
 }
@@ -27,10 +21,7 @@ const STEPS: f64 = 10.0;
 
 /// A few steps of an experiment.
 pub(crate) fn first_steps(whole: Schedule) -> Schedule {
-    Schedule {
-        stop: whole.stop.min(whole.start + STEPS * whole.step),
-        ..whole
-    }
+    Schedule { stop: whole.stop.min(whole.start + STEPS * whole.step), ..whole }
 }
 
 /// The suggested experiment, or another where that is of no use.
@@ -55,27 +46,15 @@ pub(crate) fn last_whole_step(fmu: &Description, schedule: &Schedule) -> f64 {
 
 /// The same number of steps, of another size.
 pub(crate) fn with_step(schedule: Schedule, step: f64) -> Schedule {
-    Schedule {
-        step,
-        stop: schedule.start + STEPS * step,
-        ..schedule
-    }
+    Schedule { step, stop: schedule.start + STEPS * step, ..schedule }
 }
 
 /// Other values of real parameters: a little more than the start, within the range.
 pub(crate) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
     const MORE: f64 = 1.01;
-    let parameters = fmu
-        .with(Causality::Parameter)
-        .filter(|variable| variable.is_settable());
+    let parameters = fmu.with(Causality::Parameter).filter(|variable| variable.is_settable());
     let other = |variable: &Variable| {
-        let Kind::Real {
-            start: Some(start),
-            min,
-            max,
-            ..
-        } = variable.kind
-        else {
+        let Kind::Real { start: Some(start), min, max, .. } = variable.kind else {
             return None;
         };
         let value = [start * MORE, start / MORE].into_iter().find(|value| {

@@ -65,9 +65,7 @@ pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
         return Ok(Faults { findings, fatal });
     }
     if !is_identifier(&identifier) {
-        let text = format!(
-            "modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"
-        );
+        let text = format!("modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores");
         findings.push(("model-identifier", Hit::of(NAME, text)));
     }
     let version = package.description().standard;
@@ -80,10 +78,7 @@ pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     }
     let twice = package.entries_twice();
     if !twice.is_empty() {
-        let text = format!(
-            "two entries of each of these names: {}: remove one",
-            short(twice)
-        );
+        let text = format!("two entries of each of these names: {}: remove one", short(twice));
         findings.push(("archive-entry-unique", Hit::plain(text)));
     }
     Ok(Faults { findings, fatal })
@@ -121,9 +116,7 @@ fn of_platform(
         return match package.bytes_of(&name) {
             Ok(bytes) => {
                 let sound = sound(&bytes, package.description(), format, machine);
-                Ok(sound
-                    .err()
-                    .map(|(rule, wrong)| (rule, Hit::of(&name, wrong))))
+                Ok(sound.err().map(|(rule, wrong)| (rule, Hit::of(&name, wrong))))
             }
             Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
                 Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
@@ -132,14 +125,11 @@ fn of_platform(
         };
     }
     if let Some(entry) = entries.iter().find(|entry| miswritten(entry, &folder)) {
-        let text =
-            format!("the folder's name is {folder}, as names differ by upper and lower case");
+        let text = format!("the folder's name is {folder}, as names differ by upper and lower case");
         return Ok(Some(("binary-folder", Hit::of(entry, text))));
     }
     Ok(binaries.first().map(|other| {
-        let text = format!(
-            "the binary is named otherwise than modelIdentifier, `{identifier}`: call it {wanted}"
-        );
+        let text = format!("the binary is named otherwise than modelIdentifier, `{identifier}`: call it {wanted}");
         ("binary-name", Hit::of(&format!("{folder}{other}"), text))
     }))
 }
@@ -150,8 +140,7 @@ fn miswritten(entry: &str, folder: &str) -> bool {
     start.is_some_and(|start| start != folder && start.eq_ignore_ascii_case(folder))
 }
 
-const OUTSIDE: &str =
-    "the path leads outside the archive: pack the FMU with relative paths below it";
+const OUTSIDE: &str = "the path leads outside the archive: pack the FMU with relative paths below it";
 const BACKSLASH: &str = "the path contains a backslash: pack the FMU with forward slashes";
 
 /// Faults of an entry's path (FMI 2.0.5, section 2.3).
@@ -186,11 +175,8 @@ fn sound(
         return Ok(());
     }
     let unreadable = |text| ("binary-readable", text);
-    let file = object::File::parse(bytes).map_err(|error| {
-        unreadable(format!(
-            "no shared library ({error}): build the binary anew"
-        ))
-    })?;
+    let file = object::File::parse(bytes)
+        .map_err(|error| unreadable(format!("no shared library ({error}): build the binary anew")))?;
     if (file.format(), file.architecture()) != (format, machine) {
         let text = format!(
             "a binary for {:?} in {:?} format, not for {machine:?} in {format:?}: put it into the folder of its \
@@ -200,20 +186,14 @@ fn sound(
         );
         return Err(("binary-machine", text));
     }
-    let exports = exports(&file).map_err(|error| {
-        unreadable(format!(
-            "its functions cannot be read ({error}): build it anew"
-        ))
-    })?;
+    let exports =
+        exports(&file).map_err(|error| unreadable(format!("its functions cannot be read ({error}): build it anew")))?;
     // macOS puts an underscore before the names of C.
     let has = |name: &str| exports.contains(name) || exports.contains(&format!("_{name}"));
     let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
     let functions = functions(fmu);
-    let absent: Vec<String> = functions
-        .iter()
-        .map(|name| format!("{prefix}{name}"))
-        .filter(|name| !has(name))
-        .collect();
+    let absent: Vec<String> =
+        functions.iter().map(|name| format!("{prefix}{name}")).filter(|name| !has(name)).collect();
     if absent.is_empty() {
         return Ok(());
     }
@@ -227,9 +207,9 @@ fn sound(
         };
         let end = format!("_{step}");
         match exports.iter().find(|export| export.ends_with(&end)) {
-            Some(name) => format!(
-                "the binary exports {name} instead of {step}: build it without a prefix of the functions"
-            ),
+            Some(name) => {
+                format!("the binary exports {name} instead of {step}: build it without a prefix of the functions")
+            }
             None => {
                 format!("the binary exports none of the functions of FMI {number}: export them")
             }

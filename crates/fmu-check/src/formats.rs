@@ -85,10 +85,7 @@ impl Findings {
 
     /// A SARIF log of one run of `program`.
     pub fn sarif(&self, program: &str) -> String {
-        let rules: Vec<Value> = RULES
-            .iter()
-            .map(|rule| described(rule, self.version))
-            .collect();
+        let rules: Vec<Value> = RULES.iter().map(|rule| described(rule, self.version)).collect();
         let known = self.ignored.iter().map(|(finding, reason)| {
             let mut known = result(&self.fmu, finding);
             known["suppressions"] = json!([{"kind": "external", "justification": reason}]);

@@ -19,18 +19,12 @@ pub struct Hit {
 impl Hit {
     /// One of no file.
     pub(crate) fn plain(text: impl Into<String>) -> Self {
-        Self {
-            text: text.into(),
-            ..Self::default()
-        }
+        Self { text: text.into(), ..Self::default() }
     }
 
     /// One of a file.
     pub(crate) fn of(file: &str, text: impl Into<String>) -> Self {
-        Self {
-            file: Some(file.to_owned()),
-            ..Self::plain(text)
-        }
+        Self { file: Some(file.to_owned()), ..Self::plain(text) }
     }
 
     /// Whether the text has this name as a whole: `oil.density` is not in `oil.density15`, nor in `hot.oil.density`.
@@ -49,9 +43,7 @@ impl Hit {
 
     /// The text with the place before it.
     pub fn full(&self) -> String {
-        let Self {
-            file, line, text, ..
-        } = self;
+        let Self { file, line, text, .. } = self;
         match (file, line) {
             (Some(file), Some(line)) => format!("{file}, line {line}: {text}"),
             (Some(file), None) => format!("{file}: {text}"),
@@ -70,15 +62,7 @@ mod tests {
         for name in ["oil.density15", "a[1].b", "x", "hot.oil"] {
             assert!(hit.names(name), "{name}");
         }
-        for name in [
-            "oil.density1",
-            "density15",
-            "oil",
-            "a",
-            "a[1]",
-            "b",
-            "unity",
-        ] {
+        for name in ["oil.density1", "density15", "oil", "a", "a[1]", "b", "unity"] {
             assert!(!hit.names(name), "{name}");
         }
     }

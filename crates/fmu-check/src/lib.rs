@@ -80,12 +80,7 @@ pub struct Findings {
 /// # Errors
 /// When there is no such file, when it is no archive, and when the system says no.
 pub fn check(fmu: &Path, patience: Duration) -> Result<Findings, CheckError> {
-    let mut findings = Findings {
-        fmu: fmu.to_owned(),
-        all: Vec::new(),
-        ignored: Vec::new(),
-        version: Version::Two,
-    };
+    let mut findings = Findings { fmu: fmu.to_owned(), all: Vec::new(), ignored: Vec::new(), version: Version::Two };
     match Package::open(fmu) {
         Ok(package) => findings.look(package, patience)?,
         // An archive that is no FMU of this version, or damaged, is a finding; what is no archive, a mistake.
@@ -129,13 +124,11 @@ impl Findings {
     /// Ignores the findings of a rule, which are known, and returns how many there are: those that name the variable, or
     /// all of them.
     pub fn ignore(&mut self, rule: &str, variable: Option<&str>, reason: &str) -> usize {
-        let is_known = |finding: &mut Finding| {
-            finding.rule.id == rule && variable.is_none_or(|name| finding.hit.names(name))
-        };
+        let is_known =
+            |finding: &mut Finding| finding.rule.id == rule && variable.is_none_or(|name| finding.hit.names(name));
         let known = self.all.extract_if(.., is_known);
         let before = self.ignored.len();
-        self.ignored
-            .extend(known.map(|finding| (finding, reason.to_owned())));
+        self.ignored.extend(known.map(|finding| (finding, reason.to_owned())));
         self.ignored.len() - before
     }
 
@@ -157,10 +150,7 @@ impl Findings {
         let folder = stop::scratch()?;
         let unpacked = match package.unpack(folder.path()) {
             Ok(unpacked) => unpacked,
-            Err(FmuError {
-                fault: FmuFault::Archive(fault),
-                ..
-            }) => {
+            Err(FmuError { fault: FmuFault::Archive(fault), .. }) => {
                 // Where something is wrong with this machine's binary, it has been said.
                 if !files.fatal {
                     let rule = match fault {
@@ -179,12 +169,8 @@ impl Findings {
         if lacks_libraries || files.fatal || package.description().guid.is_empty() {
             return Ok(());
         }
-        let failed = |source| CheckError::Io {
-            path: folder.path().to_owned(),
-            source,
-        };
-        let mut probes =
-            Probes::new(&package, &unpacked, folder.path(), patience).map_err(failed)?;
+        let failed = |source| CheckError::Io { path: folder.path().to_owned(), source };
+        let mut probes = Probes::new(&package, &unpacked, folder.path(), patience).map_err(failed)?;
         for (rule, hit) in probes.findings(described_well).map_err(failed)? {
             self.add(rule, hit);
         }
@@ -210,9 +196,7 @@ impl Findings {
                 let hits = match rule.find {
                     Find::Document(find) if !is_three => find(&document),
                     Find::Three(find) if is_three => find(&document),
-                    Find::Each(find) if is_three => {
-                        document.of_each(|scalar| find(scalar, &document))
-                    }
+                    Find::Each(find) if is_three => document.of_each(|scalar| find(scalar, &document)),
                     Find::Either(find) => find(&document),
                     Find::Remark(about) => document.remarks(about),
                     _ => continue,
@@ -245,10 +229,7 @@ impl Findings {
         let missing = needed::missing(&binary);
         if !missing.is_empty() {
             let name = binary.strip_prefix(unpacked).unwrap_or(&binary);
-            let text = format!(
-                "it needs {}, not found on this machine: install what is missing",
-                missing.join(", ")
-            );
+            let text = format!("it needs {}, not found on this machine: install what is missing", missing.join(", "));
             self.add("binary-libraries", Hit::of(&name.to_string_lossy(), text));
         }
         !missing.is_empty()

@@ -7,8 +7,7 @@ use crate::hit::Hit;
 pub(crate) fn convention(document: &Document<'_>) -> Vec<Hit> {
     let convention = document.root.attribute("variableNamingConvention");
     let other = convention.filter(|word| !["flat", "structured"].contains(word));
-    let text =
-        |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
+    let text = |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
     Vec::from_iter(other.map(|word| at(document.root, text(word))))
 }
 
@@ -25,12 +24,8 @@ pub(crate) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 pub(crate) fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let structured = document.root.attribute("variableNamingConvention") == Some("structured");
     let derivative = structured && scalar.name.starts_with("der(") && scalar.kind() != "Real";
-    derivative.then(|| {
-        format!(
-            "the name is the one of a derivative, which is a Real, not {}: rename it",
-            scalar.kind()
-        )
-    })
+    derivative
+        .then(|| format!("the name is the one of a derivative, which is a Real, not {}: rename it", scalar.kind()))
 }
 
 /// The first name that the naming convention does not allow.
@@ -39,8 +34,7 @@ pub(crate) fn structured(document: &Document<'_>) -> Vec<Hit> {
     if convention != Some("structured") {
         return Vec::new();
     }
-    let strange =
-        |scalar: &&Scalar<'_>| scalar.node.has_attribute("name") && !is_structured(scalar.name);
+    let strange = |scalar: &&Scalar<'_>| scalar.node.has_attribute("name") && !is_structured(scalar.name);
     let strange: Vec<&Scalar<'_>> = document.known().filter(strange).collect();
     let more = match strange.len() {
         0 | 1 => String::new(),
@@ -103,9 +97,7 @@ fn indices(text: &str) -> Option<&str> {
     let (list, rest) = inner.split_once(']')?;
     let number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
     // Modelica tools write a space after the comma.
-    list.split(',')
-        .all(|word| number(word.trim()))
-        .then_some(rest)
+    list.split(',').all(|word| number(word.trim())).then_some(rest)
 }
 
 #[cfg(test)]
@@ -128,9 +120,7 @@ mod tests {
         ] {
             assert!(is_structured(name), "{name}");
         }
-        for name in [
-            "", "1a", "a.", ".a", "a b", "a[]", "a[i]", "der(a", "der(a,)", "''", "'a", "a-b", "é",
-        ] {
+        for name in ["", "1a", "a.", ".a", "a b", "a[]", "a[i]", "der(a", "der(a,)", "''", "'a", "a-b", "é"] {
             assert!(!is_structured(name), "{name}");
         }
     }

@@ -201,28 +201,16 @@ impl Probe<'_> {
     }
 
     /// An initialised instance. What fails is noted as a run of its own.
-    fn begin(
-        &mut self,
-        library: &Arc<Library>,
-        changed: &[(u32, Value)],
-        which: &str,
-    ) -> Option<Live> {
+    fn begin(&mut self, library: &Arc<Library>, changed: &[(u32, Value)], which: &str) -> Option<Live> {
         self.at(&format!("{which}fmi2Instantiate"));
         match Instance::new(library, "probe") {
             Ok(instance) => {
-                let mut live = Live {
-                    instance,
-                    run: Run::default(),
-                    open: false,
-                };
+                let mut live = Live { instance, run: Run::default(), open: false };
                 self.start(&mut live, changed, "");
                 Some(live)
             }
             Err(call) => {
-                self.report.runs.push(Run {
-                    failure: Some(call.to_string()),
-                    ..Run::default()
-                });
+                self.report.runs.push(Run { failure: Some(call.to_string()), ..Run::default() });
                 None
             }
         }
@@ -249,10 +237,7 @@ impl Probe<'_> {
     fn steps(&mut self, lives: &mut [&mut Live]) {
         let points = self.schedule.points();
         let Setup { every, end, .. } = self.setup;
-        let (count, begun) = (
-            end.steps.unwrap_or(u64::MAX).min(points.steps),
-            Instant::now(),
-        );
+        let (count, begun) = (end.steps.unwrap_or(u64::MAX).min(points.steps), Instant::now());
         for index in 0..count {
             let (time, next) = (points.at(index), points.at(index + 1));
             let is_kept = (index + 1).is_multiple_of(*every) || index + 1 == count;
@@ -263,10 +248,7 @@ impl Probe<'_> {
                 let Live { instance, run, .. } = &mut **live;
                 let mut at = next;
                 let mut outcome = instance.step(time, next - time);
-                if let Err(Call {
-                    ended: Some(end), ..
-                }) = &outcome
-                {
+                if let Err(Call { ended: Some(end), .. }) = &outcome {
                     at = end.at;
                     run.ended = Some(at);
                     outcome = Ok(());

@@ -65,11 +65,7 @@ impl<'a> Probes<'a> {
     fn run(&mut self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
         let fresh = self.fresh_folder()?;
         let fmu = fresh.as_ref().map_or(&*self.setup.fmu, TempDir::path);
-        let setup = Setup {
-            life,
-            fmu: fmu.to_owned(),
-            ..self.setup.clone()
-        };
+        let setup = Setup { life, fmu: fmu.to_owned(), ..self.setup.clone() };
         child::run(&setup, patience, fill)
     }
 
@@ -86,9 +82,8 @@ impl<'a> Probes<'a> {
         let mut outcome = self.run(life, fill, patience)?;
         if timed_out(&outcome) {
             let [longer, usual] = [patience, self.patience].map(|time| time.as_secs_f64());
-            outcome.fate = Some(format!(
-                "not done after {longer} s, where a first simulation was done within {usual} s"
-            ));
+            outcome.fate =
+                Some(format!("not done after {longer} s, where a first simulation was done within {usual} s"));
         }
         Ok(outcome)
     }
@@ -138,10 +133,7 @@ impl<'a> Probes<'a> {
             return Ok(breaches);
         }
         if let Some(text) = &whole.unfinished {
-            breaches.push((
-                "life-ends",
-                Hit::plain(format!("the simulation is whole, but: {text}")),
-            ));
+            breaches.push(("life-ends", Hit::plain(format!("the simulation is whole, but: {text}"))));
         }
         let stable = self.memory(whole)?;
         let unstable = stable.is_some();
@@ -182,8 +174,7 @@ impl<'a> Probes<'a> {
 
     /// Whether the values depend on memory that was never written, or on nothing that can be named.
     fn memory(&mut self, whole: &Run) -> io::Result<Option<Breach>> {
-        let [filled, again, other] =
-            [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.later(Life::Alone, Some(fill)));
+        let [filled, again, other] = [FILLS[0], FILLS[0], FILLS[1]].map(|fill| self.later(Life::Alone, Some(fill)));
         let (filled, again, other) = (filled?, again?, other?);
         let all = [&filled, &again, &other].map(|outcome| sound(outcome, 1).map(|runs| &runs[0]));
         let [filled, again, other] = &all;
@@ -193,27 +184,20 @@ impl<'a> Probes<'a> {
             (Err(_), Err(_)) => None,
         };
         if let Some(text) = differ(filled, again) {
-            let text = format!(
-                "two simulations of the same differ (clock, random numbers, addresses): {text}"
-            );
+            let text = format!("two simulations of the same differ (clock, random numbers, addresses): {text}");
             return Ok(Some(("reproducible", Hit::plain(text))));
         }
         let whole = Ok(whole);
         let text = differ(filled, other).or_else(|| differ(&whole, filled));
         Ok(text.map(|text| {
-            let text = format!(
-                "it reads memory that it never wrote: with fresh memory filled otherwise, {text}"
-            );
+            let text = format!("it reads memory that it never wrote: with fresh memory filled otherwise, {text}");
             ("memory-written", Hit::plain(text))
         }))
     }
 
     /// Whether other lives give the same values.
     fn lives(&mut self, whole: &Run) -> io::Result<Vec<Breach>> {
-        let once = self
-            .fmu
-            .capabilities
-            .can_be_instantiated_only_once_per_process;
+        let once = self.fmu.capabilities.can_be_instantiated_only_once_per_process;
         let mut breaches = Vec::new();
         let reset = self.life(Life::Reset, whole)?;
         if reset.is_none() && !self.setup.changed.is_empty() {
@@ -236,18 +220,11 @@ impl<'a> Probes<'a> {
         let reset = format!("{}Reset", self.fmu.standard.prefix());
         let (rule, what) = match life {
             Life::Reset => ("life-reset", format!("after {reset}")),
-            Life::Changed => (
-                "life-reset",
-                format!("after a simulation with changed parameters and {reset}"),
-            ),
-            Life::InTurn => (
-                "life-again",
-                "in a second instance after the first was freed".to_owned(),
-            ),
+            Life::Changed => ("life-reset", format!("after a simulation with changed parameters and {reset}")),
+            Life::InTurn => ("life-again", "in a second instance after the first was freed".to_owned()),
             Life::Together => (
                 "life-instances",
-                "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)"
-                    .to_owned(),
+                "with two instances at once (canBeInstantiatedOnlyOncePerProcess is not set)".to_owned(),
             ),
             // It is one run.
             Life::Alone => return Ok(None),
@@ -255,10 +232,7 @@ impl<'a> Probes<'a> {
         let outcome = self.later(life, None)?;
         let runs = match sound(&outcome, 2) {
             // With changed parameters it may fail, and that says nothing of the reset.
-            Err(_)
-                if life == Life::Changed
-                    && first(&outcome).is_none_or(|run| run.failure.is_some()) =>
-            {
+            Err(_) if life == Life::Changed && first(&outcome).is_none_or(|run| run.failure.is_some()) => {
                 return Ok(None);
             }
             Err(text) => return Ok(Some(unlike(rule, &what, &text))),
@@ -271,11 +245,7 @@ impl<'a> Probes<'a> {
             let text = runs.iter().find_map(|run| run.unfinished.clone());
             text.filter(|_| whole.unfinished.is_none())
         };
-        let text = runs
-            .iter()
-            .find_map(|run| difference(&self.columns, whole, run))
-            .or_else(fate)
-            .or_else(unfinished);
+        let text = runs.iter().find_map(|run| difference(&self.columns, whole, run)).or_else(fate).or_else(unfinished);
         Ok(text.map(|text| unlike(rule, &what, &text)))
     }
 
@@ -308,10 +278,7 @@ impl<'a> Probes<'a> {
         };
         self.setup.schedule.step /= 2.0;
         self.setup.every *= 2;
-        self.setup.end = End {
-            steps: Some(2 * taken),
-            time: None,
-        };
+        self.setup.end = End { steps: Some(2 * taken), time: None };
         let finer = self.later(Life::Alone, None)?;
         let finer = match sound(&finer, 1) {
             Err(text) => {
@@ -334,8 +301,7 @@ impl<'a> Probes<'a> {
     /// A message without the folder into which the FMU was unpacked.
     fn shortened(&self, text: &str) -> String {
         let folder = self.setup.fmu.display();
-        text.replace(&format!("{folder}/"), "")
-            .replace(&format!("{folder}: "), "")
+        text.replace(&format!("{folder}/"), "").replace(&format!("{folder}: "), "")
     }
 }
 
@@ -367,17 +333,9 @@ fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
     const MUCH: f64 = 0.01;
     let much = changes.into_iter().filter(|change| change.most > MUCH);
     let Change { name, most, mean } = much.max_by(|a, b| a.mean.total_cmp(&b.mean))?;
-    let rule = if mean > MUCH {
-        "step-coarse"
-    } else {
-        "step-size"
-    };
+    let rule = if mean > MUCH { "step-coarse" } else { "step-size" };
     let text = match most.is_finite() {
-        true => format!(
-            "{name} changes by up to {:.2} % of its range, {:.2} % on average",
-            100.0 * most,
-            100.0 * mean
-        ),
+        true => format!("{name} changes by up to {:.2} % of its range, {:.2} % on average", 100.0 * most, 100.0 * mean),
         false => format!("{name} is a finite number with one of the steps alone"),
     };
     Some((rule, text))
@@ -385,8 +343,5 @@ fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
 
 /// A life that is not as one alone.
 fn unlike(rule: &'static str, what: &str, text: &str) -> Breach {
-    (
-        rule,
-        Hit::plain(format!("{what}, {text}: it must be as alone")),
-    )
+    (rule, Hit::plain(format!("{what}, {text}: it must be as alone")))
 }

@@ -17,10 +17,7 @@ const LARGEST: usize = 1_000_000;
 
 /// The elements of the manifest by their depth: the attributes, with `!` where they must be there, and the elements within.
 const LEVELS: [(&str, &str); 3] = [
-    (
-        "fmi-ls:fmi-ls-name! fmi-ls:fmi-ls-version! fmi-ls:fmi-ls-description!",
-        "Related",
-    ),
+    ("fmi-ls:fmi-ls-name! fmi-ls:fmi-ls-version! fmi-ls:fmi-ls-description!", "Related"),
     ("type source! role! description", "Label"),
     ("name! description", ""),
 ];
@@ -28,10 +25,7 @@ const LEVELS: [(&str, &str); 3] = [
 /// Attributes of which the schema fixes the value.
 const FIXED: [(&str, &str); 2] = [
     ("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-ref"),
-    (
-        "fmi-ls:fmi-ls-description",
-        "Layered Standard providing information on related files included in an FMU.",
-    ),
+    ("fmi-ls:fmi-ls-description", "Layered Standard providing information on related files included in an FMU."),
 ];
 
 const ROLES: &str = "document requirement specification model parameter system testcase experiment experiment/smoke-test \
@@ -43,9 +37,7 @@ pub(crate) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
     let version = package.description().fmi_version.clone();
     let same = move |root: Node<'_, '_>| {
         let theirs = root.attribute("fmiVersion").unwrap_or_default();
-        let text = format!(
-            "fmiVersion is \"{theirs}\" here and \"{version}\" in modelDescription.xml: write the same"
-        );
+        let text = format!("fmiVersion is \"{theirs}\" here and \"{version}\" in modelDescription.xml: write the same");
         Vec::from_iter((theirs != version).then_some(text))
     };
     let mut breaches = in_file(package, TERMINALS, "terminals-version", same)?;
@@ -82,10 +74,7 @@ fn in_file(
 /// The breaches of the manifest's schema.
 fn manifest(root: Node<'_, '_>) -> Vec<String> {
     if !root.has_tag_name("fmiReferences") {
-        return vec![format!(
-            "`{}` instead of `fmiReferences`",
-            root.tag_name().name()
-        )];
+        return vec![format!("`{}` instead of `fmiReferences`", root.tag_name().name())];
     }
     let mut wrong = Vec::new();
     element(root, 0, &mut wrong);
@@ -108,10 +97,7 @@ fn element(node: Node<'_, '_>, depth: usize, wrong: &mut Vec<String>) {
             (name, attribute.value())
         })
         .collect();
-    for needed in attributes
-        .split(' ')
-        .filter_map(|name| name.strip_suffix('!'))
-    {
+    for needed in attributes.split(' ').filter_map(|name| name.strip_suffix('!')) {
         if given.iter().all(|(given, _)| given != needed) {
             wrong.push(format!("`{name}` needs the attribute `{needed}`"));
         }
@@ -153,10 +139,7 @@ fn children(node: Node<'_, '_>, name: &str, wrong: &mut Vec<String>) {
         }
         let last = child.has_tag_name("Annotations") && !name.is_empty();
         if ended || !(last || child.has_tag_name(name)) {
-            wrong.push(format!(
-                "`{}` cannot stand here in `{element}`",
-                child.tag_name().name()
-            ));
+            wrong.push(format!("`{}` cannot stand here in `{element}`", child.tag_name().name()));
         }
         ended |= last;
     }

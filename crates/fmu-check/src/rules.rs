@@ -8,24 +8,10 @@ use crate::finding::Find::{Document, Each, Either, Elsewhere, Remark, Three, Var
 use crate::finding::Severity::{Error, Note, Warning};
 use crate::finding::{Find, Rule, Severity};
 use crate::values::positive;
-use crate::{
-    aliases, definitions, dependencies, names, schema, structure, three, values, variables,
-};
+use crate::{aliases, definitions, dependencies, names, schema, structure, three, values, variables};
 
-const fn rule(
-    id: &'static str,
-    severity: Severity,
-    source: &'static str,
-    wants: &'static str,
-    find: Find,
-) -> Rule {
-    Rule {
-        id,
-        severity,
-        source,
-        wants,
-        find,
-    }
+const fn rule(id: &'static str, severity: Severity, source: &'static str, wants: &'static str, find: Find) -> Rule {
+    Rule { id, severity, source, wants, find }
 }
 
 const XML: &str = "XML 1.0, 4.3.3";

@@ -46,16 +46,8 @@ const ELEMENTS: [Element; 32] = [
     ("BaseUnit", "kg m s A K mol cd rad factor offset", ""),
     ("DisplayUnit", "name! factor offset", ""),
     ("TypeDefinitions", "", "SimpleType+"),
-    (
-        "SimpleType",
-        "name! description",
-        "Real Integer Boolean String Enumeration",
-    ),
-    (
-        "SimpleType/Real",
-        "quantity unit displayUnit relativeQuantity min max nominal unbounded",
-        "",
-    ),
+    ("SimpleType", "name! description", "Real Integer Boolean String Enumeration"),
+    ("SimpleType/Real", "quantity unit displayUnit relativeQuantity min max nominal unbounded", ""),
     ("SimpleType/Integer", "quantity min max", ""),
     ("SimpleType/Boolean", "", ""),
     ("SimpleType/String", "", ""),
@@ -63,11 +55,7 @@ const ELEMENTS: [Element; 32] = [
     ("Item", "name! value! description", ""),
     ("LogCategories", "", "Category+"),
     ("Category", "name! description", ""),
-    (
-        "DefaultExperiment",
-        "startTime stopTime tolerance stepSize",
-        "",
-    ),
+    ("DefaultExperiment", "startTime stopTime tolerance stepSize", ""),
     ("VendorAnnotations", "", "Tool+"),
     ("ModelVariables", "", "ScalarVariable+"),
     (
@@ -80,18 +68,10 @@ const ELEMENTS: [Element; 32] = [
         "declaredType quantity unit displayUnit relativeQuantity min max nominal unbounded start derivative reinit",
         "",
     ),
-    (
-        "ScalarVariable/Integer",
-        "declaredType quantity min max start",
-        "",
-    ),
+    ("ScalarVariable/Integer", "declaredType quantity min max start", ""),
     ("ScalarVariable/Boolean", "declaredType start", ""),
     ("ScalarVariable/String", "declaredType start", ""),
-    (
-        "ScalarVariable/Enumeration",
-        "declaredType! quantity min max start",
-        "",
-    ),
+    ("ScalarVariable/Enumeration", "declaredType! quantity min max start", ""),
     ("Annotations", "", "Tool+"),
     ("Tool", "name!", ANYTHING),
     ("ModelStructure", "", "Outputs Derivatives InitialUnknowns"),
@@ -118,14 +98,12 @@ macro_rules! variable {
         )
     };
 }
-const FLOAT: &str = variable!(
-    "quantity unit displayUnit relativeQuantity unbounded min max nominal start derivative reinit"
-);
+const FLOAT: &str =
+    variable!("quantity unit displayUnit relativeQuantity unbounded min max nominal start derivative reinit");
 const INTEGER: &str = variable!("quantity min max start");
 const ARRAY: &str = "Annotations Dimension* Alias*";
 const STARTED_ARRAY: &str = "Annotations Dimension* Start* Alias*";
-const FLOAT_TYPE: &str =
-    "name! description quantity unit displayUnit relativeQuantity unbounded min max nominal";
+const FLOAT_TYPE: &str = "name! description quantity unit displayUnit relativeQuantity unbounded min max nominal";
 const INTEGER_TYPE: &str = "name! description quantity min max";
 
 /// The same of FMI 3.0.
@@ -137,11 +115,7 @@ const ELEMENTS_OF_THREE: &[Element] = &[
         "ModelExchange CoSimulation ScheduledExecution UnitDefinitions TypeDefinitions LogCategories \
          DefaultExperiment ModelVariables! ModelStructure! Annotations",
     ),
-    (
-        "ModelExchange",
-        interface!("needsCompletedIntegratorStep providesEvaluateDiscreteStates"),
-        "Annotations",
-    ),
+    ("ModelExchange", interface!("needsCompletedIntegratorStep providesEvaluateDiscreteStates"), "Annotations"),
     (
         "CoSimulation",
         interface!(
@@ -174,17 +148,9 @@ const ELEMENTS_OF_THREE: &[Element] = &[
     ("UInt64Type", INTEGER_TYPE, "Annotations"),
     ("BooleanType", "name! description", "Annotations"),
     ("StringType", "name! description", "Annotations"),
-    (
-        "BinaryType",
-        "name! description mimeType maxSize",
-        "Annotations",
-    ),
+    ("BinaryType", "name! description mimeType maxSize", "Annotations"),
     ("EnumerationType", INTEGER_TYPE, "Annotations Item*"),
-    (
-        "EnumerationType/Item",
-        "name! value! description",
-        "Annotations",
-    ),
+    ("EnumerationType/Item", "name! value! description", "Annotations"),
     (
         "ClockType",
         "name! description canBeDeactivated priority intervalVariability! intervalDecimal shiftDecimal \
@@ -193,11 +159,7 @@ const ELEMENTS_OF_THREE: &[Element] = &[
     ),
     ("LogCategories", "", "Category+"),
     ("Category", "name! description", "Annotations"),
-    (
-        "DefaultExperiment",
-        "startTime stopTime tolerance stepSize",
-        "Annotations",
-    ),
+    ("DefaultExperiment", "startTime stopTime tolerance stepSize", "Annotations"),
     (
         "ModelVariables",
         "",
@@ -228,11 +190,7 @@ const ELEMENTS_OF_THREE: &[Element] = &[
     ("Dimension", "start valueReference", ""),
     ("Start", "value", ""),
     ("Alias", "name! description displayUnit", ""),
-    (
-        "ModelStructure",
-        "",
-        "Output* ContinuousStateDerivative* ClockedState* InitialUnknown* EventIndicator*",
-    ),
+    ("ModelStructure", "", "Output* ContinuousStateDerivative* ClockedState* InitialUnknown* EventIndicator*"),
     ("Output", UNKNOWN, "Annotations"),
     ("ContinuousStateDerivative", UNKNOWN, "Annotations"),
     ("ClockedState", UNKNOWN, "Annotations"),
@@ -265,9 +223,7 @@ const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"]
 pub(crate) fn namespace(document: &Document<'_>) -> Vec<Hit> {
     let space = document.root.tag_name().namespace();
     let version = document.read.standard.number();
-    let text = |space: &str| {
-        format!("the namespace \"{space}\": the elements of FMI {version} have none, remove it")
-    };
+    let text = |space: &str| format!("the namespace \"{space}\": the elements of FMI {version} have none, remove it");
     let hit = |space| at(document.root, text(space));
     Vec::from_iter(space.map(hit))
 }
@@ -279,17 +235,13 @@ const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 pub(crate) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
     let version = document.read.standard.number();
     visit(document, |node, (_, attributes, _), hits| {
-        let given = node
-            .attributes()
-            .filter(|a| a.namespace() != Some(INSTANCE));
+        let given = node.attributes().filter(|a| a.namespace() != Some(INSTANCE));
         for attribute in given {
             let (foreign, attribute) = (attribute.namespace().is_some(), attribute.name());
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
                 let name = node.tag_name().name();
-                let text = format!(
-                    "`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}"
-                );
+                let text = format!("`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}");
                 hits.push(at(node, text));
             }
         }
@@ -301,10 +253,7 @@ pub(crate) fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
         for attribute in missing(attributes).filter(|wanted| !node.has_attribute(*wanted)) {
             let name = node.tag_name().name();
-            hits.push(at(
-                node,
-                format!("`{name}` needs the attribute `{attribute}`: add it"),
-            ));
+            hits.push(at(node, format!("`{name}` needs the attribute `{attribute}`: add it")));
         }
     })
 }
@@ -333,15 +282,9 @@ pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
 pub(crate) fn text(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         let texts = node.children().filter(Node::is_text);
-        let stray = texts
-            .filter_map(|text| Some(text.text()?.trim()))
-            .find(|text| !text.is_empty());
+        let stray = texts.filter_map(|text| Some(text.text()?.trim())).find(|text| !text.is_empty());
         if let Some(stray) = stray.filter(|_| children != ANYTHING) {
-            let text = format!(
-                "the text `{}` in `{}`: remove it",
-                start_of(stray),
-                node.tag_name().name()
-            );
+            let text = format!("the text `{}` in `{}`: remove it", start_of(stray), node.tag_name().name());
             hits.push(at(node, text));
         }
     })
@@ -363,10 +306,7 @@ pub(crate) fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
         for wanted in missing(children) {
             if elements(node).all(|child| child.tag_name().name() != wanted) {
                 let name = node.tag_name().name();
-                hits.push(at(
-                    node,
-                    format!("`{name}` needs the element `{wanted}`: add it"),
-                ));
+                hits.push(at(node, format!("`{name}` needs the element `{wanted}`: add it")));
             }
         }
     })
@@ -392,10 +332,7 @@ pub(crate) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
                 _ => "remove it, or add one",
             };
             let list = node.tag_name().name();
-            hits.push(at(
-                node,
-                format!("`{list}` has no `{inner}` in it: {remedy}"),
-            ));
+            hits.push(at(node, format!("`{list}` has no `{inner}` in it: {remedy}")));
         }
     })
 }
@@ -404,26 +341,17 @@ pub(crate) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
 pub(crate) fn typeless(document: &Document<'_>) -> Vec<Hit> {
     let types = document.all("TypeDefinitions", "SimpleType");
     let bare = types.filter(|node| elements(*node).next().is_none());
-    bare.map(|node| {
-        at(
-            node,
-            "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration",
-        )
-    })
-    .collect()
+    bare.map(|node| at(node, "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration"))
+        .collect()
 }
 
 /// Values that are not of their attribute's type, where nobody else reads them.
 pub(crate) fn values(document: &Document<'_>) -> Vec<Hit> {
     let mut wrong = visit(document, |node, (element, attributes, _), hits| {
-        let typed = TYPED.iter().filter(|(elements, ..)| {
-            elements.is_empty() || elements.split(' ').any(|one| one == element)
-        });
+        let typed =
+            TYPED.iter().filter(|(elements, ..)| elements.is_empty() || elements.split(' ').any(|one| one == element));
         for (_, names, (is, what)) in typed {
-            for name in names
-                .split(' ')
-                .filter(|name| known(attributes).any(|known| known == *name))
-            {
+            for name in names.split(' ').filter(|name| known(attributes).any(|known| known == *name)) {
                 if let Some(text) = node.attribute(name).filter(|text| !is(text.trim())) {
                     hits.push(at(node, format!("{name}=\"{text}\" is {what}")));
                 }
@@ -442,20 +370,12 @@ pub(crate) fn values(document: &Document<'_>) -> Vec<Hit> {
 /// A type of values: whether a text is one of them, and what it is else.
 type Values = (fn(&str) -> bool, &'static str);
 
-const FLAG: Values = (
-    |text| ["true", "false", "1", "0"].contains(&text),
-    "neither true nor false",
-);
+const FLAG: Values = (|text| ["true", "false", "1", "0"].contains(&text), "neither true nor false");
 const NUMBER: Values = (|text| text.parse::<f64>().is_ok(), "not a number");
 const WHOLE: Values = (|text| text.parse::<i32>().is_ok(), "not a whole number");
-const COUNT: Values = (
-    |text| text.parse::<u32>().is_ok(),
-    "not a whole number from 0 on",
-);
-const INITIAL: Values = (
-    |text| ["exact", "approx", "calculated"].contains(&text),
-    "none of exact, approx and calculated",
-);
+const COUNT: Values = (|text| text.parse::<u32>().is_ok(), "not a whole number from 0 on");
+const INITIAL: Values =
+    (|text| ["exact", "approx", "calculated"].contains(&text), "none of exact, approx and calculated");
 
 /// Attributes that the reader does not use: the elements, or none for all; the names; the type.
 const TYPED: [(&str, &str, Values); 7] = [
@@ -466,11 +386,7 @@ const TYPED: [(&str, &str, Values); 7] = [
         FLAG,
     ),
     ("SimpleType/Real", "min max nominal", NUMBER),
-    (
-        "SimpleType/Integer ScalarVariable/Enumeration",
-        "min max",
-        WHOLE,
-    ),
+    ("SimpleType/Integer ScalarVariable/Enumeration", "min max", WHOLE),
     (
         "",
         "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
@@ -480,18 +396,13 @@ const TYPED: [(&str, &str, Values); 7] = [
          supportsFraction",
         FLAG,
     ),
-    (
-        "",
-        "maxOutputDerivativeOrder numberOfEventIndicators",
-        COUNT,
-    ),
+    ("", "maxOutputDerivativeOrder numberOfEventIndicators", COUNT),
     ("Item", "value", WHOLE),
     ("", "initial", INITIAL),
 ];
 
 fn known(list: &'static str) -> impl Iterator<Item = &'static str> {
-    list.split(' ')
-        .map(|word| word.trim_end_matches(['!', '*', '+', '~']))
+    list.split(' ').map(|word| word.trim_end_matches(['!', '*', '+', '~']))
 }
 
 fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
@@ -499,10 +410,7 @@ fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
 }
 
 /// Hands over all elements that the standard knows, and their descriptions.
-fn visit(
-    document: &Document<'_>,
-    mut look: impl FnMut(Node<'_, '_>, Element, &mut Vec<Hit>),
-) -> Vec<Hit> {
+fn visit(document: &Document<'_>, mut look: impl FnMut(Node<'_, '_>, Element, &mut Vec<Hit>)) -> Vec<Hit> {
     let mut hits = Vec::new();
     let mut open = vec![(document.root, "")];
     while let Some((node, parent)) = open.pop() {
@@ -510,9 +418,8 @@ fn visit(
             continue;
         };
         look(node, element, &mut hits);
-        let inner = elements(node).filter(|child| {
-            element.2 != ANYTHING && known(element.2).any(|known| known == child.tag_name().name())
-        });
+        let inner = elements(node)
+            .filter(|child| element.2 != ANYTHING && known(element.2).any(|known| known == child.tag_name().name()));
         let begin = open.len();
         open.extend(inner.map(|child| (child, node.tag_name().name())));
         open[begin..].reverse();
@@ -539,10 +446,7 @@ fn disordered(version: Version, node: Node<'_, '_>, children: &'static str) -> O
                 format!("a second type `{name}`: leave the right one only")
             }
             // The schema of FMI 2.0 leaves the order of these two open.
-            Some(before)
-                if version == Version::Two
-                    && (name, order[before]) == ("ModelExchange", "CoSimulation") =>
-            {
+            Some(before) if version == Version::Two && (name, order[before]) == ("ModelExchange", "CoSimulation") => {
                 return None;
             }
             Some(before) if place < before => {

@@ -19,12 +19,7 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
     let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
     for (rule, function, usual, told) in [
         ("binary-version", "GetVersion", number, &report.version),
-        (
-            "binary-types",
-            "GetTypesPlatform",
-            "default",
-            &report.types_platform,
-        ),
+        ("binary-types", "GetTypesPlatform", "default", &report.types_platform),
     ] {
         let function = format!("{prefix}{function}");
         // FMI 3.0.1 and 3.0.2 are 3.0, too.
@@ -33,9 +28,7 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
             Version::Three => told.starts_with(usual),
         };
         if let Some(other) = told.as_deref().filter(|told| !same(told)) {
-            let text = format!(
-                "{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers"
-            );
+            let text = format!("{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers");
             tell(rule, text);
         }
     }
@@ -52,10 +45,7 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
     for run in &report.runs {
         if run.warnings > 0 {
             let first = run.first_warning.as_deref().unwrap_or_default();
-            let text = format!(
-                "calls that returned {prefix}Warning: {}; the first: {first}",
-                run.warnings
-            );
+            let text = format!("calls that returned {prefix}Warning: {}; the first: {first}", run.warnings);
             tell("warnings", text);
         }
         if let Some(time) = run.ended {
@@ -88,10 +78,7 @@ pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> 
         breaches.extend(beyond(variable, values));
     }
     if !infinite.is_empty() {
-        let text = format!(
-            "{} in a simulation: no criterion can use it",
-            short(&infinite)
-        );
+        let text = format!("{} in a simulation: no criterion can use it", short(&infinite));
         breaches.push(("output-finite", Hit::plain(text)));
     }
     if described_well {
@@ -111,9 +98,7 @@ fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
             let (start, value) = (variable.kind.start()?, value.number());
             let differs = (value - start).abs() > ROUNDING * start.abs().max(value.abs());
             let Variable { name, line, .. } = variable;
-            differs.then(|| {
-                format!("{name} (line {line}): start is {start}, but the binary's is {value}")
-            })
+            differs.then(|| format!("{name} (line {line}): start is {start}, but the binary's is {value}"))
         })
         .collect();
     let text = || format!("{}: correct the description or the binary", short(&others));
@@ -128,9 +113,7 @@ fn beyond(variable: &Variable, values: impl Iterator<Item = f64> + Clone) -> Opt
         return None;
     }
     let below = min.and_then(|min| Some((values.clone().find(|value| *value < min)?, min, "min")));
-    let beyond = below.or_else(|| {
-        max.and_then(|max| Some((values.clone().find(|value| *value > max)?, max, "max")))
-    });
+    let beyond = below.or_else(|| max.and_then(|max| Some((values.clone().find(|value| *value > max)?, max, "max"))));
     let (value, bound, name) = beyond?;
     let text = format!(
         "{}: {value} in a simulation, beyond its {name} of {bound}: correct the range or the model",

@@ -29,9 +29,7 @@ fn has_list(document: &Document<'_>, name: &'static str) -> bool {
 }
 
 pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
-    list(document, "Outputs", &|scalar| {
-        (!is_output(scalar)).then_some("is no output")
-    })
+    list(document, "Outputs", &|scalar| (!is_output(scalar)).then_some("is no output"))
 }
 
 pub(crate) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
@@ -71,24 +69,18 @@ pub(crate) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     missing(document, "Derivatives", &|scalar| {
         // A state that cannot be is a finding of its own.
         let possible = |state: &Scalar<'_>| {
-            state.kind() == "Real"
-                && state.variability == "continuous"
-                && state.position != scalar.position
+            state.kind() == "Real" && state.variability == "continuous" && state.position != scalar.position
         };
         state_of(document, scalar).is_some_and(possible) && !scalar.is_settable()
     })
 }
 
 pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
-    list(
-        document,
-        "InitialUnknowns",
-        &|scalar| match scalar.causality {
-            "parameter" => Some("is a parameter, so known initially"),
-            "input" => Some("is an input, so known initially"),
-            _ => None,
-        },
-    )
+    list(document, "InitialUnknowns", &|scalar| match scalar.causality {
+        "parameter" => Some("is a parameter, so known initially"),
+        "input" => Some("is an input, so known initially"),
+        _ => None,
+    })
 }
 
 /// Outputs, calculated parameters, states and their derivatives that are computed initially.
@@ -112,9 +104,7 @@ fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
 pub(crate) fn states(document: &Document<'_>) -> HashSet<usize> {
     let derivatives = entries(document, "Derivatives");
-    derivatives
-        .filter_map(|scalar| Some(state_of(document, scalar)?.position))
-        .collect()
+    derivatives.filter_map(|scalar| Some(state_of(document, scalar)?.position)).collect()
 }
 
 /// The variable of which this one is the derivative.
@@ -128,10 +118,7 @@ pub(crate) fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Opti
 }
 
 /// The variables of one list.
-fn entries<'d, 'a>(
-    document: &'d Document<'a>,
-    name: &'static str,
-) -> impl Iterator<Item = &'d Scalar<'a>> {
+fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Iterator<Item = &'d Scalar<'a>> {
     listed(document, name).filter_map(|unknown| scalar_of(document, unknown.attribute("index")?))
 }
 
@@ -179,10 +166,7 @@ pub(crate) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The unknowns of one list, where there is a `ModelStructure`.
-pub(crate) fn listed<'a>(
-    document: &Document<'a>,
-    name: &'static str,
-) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+pub(crate) fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
     let structure = structure(document).into_iter();
     structure.flat_map(move |node| named(node, name).flat_map(|list| named(list, "Unknown")))
 }
@@ -208,30 +192,17 @@ fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
 }
 
 /// The unknowns of one list that cannot be: `unfit` says why a variable cannot be in it.
-fn list(
-    document: &Document<'_>,
-    name: &'static str,
-    unfit: &dyn Fn(&Scalar<'_>) -> Option<&'static str>,
-) -> Vec<Hit> {
+fn list(document: &Document<'_>, name: &'static str, unfit: &dyn Fn(&Scalar<'_>) -> Option<&'static str>) -> Vec<Hit> {
     let scalars = &document.scalars;
     let mut seen = HashSet::new();
     let wrong = listed(document, name).filter_map(|unknown| {
         let index = unknown.attribute("index")?;
         let wrong = match position(index, scalars) {
-            None => format!(
-                "is none of the {} variables: indexes count them from 1",
-                scalars.len()
-            ),
-            Some(position) if !seen.insert(position) => {
-                "is listed twice: remove one of them".to_owned()
-            }
+            None => format!("is none of the {} variables: indexes count them from 1", scalars.len()),
+            Some(position) if !seen.insert(position) => "is listed twice: remove one of them".to_owned(),
             Some(position) => {
                 let scalar = scalars[position].as_ref()?;
-                format!(
-                    "is {}, which {}: correct the index or remove it",
-                    scalar.name,
-                    unfit(scalar)?
-                )
+                format!("is {}, which {}: correct the index or remove it", scalar.name, unfit(scalar)?)
             }
         };
         Some(at(unknown, format!("{name}: index {index} {wrong}")))
@@ -240,11 +211,7 @@ fn list(
 }
 
 /// The variables that a list must have but has not, in one finding.
-fn missing(
-    document: &Document<'_>,
-    name: &'static str,
-    wanted: &dyn Fn(&Scalar<'_>) -> bool,
-) -> Vec<Hit> {
+fn missing(document: &Document<'_>, name: &'static str, wanted: &dyn Fn(&Scalar<'_>) -> bool) -> Vec<Hit> {
     let Some(structure) = structure(document) else {
         return Vec::new();
     };
@@ -252,9 +219,7 @@ fn missing(
     if listed(document, name).any(|unknown| !unknown.has_attribute("index")) {
         return Vec::new();
     }
-    let listed: HashSet<usize> = entries(document, name)
-        .map(|scalar| scalar.position)
-        .collect();
+    let listed: HashSet<usize> = entries(document, name).map(|scalar| scalar.position).collect();
     let absent: Vec<String> = document
         .known()
         .filter(|scalar| wanted(scalar) && !listed.contains(&scalar.position))

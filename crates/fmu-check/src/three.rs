@@ -56,9 +56,7 @@ pub(crate) fn references(document: &Document<'_>) -> Vec<Hit> {
     let clashes = document.known().filter_map(|scalar| {
         let reference = reference(scalar.node)?;
         let other = known.insert(reference, scalar.name)?;
-        Some(scalar.finding(format!(
-            "valueReference {reference} is {other}'s, too: give each its own, or use Alias"
-        )))
+        Some(scalar.finding(format!("valueReference {reference} is {other}'s, too: give each its own, or use Alias")))
     });
     clashes.collect()
 }
@@ -67,10 +65,7 @@ pub(crate) fn independent(document: &Document<'_>) -> Vec<Hit> {
     let times = document.known();
     let times: Vec<_> = times.filter(|s| s.causality == "independent").collect();
     let [one] = times[..] else {
-        let text = format!(
-            "{} independent variables: FMI 3.0 wants one, usually `time`",
-            times.len()
-        );
+        let text = format!("{} independent variables: FMI 3.0 wants one, usually `time`", times.len());
         return vec![at(document.root, text)];
     };
     let is_right = one.is_float() && one.start().is_none();
@@ -79,12 +74,7 @@ pub(crate) fn independent(document: &Document<'_>) -> Vec<Hit> {
 }
 
 pub(crate) fn starts(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
-    let Scalar {
-        node,
-        causality,
-        initial,
-        ..
-    } = *scalar;
+    let Scalar { node, causality, initial, .. } = *scalar;
     // The time has a rule of its own.
     if scalar.kind() == "Clock" || causality == "independent" {
         return None;
@@ -123,10 +113,7 @@ pub(crate) fn ranges(document: &Document<'_>) -> Vec<Hit> {
         // All names and elements of a variable stand in one line.
         told.insert(variable.value_reference).then(|| Hit {
             line: Some(variable.line as usize),
-            ..Hit::of(
-                crate::document::NAME,
-                format!("{}: {text}: correct one of them", variable.name),
-            )
+            ..Hit::of(crate::document::NAME, format!("{}: {text}: correct one of them", variable.name))
         })
     });
     wrong.collect()
@@ -136,9 +123,7 @@ pub(crate) fn declared(document: &Document<'_>) -> Vec<Hit> {
     document.of_each(|scalar| {
         let declared = scalar.typed.attribute("declaredType");
         if let Some(declared) = declared.filter(|name| !document.types.contains_key(name)) {
-            return Some(format!(
-                "declaredType \"{declared}\" is not defined: define it"
-            ));
+            return Some(format!("declaredType \"{declared}\" is not defined: define it"));
         }
         if declared.is_none() && scalar.kind() == "Enumeration" {
             return Some("an Enumeration needs a declaredType".to_owned());
@@ -149,8 +134,7 @@ pub(crate) fn declared(document: &Document<'_>) -> Vec<Hit> {
 
 pub(crate) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
     let is_size = |scalar: &&Scalar<'_>| {
-        scalar.kind() == "UInt64"
-            && (scalar.causality == "structuralParameter" || scalar.variability == "constant")
+        scalar.kind() == "UInt64" && (scalar.causality == "structuralParameter" || scalar.variability == "constant")
     };
     let sizes = document.known().filter(is_size);
     let sizes: HashSet<u32> = sizes.filter_map(|size| reference(size.node)).collect();
@@ -158,17 +142,13 @@ pub(crate) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
         named(scalar.node, "Dimension").find_map(|dimension| {
             let start = dimension.attribute("start");
             match (start, dimension.attribute("valueReference")) {
-                (Some(start), None) => start
-                    .trim()
-                    .parse::<u64>()
-                    .is_err()
-                    .then(|| format!("the dimension \"{start}\" is no size")),
+                (Some(start), None) => {
+                    start.trim().parse::<u64>().is_err().then(|| format!("the dimension \"{start}\" is no size"))
+                }
                 (None, Some(_)) => {
                     let known = reference(dimension).is_some_and(|of| sizes.contains(&of));
-                    (!known).then(|| {
-                        "a dimension refers to no structural parameter or constant of type UInt64"
-                            .to_owned()
-                    })
+                    (!known)
+                        .then(|| "a dimension refers to no structural parameter or constant of type UInt64".to_owned())
                 }
                 _ => Some("a dimension has either a start or a valueReference".to_owned()),
             }
@@ -177,10 +157,7 @@ pub(crate) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The elements of `ModelStructure` of one kind.
-fn listed<'a>(
-    document: &Document<'a>,
-    kind: &'static str,
-) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+fn listed<'a>(document: &Document<'a>, kind: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
     named(document.root, "ModelStructure").flat_map(move |list| named(list, kind))
 }
 
@@ -215,20 +192,14 @@ pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
     all.filter_map(|node| {
         let kind = node.tag_name().name();
         let Some(of) = reference(node).filter(|of| known.contains(of)) else {
-            return Some(at(
-                node,
-                format!("{kind} refers to no variable: correct its valueReference"),
-            ));
+            return Some(at(node, format!("{kind} refers to no variable: correct its valueReference")));
         };
         let dependencies = node.attribute("dependencies").unwrap_or_default();
         let wrong = dependencies.split_whitespace().find(|text| {
             let of = text.parse().ok();
             !of.is_some_and(|of: u32| known.contains(&of))
         })?;
-        Some(at(
-            node,
-            format!("{kind} {of} depends on {wrong}, which is no variable: correct it"),
-        ))
+        Some(at(node, format!("{kind} {of} depends on {wrong}, which is no variable: correct it")))
     })
     .collect()
 }

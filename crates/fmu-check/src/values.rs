@@ -51,9 +51,7 @@ pub(crate) fn stop(document: &Document<'_>) -> Vec<Hit> {
     let start = times.start.unwrap_or(0.0);
     let is_wrong = |stop: &f64| *stop <= start || !(stop - start).is_finite();
     let wrong = times.stop.filter(is_wrong);
-    experiment(
-        wrong.map(|stop| format!("stopTime is {stop}; it must be later than startTime, {start}")),
-    )
+    experiment(wrong.map(|stop| format!("stopTime is {stop}; it must be later than startTime, {start}")))
 }
 
 pub(crate) fn long_step(document: &Document<'_>) -> Vec<Hit> {
@@ -84,9 +82,7 @@ fn numbers(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<[Option<f64>;
 pub(crate) fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let [_, min, max] = numbers(scalar, document)?;
     let (min, max) = min.zip(max).filter(|(min, max)| min > max)?;
-    Some(format!(
-        "min {min} is greater than max {max}: exchange or correct them"
-    ))
+    Some(format!("min {min} is greater than max {max}: exchange or correct them"))
 }
 
 pub(crate) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
@@ -97,9 +93,7 @@ pub(crate) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
         (_, Some(max)) if start > max => (max, "greater than max"),
         _ => return None,
     };
-    Some(format!(
-        "start {start} is {what} {bound}: correct one of them"
-    ))
+    Some(format!("start {start} is {what} {bound}: correct one of them"))
 }
 
 pub(crate) fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
@@ -113,30 +107,21 @@ pub(crate) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<St
         return None;
     };
     let nominal = nominal.filter(|nominal| nominal.is_nan() || *nominal <= 0.0)?;
-    Some(format!(
-        "nominal is {nominal}: it must be greater than 0, as importers divide by it"
-    ))
+    Some(format!("nominal is {nominal}: it must be greater than 0, as importers divide by it"))
 }
 
 /// A variable may narrow the range of its type, not widen it.
 pub(crate) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let declared = document.declared(scalar)?;
     let number = |text: &str| text.trim().parse::<f64>().ok();
-    let both = |name| {
-        Some((
-            number(scalar.typed.attribute(name)?)?,
-            number(declared.attribute(name)?)?,
-        ))
-    };
+    let both = |name| Some((number(scalar.typed.attribute(name)?)?, number(declared.attribute(name)?)?));
     let (name, (number, of_type)) = [
         ("min", both("min").filter(|(number, other)| number < other)),
         ("max", both("max").filter(|(number, other)| number > other)),
     ]
     .into_iter()
     .find_map(|(name, wrong)| Some((name, wrong?)))?;
-    Some(format!(
-        "{name} {number} goes beyond its type's {name} of {of_type}: narrow it"
-    ))
+    Some(format!("{name} {number} goes beyond its type's {name} of {of_type}: narrow it"))
 }
 
 pub(crate) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
@@ -165,7 +150,5 @@ pub(crate) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Opti
     let unit = document.effective(scalar, "unit")?;
     let defined = document.read.units.0.get(unit)?;
     let known = shown == unit || defined.display.iter().any(|other| other.name == shown);
-    (!known).then(|| {
-        format!("displayUnit \"{shown}\" is not defined for unit \"{unit}\": add it there")
-    })
+    (!known).then(|| format!("displayUnit \"{shown}\" is not defined for unit \"{unit}\": add it there"))
 }

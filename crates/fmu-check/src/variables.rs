@@ -27,12 +27,8 @@ pub(crate) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
         _ => "a",
     };
     let allowed = combinations::variabilities(causality);
-    (is_clear(scalar, Version::Two) && !allowed.contains(&variability)).then(|| {
-        format!(
-            "{article} {causality} cannot be {variability}: set variability to {}",
-            allowed.join(" or ")
-        )
-    })
+    (is_clear(scalar, Version::Two) && !allowed.contains(&variability))
+        .then(|| format!("{article} {causality} cannot be {variability}: set variability to {}", allowed.join(" or ")))
 }
 
 /// Only a Real is continuous, and the time is a Real.
@@ -42,9 +38,7 @@ pub(crate) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String
         return None;
     }
     if scalar.causality == "independent" {
-        return Some(format!(
-            "the independent variable is a Real, not {kind}: change its type"
-        ));
+        return Some(format!("the independent variable is a Real, not {kind}: change its type"));
     }
     (scalar.variability == "continuous").then(|| {
         format!("only a Real can be continuous: set variability to discrete, or fixed for a parameter, for this {kind}")
@@ -62,13 +56,7 @@ pub(crate) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Opti
 
 /// Allowed values of `initial` (section 2.2.7, the table of allowed combinations; FMI 3.0.2, section 2.4.7).
 pub(crate) fn initial(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let Scalar {
-        node,
-        causality,
-        variability,
-        initial,
-        ..
-    } = *scalar;
+    let Scalar { node, causality, variability, initial, .. } = *scalar;
     let version = document.read.standard;
     let initials = combinations::initials(version, causality, variability);
     // Unknown words are findings of the schema; in FMI 3.0 nothing follows from them.
@@ -93,8 +81,7 @@ pub(crate) fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String>
 
 /// Start values that must not be there.
 pub(crate) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
-    if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar, Version::Two)
-    {
+    if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar, Version::Two) {
         return None;
     }
     Some(
@@ -156,7 +143,5 @@ pub(crate) fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option
         }
         Some(_) => return None,
     };
-    Some(format!(
-        "derivative=\"{text}\" {wrong}: give the index of the state"
-    ))
+    Some(format!("derivative=\"{text}\" {wrong}: give the index of the state"))
 }

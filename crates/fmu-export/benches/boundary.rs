@@ -29,12 +29,7 @@ struct Empty {
     value: f64,
 }
 
-static VARIABLES: [Variable<Empty>; 1] = [input(
-    "value",
-    &units::ONE,
-    fmu_export::field!(Empty: value),
-    "A number",
-)];
+static VARIABLES: [Variable<Empty>; 1] = [input("value", &units::ONE, fmu_export::field!(Empty: value), "A number")];
 
 impl Model for Empty {
     const INFO: Info = fmu_export::info!();
@@ -60,10 +55,7 @@ struct Host<M: Model> {
 
 impl<M: Model> Host<M> {
     fn new() -> Self {
-        let guid = description::token(description::fingerprint::<M>(
-            Version::Two,
-            Interface::CoSimulation,
-        )) + "\0";
+        let guid = description::token(description::fingerprint::<M>(Version::Two, Interface::CoSimulation)) + "\0";
         let callbacks = CallbackFunctions {
             logger: None,
             allocate_memory: None,
@@ -74,15 +66,8 @@ impl<M: Model> Host<M> {
         // SAFETY: all arguments are what the standard asks for.
         let component = unsafe {
             let (name, guid) = (c"bench".as_ptr(), guid.as_ptr().cast());
-            let component = calls::instantiate::<M>(
-                name,
-                CO_SIMULATION,
-                guid,
-                null(),
-                &raw const callbacks,
-                FALSE,
-                FALSE,
-            );
+            let component =
+                calls::instantiate::<M>(name, CO_SIMULATION, guid, null(), &raw const callbacks, FALSE, FALSE);
             let done = [
                 calls::setup_experiment::<M>(component, FALSE, 0.0, 0.0, FALSE, 0.0),
                 calls::enter_initialization_mode::<M>(component),
@@ -91,10 +76,7 @@ impl<M: Model> Host<M> {
             assert_eq!(done, [Status::Ok; 3]);
             component
         };
-        Self {
-            component,
-            model: std::marker::PhantomData,
-        }
+        Self { component, model: std::marker::PhantomData }
     }
 }
 
@@ -151,10 +133,7 @@ fn set_real<M: Model>(bencher: Bencher<'_, '_>) {
 /// A step of 1 ms in FMI 3.0, of a host that does not look into it.
 #[divan::bench(types = [Empty, Lag], sample_size = 10_000)]
 fn do_step_of_fmi_3<M: Model>(bencher: Bencher<'_, '_>) {
-    let token = description::token(description::fingerprint::<M>(
-        Version::Three,
-        Interface::CoSimulation,
-    )) + "\0";
+    let token = description::token(description::fingerprint::<M>(Version::Three, Interface::CoSimulation)) + "\0";
     let (name, token) = (c"bench".as_ptr(), token.as_ptr().cast());
     // SAFETY: all arguments are what the standard asks for.
     let component = unsafe {
@@ -185,18 +164,7 @@ fn do_step_of_fmi_3<M: Model>(bencher: Bencher<'_, '_>) {
         let (mut event, mut end, mut early) = (0, 0, 0);
         let places = (&raw mut event, &raw mut end, &raw mut early);
         // SAFETY: the component is alive, and the places are ours.
-        unsafe {
-            call(
-                component,
-                time,
-                1e-3,
-                1,
-                places.0,
-                places.1,
-                places.2,
-                &raw mut time,
-            )
-        }
+        unsafe { call(component, time, 1e-3, 1, places.0, places.1, places.2, &raw mut time) }
     });
     // SAFETY: our own component, freed once.
     unsafe { fmi3::calls::free_instance::<M>(component) }

@@ -29,21 +29,8 @@
 use crate::model::{Access, Kind, Quantity, Role, Unit, Variable};
 
 /// A variable of any type.
-pub const fn variable<M>(
-    name: &'static str,
-    role: Role,
-    kind: Kind<M>,
-    description: &'static str,
-) -> Variable<M> {
-    Variable {
-        name,
-        description,
-        role,
-        kind,
-        depends_on: &[],
-        elements: 1,
-        clock: None,
-    }
+pub const fn variable<M>(name: &'static str, role: Role, kind: Kind<M>, description: &'static str) -> Variable<M> {
+    Variable { name, description, role, kind, depends_on: &[], elements: 1, clock: None }
 }
 
 /// A real variable without range, display unit and nominal value.
@@ -54,27 +41,13 @@ pub const fn real<M>(
     access: Access<M, f64, f64>,
     description: &'static str,
 ) -> Variable<M> {
-    variable(
-        name,
-        role,
-        Kind::Real(Quantity::of(access, unit)),
-        description,
-    )
+    variable(name, role, Kind::Real(Quantity::of(access, unit)), description)
 }
 
 impl<M> Quantity<M> {
     /// A real number without range, display unit and nominal value.
     pub const fn of(access: Access<M, f64, f64>, unit: &'static Unit) -> Self {
-        Self {
-            access,
-            unit,
-            display: None,
-            min: None,
-            max: None,
-            nominal: None,
-            slope: None,
-            derivative: None,
-        }
+        Self { access, unit, display: None, min: None, max: None, nominal: None, slope: None, derivative: None }
     }
 }
 
@@ -109,13 +82,7 @@ pub const fn output<M>(
     get: fn(&M) -> f64,
     description: &'static str,
 ) -> Variable<M> {
-    real(
-        name,
-        Role::Output,
-        unit,
-        Access { get, set: None },
-        description,
-    )
+    real(name, Role::Output, unit, Access { get, set: None }, description)
 }
 
 impl<M> Variable<M> {

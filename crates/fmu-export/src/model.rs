@@ -20,8 +20,7 @@ pub(crate) use events::check_end;
 pub use events::{Events, Until, events, indicators};
 pub use faults::faults;
 pub use variable::{
-    Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable,
-    check_ranges, elements,
+    Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable, check_ranges, elements,
 };
 
 /// A simulation model that a boundary (an FMU, a test, a benchmark) can drive.
@@ -97,8 +96,7 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     /// # Errors
     /// When the model cannot be serialised.
     fn save(&self) -> Result<Vec<u8>, Fault> {
-        postcard::to_stdvec(self)
-            .map_err(|error| Fault::Failed(format!("the state cannot be saved: {error}")))
+        postcard::to_stdvec(self).map_err(|error| Fault::Failed(format!("the state cannot be saved: {error}")))
     }
 
     /// Takes a saved state back.
@@ -188,9 +186,7 @@ impl Experiment<'_> {
     /// working directory.
     pub fn file(&self, name: &str) -> PathBuf {
         let shipped = self.resources.map(|folder| folder.join(name));
-        shipped
-            .filter(|path| path.is_file())
-            .unwrap_or_else(|| PathBuf::from(name))
+        shipped.filter(|path| path.is_file()).unwrap_or_else(|| PathBuf::from(name))
     }
 }
 

@@ -109,11 +109,7 @@ pub fn main<M: Model>(package: &str, folder: &str) -> ExitCode {
 }
 
 /// Builds and packs; tells the file, its size and its platforms.
-fn make<M: Model>(
-    package: &str,
-    folder: &Path,
-    arguments: &Arguments,
-) -> Result<String, PackageError> {
+fn make<M: Model>(package: &str, folder: &Path, arguments: &Arguments) -> Result<String, PackageError> {
     let faults = faults::<M>();
     if !faults.is_empty() {
         return Err(PackageError::Unsound(faults));
@@ -121,8 +117,7 @@ fn make<M: Model>(
     let form = arguments.form;
     if form.interface == Interface::ModelExchange && offered::<M>().is_none() {
         return Err(PackageError::Usage(
-            "--exchange: the model is not `Continuous`, or does not say so in `Model::EXCHANGE`"
-                .to_owned(),
+            "--exchange: the model is not `Continuous`, or does not say so in `Model::EXCHANGE`".to_owned(),
         ));
     }
     let mut binaries = arguments.added()?;
@@ -132,21 +127,12 @@ fn make<M: Model>(
     }
     let output = match &arguments.output {
         Some(output) => output.clone(),
-        None => binaries[0].library.with_file_name(format!(
-            "{}{}.fmu",
-            M::INFO.identifier,
-            form.suffix()
-        )),
+        None => binaries[0].library.with_file_name(format!("{}{}.fmu", M::INFO.identifier, form.suffix())),
     };
     let files = contents::<M>(folder, &binaries, form)?;
     let size = write(&output, &files).map_err(|error| at(&output, error))?;
     let platforms: Vec<_> = binaries.iter().map(|binary| binary.platform).collect();
-    Ok(format!(
-        "{}  {:.2} MB, {}",
-        output.display(),
-        size as f64 / 1e6,
-        platforms.join(", ")
-    ))
+    Ok(format!("{}  {:.2} MB, {}", output.display(), size as f64 / 1e6, platforms.join(", ")))
 }
 
 /// The files of an FMU with their places in it.
@@ -173,9 +159,7 @@ pub fn contents<M: Model>(
         let extension = library.extension().unwrap_or_default().to_string_lossy();
         let place = format!("binaries/{platform}/{}.{extension}", M::INFO.identifier);
         if files.insert(place, read(library)?).is_some() {
-            return Err(PackageError::Usage(format!(
-                "there are two binaries for {platform}"
-            )));
+            return Err(PackageError::Usage(format!("there are two binaries for {platform}")));
         }
     }
     let description = description::xml::<M>(form.version, form.interface);
@@ -194,11 +178,7 @@ pub fn write(output: &Path, files: &BTreeMap<String, Vec<u8>>) -> io::Result<u64
     let partial = output.with_extension("fmu.partial");
     let mut archive = ZipWriter::new(File::create(&partial)?);
     for (name, bytes) in files {
-        let permissions = if name.starts_with("binaries/") {
-            0o755
-        } else {
-            0o644
-        };
+        let permissions = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .compression_level(Some(9))
@@ -213,11 +193,7 @@ pub fn write(output: &Path, files: &BTreeMap<String, Vec<u8>>) -> io::Result<u64
 }
 
 /// Collects the files below a folder under their paths with `/`.
-fn collect(
-    folder: &Path,
-    place: &str,
-    files: &mut BTreeMap<String, Vec<u8>>,
-) -> Result<(), PackageError> {
+fn collect(folder: &Path, place: &str, files: &mut BTreeMap<String, Vec<u8>>) -> Result<(), PackageError> {
     for path in list(folder)? {
         let name = name_of(&path);
         if path.is_dir() {
@@ -261,10 +237,7 @@ mod tests {
     struct Nothing;
 
     impl Model for Nothing {
-        const INFO: Info = Info {
-            identifier: "Nothing",
-            ..crate::info!()
-        };
+        const INFO: Info = Info { identifier: "Nothing", ..crate::info!() };
 
         fn variables() -> &'static [Variable<Self>] {
             &[]
@@ -287,10 +260,7 @@ mod tests {
         std::fs::write(at("fmu/resources/deep/table.csv"), "1,2\n").unwrap();
         std::fs::write(at("LICENSE-MIT"), "free").unwrap();
         std::fs::write(at("libnothing.so"), [1, 2, 3]).unwrap();
-        let binary = Binary {
-            platform: "linux64",
-            library: at("libnothing.so"),
-        };
+        let binary = Binary { platform: "linux64", library: at("libnothing.so") };
         (folder, vec![binary])
     }
 
@@ -298,20 +268,14 @@ mod tests {
     fn an_fmu_holds_what_belongs_to_it_and_is_the_same_every_time() {
         let (folder, binaries) = package();
         let files = contents::<Nothing>(folder.path(), &binaries, Form::default()).unwrap();
-        let (one, two) = (
-            folder.path().join("a/one.fmu"),
-            folder.path().join("two.fmu"),
-        );
+        let (one, two) = (folder.path().join("a/one.fmu"), folder.path().join("two.fmu"));
         let size = write(&one, &files).unwrap();
         write(&two, &files).unwrap();
         let bytes = std::fs::read(&one).unwrap();
         assert_eq!(bytes.len() as u64, size);
         assert_eq!(bytes, std::fs::read(&two).unwrap());
         let mut archive = ZipArchive::new(File::open(&one).unwrap()).unwrap();
-        let names: Vec<_> = archive
-            .file_names()
-            .map(|name| name.unwrap().into_owned())
-            .collect();
+        let names: Vec<_> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
         assert_eq!(
             names,
             [
@@ -321,39 +285,23 @@ mod tests {
                 "resources/deep/table.csv",
             ]
         );
-        let mode = archive
-            .by_name("binaries/linux64/Nothing.so")
-            .unwrap()
-            .unix_mode();
+        let mode = archive.by_name("binaries/linux64/Nothing.so").unwrap().unix_mode();
         assert_eq!(mode.unwrap() & 0o777, 0o755);
         let mut xml = String::new();
         let mut entry = archive.by_name("modelDescription.xml").unwrap();
         io::Read::read_to_string(&mut entry, &mut xml).unwrap();
         let form = Form::default();
-        assert_eq!(
-            xml,
-            description::xml::<Nothing>(form.version, form.interface)
-        );
+        assert_eq!(xml, description::xml::<Nothing>(form.version, form.interface));
     }
 
     #[test]
     fn two_binaries_for_a_platform_and_missing_files_are_refused() {
         let (folder, mut binaries) = package();
-        binaries.push(Binary {
-            platform: "linux64",
-            library: folder.path().join("libnothing.so"),
-        });
-        let refused = contents::<Nothing>(folder.path(), &binaries, Form::default())
-            .unwrap_err()
-            .to_string();
-        assert!(
-            refused.starts_with("there are two binaries for linux64"),
-            "{refused}"
-        );
+        binaries.push(Binary { platform: "linux64", library: folder.path().join("libnothing.so") });
+        let refused = contents::<Nothing>(folder.path(), &binaries, Form::default()).unwrap_err().to_string();
+        assert!(refused.starts_with("there are two binaries for linux64"), "{refused}");
         binaries[1].library = folder.path().join("missing.so");
-        let refused = contents::<Nothing>(folder.path(), &binaries, Form::default())
-            .unwrap_err()
-            .to_string();
+        let refused = contents::<Nothing>(folder.path(), &binaries, Form::default()).unwrap_err().to_string();
         assert!(refused.contains("missing.so: "), "{refused}");
     }
 }

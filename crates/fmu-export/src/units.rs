@@ -18,11 +18,7 @@ use std::f64::consts::PI;
 use crate::model::{Base, DisplayUnit, Unit};
 
 const fn scaled(name: &'static str, factor: f64) -> DisplayUnit {
-    DisplayUnit {
-        name,
-        factor,
-        offset: 0.0,
-    }
+    DisplayUnit { name, factor, offset: 0.0 }
 }
 
 macro_rules! units {
@@ -45,11 +41,7 @@ pub fn named(name: &str) -> Option<&'static Unit> {
 }
 
 /// Temperature difference.
-pub const KELVIN_DIFFERENCE: Unit = Unit {
-    display: &[],
-    relative: true,
-    ..KELVIN
-};
+pub const KELVIN_DIFFERENCE: Unit = Unit { display: &[], relative: true, ..KELVIN };
 
 units! {
     /// A ratio or a count.
@@ -135,10 +127,7 @@ mod tests {
         let (above, below) = name.split_once('/').unwrap_or((name, ""));
         let mut sum = [0; 8];
         for (factors, sign) in [(above, 1), (below, -1)] {
-            for factor in factors
-                .split('.')
-                .filter(|factor| !["", "1"].contains(factor))
-            {
+            for factor in factors.split('.').filter(|factor| !["", "1"].contains(factor)) {
                 let (symbol, power) = match factor.strip_suffix(['2', '3']) {
                     Some(symbol) => (symbol, factor[symbol.len()..].parse::<i32>().unwrap()),
                     None => (factor, 1),
@@ -154,21 +143,12 @@ mod tests {
 
     #[test]
     fn products_have_the_exponents_of_their_factors() {
-        for unit in ALL
-            .iter()
-            .filter(|unit| unit.name.contains(['/', '.', '2', '3']))
-        {
+        for unit in ALL.iter().filter(|unit| unit.name.contains(['/', '.', '2', '3'])) {
             let exponents = unit.base.named().map(|(_, exponent)| exponent);
             assert_eq!(exponents, product(unit.name), "{}", unit.name);
         }
         let named = |unit: Unit| unit.base.named().map(|(_, exponent)| exponent);
-        for (unit, same) in [
-            (NEWTON, "kg.m/s2"),
-            (JOULE, "N.m"),
-            (WATT, "J/s"),
-            (PASCAL, "N/m2"),
-            (HERTZ, "1/s"),
-        ] {
+        for (unit, same) in [(NEWTON, "kg.m/s2"), (JOULE, "N.m"), (WATT, "J/s"), (PASCAL, "N/m2"), (HERTZ, "1/s")] {
             assert_eq!(named(unit), product(same), "{}", unit.name);
         }
         assert_eq!(product("V.A"), named(WATT));

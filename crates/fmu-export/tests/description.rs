@@ -3,9 +3,7 @@
 
 use fmu_export::declare::{input, output, parameter, tunable, variable};
 use fmu_export::description::{Interface, Version, fingerprint, token, xml};
-use fmu_export::model::{
-    Base, Events, Experiment, Fault, Info, Kind, Log, Model, Role, Unit, Variable, faults,
-};
+use fmu_export::model::{Base, Events, Experiment, Fault, Info, Kind, Log, Model, Role, Unit, Variable, faults};
 use fmu_export::{field, text, units};
 use lag::Lag;
 use serde::{Deserialize, Serialize};
@@ -14,31 +12,11 @@ use serde::{Deserialize, Serialize};
 fn texts_are_escaped_and_types_complete() {
     let xml = xml::<Lag>(Version::Two, Interface::CoSimulation);
     let document = roxmltree::Document::parse(&xml).unwrap();
-    let node = |name: &str| {
-        document
-            .descendants()
-            .find(|node| node.attribute("name") == Some(name))
-            .unwrap()
-    };
-    assert_eq!(
-        node("label").attribute("description"),
-        Some("A name with <&\"> in it")
-    );
-    assert_eq!(
-        node("trouble")
-            .first_element_child()
-            .unwrap()
-            .attribute("declaredType"),
-        Some("Trouble")
-    );
-    let outputs = document
-        .descendants()
-        .find(|node| node.has_tag_name("Outputs"))
-        .unwrap();
-    let feed = outputs
-        .children()
-        .find(|node| node.attribute("index") == Some("6"))
-        .unwrap();
+    let node = |name: &str| document.descendants().find(|node| node.attribute("name") == Some(name)).unwrap();
+    assert_eq!(node("label").attribute("description"), Some("A name with <&\"> in it"));
+    assert_eq!(node("trouble").first_element_child().unwrap().attribute("declaredType"), Some("Trouble"));
+    let outputs = document.descendants().find(|node| node.has_tag_name("Outputs")).unwrap();
+    let feed = outputs.children().find(|node| node.attribute("index") == Some("6")).unwrap();
     assert_eq!(feed.attribute("dependencies"), Some("1 8"));
 }
 
@@ -47,18 +25,8 @@ fn a_guid_has_the_usual_form() {
     assert_eq!(token(1), "{00000000-0000-0000-0000-000000000001}");
 }
 
-const HENRY: Unit = Unit {
-    name: "H",
-    base: Base {
-        kg: 1,
-        m: 2,
-        s: -2,
-        a: -2,
-        ..Base::ONE
-    },
-    display: &[],
-    relative: false,
-};
+const HENRY: Unit =
+    Unit { name: "H", base: Base { kg: 1, m: 2, s: -2, a: -2, ..Base::ONE }, display: &[], relative: false };
 
 /// A model whose description says something of everything.
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -69,13 +37,7 @@ struct Coil {
 
 static COIL: [Variable<Coil>; 3] = [
     input("current", &units::AMPERE, field!(Coil: current), "Current").shown_in("mA"),
-    output(
-        "flux [Wb]",
-        &units::ONE,
-        |coil: &Coil| coil.inductance * coil.current,
-        "Flux",
-    )
-    .depends_on(&["current"]),
+    output("flux [Wb]", &units::ONE, |coil: &Coil| coil.inductance * coil.current, "Flux").depends_on(&["current"]),
     tunable("inductance", &HENRY, field!(Coil: inductance), "Inductance"),
 ];
 
@@ -117,10 +79,7 @@ fn the_models_own_words_are_in_its_description() {
         ("author", Some("Joseph Henry")),
         ("copyright", Some("(c) Joseph Henry")),
         ("license", None),
-        (
-            "generationTool",
-            Some(concat!("fmu-export ", env!("CARGO_PKG_VERSION"))),
-        ),
+        ("generationTool", Some(concat!("fmu-export ", env!("CARGO_PKG_VERSION")))),
         // The flux's name is no path of identifiers.
         ("variableNamingConvention", Some("flat")),
         ("guid", Some(guid.as_str())),
@@ -128,30 +87,16 @@ fn the_models_own_words_are_in_its_description() {
         assert_eq!(root.attribute(attribute), value, "{attribute}");
     }
     let base = |unit: &str| {
-        let mut units = document
-            .descendants()
-            .filter(|node| node.has_tag_name("Unit"));
-        let unit = units
-            .find(|node| node.attribute("name") == Some(unit))
-            .unwrap();
+        let mut units = document.descendants().filter(|node| node.has_tag_name("Unit"));
+        let unit = units.find(|node| node.attribute("name") == Some(unit)).unwrap();
         let base = unit.first_element_child().unwrap();
-        Vec::from_iter(
-            base.attributes()
-                .map(|a| (a.name().to_owned(), a.value().to_owned())),
-        )
+        Vec::from_iter(base.attributes().map(|a| (a.name().to_owned(), a.value().to_owned())))
     };
     let named = |pairs: &[(&str, &str)]| {
-        Vec::from_iter(
-            pairs
-                .iter()
-                .map(|(name, value)| (name.to_string(), value.to_string())),
-        )
+        Vec::from_iter(pairs.iter().map(|(name, value)| (name.to_string(), value.to_string())))
     };
     assert_eq!(base("A"), named(&[("A", "1")]));
-    assert_eq!(
-        base("H"),
-        named(&[("kg", "1"), ("m", "2"), ("s", "-2"), ("A", "-2")])
-    );
+    assert_eq!(base("H"), named(&[("kg", "1"), ("m", "2"), ("s", "-2"), ("A", "-2")]));
 }
 
 #[test]
@@ -159,21 +104,13 @@ fn the_listing_changes_the_order_but_no_reference() {
     assert_eq!(faults::<Coil>(), Vec::<String>::new());
     let xml = xml::<Coil>(Version::Two, Interface::CoSimulation);
     let document = roxmltree::Document::parse(&xml).unwrap();
-    let variables = document
-        .descendants()
-        .filter(|node| node.has_tag_name("ScalarVariable"));
+    let variables = document.descendants().filter(|node| node.has_tag_name("ScalarVariable"));
     let listed = variables.map(|node| (node.attribute("name"), node.attribute("valueReference")));
     assert_eq!(
         Vec::from_iter(listed),
-        [
-            (Some("inductance"), Some("2")),
-            (Some("current"), Some("0")),
-            (Some("flux [Wb]"), Some("1")),
-        ]
+        [(Some("inductance"), Some("2")), (Some("current"), Some("0")), (Some("flux [Wb]"), Some("1")),]
     );
-    let mut unknowns = document
-        .descendants()
-        .filter(|node| node.has_tag_name("Unknown"));
+    let mut unknowns = document.descendants().filter(|node| node.has_tag_name("Unknown"));
     // Indices count from 1 in the order of the listing: at the start the flux depends on the inductance, too.
     for dependencies in ["2", "1 2"] {
         let flux = unknowns.next().unwrap();
@@ -193,46 +130,24 @@ struct Odd {
 
 impl Default for Odd {
     fn default() -> Self {
-        Self {
-            value: 7.0,
-            other: f64::NAN,
-        }
+        Self { value: 7.0, other: f64::NAN }
     }
 }
 
-const ODD_SECOND: Unit = Unit {
-    base: Base::ONE,
-    ..units::SECOND
-};
+const ODD_SECOND: Unit = Unit { base: Base::ONE, ..units::SECOND };
 
 static ODD: [Variable<Odd>; 5] = [
     parameter("value", &units::SECOND, field!(Odd: value), "Out of range").within(0.0, 1.0),
-    parameter(
-        "value",
-        &ODD_SECOND,
-        field!(Odd: value),
-        "The same name, another unit",
-    ),
+    parameter("value", &ODD_SECOND, field!(Odd: value), "The same name, another unit"),
     parameter("other", &units::ONE, field!(Odd: other), "Not a number").about(-1.0),
-    output(
-        "shown",
-        &units::ONE,
-        |odd: &Odd| odd.value,
-        "No such display unit",
-    )
-    .shown_in("furlong")
-    .depends_on(&["other"]),
-    input("slope", &units::ONE, field!(Odd: value), "An empty range")
-        .within(9.0, 5.0)
-        .derivative(|odd| odd.value),
+    output("shown", &units::ONE, |odd: &Odd| odd.value, "No such display unit")
+        .shown_in("furlong")
+        .depends_on(&["other"]),
+    input("slope", &units::ONE, field!(Odd: value), "An empty range").within(9.0, 5.0).derivative(|odd| odd.value),
 ];
 
 impl Model for Odd {
-    const INFO: Info = Info {
-        identifier: "1st",
-        default_step: 0.0,
-        ..fmu_export::info!()
-    };
+    const INFO: Info = Info { identifier: "1st", default_step: 0.0, ..fmu_export::info!() };
 
     fn variables() -> &'static [Variable<Self>] {
         &ODD
@@ -287,39 +202,12 @@ struct Pipes {
 }
 
 static PIPES: [Variable<Pipes>; 6] = [
-    variable(
-        "name[1]",
-        Role::Parameter,
-        Kind::String {
-            access: text!(Pipes: names[0]),
-        },
-        "A name",
-    )
-    .array(2),
-    variable(
-        "name[2]",
-        Role::Parameter,
-        Kind::String {
-            access: text!(Pipes: names[1]),
-        },
-        "A name",
-    ),
+    variable("name[1]", Role::Parameter, Kind::String { access: text!(Pipes: names[0]) }, "A name").array(2),
+    variable("name[2]", Role::Parameter, Kind::String { access: text!(Pipes: names[1]) }, "A name"),
     input("flow[1]", &units::ONE, field!(Pipes: flows[0]), "A flow").array(2),
     input("flow[2]", &units::ONE, field!(Pipes: flows[1]), "A flow"),
-    output(
-        "out[1]",
-        &units::ONE,
-        |pipes: &Pipes| pipes.flows[0],
-        "The same",
-    )
-    .array(2),
-    output(
-        "out[2]",
-        &units::ONE,
-        |pipes: &Pipes| pipes.flows[1],
-        "The same",
-    )
-    .depends_on(&["flow[2]"]),
+    output("out[1]", &units::ONE, |pipes: &Pipes| pipes.flows[0], "The same").array(2),
+    output("out[2]", &units::ONE, |pipes: &Pipes| pipes.flows[1], "The same").depends_on(&["flow[2]"]),
 ];
 
 impl Model for Pipes {
@@ -341,22 +229,16 @@ impl Model for Pipes {
 #[test]
 fn arrays_are_one_variable_in_fmi_3_and_several_in_fmi_2() {
     assert_eq!(faults::<Pipes>(), Vec::<String>::new());
-    let [two, three] = [Version::Two, Version::Three]
-        .map(|version| xml::<Pipes>(version, Interface::CoSimulation));
+    let [two, three] = [Version::Two, Version::Three].map(|version| xml::<Pipes>(version, Interface::CoSimulation));
     assert_eq!(two.matches("<ScalarVariable ").count(), 6);
     assert!(!two.contains("Dimension"));
-    for line in [
-        r#"<Unknown index="5" dependencies=""/>"#,
-        r#"<Unknown index="6" dependencies="4"/>"#,
-    ] {
+    for line in [r#"<Unknown index="5" dependencies=""/>"#, r#"<Unknown index="6" dependencies="4"/>"#] {
         assert!(two.contains(line), "{two}");
     }
     let document = roxmltree::Document::parse(&three).unwrap();
     let named = |name: &str| {
         let mut nodes = document.descendants();
-        nodes
-            .find(|node| node.attribute("name") == Some(name))
-            .unwrap()
+        nodes.find(|node| node.attribute("name") == Some(name)).unwrap()
     };
     let children = |name: &str| -> Vec<String> {
         let children = named(name).children().filter(roxmltree::Node::is_element);
@@ -370,10 +252,7 @@ fn arrays_are_one_variable_in_fmi_3_and_several_in_fmi_2() {
     assert_eq!(children("flow"), ["Dimension 2"]);
     assert_eq!(named("flow").attribute("start"), Some("0.0 0.0"));
     assert_eq!(named("out").attribute("valueReference"), Some("4"));
-    assert!(
-        three.contains(r#"<Output valueReference="4" dependencies="2"/>"#),
-        "{three}"
-    );
+    assert!(three.contains(r#"<Output valueReference="4" dependencies="2"/>"#), "{three}");
     assert!(!three.contains("name=\"out[2]\"") && !three.contains("valueReference=\"5\""));
 }
 
@@ -385,22 +264,10 @@ const BEAT: Kind<Torn> = Kind::Clock { ticked: |_| false };
 
 static TORN: [Variable<Torn>; 9] = [
     output("one[1]", &units::ONE, |torn: &Torn| torn.0, "An array").array(2),
-    output(
-        "one[3]",
-        &units::ONE,
-        |torn: &Torn| torn.0,
-        "The wrong number",
-    ),
-    variable(
-        "tick",
-        Role::Local,
-        Kind::Clock { ticked: |_| false },
-        "No output",
-    ),
+    output("one[3]", &units::ONE, |torn: &Torn| torn.0, "The wrong number"),
+    variable("tick", Role::Local, Kind::Clock { ticked: |_| false }, "No output"),
     parameter("set", &units::ONE, field!(Torn: 0), "Not computed").clocked("tick"),
-    output("range[1]", &units::ONE, |torn: &Torn| torn.0, "In part")
-        .within(0.0, 1.0)
-        .array(2),
+    output("range[1]", &units::ONE, |torn: &Torn| torn.0, "In part").within(0.0, 1.0).array(2),
     output("range[2]", &units::ONE, |torn: &Torn| torn.0, "Without"),
     variable("beat[1]", Role::Output, BEAT, "Clocks are scalars").array(2),
     variable("beat[2]", Role::Output, BEAT, "Clocks are scalars"),
@@ -466,9 +333,7 @@ fn mistakes_in_arrays_and_events_are_found() {
 fn events_without_an_end_fail_the_step() {
     let mut torn = Torn::default();
     let failed = torn.advance(1.0, 2.0, &mut ());
-    assert!(
-        matches!(failed, Err(Fault::Failed(why)) if why.starts_with("the events at 1 s do not end"))
-    );
+    assert!(matches!(failed, Err(Fault::Failed(why)) if why.starts_with("the events at 1 s do not end")));
 }
 
 /// The event at the end of a step makes another one due.

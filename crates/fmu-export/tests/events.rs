@@ -17,9 +17,7 @@ use thermostat::House;
 
 fn vr<M: Model>(name: &str) -> ValueReference {
     let mut names = M::variables().iter();
-    names
-        .position(|variable| variable.array_name() == name)
-        .unwrap() as ValueReference
+    names.position(|variable| variable.array_name() == name).unwrap() as ValueReference
 }
 
 /// A model in a host of FMI 3.0.
@@ -110,18 +108,7 @@ impl<M: Model> Of<M> {
     fn step(&self, from: f64, step: f64) -> (Status, [bool; 2], f64) {
         let ([mut event, mut ends, mut early], mut reached) = ([7; 3], f64::NAN);
         let flags = (&mut event, &mut ends, &mut early);
-        let status = unsafe {
-            calls::do_step::<M>(
-                self.0,
-                from,
-                step,
-                1,
-                flags.0,
-                flags.1,
-                flags.2,
-                &mut reached,
-            )
-        };
+        let status = unsafe { calls::do_step::<M>(self.0, from, step, 1, flags.0, flags.1, flags.2, &mut reached) };
         (status, [event != 0, early != 0], reached)
     }
 
@@ -184,20 +171,13 @@ fn steps_end_at_events_in_event_mode_alone() {
     assert_eq!(seen.step(reached, 3000.0 - reached).1, [false; 2]);
     // A step may end at an event and still be whole. An event that a new value makes due is handled before time passes.
     let at_end = Host::stepped(1, 1);
-    assert_eq!(
-        [at_end.enter_step(), at_end.set("setpoint", &[288.15])],
-        [Ok; 2]
-    );
+    assert_eq!([at_end.enter_step(), at_end.set("setpoint", &[288.15])], [Ok; 2]);
     let (_, flags, reached) = at_end.step(0.0, 7200.0 * (20.0_f64 / 19.0).ln());
     assert_eq!(flags, [true, false]);
     assert_eq!(at_end.set("setpoint", &[287.0]), Ok);
     assert_eq!(at_end.step(reached, 10.0), (Ok, [true; 2], reached));
     // Other hosts find the same temperatures.
-    for unseen in [
-        Host::stepped(0, 1),
-        Host::stepped(0, 0),
-        Host::stepped(1, 0),
-    ] {
+    for unseen in [Host::stepped(0, 1), Host::stepped(0, 0), Host::stepped(1, 0)] {
         if unseen.step(0.0, 10.0).0 == Error {
             assert_eq!([unseen.enter_step(), unseen.step(0.0, 10.0).0], [Ok; 2]);
         } else {
@@ -223,10 +203,7 @@ fn a_host_that_integrates_sees_the_events() {
         let indicators = calls::get_event_indicators::<House>;
         assert_eq!(indicators(host.0, margins.as_mut_ptr(), 2), Error);
         assert_eq!(indicators(host.0, margins.as_mut_ptr(), 3), Ok);
-        assert!(
-            margins.iter().all(|margin| (margin - 6.0).abs() < 1e-12),
-            "{margins:?}"
-        );
+        assert!(margins.iter().all(|margin| (margin - 6.0).abs() < 1e-12), "{margins:?}");
         let states = [290.0, 294.15 + 1e-6, 294.0];
         calls::set_time::<House>(host.0, 1234.0);
         calls::set_continuous_states::<House>(host.0, states.as_ptr(), 3);
@@ -235,10 +212,7 @@ fn a_host_that_integrates_sees_the_events() {
         assert_eq!(host.enter_event(), Ok);
         assert_eq!(host.update(), (true, Some(79_200.0)));
         assert!(host.clock());
-        assert_eq!(
-            (host.get("switchTime"), host.get::<3>("margin")[1] > 1.9),
-            ([1234.0], true)
-        );
+        assert_eq!((host.get("switchTime"), host.get::<3>("margin")[1] > 1.9), ([1234.0], true));
         assert_eq!(host.update(), (false, Some(79_200.0)));
         // Night falls: nothing more is known beforehand.
         assert_eq!(host.enter_continuous(), Ok);
@@ -257,10 +231,7 @@ fn what_cannot_be_is_refused() {
     unsafe {
         let set = calls::set_clock::<House>;
         assert_eq!(
-            [
-                set(host.0, &vr::<House>("switched"), 1, &1),
-                set(host.0, &vr::<House>("band"), 1, &1)
-            ],
+            [set(host.0, &vr::<House>("switched"), 1, &1), set(host.0, &vr::<House>("band"), 1, &1)],
             [Error; 2]
         );
         let mut active = 7;
@@ -270,14 +241,8 @@ fn what_cannot_be_is_refused() {
         assert_eq!(host.enter_step(), Ok);
         let rates = calls::get_output_derivatives::<House>;
         let temperature = vr::<House>("temperature");
-        assert_eq!(
-            rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 1),
-            Error
-        );
-        assert_eq!(
-            rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 3),
-            Ok
-        );
+        assert_eq!(rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 1), Error);
+        assert_eq!(rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 3), Ok);
         for (rate, constant) in derivatives.into_iter().zip([7200.0, 10800.0, 18000.0]) {
             assert!((rate - 20.0 / constant).abs() < 1e-15);
         }
@@ -301,16 +266,10 @@ fn saved_states_know_their_mode() {
     // SAFETY: components and states are alive, and the places are ours.
     unsafe {
         assert_eq!(calls::set_fmu_state::<House>(other.0, in_event_mode), Error);
-        assert_eq!(
-            calls::serialized_fmu_state_size::<House>(host.0, in_event_mode, &mut size),
-            Ok
-        );
+        assert_eq!(calls::serialized_fmu_state_size::<House>(host.0, in_event_mode, &mut size), Ok);
         let mut bytes = vec![0_u8; size];
         let serialize = calls::serialize_fmu_state::<House>;
-        assert_eq!(
-            serialize(host.0, in_event_mode, bytes.as_mut_ptr(), size),
-            Ok
-        );
+        assert_eq!(serialize(host.0, in_event_mode, bytes.as_mut_ptr(), size), Ok);
         assert_eq!(host.enter_step(), Ok);
         let in_step_mode = saved(&host);
         let mut again = null_mut();
@@ -327,10 +286,7 @@ fn saved_states_know_their_mode() {
 
 #[test]
 fn event_mode_has_derivatives_in_co_simulation() {
-    for (host, expected) in [
-        (Host::stepped(1, 1), (Ok, [1.0; 3])),
-        (Host::exchange(), (Error, [7.0; 3])),
-    ] {
+    for (host, expected) in [(Host::stepped(1, 1), (Ok, [1.0; 3])), (Host::exchange(), (Error, [7.0; 3]))] {
         let (margin, setpoint) = (vr::<House>("margin"), vr::<House>("setpoint"));
         let mut slopes = [7.0; 3];
         let place = slopes.as_mut_ptr();
@@ -343,9 +299,7 @@ fn event_mode_has_derivatives_in_co_simulation() {
 
 mod stuck {
     use fmu_export::declare::output;
-    use fmu_export::model::{
-        Continuous, Events, Exchange, Experiment, Fault, Info, Log, Model, State, Variable,
-    };
+    use fmu_export::model::{Continuous, Events, Exchange, Experiment, Fault, Info, Log, Model, State, Variable};
     use fmu_export::units::{ONE, PER_SECOND};
     use serde::{Deserialize, Serialize};
 
@@ -441,15 +395,9 @@ fn events_that_do_not_end_or_fail_are_discarded_and_change_nothing() {
         calls::set_time::<Stuck>(host.0, 1.0);
         let rates = calls::get_continuous_state_derivatives::<Stuck>;
         let margins = calls::get_event_indicators::<Stuck>;
-        assert_eq!(
-            [rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)],
-            [Ok; 2]
-        );
+        assert_eq!([rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)], [Ok; 2]);
         calls::set_continuous_states::<Stuck>(host.0, &2.0, 1);
-        assert_eq!(
-            [rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)],
-            [Discard; 2]
-        );
+        assert_eq!([rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)], [Discard; 2]);
         assert_eq!([host.enter_event(), host.status()], [Ok, Discard]);
         calls::get_continuous_states::<Stuck>(host.0, &mut state, 1);
     }

@@ -83,10 +83,7 @@ pub enum ArchiveError {
     #[error("modelDescription.xml is larger than {} MiB", MAX_DESCRIPTION >> 20)]
     LargeDescription,
     /// There is no binary for this platform.
-    #[error(
-        "no binary for this platform ({platform}); the FMU holds {}",
-        available(held)
-    )]
+    #[error("no binary for this platform ({platform}); the FMU holds {}", available(held))]
     NoBinary {
         /// This platform, as the FMU's version of the standard names it.
         platform: &'static str,
@@ -100,9 +97,7 @@ pub enum ArchiveError {
     #[error("refused: two entries `{0}`: remove one of them")]
     Twice(String),
     /// An entry would be written outside the target folder, or is a link.
-    #[error(
-        "refused: the entry `{0}` is a link, lies outside the archive or has a name that not every system takes"
-    )]
+    #[error("refused: the entry `{0}` is a link, lies outside the archive or has a name that not every system takes")]
     Unsafe(String),
     /// The archive is a decompression bomb, or absurdly large.
     #[error("refused: more than {MAX_ENTRIES} entries or {} GiB", MAX_UNPACKED >> 30)]
@@ -112,17 +107,13 @@ pub enum ArchiveError {
 impl ArchiveError {
     /// Whether the fault lies in the FMU rather than in the request.
     pub fn is_a_fault(&self) -> bool {
-        !matches!(
-            self,
-            Self::Missing | Self::Io(_) | Self::NotZip | Self::NoFile(_) | Self::Folder(_)
-        )
+        !matches!(self, Self::Missing | Self::Io(_) | Self::NotZip | Self::NoFile(_) | Self::Folder(_))
     }
 
     /// The problem with an entry.
     fn of_entry(entry: &str, error: ZipError) -> Self {
         use io::ErrorKind::{
-            AlreadyExists, InvalidData, InvalidInput, IsADirectory, NotADirectory, UnexpectedEof,
-            Unsupported,
+            AlreadyExists, InvalidData, InvalidInput, IsADirectory, NotADirectory, UnexpectedEof, Unsupported,
         };
         let why = match error {
             ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => {
@@ -146,11 +137,7 @@ impl ArchiveError {
 }
 
 fn available(platforms: &[String]) -> String {
-    if platforms.is_empty() {
-        "none at all (source code only?)".to_owned()
-    } else {
-        platforms.join(", ")
-    }
+    if platforms.is_empty() { "none at all (source code only?)".to_owned() } else { platforms.join(", ") }
 }
 
 /// An FMU's files.
@@ -225,11 +212,7 @@ impl Archive {
         match self {
             Self::Folder(path) => files_below(path, path),
             // Not by the zip's own order of names: what could not be unpacked is to be seen, too.
-            Self::Zip { zip, .. } => zip
-                .file_names()
-                .filter_map(Result::ok)
-                .map(Cow::into_owned)
-                .collect(),
+            Self::Zip { zip, .. } => zip.file_names().filter_map(Result::ok).map(Cow::into_owned).collect(),
         }
     }
 
@@ -301,10 +284,7 @@ impl Archive {
     pub(crate) fn platforms(&self, identifier: &str) -> Vec<String> {
         let mut platforms: Vec<String> = match self {
             Self::Folder(path) => folder_platforms(&path.join("binaries"), identifier),
-            Self::Zip { zip, .. } => zip
-                .file_names()
-                .filter_map(|name| platform_of(&name.ok()?, identifier))
-                .collect(),
+            Self::Zip { zip, .. } => zip.file_names().filter_map(|name| platform_of(&name.ok()?, identifier)).collect(),
         };
         platforms.sort();
         platforms.dedup();
@@ -329,9 +309,7 @@ impl Archive {
         let target = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent)?;
         match self {
             Self::Zip { zip, .. } => unpack::unpack(zip, platform, target.path())?,
-            Self::Folder(folder) => {
-                unpack::Copy::default().needed(folder, platform, target.path())?
-            }
+            Self::Folder(folder) => unpack::Copy::default().needed(folder, platform, target.path())?,
         }
         Ok(target)
     }
@@ -361,10 +339,7 @@ fn names_twice(mut entries: ZipIterable<BufReader<&File>>) -> ZipResult<Vec<Stri
 
 /// The path of the binary below an unpacked FMU.
 pub(crate) fn binary(folder: &Path, identifier: &str, version: Version) -> PathBuf {
-    folder
-        .join("binaries")
-        .join(version.platform())
-        .join(format!("{identifier}.{EXTENSION}"))
+    folder.join("binaries").join(version.platform()).join(format!("{identifier}.{EXTENSION}"))
 }
 
 fn platform_of(name: &str, identifier: &str) -> Option<String> {
@@ -393,13 +368,8 @@ fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
     let platforms = fs::read_dir(binaries).into_iter().flatten().flatten();
     platforms
         .filter(|platform| {
-            let files = fs::read_dir(platform.path())
-                .into_iter()
-                .flatten()
-                .flatten();
-            files
-                .map(|file| file.path())
-                .any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
+            let files = fs::read_dir(platform.path()).into_iter().flatten().flatten();
+            files.map(|file| file.path()).any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
         })
         .map(|platform| platform.file_name().to_string_lossy().into_owned())
         .collect()
@@ -460,10 +430,7 @@ mod tests {
         let (_folder, path) = directory(&[names(40_000), names(40_000)].concat());
         let archive = Archive::open(&path).unwrap();
         assert_eq!(archive.twice(), names(40_000));
-        for many in [
-            [names(60_000), names(60_000)].concat(),
-            vec!["a".to_owned(); 100_001],
-        ] {
+        for many in [[names(60_000), names(60_000)].concat(), vec!["a".to_owned(); 100_001]] {
             let (_folder, path) = directory(&many);
             let error = Archive::open(&path).unwrap_err().to_string();
             assert_eq!(error, "refused: more than 100000 entries or 8 GiB");
@@ -510,9 +477,7 @@ mod tests {
         ]);
         let mut archive = Archive::open(&path).unwrap();
         assert_eq!(archive.description().unwrap(), b"<x/>");
-        let target = archive
-            .unpack("m", Version::Two, &std::env::temp_dir())
-            .unwrap();
+        let target = archive.unpack("m", Version::Two, &std::env::temp_dir()).unwrap();
         assert!(binary(target.path(), "m", Version::Two).exists());
         assert!(target.path().join("resources/table.csv").exists());
         assert!(!target.path().join("binaries/other").exists());
@@ -522,25 +487,15 @@ mod tests {
     #[test]
     fn refuses_to_write_outside_the_folder() {
         let ours = format!("binaries/{PLATFORM}/m.{EXTENSION}");
-        let (_folder, path) = archive(&[
-            (DESCRIPTION, b"<x/>"),
-            (&ours, b""),
-            ("../outside.txt", b"gotcha"),
-        ]);
-        let error = Archive::open(&path)
-            .unwrap()
-            .unpack("m", Version::Two, &std::env::temp_dir())
-            .unwrap_err();
+        let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), (&ours, b""), ("../outside.txt", b"gotcha")]);
+        let error = Archive::open(&path).unwrap().unpack("m", Version::Two, &std::env::temp_dir()).unwrap_err();
         assert!(matches!(error, ArchiveError::Unsafe(_)), "{error}");
     }
 
     #[test]
     fn names_the_platforms_when_ours_is_missing() {
         let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), ("binaries/other/m.dll", b"")]);
-        let error = Archive::open(&path)
-            .unwrap()
-            .unpack("m", Version::Two, &std::env::temp_dir())
-            .unwrap_err();
+        let error = Archive::open(&path).unwrap().unpack("m", Version::Two, &std::env::temp_dir()).unwrap_err();
         assert!(error.to_string().contains("holds other"), "{error}");
     }
 
@@ -548,10 +503,7 @@ mod tests {
     fn names_a_binary_of_another_name() {
         let other = format!("binaries/{PLATFORM}/n.{EXTENSION}");
         let (_folder, path) = archive(&[(DESCRIPTION, b"<x/>"), (&other, b"")]);
-        let error = Archive::open(&path)
-            .unwrap()
-            .unpack("m", Version::Two, &std::env::temp_dir())
-            .unwrap_err();
+        let error = Archive::open(&path).unwrap().unpack("m", Version::Two, &std::env::temp_dir()).unwrap_err();
         let text = error.to_string();
         assert!(text.starts_with(&other), "{text}");
         assert!(text.ends_with(&format!("call it m.{EXTENSION}")), "{text}");
@@ -576,14 +528,8 @@ mod tests {
     fn tells_what_is_no_fmu() {
         let (folder, path) = archive(&[("readme.txt", b"")]);
         let mut empty = Archive::open(&path).unwrap();
-        assert!(matches!(
-            empty.description(),
-            Err(ArchiveError::NoDescription)
-        ));
-        assert!(matches!(
-            Archive::open(&folder.path().join("none.fmu")),
-            Err(ArchiveError::Missing)
-        ));
+        assert!(matches!(empty.description(), Err(ArchiveError::NoDescription)));
+        assert!(matches!(Archive::open(&folder.path().join("none.fmu")), Err(ArchiveError::Missing)));
         let text = folder.path().join("text.fmu");
         fs::write(&text, "not a zip").unwrap();
         assert!(matches!(Archive::open(&text), Err(ArchiveError::NotZip)));

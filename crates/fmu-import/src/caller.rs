@@ -19,11 +19,7 @@ pub(crate) struct Caller {
 impl Caller {
     /// A caller of an FMU whose binary left the processor in this mode.
     pub(crate) fn new(mode: Mode) -> Self {
-        Self {
-            log: Log::open(),
-            mode,
-            dead: false,
-        }
+        Self { log: Log::open(), mode, dead: false }
     }
 
     /// Makes a call in the FMU's own floating-point mode.
@@ -50,12 +46,7 @@ impl Caller {
     pub(crate) fn failed(&mut self, function: &'static str, status: Status) -> Call {
         complain();
         self.dead |= status == Status::Fatal;
-        Call {
-            function,
-            status,
-            message: self.log.last(),
-            ended: None,
-        }
+        Call { function, status, message: self.log.last(), ended: None }
     }
 }
 
@@ -67,11 +58,6 @@ impl Call {
 
     /// A call that was not made, and why.
     pub(crate) fn impossible(function: &'static str, why: String) -> Self {
-        Self {
-            function,
-            status: Status::Error,
-            message: Some(why),
-            ended: None,
-        }
+        Self { function, status: Status::Error, message: Some(why), ended: None }
     }
 }

@@ -73,8 +73,7 @@ impl Base {
         let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
         if !pointers.is_empty() {
             let of = self.component;
-            self.caller
-                .call(|| log(code, of, pointers.len(), pointers.as_ptr()));
+            self.caller.call(|| log(code, of, pointers.len(), pointers.as_ptr()));
         }
     }
 

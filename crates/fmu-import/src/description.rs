@@ -390,9 +390,7 @@ impl Description {
 
     /// The variables of one causality, in the order of the file.
     pub fn with(&self, causality: Causality) -> impl Iterator<Item = &Variable> {
-        self.variables
-            .values()
-            .filter(move |variable| variable.causality == causality)
+        self.variables.values().filter(move |variable| variable.causality == causality)
     }
 }
 
@@ -411,9 +409,7 @@ impl Kind {
     pub fn start_value(&self) -> Option<Value> {
         match self {
             Self::Real { start, .. } => start.map(Value::Real),
-            Self::Integer { start, .. } | Self::Enumeration { start, .. } => {
-                start.map(Value::Integer)
-            }
+            Self::Integer { start, .. } | Self::Enumeration { start, .. } => start.map(Value::Integer),
             Self::Boolean { start } => start.map(Value::Boolean),
             Self::String { start } => start.clone().map(Value::String),
             Self::Clock(_) => None,
@@ -430,9 +426,7 @@ impl Kind {
     pub fn range(&self) -> (Option<f64>, Option<f64>) {
         match self {
             Self::Real { min, max, .. } => (*min, *max),
-            Self::Integer { min, max, .. } => {
-                (min.map(|min| min as f64), max.map(|max| max as f64))
-            }
+            Self::Integer { min, max, .. } => (min.map(|min| min as f64), max.map(|max| max as f64)),
             _ => (None, None),
         }
     }
@@ -442,9 +436,7 @@ impl Variable {
     /// How calls reach it.
     pub fn handle(&self) -> Handle {
         Handle {
-            reference: self
-                .place
-                .map_or(self.value_reference, |place| place.number),
+            reference: self.place.map_or(self.value_reference, |place| place.number),
             content: self.kind.content(),
         }
     }
@@ -465,9 +457,7 @@ impl Variable {
     /// The unit in which people want to read it: the display unit, or else the unit.
     pub fn display_unit(&self) -> Option<&str> {
         match &self.kind {
-            Kind::Real {
-                unit, display_unit, ..
-            } => display_unit.as_deref().or(unit.as_deref()),
+            Kind::Real { unit, display_unit, .. } => display_unit.as_deref().or(unit.as_deref()),
             _ => None,
         }
     }

@@ -18,15 +18,9 @@ pub(crate) struct Mode {
 impl Mode {
     /// The mode in which every process starts: to nearest, with subnormal numbers, without exceptions.
     pub(crate) const USUAL: Self = if cfg!(target_arch = "x86_64") {
-        Self {
-            vector: 0x1f80,
-            extended: 0x037f,
-        }
+        Self { vector: 0x1f80, extended: 0x037f }
     } else {
-        Self {
-            vector: 0,
-            extended: 0,
-        }
+        Self { vector: 0, extended: 0 }
     };
 }
 
@@ -79,10 +73,7 @@ fn read() -> Mode {
             options(nostack, preserves_flags),
         );
     }
-    Mode {
-        vector: u64::from(vector & !OCCURRED),
-        extended,
-    }
+    Mode { vector: u64::from(vector & !OCCURRED), extended }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -110,10 +101,7 @@ fn read() -> Mode {
     unsafe {
         std::arch::asm!("mrs {}, fpcr", out(reg) vector, options(nomem, nostack, preserves_flags));
     }
-    Mode {
-        vector,
-        extended: 0,
-    }
+    Mode { vector, extended: 0 }
 }
 
 #[cfg(target_arch = "aarch64")]

@@ -25,11 +25,7 @@ impl Instance {
     pub fn new(library: &Arc<Library>, name: &str) -> Result<Self, Call> {
         let simulation = library.instantiate(name)?;
         static CREATED: AtomicU64 = AtomicU64::new(0);
-        Ok(Self {
-            number: CREATED.fetch_add(1, Ordering::Relaxed),
-            library: Arc::clone(library),
-            simulation,
-        })
+        Ok(Self { number: CREATED.fetch_add(1, Ordering::Relaxed), library: Arc::clone(library), simulation })
     }
 
     /// Whether the FMU is unusable after `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
@@ -57,17 +53,8 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
-    pub fn setup_experiment(
-        &mut self,
-        start: f64,
-        stop: f64,
-        tolerance: Option<f64>,
-    ) -> Result<(), Call> {
-        let experiment = Experiment {
-            start,
-            stop,
-            tolerance,
-        };
+    pub fn setup_experiment(&mut self, start: f64, stop: f64, tolerance: Option<f64>) -> Result<(), Call> {
+        let experiment = Experiment { start, stop, tolerance };
         self.simulation.set_up(experiment)
     }
 
@@ -159,12 +146,7 @@ impl Instance {
             times.len() == sizes.len() && rows.len() >= times.len() * references.len(),
             "each step needs a size, and a row of its own"
         );
-        let batch = Batch {
-            times,
-            sizes,
-            references,
-            rows,
-        };
+        let batch = Batch { times, sizes, references, rows };
         self.simulation.steps(batch)
     }
 

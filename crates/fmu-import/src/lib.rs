@@ -29,9 +29,7 @@ pub mod xml;
 
 pub use archive::ArchiveError;
 pub use call::{Call, End, Status, Warnings};
-pub use description::{
-    Causality, Description, Interface, Kind, Place, Remark, Variability, Variable,
-};
+pub use description::{Causality, Description, Interface, Kind, Place, Remark, Variability, Variable};
 pub use instance::Instance;
 pub use library::{Library, LibraryError, percent_encoded};
 pub use logger::complaints;

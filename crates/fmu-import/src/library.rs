@@ -15,9 +15,7 @@ use crate::archive;
 use crate::call::Call;
 use crate::caller::Caller;
 use crate::component::Common;
-use crate::description::{
-    Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable,
-};
+use crate::description::{Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable};
 use crate::exchange::{self, Clocks, Exchange};
 use crate::floating_point::{Mode, within};
 use crate::fmi2;
@@ -87,13 +85,10 @@ impl Library {
             .collect();
         Ok(Self {
             functions: match version {
-                Version::Two => {
-                    Functions::Two(Box::new(fmi2::Functions::find(&symbols, interface)?))
+                Version::Two => Functions::Two(Box::new(fmi2::Functions::find(&symbols, interface)?)),
+                Version::Three => {
+                    Functions::Three(Box::new(fmi3::Functions::find(&symbols, interface)?), Element::all(description))
                 }
-                Version::Three => Functions::Three(
-                    Box::new(fmi3::Functions::find(&symbols, interface)?),
-                    Element::all(description),
-                ),
             },
             common: Common::find(&symbols, states)?,
             exchange: match interface {
@@ -103,16 +98,8 @@ impl Library {
             }
             .map(|functions| (functions, description.exchange)),
             clocks: Clocks::find(&symbols, description),
-            once: description
-                .capabilities
-                .can_be_instantiated_only_once_per_process,
-            birth: Birth {
-                guid: description.guid.clone(),
-                resources,
-                categories,
-                interface,
-                binary,
-            },
+            once: description.capabilities.can_be_instantiated_only_once_per_process,
+            birth: Birth { guid: description.guid.clone(), resources, categories, interface, binary },
             mode,
             inputs: Arc::new(inputs(description)),
             _unpacked: unpacked,
@@ -152,18 +139,10 @@ impl Library {
     fn component(&self, name: &str, events: bool) -> Result<Box<dyn Simulation>, Call> {
         let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
         Ok(match &self.functions {
-            Functions::Two(functions) => {
-                Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?)
+            Functions::Two(functions) => Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?),
+            Functions::Three(functions, elements) => {
+                Box::new(fmi3::Model::new(**functions, common, Arc::clone(elements), birth, events, caller, name)?)
             }
-            Functions::Three(functions, elements) => Box::new(fmi3::Model::new(
-                **functions,
-                common,
-                Arc::clone(elements),
-                birth,
-                events,
-                caller,
-                name,
-            )?),
         })
     }
 
@@ -247,23 +226,18 @@ fn loaded(path: &Path) -> Result<&'static Loaded, LibraryError> {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     // SAFETY: running the initialisers of the binary is what the user asked for; the caller
     // decides in which process.
-    let library = unsafe { Loaded::new(&path) }.map_err(|error| LibraryError::Load {
-        reason: reason(&path, &error),
-        path,
-    })?;
+    let library =
+        unsafe { Loaded::new(&path) }.map_err(|error| LibraryError::Load { reason: reason(&path, &error), path })?;
     Ok(Box::leak(Box::new(library)))
 }
 
 /// The inputs, and whether each may change between events.
 fn inputs(description: &Description) -> HashMap<Handle, bool> {
     let is_continuous = |variable: &Variable| {
-        variable.variability == Variability::Continuous
-            && matches!(variable.kind, Kind::Real { .. })
+        variable.variability == Variability::Continuous && matches!(variable.kind, Kind::Real { .. })
     };
     let inputs = description.with(Causality::Input);
-    inputs
-        .map(|variable| (variable.handle(), is_continuous(variable)))
-        .collect()
+    inputs.map(|variable| (variable.handle(), is_continuous(variable))).collect()
 }
 
 /// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.
@@ -272,10 +246,7 @@ fn reason(path: &Path, error: &libloading::Error) -> String {
         // It says the path once more.
         [] => plain(error).replace(&format!("{}: ", path.display()), ""),
         [one] => format!("it needs {one}, which is not there: install it"),
-        some => format!(
-            "it needs {}, which are not there: install them",
-            some.join(", ")
-        ),
+        some => format!("it needs {}, which are not there: install them", some.join(", ")),
     }
 }
 

@@ -82,10 +82,7 @@ struct Seats {
     free: VecDeque<usize>,
 }
 
-static SEATS: Mutex<Seats> = Mutex::new(Seats {
-    all: Vec::new(),
-    free: VecDeque::new(),
-});
+static SEATS: Mutex<Seats> = Mutex::new(Seats { all: Vec::new(), free: VecDeque::new() });
 
 /// Takes a lock even after a thread panicked while it held it: no update of the protected data can be left half done.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -207,9 +204,7 @@ impl Log {
         let heard = locked(&self.seat.heard);
         let mut newest_first = heard.messages.iter().rev();
         let error = newest_first.find(|(status, _)| matches!(status, 3 | 4));
-        error
-            .or_else(|| heard.messages.back())
-            .map(|(_, message)| message.clone())
+        error.or_else(|| heard.messages.back()).map(|(_, message)| message.clone())
     }
 
     /// How many messages came with an environment that nobody gave to the FMU.
@@ -296,11 +291,7 @@ pub(crate) fn shortened(text: String) -> String {
     if characters <= HEAD + TAIL + 20 {
         return text;
     }
-    let place = |count| {
-        text.char_indices()
-            .nth(count)
-            .map_or(text.len(), |(at, _)| at)
-    };
+    let place = |count| text.char_indices().nth(count).map_or(text.len(), |(at, _)| at);
     let [head, tail] = [&text[..place(HEAD)], &text[place(characters - TAIL)..]];
     let left_out = characters - HEAD - TAIL;
     format!("{head} [{left_out} characters left out] {tail}")
@@ -351,10 +342,7 @@ mod tests {
         let category = c"logStatusWarning".as_ptr();
         fmu_import_log(ticket_of(&one), 0, category, c"by category".as_ptr());
         let warnings = one.warnings();
-        assert_eq!(
-            (warnings.count, warnings.first.as_deref()),
-            (2, Some("astray"))
-        );
+        assert_eq!((warnings.count, warnings.first.as_deref()), (2, Some("astray")));
         one.forget_warnings();
         assert_eq!(one.warnings(), Warnings::default());
         // An error outlasts what comes after it; a wild status is none.

@@ -78,21 +78,13 @@ impl Package {
     /// When there is no such file, when it is not an FMU, and when it is not one of FMI 2.0 or 3.0 for
     /// Co-Simulation.
     pub fn open(path: &Path) -> Result<Self, FmuError> {
-        let unusable = |fault| FmuError {
-            path: path.to_owned(),
-            fault,
-        };
+        let unusable = |fault| FmuError { path: path.to_owned(), fault };
         let archive = Archive::open(path).map_err(FmuFault::from);
         let mut archive = archive.map_err(unusable)?;
         let description = archive.description().map_err(FmuFault::from);
         let description = description.and_then(|xml| Ok(parse::description(&xml, &[])?));
         let description = description.map_err(unusable)?;
-        Ok(Self {
-            path: path.to_owned(),
-            archive,
-            description,
-            unpacked: None,
-        })
+        Ok(Self { path: path.to_owned(), archive, description, unpacked: None })
     }
 
     /// Reads the description again with these values of structural parameters, by their value references: its arrays have
@@ -162,10 +154,7 @@ impl Package {
     ///
     /// # Errors
     /// When it cannot be read any more.
-    pub fn with_document<T>(
-        &mut self,
-        read: impl FnOnce(Node<'_, '_>) -> T,
-    ) -> Result<T, FmuError> {
+    pub fn with_document<T>(&mut self, read: impl FnOnce(Node<'_, '_>) -> T) -> Result<T, FmuError> {
         let bytes = self.archive.description();
         let bytes = bytes.map_err(|fault| self.unusable(fault))?;
         let text = decode::decode(&bytes);
@@ -185,10 +174,7 @@ impl Package {
     }
 
     fn unusable(&self, fault: impl Into<FmuFault>) -> FmuError {
-        FmuError {
-            path: self.path.clone(),
-            fault: fault.into(),
-        }
+        FmuError { path: self.path.clone(), fault: fault.into() }
     }
 
     /// Unpacks what a simulation on this platform needs into a new folder within `parent`, and returns that. One that
@@ -221,22 +207,14 @@ impl Package {
     /// # Errors
     /// As [`unpack`](Self::unpack).
     pub fn unpack_anew(&mut self, parent: &Path) -> Result<TempDir, FmuError> {
-        let Description {
-            model_identifier,
-            standard,
-            ..
-        } = &self.description;
+        let Description { model_identifier, standard, .. } = &self.description;
         let unpacked = self.archive.unpack(model_identifier, *standard, parent);
         unpacked.map_err(|fault| self.unusable(fault))
     }
 
     /// The binary for this platform in the folder into which the FMU was unpacked; none where there is none.
     pub fn binary(&self, folder: &Path) -> Option<PathBuf> {
-        let binary = archive::binary(
-            folder,
-            &self.description.model_identifier,
-            self.description.standard,
-        );
+        let binary = archive::binary(folder, &self.description.model_identifier, self.description.standard);
         binary.exists().then_some(binary)
     }
 

@@ -16,8 +16,7 @@ use thiserror::Error;
 
 use crate::decode::{self, decode};
 use crate::description::{
-    About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark,
-    Storage, Variable,
+    About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark, Storage, Variable,
 };
 use crate::units::{BaseUnit, Conversion, DisplayUnit, Unit, Units};
 use crate::version::Version;
@@ -54,10 +53,7 @@ pub enum DescriptionError {
 }
 
 /// Reads a model description, with these values of structural parameters.
-pub(crate) fn description(
-    bytes: &[u8],
-    sizes: &[(u32, u64)],
-) -> Result<Description, DescriptionError> {
+pub(crate) fn description(bytes: &[u8], sizes: &[(u32, u64)]) -> Result<Description, DescriptionError> {
     let content = decode(bytes);
     let document = xml::parse(&content)?;
     let root = document.root_element();
@@ -99,23 +95,15 @@ pub(crate) fn description(
         Version::Three => reader.variables_of_three(root, &mut description),
     }
     if let Some((line, text)) = decode::misread(bytes) {
-        reader.remarks.push(Remark {
-            line,
-            about: About::Encoding,
-            text: text.to_owned(),
-        });
+        reader.remarks.push(Remark { line, about: About::Encoding, text: text.to_owned() });
     }
     if interface == Interface::ModelExchange {
         description.exchange = reader.exchange(root, slave);
         // The integration takes inputs at the time of each evaluation.
         description.capabilities.can_interpolate_inputs = true;
-        description
-            .capabilities
-            .can_handle_variable_communication_step_size = true;
+        description.capabilities.can_handle_variable_communication_step_size = true;
     }
-    let can_vary = description
-        .capabilities
-        .can_handle_variable_communication_step_size;
+    let can_vary = description.capabilities.can_handle_variable_communication_step_size;
     description.exchange.even_steps = !can_vary;
     description.remarks = reader.remarks;
     Ok(description)
@@ -146,12 +134,11 @@ pub(crate) fn line(node: Node<'_, '_>) -> u32 {
 }
 
 fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, DescriptionError> {
-    node.attribute(attribute)
-        .ok_or_else(|| DescriptionError::Missing {
-            element: node.tag_name().name().to_owned(),
-            attribute,
-            line: line(node),
-        })
+    node.attribute(attribute).ok_or_else(|| DescriptionError::Missing {
+        element: node.tag_name().name().to_owned(),
+        attribute,
+        line: line(node),
+    })
 }
 
 /// How many variables of FMI 2.0 are derivatives; aliases share a reference and count once.
@@ -165,10 +152,7 @@ fn rates(root: Node<'_, '_>) -> usize {
 fn log_categories(root: Node<'_, '_>) -> Vec<String> {
     let categories = child(root, "LogCategories").into_iter();
     let names = categories.flat_map(|list| list.children());
-    names
-        .filter_map(|category| category.attribute("name"))
-        .map(str::to_owned)
-        .collect()
+    names.filter_map(|category| category.attribute("name")).map(str::to_owned).collect()
 }
 
 /// Attributes that a variable takes over from its declared type.
@@ -186,11 +170,7 @@ impl Reader {
     pub(crate) fn remark(&mut self, node: Node<'_, '_>, about: About, text: &str) {
         const ENOUGH: usize = 100;
         if self.remarks.len() < ENOUGH {
-            self.remarks.push(Remark {
-                line: line(node) as usize,
-                about,
-                text: text.to_owned(),
-            });
+            self.remarks.push(Remark { line: line(node) as usize, about, text: text.to_owned() });
         }
     }
 
@@ -204,10 +184,7 @@ impl Reader {
             return line(node);
         };
         let ends = passed.iter().filter(|byte| **byte == b'\n').count();
-        self.counted = (
-            start,
-            lines.saturating_add(u32::try_from(ends).unwrap_or(u32::MAX)),
-        );
+        self.counted = (start, lines.saturating_add(u32::try_from(ends).unwrap_or(u32::MAX)));
         self.counted.1 + 1
     }
 
@@ -239,11 +216,7 @@ impl Reader {
     }
 
     /// The item of an enumeration that an attribute names, or else the default.
-    pub(crate) fn choice<T: DeserializeOwned + Default>(
-        &mut self,
-        node: Node<'_, '_>,
-        name: &str,
-    ) -> T {
+    pub(crate) fn choice<T: DeserializeOwned + Default>(&mut self, node: Node<'_, '_>, name: &str) -> T {
         let Some(text) = node.attribute(name) else {
             return T::default();
         };
@@ -256,9 +229,7 @@ impl Reader {
     fn capabilities(&mut self, node: Node<'_, '_>, standard: Version) -> Capabilities {
         let mut flag = |name| self.boolean(node, name).unwrap_or(false);
         let usual = Capabilities {
-            can_handle_variable_communication_step_size: flag(
-                "canHandleVariableCommunicationStepSize",
-            ),
+            can_handle_variable_communication_step_size: flag("canHandleVariableCommunicationStepSize"),
             can_be_instantiated_only_once_per_process: flag("canBeInstantiatedOnlyOncePerProcess"),
             needs_execution_tool: flag("needsExecutionTool"),
             ..Capabilities::default()
@@ -297,9 +268,7 @@ impl Reader {
         ExchangeSizes {
             states,
             indicators: self.number(root, "numberOfEventIndicators").unwrap_or(0),
-            completed_not_needed: self
-                .boolean(node, "completedIntegratorStepNotNeeded")
-                .unwrap_or(false),
+            completed_not_needed: self.boolean(node, "completedIntegratorStepNotNeeded").unwrap_or(false),
             even_steps: false,
         }
     }
@@ -332,15 +301,11 @@ impl Reader {
                 .filter_map(|display| {
                     // FMI 3.0: the display unit of the reciprocal, which no factor and offset make.
                     if self.boolean(display, "inverse") == Some(true) {
-                        let text =
-                            "an inverse display unit, which is left out: give values in the unit";
+                        let text = "an inverse display unit, which is left out: give values in the unit";
                         self.remark(display, About::Limit, text);
                         return None;
                     }
-                    Some(DisplayUnit {
-                        name: text(display, "name")?,
-                        from_unit: self.conversion(display),
-                    })
+                    Some(DisplayUnit { name: text(display, "name")?, from_unit: self.conversion(display) })
                 })
                 .collect();
             units.0.insert(name, Unit { base, display });
@@ -447,18 +412,14 @@ impl Reader {
     ) -> Kind {
         let source = |name: &str| {
             let declared = declared.filter(|node| node.has_attribute(name));
-            declared
-                .filter(|_| !node.has_attribute(name))
-                .unwrap_or(node)
+            declared.filter(|_| !node.has_attribute(name)).unwrap_or(node)
         };
         let text = |name: &str| text(source(name), name);
         let (min, max) = (source("min"), source("max"));
         match (node.tag_name().name(), storage) {
             ("Real" | "Float32" | "Float64", _) => Kind::Real {
                 unit: text("unit"),
-                relative: self
-                    .boolean(source("relativeQuantity"), "relativeQuantity")
-                    .unwrap_or(false),
+                relative: self.boolean(source("relativeQuantity"), "relativeQuantity").unwrap_or(false),
                 display_unit: text("displayUnit"),
                 start: None,
                 min: self.number(min, "min"),
@@ -467,10 +428,9 @@ impl Reader {
             },
             ("Boolean", _) => Kind::Boolean { start: None },
             ("String" | "Binary", _) => Kind::String { start: None },
-            ("Enumeration", _) => Kind::Enumeration {
-                start: None,
-                items: declared.map_or_else(Vec::new, |node| self.items(node)),
-            },
+            ("Enumeration", _) => {
+                Kind::Enumeration { start: None, items: declared.map_or_else(Vec::new, |node| self.items(node)) }
+            }
             (_, None) => Kind::Integer {
                 start: None,
                 min: self.number::<i32>(min, "min").map(i128::from),
@@ -522,9 +482,7 @@ pub(crate) fn item<T: DeserializeOwned>(word: &str) -> Option<T> {
 
 /// The element that carries the type's attributes.
 fn typed<'a>(node: Node<'a, 'a>) -> Option<Node<'a, 'a>> {
-    ["Real", "Integer", "Boolean", "String", "Enumeration"]
-        .iter()
-        .find_map(|name| child(node, name))
+    ["Real", "Integer", "Boolean", "String", "Enumeration"].iter().find_map(|name| child(node, name))
 }
 
 #[cfg(test)]

@@ -44,10 +44,7 @@ impl fmt::Display for Quantity {
 
 /// A quantity as a study writes it.
 #[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a number, or a text such as \"0.02 mm\""
-)]
+#[serde(untagged, expecting = "expected a number, or a text such as \"0.02 mm\"")]
 enum Form {
     Number(f64),
     Text(String),
@@ -112,15 +109,9 @@ impl<'a> Scale<'a> {
     ///
     /// # Errors
     /// When the units don't fit.
-    pub fn new(
-        unit: Option<&str>,
-        fmu: &'a Description,
-        variable: &'a Variable,
-    ) -> Result<Self, String> {
+    pub fn new(unit: Option<&str>, fmu: &'a Description, variable: &'a Variable) -> Result<Self, String> {
         let conversion = match unit {
-            Some(unit) => fmu
-                .conversion(unit, variable)
-                .map_err(|error| error.to_string())?,
+            Some(unit) => fmu.conversion(unit, variable).map_err(|error| error.to_string())?,
             None => Conversion::IDENTITY,
         };
         Ok(Self {
@@ -203,15 +194,11 @@ impl<'a> Scale<'a> {
             return Ok(Conversion::IDENTITY);
         }
         let to_base = match self.base {
-            Base::Variable(fmu, variable) => fmu
-                .conversion(unit, variable)
-                .map_err(|error| error.to_string())?,
+            Base::Variable(fmu, variable) => fmu.conversion(unit, variable).map_err(|error| error.to_string())?,
             Base::Own(si_unit) => to_own(unit, si_unit)?,
             Base::Unknown => {
                 let target = self.unit.as_deref().unwrap_or("no unit");
-                return Err(format!(
-                    "unit `{unit}` cannot be converted to {target} without the FMU, which is missing"
-                ));
+                return Err(format!("unit `{unit}` cannot be converted to {target} without the FMU, which is missing"));
             }
         };
         Ok(to_base.then(self.conversion.inverse()))

@@ -50,28 +50,19 @@ impl Birth {
             let why = message.unwrap_or_else(|| self.likely_cause());
             return Err(Call::impossible(function, why));
         }
-        Ok(Base {
-            component,
-            common,
-            caller,
-        })
+        Ok(Base { component, common, caller })
     }
 
     fn likely_cause(&self) -> String {
         let guid = &self.guid;
         // Exporters write the GUID into the binary, with braces or without.
         let bare = guid.trim_matches(['{', '}']).as_bytes();
-        let holds =
-            |file: &[u8]| bare.is_empty() || file.windows(bare.len()).any(|part| part == bare);
+        let holds = |file: &[u8]| bare.is_empty() || file.windows(bare.len()).any(|part| part == bare);
         let cause = match std::fs::read(&self.binary) {
-            Ok(binary) if !holds(&binary) => {
-                "does not occur in the binary, so the two are probably not of one export"
-            }
+            Ok(binary) if !holds(&binary) => "does not occur in the binary, so the two are probably not of one export",
             _ => "may not be that of the binary, or resources may be missing",
         };
-        format!(
-            "the FMU refuses an instance without a message; the GUID of the description, {guid}, {cause}"
-        )
+        format!("the FMU refuses an instance without a message; the GUID of the description, {guid}, {cause}")
     }
 }
 

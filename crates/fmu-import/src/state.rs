@@ -38,11 +38,7 @@ impl Instance {
         if self.simulation.base().caller.dead {
             return None;
         }
-        Some(State {
-            owner: self.number,
-            state: self.simulation.save()?,
-            mode: self.simulation.base().caller.mode,
-        })
+        Some(State { owner: self.number, state: self.simulation.save()?, mode: self.simulation.base().caller.mode })
     }
 
     /// Takes the instance back to a state that it has kept.

@@ -87,11 +87,7 @@ impl Symbols<'_> {
     }
 
     /// The same of a function that only some FMUs must have.
-    pub(crate) fn need_if<F: Copy>(
-        &self,
-        is_needed: bool,
-        name: &str,
-    ) -> Result<Function<F>, LibraryError> {
+    pub(crate) fn need_if<F: Copy>(&self, is_needed: bool, name: &str) -> Result<Function<F>, LibraryError> {
         match is_needed {
             true => self.need(name),
             false => Ok(self.find(name)),
@@ -100,21 +96,12 @@ impl Symbols<'_> {
 
     /// Looks for the functions that read and write variables of a type.
     pub(crate) fn access<G: Copy, S: Copy>(&self, kind: &str) -> Access<G, S> {
-        Access {
-            get: self.find(&format!("Get{kind}")),
-            set: self.find(&format!("Set{kind}")),
-        }
+        Access { get: self.find(&format!("Get{kind}")), set: self.find(&format!("Set{kind}")) }
     }
 
     /// The same where the FMU cannot be used without them.
-    pub(crate) fn needed_access<G: Copy, S: Copy>(
-        &self,
-        kind: &str,
-    ) -> Result<Access<G, S>, LibraryError> {
-        Ok(Access {
-            get: self.need(&format!("Get{kind}"))?,
-            set: self.need(&format!("Set{kind}"))?,
-        })
+    pub(crate) fn needed_access<G: Copy, S: Copy>(&self, kind: &str) -> Result<Access<G, S>, LibraryError> {
+        Ok(Access { get: self.need(&format!("Get{kind}"))?, set: self.need(&format!("Set{kind}"))? })
     }
 }
 

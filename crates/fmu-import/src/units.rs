@@ -68,10 +68,7 @@ impl Conversion {
 
     /// The change between two units of the same zero.
     pub const fn scaled(factor: f64) -> Self {
-        Self {
-            factor,
-            offset: 0.0,
-        }
+        Self { factor, offset: 0.0 }
     }
 
     /// Converts a value.
@@ -86,26 +83,17 @@ impl Conversion {
 
     /// The change of a difference of two values, which has no offset.
     pub fn of_differences(self) -> Self {
-        Self {
-            offset: 0.0,
-            ..self
-        }
+        Self { offset: 0.0, ..self }
     }
 
     /// The way back.
     pub fn inverse(self) -> Self {
-        Self {
-            factor: 1.0 / self.factor,
-            offset: -self.offset / self.factor,
-        }
+        Self { factor: 1.0 / self.factor, offset: -self.offset / self.factor }
     }
 
     /// The conversion that applies this one, then another.
     pub fn then(self, next: Self) -> Self {
-        Self {
-            factor: self.factor * next.factor,
-            offset: next.value(self.offset),
-        }
+        Self { factor: self.factor * next.factor, offset: next.value(self.offset) }
     }
 }
 
@@ -125,17 +113,12 @@ impl Units {
         }
         let remedy = match to.filter(|unit| *unit != "1") {
             Some(_) => "",
-            None => {
-                ", of a recording `unit = \"1\"` and its `scale` in the settings of synchronise"
-            }
+            None => ", of a recording `unit = \"1\"` and its `scale` in the settings of synchronise",
         };
         Err(UnitError {
             from,
             remedy,
-            to: to
-                .filter(|unit| *unit != "1")
-                .unwrap_or("no unit")
-                .to_owned(),
+            to: to.filter(|unit| *unit != "1").unwrap_or("no unit").to_owned(),
             known: ways.into_iter().map(|(name, _)| name).collect(),
         })
     }
@@ -143,10 +126,7 @@ impl Units {
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
         let Some(to) = to.filter(|unit| !matches!(*unit, "1" | "" | "-")) else {
-            return vec![
-                ("1".to_owned(), Conversion::IDENTITY),
-                ("%".to_owned(), Conversion::scaled(0.01)),
-            ];
+            return vec![("1".to_owned(), Conversion::IDENTITY), ("%".to_owned(), Conversion::scaled(0.01))];
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
         let Some(unit) = self.0.get(to) else {
@@ -161,11 +141,7 @@ impl Units {
             };
             let way = other_base.to_base.then(base.to_base.inverse());
             ways.push((name.clone(), way));
-            ways.extend(
-                other
-                    .displays()
-                    .map(|(name, to_unit)| (name, to_unit.then(way))),
-            );
+            ways.extend(other.displays().map(|(name, to_unit)| (name, to_unit.then(way))));
         }
         ways
     }
@@ -174,10 +150,7 @@ impl Units {
 impl Unit {
     /// The display units, with the conversion to this unit. One with factor 0 converts nothing.
     fn displays(&self) -> impl Iterator<Item = (String, Conversion)> {
-        let usable = self
-            .display
-            .iter()
-            .filter(|display| display.from_unit.factor != 0.0);
+        let usable = self.display.iter().filter(|display| display.from_unit.factor != 0.0);
         usable.map(|display| (display.name.clone(), display.from_unit.inverse()))
     }
 }
@@ -198,11 +171,7 @@ fn plain(name: &str) -> String {
 /// Says what is wrong when the text does not start with a number.
 pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
     let text = text.trim();
-    let numeric = |start: &str| {
-        start
-            .chars()
-            .all(|c| c.is_ascii_digit() || "+-.eE".contains(c))
-    };
+    let numeric = |start: &str| start.chars().all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
     // The longest start that is a number: `1e-5 m`, `3 eV`, `5%`.
     let end = (1..=text.len())
         .filter(|&end| text.is_char_boundary(end) && numeric(&text[..end]))
@@ -211,9 +180,7 @@ pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
     let number = text[..end].parse::<f64>().unwrap_or(f64::NAN);
     let unit = text[end..].trim();
     if unit.starts_with(',') {
-        return Err(format!(
-            "`{text}`: write a point in the number instead of the comma"
-        ));
+        return Err(format!("`{text}`: write a point in the number instead of the comma"));
     }
     Ok((number, (!unit.is_empty()).then_some(unit)))
 }
@@ -227,22 +194,10 @@ mod tests {
         let mut unit = |name: &str, exponents, factor, offset, display: &[(&str, f64, f64)]| {
             let display = display.iter().map(|(name, factor, offset)| DisplayUnit {
                 name: (*name).to_owned(),
-                from_unit: Conversion {
-                    factor: *factor,
-                    offset: *offset,
-                },
+                from_unit: Conversion { factor: *factor, offset: *offset },
             });
-            let base = Some(BaseUnit {
-                exponents,
-                to_base: Conversion { factor, offset },
-            });
-            units.0.insert(
-                name.to_owned(),
-                Unit {
-                    base,
-                    display: display.collect(),
-                },
-            );
+            let base = Some(BaseUnit { exponents, to_base: Conversion { factor, offset } });
+            units.0.insert(name.to_owned(), Unit { base, display: display.collect() });
         };
         let (length, temperature) = ([0, 1, 0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 1, 0, 0, 0]);
         unit("m", length, 1.0, 0.0, &[("mm", 1e3, 0.0), ("um", 1e6, 0.0)]);
@@ -257,10 +212,7 @@ mod tests {
         let units = units();
         let close = |from: &str, to: &str, value: f64, expected: f64| {
             let result = units.conversion(from, Some(to)).unwrap().value(value);
-            assert!(
-                (result - expected).abs() < 1e-9 * expected.abs(),
-                "{result} {expected}"
-            );
+            assert!((result - expected).abs() < 1e-9 * expected.abs(), "{result} {expected}");
         };
         close("mm", "m", 0.02, 2e-5);
         close("degC", "K", 82.0, 355.15);
@@ -285,10 +237,7 @@ mod tests {
     #[test]
     fn an_unfit_unit_is_answered_with_those_that_fit() {
         let error = units().conversion("degC", Some("m")).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "unit `degC` does not fit: the value is in m; use m, mm, um, in, mil"
-        );
+        assert_eq!(error.to_string(), "unit `degC` does not fit: the value is in m; use m, mm, um, in, mil");
     }
 
     #[test]

@@ -43,10 +43,8 @@ pub enum XmlError {
 /// When it is not well-formed, has a document type, or is larger than what is read here.
 pub fn parse(text: &str) -> Result<Document<'_>, XmlError> {
     Sizes::default().check(text)?;
-    let options = ParsingOptions {
-        nodes_limit: u32::try_from(MOST_NODES).unwrap_or(u32::MAX),
-        ..ParsingOptions::default()
-    };
+    let options =
+        ParsingOptions { nodes_limit: u32::try_from(MOST_NODES).unwrap_or(u32::MAX), ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|error| match error {
         roxmltree::Error::DtdDetected => XmlError::DocumentType,
         roxmltree::Error::NodesLimitReached => nodes().at(text, text.len()),
@@ -56,8 +54,7 @@ pub fn parse(text: &str) -> Result<Document<'_>, XmlError> {
 
 /// The child elements; those of foreign namespaces don't count.
 pub fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
-    node.children()
-        .filter(|child| child.is_element() && child.tag_name().namespace().is_none())
+    node.children().filter(|child| child.is_element() && child.tag_name().namespace().is_none())
 }
 
 /// The child elements of this name.
@@ -71,11 +68,7 @@ pub fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
 }
 
 /// The elements of this name in the first list of that name.
-pub fn within<'a>(
-    root: Node<'a, 'a>,
-    list: &str,
-    name: &str,
-) -> impl Iterator<Item = Node<'a, 'a>> {
+pub fn within<'a>(root: Node<'a, 'a>, list: &str, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
     let list = child(root, list).into_iter();
     list.flat_map(move |list| children(list, name))
 }
@@ -90,11 +83,7 @@ fn nodes() -> Excess {
 impl Excess {
     fn at(self, text: &str, place: usize) -> XmlError {
         let before = &text.as_bytes()[..place];
-        XmlError::Large {
-            line: before.iter().filter(|byte| **byte == b'\n').count() + 1,
-            most: self.0,
-            what: self.1,
-        }
+        XmlError::Large { line: before.iter().filter(|byte| **byte == b'\n').count() + 1, most: self.0, what: self.1 }
     }
 }
 
@@ -113,12 +102,7 @@ impl Sizes {
         let mut place = 0;
         while let Some(start) = text[place..].find('<').map(|offset| place + offset) {
             let mark = &text[start..];
-            let special = [
-                ("<!--", "-->"),
-                ("<![CDATA[", "]]>"),
-                ("<?", "?>"),
-                ("</", ">"),
-            ];
+            let special = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("</", ">")];
             let special = special.iter().find(|(begin, _)| mark.starts_with(begin));
             let length = match special {
                 Some((begin, end)) => {
@@ -127,9 +111,7 @@ impl Sizes {
                     }
                     mark.find(end).map(|offset| offset + end.len())
                 }
-                None => self
-                    .element(mark)
-                    .map_err(|excess| excess.at(text, start))?,
+                None => self.element(mark).map_err(|excess| excess.at(text, start))?,
             };
             self.nodes += 1;
             if self.nodes > MOST_NODES {
@@ -197,23 +179,16 @@ mod tests {
 
     #[test]
     fn what_would_be_too_much_is_refused_by_its_limit() {
-        let many =
-            |count: usize, part: fn(usize) -> String| (0..count).map(part).collect::<String>();
+        let many = |count: usize, part: fn(usize) -> String| (0..count).map(part).collect::<String>();
         let attributes = many(200_000, |k| format!(" a{k}=\"\""));
         assert_eq!(
             refused(&format!("<a>\n<b{attributes}/></a>")),
             "line 2: refused: more than 1000 attributes in an element"
         );
         let depth = many(100_000, |_| "<a>".to_owned());
-        assert_eq!(
-            refused(&depth),
-            "line 1: refused: more than 256 elements within each other"
-        );
+        assert_eq!(refused(&depth), "line 1: refused: more than 256 elements within each other");
         let namespaces = many(65, |k| format!("<a xmlns:n{k}=\"n\">"));
-        assert_eq!(
-            refused(&namespaces),
-            "line 1: refused: more than 64 namespaces in an element"
-        );
+        assert_eq!(refused(&namespaces), "line 1: refused: more than 64 namespaces in an element");
         // Refused without the gigabytes that reading them would take.
         let elements = "<a/>".repeat(MOST_NODES);
         assert_eq!(
@@ -222,10 +197,7 @@ mod tests {
         );
         let full = format!("<a{}/>", many(MOST_IN_ELEMENT, |k| format!(" a{k}=''")));
         let all = full.repeat(MOST_ATTRIBUTES / MOST_IN_ELEMENT + 1);
-        assert_eq!(
-            refused(&format!("<a>{all}</a>")),
-            "line 1: refused: more than 10000000 attributes"
-        );
+        assert_eq!(refused(&format!("<a>{all}</a>")), "line 1: refused: more than 10000000 attributes");
     }
 
     #[test]

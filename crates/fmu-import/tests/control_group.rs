@@ -95,11 +95,7 @@ fn a_daemon_ends_with_the_group() {
         {
             break daemon;
         }
-        assert!(
-            Instant::now() < end,
-            "no daemon alone: {:?}",
-            group.processes()
-        );
+        assert!(Instant::now() < end, "no daemon alone: {:?}", group.processes());
         std::thread::sleep(Duration::from_millis(1));
     };
     drop(group);

@@ -31,10 +31,7 @@ impl Bench {
             .args(["-shared", "-fPIC", "-O1", "-o"])
             .arg(binaries.join("ball.so"))
             .args(macros.iter().map(|name| format!("-D{name}")))
-            .arg(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/tests/fixtures/ball.c"
-            ))
+            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/ball.c"))
             .arg("-lm")
             .status()
             .unwrap();
@@ -43,18 +40,11 @@ impl Bench {
         assert_eq!(package.description().interface, Interface::ModelExchange);
         let library = package.load().unwrap();
         let instance = Instance::new(&library, "one").unwrap();
-        Self {
-            _folder: folder,
-            package,
-            _library: library,
-            instance,
-        }
+        Self { _folder: folder, package, _library: library, instance }
     }
 
     fn reference(&self, name: &str) -> u32 {
-        self.package.description().variables[name]
-            .handle()
-            .reference
+        self.package.description().variables[name].handle().reference
     }
 
     fn set(&mut self, name: &str, value: Value) {
@@ -72,9 +62,7 @@ impl Bench {
     }
 
     fn start_until(&mut self, stop: f64, tolerance: f64) {
-        self.instance
-            .setup_experiment(0.0, stop, Some(tolerance))
-            .unwrap();
+        self.instance.setup_experiment(0.0, stop, Some(tolerance)).unwrap();
         self.instance.initialise().unwrap();
     }
 
@@ -112,16 +100,8 @@ fn a_ball_bounces_when_it_should() {
         bench.start(1e-10);
         bench.run(2.0, steps).unwrap();
         let (height, speed, bounces) = ball(2.0);
-        assert!(
-            (bench.get("h") - height).abs() < 1e-8,
-            "{} {height}",
-            bench.get("h")
-        );
-        assert!(
-            (bench.get("v") - speed).abs() < 1e-8,
-            "{} {speed}",
-            bench.get("v")
-        );
+        assert!((bench.get("h") - height).abs() < 1e-8, "{} {height}", bench.get("h"));
+        assert!((bench.get("v") - speed).abs() < 1e-8, "{} {speed}", bench.get("v"));
         assert_eq!(bench.get("bounces"), f64::from(bounces));
         assert!(bounces > 2);
         // At 2 s the clock has counted its eighth quarter: an event at a communication point belongs to it.
@@ -136,15 +116,8 @@ fn a_stiff_state_is_followed_in_few_steps() {
     bench.start(1e-6);
     bench.run(2.0, 20).unwrap();
     // s' = -k (s - cos t) is cos t but for 1/k.
-    assert!(
-        (bench.get("s") - 2.0_f64.cos()).abs() < 2e-5,
-        "{}",
-        bench.get("s")
-    );
-    let handle = fmu_import::Handle {
-        reference: 4,
-        content: fmu_import::Content::Integer,
-    };
+    assert!((bench.get("s") - 2.0_f64.cos()).abs() < 2e-5, "{}", bench.get("s"));
+    let handle = fmu_import::Handle { reference: 4, content: fmu_import::Content::Integer };
     let steps = bench.instance.value(handle).unwrap().number();
     assert!(steps < 500.0, "{steps} steps");
 }
@@ -162,11 +135,7 @@ fn an_input_varies_within_a_step() {
         bench.instance.set_slope(u, 1.0).unwrap();
         bench.instance.step(time, 0.5).unwrap();
         let y = bench.get("y");
-        assert!(
-            (y - exact(time + 0.5)).abs() < 1e-9,
-            "{y} {}",
-            exact(time + 0.5)
-        );
+        assert!((y - exact(time + 0.5)).abs() < 1e-9, "{y} {}", exact(time + 0.5));
         assert!((bench.get("u") - time - 0.5).abs() < 1e-15);
     }
     // One that is set without a rate keeps its value.
@@ -238,10 +207,7 @@ fn the_fmu_may_end_the_simulation_at_an_event() {
     let call = bench.run(2.0, 3).unwrap_err();
     let fall = (2.0 / GRAVITY).sqrt();
     let end = call.ended.unwrap();
-    assert!(
-        (end.at - fall).abs() < 1e-9 && end.from == 0.0,
-        "{end:?} {fall}"
-    );
+    assert!((end.at - fall).abs() < 1e-9 && end.from == 0.0, "{end:?} {fall}");
     bench.instance.terminate().unwrap();
 }
 
@@ -278,11 +244,7 @@ fn what_cannot_be_integrated_is_an_error() {
     let mut bench = Bench::new(&["SPOILT"]);
     bench.start(1e-6);
     let call = bench.run(1.0, 1).unwrap_err();
-    assert!(
-        call.to_string()
-            .contains("the rate of the continuous state 3 is NaN at 0 s"),
-        "{call}"
-    );
+    assert!(call.to_string().contains("the rate of the continuous state 3 is NaN at 0 s"), "{call}");
     assert!(call.ended.is_none());
 }
 
@@ -295,9 +257,7 @@ fn many_steps_at_once_are_as_one_after_another() {
     let references = ["h", "v", "s"].map(|name| one.reference(name));
     let times: Vec<f64> = (0..20).map(|index| f64::from(index) * 0.05).collect();
     let mut rows = [0.0; 60];
-    let (done, outcome) = one
-        .instance
-        .steps(&times, &[0.05; 20], &references, &mut rows);
+    let (done, outcome) = one.instance.steps(&times, &[0.05; 20], &references, &mut rows);
     outcome.unwrap();
     assert_eq!(done, 20);
     for (time, row) in times.iter().zip(rows.chunks(3)) {

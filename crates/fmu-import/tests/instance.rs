@@ -8,9 +8,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use fmu_import::archive::PLATFORM;
-use fmu_import::{
-    Call, Content, End, Handle, Instance, Library, Package, State, StateError, Status, Value,
-};
+use fmu_import::{Call, Content, End, Handle, Instance, Library, Package, State, StateError, Status, Value};
 use tempfile::TempDir;
 
 const DESCRIPTION: &str = r#"<fmiModelDescription fmiVersion="2.0" modelName="Counter" guid="c">
@@ -29,10 +27,7 @@ fn counter() -> (TempDir, Package) {
     let status = Command::new("cc")
         .args(["-shared", "-fPIC", "-O1", "-o"])
         .arg(binaries.join("counter.so"))
-        .arg(concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/tests/fixtures/counter.c"
-        ))
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/counter.c"))
         .status()
         .unwrap();
     assert!(status.success());
@@ -65,9 +60,7 @@ fn packed(folder: &Path) -> PathBuf {
     for entry in ["modelDescription.xml", &binary] {
         let options = zip::write::SimpleFileOptions::default();
         archive.start_file(entry, options).unwrap();
-        archive
-            .write_all(&fs::read(folder.join(entry)).unwrap())
-            .unwrap();
+        archive.write_all(&fs::read(folder.join(entry)).unwrap()).unwrap();
     }
     archive.finish().unwrap();
     file
@@ -176,28 +169,19 @@ fn warnings_are_counted_until_a_new_start() {
     let first = warnings.first.as_deref();
     assert_eq!((warnings.count, first), (2, Some("fmi2DoStep: take care")));
     let refused = instance.terminate().unwrap_err();
-    assert_eq!(
-        (refused.function, refused.status),
-        ("fmi2Terminate", Status::Error)
-    );
+    assert_eq!((refused.function, refused.status), ("fmi2Terminate", Status::Error));
 }
 
 #[test]
 fn a_pending_step_is_waited_for_or_named() {
     let (mut instance, step) = whimsical(6);
     step.unwrap();
-    let handle = Handle {
-        reference: 0,
-        content: Content::Integer,
-    };
+    let handle = Handle { reference: 0, content: Content::Integer };
     assert_eq!(instance.value(handle).unwrap(), Value::Integer(1));
     let call = whimsical(5).1.unwrap_err();
     assert_eq!(call.status, Status::Pending);
     let text = call.to_string();
-    assert!(
-        text.contains("fmi2Pending") && text.contains("fmi2GetStatus returned fmi2Discard"),
-        "{text}"
-    );
+    assert!(text.contains("fmi2Pending") && text.contains("fmi2GetStatus returned fmi2Discard"), "{text}");
 }
 
 #[test]
@@ -217,11 +201,7 @@ fn a_library_tells_its_version() {
 #[cfg(target_os = "linux")]
 fn all_missing_libraries_are_named() {
     let (folder, mut package) = counter();
-    let binary = folder
-        .path()
-        .join("binaries")
-        .join(PLATFORM)
-        .join("counter.so");
+    let binary = folder.path().join("binaries").join(PLATFORM).join("counter.so");
     let compile = |arguments: &[&str], output: &Path| {
         let status = Command::new("cc")
             .current_dir(folder.path())
@@ -235,15 +215,9 @@ fn all_missing_libraries_are_named() {
         let file = folder.path().join(format!("libabsent{name}.so"));
         compile(&[], &file);
     }
-    compile(
-        &["-L.", "-Wl,--no-as-needed", "-labsentone", "-labsenttwo"],
-        &binary,
-    );
+    compile(&["-L.", "-Wl,--no-as-needed", "-labsentone", "-labsenttwo"], &binary);
     let missing = fmu_import::needed::missing(&binary);
     assert_eq!(missing, ["libabsentone.so", "libabsenttwo.so"]);
     let error = package.load().unwrap_err().to_string();
-    assert!(
-        error.contains("libabsentone.so, libabsenttwo.so, which are not there"),
-        "{error}"
-    );
+    assert!(error.contains("libabsentone.so, libabsenttwo.so, which are not there"), "{error}");
 }

@@ -33,11 +33,7 @@ impl Bench {
         assert_eq!(package.description().interface, Interface::ModelExchange);
         let library = package.load().unwrap();
         let instance = Instance::new(&library, "one").unwrap();
-        Self {
-            _folder: folder,
-            package,
-            instance,
-        }
+        Self { _folder: folder, package, instance }
     }
 
     fn set(&mut self, name: &str, value: Value) {
@@ -51,9 +47,7 @@ impl Bench {
     }
 
     fn start(&mut self) {
-        self.instance
-            .setup_experiment(0.0, 1.0, Some(1e-10))
-            .unwrap();
+        self.instance.setup_experiment(0.0, 1.0, Some(1e-10)).unwrap();
         self.instance.initialise().unwrap();
     }
 }
@@ -90,8 +84,5 @@ fn a_failure_names_the_function_of_this_version() {
     assert_eq!(call.function, "fmi3CompletedIntegratorStep");
     let text = call.to_string();
     assert!(text.contains("the internal step fell below"), "{text}");
-    assert!(
-        text.contains("s at 0.3 s") || text.contains("s at 0.29999"),
-        "{text}"
-    );
+    assert!(text.contains("s at 0.3 s") || text.contains("s at 0.29999"), "{text}");
 }

@@ -14,19 +14,13 @@ const DESCRIPTION: &str = include_str!("fixtures/three.xml");
 fn three(macros: &[&str], description: &str) -> (TempDir, Package) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("modelDescription.xml"), description).unwrap();
-    let binaries = folder
-        .path()
-        .join("binaries")
-        .join(Version::Three.platform());
+    let binaries = folder.path().join("binaries").join(Version::Three.platform());
     fs::create_dir_all(&binaries).unwrap();
     let status = Command::new("cc")
         .args(["-shared", "-fPIC", "-O1", "-o"])
         .arg(binaries.join("three.so"))
         .args(macros.iter().map(|name| format!("-D{name}")))
-        .arg(concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/tests/fixtures/three.c"
-        ))
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/three.c"))
         .arg("-lm")
         .status()
         .unwrap();
@@ -52,18 +46,11 @@ impl Bench {
         let (folder, mut package) = three(macros, description);
         let library = package.load().unwrap();
         let instance = Instance::new(&library, "one").unwrap();
-        Self {
-            _folder: folder,
-            package,
-            library,
-            instance,
-        }
+        Self { _folder: folder, package, library, instance }
     }
 
     fn reference(&self, name: &str) -> u32 {
-        self.package.description().variables[name]
-            .handle()
-            .reference
+        self.package.description().variables[name].handle().reference
     }
 
     fn set(&mut self, name: &str, value: Value) -> Result<(), Call> {
@@ -95,10 +82,7 @@ fn it_steps_to_the_exact_solution() {
     assert!((y - exact).abs() < 1e-14, "{y} {exact}");
     assert_eq!(bench.get("weighted"), Value::Real(y + 2.0 * y + 3.0 * y));
     let folder = bench.get("resources");
-    assert!(
-        matches!(&folder, Value::String(path) if path.ends_with("/resources/")),
-        "{folder:?}"
-    );
+    assert!(matches!(&folder, Value::String(path) if path.ends_with("/resources/")), "{folder:?}");
     bench.instance.terminate().unwrap();
     assert_eq!(bench.library.version().as_deref(), Some("3.0"));
     assert_eq!(bench.library.odd_version(), None);
@@ -133,14 +117,8 @@ fn elements_are_set_without_reading_the_others() {
     let mut bench = Bench::of(&["SILENT"], &description);
     let call = bench.set("weights[2]", Value::Real(20.0)).unwrap_err();
     let text = call.to_string();
-    assert!(
-        text.contains("no start values for its other elements"),
-        "{text}"
-    );
-    assert!(
-        text.contains("no values before the initialisation"),
-        "{text}"
-    );
+    assert!(text.contains("no start values for its other elements"), "{text}");
+    assert!(text.contains("no values before the initialisation"), "{text}");
     let mut bench = Bench::of(&[], &description);
     bench.set("weights[2]", Value::Real(20.0)).unwrap();
     assert_eq!(weights(&mut bench), [1.0, 20.0, 3.0]);
@@ -185,27 +163,17 @@ fn an_element_of_an_array_is_set_alone() {
     let mut bench = Bench::new();
     bench.set("weights[2]", Value::Real(20.0)).unwrap();
     let weights = ["weights[1]", "weights[2]", "weights[3]"];
-    assert_eq!(
-        weights.map(|name| bench.get(name).number()),
-        [1.0, 20.0, 3.0]
-    );
+    assert_eq!(weights.map(|name| bench.get(name).number()), [1.0, 20.0, 3.0]);
     let references = weights.map(|name| bench.reference(name));
     let [y, gained] = ["u", "gained"].map(|name| bench.reference(name));
     let mixed = [references[2], y, references[0], gained, references[1]];
     let mut values = [9.0; 5];
     bench.instance.reals(&mixed, &mut values).unwrap();
     assert_eq!(values, [3.0, 1.0, 1.0, 0.0, 20.0]);
-    bench
-        .set("text[2]", Value::String("two".to_owned()))
-        .unwrap();
-    bench
-        .set("text[1]", Value::String("one".to_owned()))
-        .unwrap();
+    bench.set("text[2]", Value::String("two".to_owned())).unwrap();
+    bench.set("text[1]", Value::String("one".to_owned())).unwrap();
     let texts = ["text[1]", "text[2]"].map(|name| bench.get(name));
-    assert_eq!(
-        texts,
-        ["one", "two"].map(|text| Value::String(text.to_owned()))
-    );
+    assert_eq!(texts, ["one", "two"].map(|text| Value::String(text.to_owned())));
 }
 
 #[test]
@@ -218,9 +186,7 @@ fn many_steps_at_once_are_as_one_after_another() {
         bench.instance.reset().unwrap();
         bench.start();
         let mut rows = [0.0; 6];
-        let (done, outcome) = bench
-            .instance
-            .steps(&times, &[0.1; 3], references, &mut rows);
+        let (done, outcome) = bench.instance.steps(&times, &[0.1; 3], references, &mut rows);
         outcome.unwrap();
         assert_eq!(done, 3);
         bench.instance.reset().unwrap();
@@ -252,10 +218,7 @@ fn a_step_that_returns_early_is_taken_to_its_end() {
     bench.set("early", Value::Real(2.0)).unwrap();
     bench.start();
     let stuck = bench.instance.step(0.0, 0.5).unwrap_err();
-    assert!(
-        stuck.to_string().contains("early") && stuck.ended.is_none(),
-        "{stuck}"
-    );
+    assert!(stuck.to_string().contains("early") && stuck.ended.is_none(), "{stuck}");
 }
 
 #[test]
@@ -288,10 +251,7 @@ fn failures_have_the_names_of_their_version() {
     bench.set("until", Value::Real(0.0)).unwrap();
     bench.set("fatal", Value::Boolean(true)).unwrap();
     bench.start();
-    assert_eq!(
-        bench.instance.step(0.0, 1.0).unwrap_err().status,
-        Status::Fatal
-    );
+    assert_eq!(bench.instance.step(0.0, 1.0).unwrap_err().status, Status::Fatal);
     assert!(bench.instance.is_dead());
 }
 

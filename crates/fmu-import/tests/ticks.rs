@@ -28,15 +28,9 @@ impl Bench {
             Interface::CoSimulation => "<ModelExchange ",
             Interface::ModelExchange => "<CoSimulation ",
         };
-        let lines = description
-            .lines()
-            .filter(|line| !line.trim().starts_with(other));
+        let lines = description.lines().filter(|line| !line.trim().starts_with(other));
         let description: Vec<&str> = lines.collect();
-        fs::write(
-            folder.path().join("modelDescription.xml"),
-            description.join("\n"),
-        )
-        .unwrap();
+        fs::write(folder.path().join("modelDescription.xml"), description.join("\n")).unwrap();
         let binaries = folder.path().join("binaries");
         let binaries = binaries.join(Version::Three.platform());
         fs::create_dir_all(&binaries).unwrap();
@@ -52,11 +46,7 @@ impl Bench {
         assert_eq!(package.description().interface, interface);
         let library = package.load().unwrap();
         let instance = Instance::new(&library, "one").unwrap();
-        Self {
-            _folder: folder,
-            package,
-            instance,
-        }
+        Self { _folder: folder, package, instance }
     }
 
     fn set(&mut self, name: &str, value: Value) {
@@ -107,11 +97,7 @@ fn clocks_tick_at_their_times() {
             let ramp = |time: f64| (time + 0.25).fract();
             let sampled = bench.number("sampled");
             assert!((sampled - ramp(last)).abs() < 1e-9, "{}", at("sampled"));
-            assert!(
-                (bench.number("ramp") - ramp(time)).abs() < 1e-9,
-                "{}",
-                at("ramp")
-            );
+            assert!((bench.number("ramp") - ramp(time)).abs() < 1e-9, "{}", at("ramp"));
             let growing = (1..).map(|n| 0.05 * f64::from(n * (n + 1)));
             for (name, count) in [
                 ("counted", passed(every(0.05, 0.35), time).0),
@@ -126,12 +112,7 @@ fn clocks_tick_at_their_times() {
             }
             // A clock says whether it has ticked in the step.
             let ticked = samples > passed(every(0.1, 0.25), before).0;
-            assert_eq!(
-                bench.value("sample"),
-                Value::Boolean(ticked),
-                "{}",
-                at("sample")
-            );
+            assert_eq!(bench.value("sample"), Value::Boolean(ticked), "{}", at("sample"));
             let rung = passed(every(0.4, 0.4), time).0 > passed(every(0.4, 0.4), before).0;
             assert_eq!(bench.value("rung"), Value::Boolean(rung), "{}", at("rung"));
         }
@@ -164,11 +145,7 @@ fn a_clock_follows_its_tunable_parameter() {
             bench.instance.step(before, 0.1).unwrap();
             let time = 0.1 * f64::from(step + 1);
             let (count, _) = passed(times.into_iter(), time);
-            assert_eq!(
-                bench.number("tunedTicks"),
-                count,
-                "{time} s of {interface:?}"
-            );
+            assert_eq!(bench.number("tunedTicks"), count, "{time} s of {interface:?}");
         }
     }
 }
@@ -183,10 +160,7 @@ fn a_triggered_input_ticks_where_it_is_set_with_its_input() {
         bench.instance.initialise().unwrap();
         assert_eq!(bench.number("sum"), 0.0);
         let mut sums = Vec::new();
-        for (step, (push, amount)) in [(true, 2.0), (false, 5.0), (true, 5.0), (true, 7.0)]
-            .into_iter()
-            .enumerate()
-        {
+        for (step, (push, amount)) in [(true, 2.0), (false, 5.0), (true, 5.0), (true, 7.0)].into_iter().enumerate() {
             bench.set("amount", Value::Real(amount));
             bench.set("push", Value::Boolean(push));
             bench.instance.step(0.1 * step as f64, 0.1).unwrap();
@@ -276,11 +250,7 @@ fn sizes_are_set_before_all_else() {
 fn every_whole_number_and_bytes_come_back() {
     let mut bench = Bench::new(Interface::CoSimulation, &[]);
     bench.start();
-    let start = |name: &str| {
-        bench.package.description().variables[name]
-            .kind
-            .start_value()
-    };
+    let start = |name: &str| bench.package.description().variables[name].kind.start_value();
     assert_eq!(start("big"), Some(Value::Integer(u64::MAX.into())));
     assert_eq!(start("data"), Some(Value::String("00ff".to_owned())));
     assert_eq!(bench.value("big"), Value::Integer(u64::MAX.into()));

@@ -26,14 +26,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let task = Task {
         varied: Slot::of(parameter).into_iter().collect(),
-        observed: outputs
-            .filter_map(|output| Probe::of(output, Statistic::Final))
-            .collect(),
+        observed: outputs.filter_map(|output| Probe::of(output, Statistic::Final)).collect(),
         ..Task::new(schedule)
     };
-    let points: Vec<_> = (0..100)
-        .map(|k| vec![start * (0.9 + 0.002 * f64::from(k))])
-        .collect();
+    let points: Vec<_> = (0..100).map(|k| vec![start * (0.9 + 0.002 * f64::from(k))]).collect();
     let (time, memory) = (Duration::from_secs(60), 2 << 30);
     let place = Place::Processes(Limits { time, memory }, Isolation::Audited);
     let scratch = stop::scratch()?;
@@ -44,9 +40,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Err(failure) => println!("{point:?}: {failure}"),
         }
     }
-    crew.conduct()
-        .remarks()
-        .iter()
-        .for_each(|remark| println!("{remark}"));
+    crew.conduct().remarks().iter().for_each(|remark| println!("{remark}"));
     Ok(())
 }

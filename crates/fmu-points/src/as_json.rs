@@ -9,9 +9,7 @@ pub(crate) fn serialize<T: Serialize, S: Serializer>(value: &T, to: S) -> Result
     text.serialize(to)
 }
 
-pub(crate) fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(
-    from: D,
-) -> Result<T, D::Error> {
+pub(crate) fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {
     let text = String::deserialize(from)?;
     serde_json::from_str(&text).map_err(D::Error::custom)
 }

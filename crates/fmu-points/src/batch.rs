@@ -50,23 +50,13 @@ pub(crate) struct Batches<I> {
 
 impl<I: Iterator<Item = Job>> Batches<I> {
     pub(crate) fn new(jobs: I, workers: usize) -> Self {
-        Self {
-            jobs,
-            workers,
-            returned: Vec::new(),
-            out: 0,
-            dry: false,
-        }
+        Self { jobs, workers, returned: Vec::new(), out: 0, dry: false }
     }
 
     /// Takes the next batch; `false` when there is none at the moment.
     pub(crate) fn take(&mut self, pace: &Pace, batch: &mut Vec<Job>) -> bool {
         // Towards the end, what is left is shared.
-        let fair = self
-            .jobs
-            .size_hint()
-            .1
-            .map_or(MOST_AFAR, |left| left / (2 * self.workers.max(1)));
+        let fair = self.jobs.size_hint().1.map_or(MOST_AFAR, |left| left / (2 * self.workers.max(1)));
         let size = pace.size.min(fair).max(1);
         batch.clear();
         match self.returned.pop() {
@@ -104,17 +94,10 @@ mod tests {
 
     /// How much of their time workers compute such points, where handing over a batch takes so long.
     fn utilisation(points: &[Duration], workers: usize, overhead: Duration) -> f64 {
-        let all = (0..points.len() as u64).map(|index| Job {
-            index,
-            values: Vec::new(),
-        });
+        let all = (0..points.len() as u64).map(|index| Job { index, values: Vec::new() });
         let mut batches = Batches::new(all, workers);
-        let (mut paces, mut batch) = (
-            Vec::from_iter((0..workers).map(|_| Pace::default())),
-            Vec::new(),
-        );
-        let mut free =
-            BinaryHeap::from_iter((0..workers).map(|worker| Reverse((Duration::ZERO, worker))));
+        let (mut paces, mut batch) = (Vec::from_iter((0..workers).map(|_| Pace::default())), Vec::new());
+        let mut free = BinaryHeap::from_iter((0..workers).map(|worker| Reverse((Duration::ZERO, worker))));
         let mut end = Duration::ZERO;
         while let Some(Reverse((now, worker))) = free.pop() {
             if !batches.take(&paces[worker], &mut batch) {

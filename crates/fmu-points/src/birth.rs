@@ -15,19 +15,11 @@ use crate::wire::Order;
 /// # Safety
 /// This process has a single thread.
 #[cfg(unix)]
-pub(crate) unsafe fn child(
-    keeper: &mut Keeper,
-    estate: &mut Estate<'_>,
-    order: &Order,
-) -> io::Result<Child> {
+pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
     // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {
-            let estate = Estate {
-                package: estate.package.as_deref_mut(),
-                library: estate.library.clone(),
-                ..*estate
-            };
+            let estate = Estate { package: estate.package.as_deref_mut(), library: estate.library.clone(), ..*estate };
             crate::child::Child { place, estate }.obey(order);
         })
     }
@@ -38,11 +30,7 @@ pub(crate) unsafe fn child(
 /// # Safety
 /// None is needed: it is there as on Unix.
 #[cfg(windows)]
-pub(crate) unsafe fn child(
-    keeper: &mut Keeper,
-    estate: &mut Estate<'_>,
-    order: &Order,
-) -> io::Result<Child> {
+pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
     let mut command = std::process::Command::new(crate::system::program()?);
     command.arg(CHILD).arg(estate.progress.name());
     let mut child = keeper.start(&mut command)?;
@@ -76,12 +64,7 @@ pub(crate) fn serve(progress: &str) -> io::Result<()> {
     let order: Order = order.ok_or_else(|| io::Error::other("an order is damaged"))?;
     let progress = Shared::open(progress.to_owned())?;
     let mut package = setup.open().map_err(io::Error::other)?;
-    let estate = Estate {
-        setup: &setup,
-        package: Some(&mut package),
-        library: None,
-        progress: &progress,
-    };
+    let estate = Estate { setup: &setup, package: Some(&mut package), library: None, progress: &progress };
     let child = crate::child::Child { place, estate };
     // A panic ends this process as it would end a fork.
     if catch_unwind(AssertUnwindSafe(|| child.obey(&order))).is_err() {

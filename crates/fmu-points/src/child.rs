@@ -103,11 +103,7 @@ impl Child<'_> {
     fn serve(&mut self, mut runner: Runner) {
         let before = Before::now();
         let mut replies = Vec::new();
-        while let Some(jobs) = self
-            .place
-            .receive()
-            .and_then(|jobs| read::<Vec<Job>>(&jobs))
-        {
+        while let Some(jobs) = self.place.receive().and_then(|jobs| read::<Vec<Job>>(&jobs)) {
             let mut sent = Instant::now();
             let last = jobs.len();
             for (job, begun) in jobs.iter().zip(1..) {
@@ -181,9 +177,7 @@ impl Child<'_> {
                 Some(library)
             }
             Err(error) => {
-                self.say(&Said::Unloadable(
-                    error.at(&self.estate.setup.name).to_string(),
-                ));
+                self.say(&Said::Unloadable(error.at(&self.estate.setup.name).to_string()));
                 None
             }
         }
@@ -218,10 +212,7 @@ struct Before {
 
 impl Before {
     fn now() -> Self {
-        Self {
-            traces: Traces::now(),
-            complaints: complaints(),
-        }
+        Self { traces: Traces::now(), complaints: complaints() }
     }
 
     /// The oddity of a point that ended so, if any; signals take long to look at.
@@ -254,10 +245,7 @@ fn tell(notices: &Notices) {
     }
     if notices.warnings > 0 {
         let first = notices.first_warning.as_deref().unwrap_or_default();
-        crate::tell::line!(
-            "note: warnings of the FMU: {}; the first: {first}",
-            notices.warnings
-        );
+        crate::tell::line!("note: warnings of the FMU: {}; the first: {first}", notices.warnings);
     }
     for limit in &notices.beyond {
         crate::tell::line!("note: beyond what the model is valid for, as the FMU says: {limit}");
@@ -276,9 +264,7 @@ impl Belongings {
     fn now() -> Self {
         let names = |folder: &str| -> BTreeSet<String> {
             let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-            entries
-                .map(|entry| entry.file_name().to_string_lossy().into_owned())
-                .collect()
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
         };
         let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
         let is_shared = |line: &&str| {

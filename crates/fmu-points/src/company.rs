@@ -93,11 +93,7 @@ impl Company {
         let mut over = receive(Event::Alone)?.is_break();
         for (kind, points) in std::mem::take(&mut self.failed) {
             let mut open: Vec<u64> = points.into_iter().collect();
-            let mut count = if kind == Failure::Timeout.class() {
-                1
-            } else {
-                FIRST
-            };
+            let mut count = if kind == Failure::Timeout.class() { 1 } else { FIRST };
             loop {
                 let mut changed = false;
                 for index in spread(&mut open, count) {
@@ -203,10 +199,7 @@ mod tests {
             company.recall(*index, failure.as_ref());
         }
         let mut workers: Vec<Box<dyn Worker>> = vec![Box::new(Shy(failing))];
-        let job = |index| Job {
-            index,
-            values: Vec::new(),
-        };
+        let job = |index| Job { index, values: Vec::new() };
         let mut again = Vec::new();
         let never = AtomicBool::new(false);
         let over = company.settle::<RunError>(&mut workers, &job, &never, &mut |event| {
@@ -229,11 +222,7 @@ mod tests {
             let whole = settled(failing, crowded, &[]);
             for begun in 0..=whole.len() {
                 let (before, after) = whole.split_at(begun);
-                assert_eq!(
-                    settled(failing, crowded, before),
-                    after,
-                    "{failing} {crowded}"
-                );
+                assert_eq!(settled(failing, crowded, before), after, "{failing} {crowded}");
             }
         }
     }

@@ -127,12 +127,8 @@ impl Conduct {
         let before = before.unwrap_or(&none);
         Self {
             audits: self.audits.saturating_sub(before.audits),
-            audits_of_shared: self
-                .audits_of_shared
-                .saturating_sub(before.audits_of_shared),
-            audit_mismatches: self
-                .audit_mismatches
-                .saturating_sub(before.audit_mismatches),
+            audits_of_shared: self.audits_of_shared.saturating_sub(before.audits_of_shared),
+            audit_mismatches: self.audit_mismatches.saturating_sub(before.audit_mismatches),
             ..self
         }
     }
@@ -166,9 +162,8 @@ impl Conduct {
             remarks.push(self.proof());
         }
         if let Some(odd) = self.isolation_reason.and_then(Reason::odd) {
-            remarks.push(format!(
-                "many points {odd}, so they ran in fresh processes: whatever is odd is followed by one"
-            ));
+            remarks
+                .push(format!("many points {odd}, so they ran in fresh processes: whatever is odd is followed by one"));
         }
         // What casts doubt on all results comes first, what confirms them last.
         let place = if differs { 0 } else { remarks.len() };
@@ -208,17 +203,12 @@ impl Conduct {
         match (self.reproducible, self.audits) {
             (None, _) | (_, 0) => {
                 let reason = match self.isolation {
-                    Isolation::Reuse => {
-                        "points shared processes without audits (--isolation reuse)"
-                    }
+                    Isolation::Reuse => "points shared processes without audits (--isolation reuse)",
                     _ => "no point was computed twice",
                 };
                 format!("whether the FMU is reproducible is not known: {reason}")
             }
-            (_, count) => format!(
-                "reproducible: {} run twice gave identical results",
-                points(count)
-            ),
+            (_, count) => format!("reproducible: {} run twice gave identical results", points(count)),
         }
     }
 

@@ -60,12 +60,7 @@ impl Crew {
     ///
     /// # Errors
     /// When the FMU cannot be unpacked or loaded.
-    pub fn new(
-        package: &mut Package,
-        place: Place,
-        scratch: &Path,
-        jobs: usize,
-    ) -> Result<Self, FmuError> {
+    pub fn new(package: &mut Package, place: Place, scratch: &Path, jobs: usize) -> Result<Self, FmuError> {
         let capabilities = package.description().capabilities;
         let (tool, company) = (capabilities.needs_execution_tool, jobs > 1);
         let policies = |wish| {
@@ -76,11 +71,7 @@ impl Crew {
         let (way, size, [policy, apart]) = match place {
             Place::Here => {
                 let size = if once { 1 } else { jobs };
-                (
-                    Way::Here(package.load()?),
-                    size,
-                    policies(Isolation::InProcess),
-                )
+                (Way::Here(package.load()?), size, policies(Isolation::InProcess))
             }
             Place::Elsewhere(limits, wish, launcher) => {
                 let (size, policies) = (launcher.slots(), policies(wish));
@@ -97,12 +88,7 @@ impl Crew {
                 (way, jobs, policies(wish))
             }
         };
-        Ok(Self {
-            way,
-            size,
-            policy,
-            apart,
-        })
+        Ok(Self { way, size, policy, apart })
     }
 
     /// Runs points of a task; an answer for each, in their order. Some of them are computed twice, as an audit.
@@ -116,10 +102,7 @@ impl Crew {
         let all = 0..points.len() as u64;
         self.repeat(&Repeats::among(0, all.end, all.clone()));
         let mut answers = vec![None; points.len()];
-        let job = |index: u64| Job {
-            index,
-            values: points[index as usize].clone(),
-        };
+        let job = |index: u64| Job { index, values: points[index as usize].clone() };
         pool::run(
             &mut self.workers(&[Case::only(task.clone())]),
             all,
@@ -134,9 +117,7 @@ impl Crew {
                 Ok::<_, RunError>(ControlFlow::Continue(()))
             },
         )?;
-        let all = answers
-            .into_iter()
-            .map(|answer| answer.expect("a run that was not stopped has answered all"));
+        let all = answers.into_iter().map(|answer| answer.expect("a run that was not stopped has answered all"));
         Ok(all.collect())
     }
 
@@ -158,10 +139,7 @@ impl Crew {
     pub fn conduct(&self) -> Conduct {
         match self.changed() {
             // Nothing that was computed before counts.
-            Some(changed) => Conduct {
-                changed_file: Some(changed),
-                ..locked(&self.apart).conduct()
-            },
+            Some(changed) => Conduct { changed_file: Some(changed), ..locked(&self.apart).conduct() },
             None => locked(&self.policy).conduct(),
         }
     }
@@ -201,11 +179,7 @@ impl Crew {
     /// What a supervisor elsewhere should know of the FMU.
     pub(crate) fn found(&self) -> Found {
         let changed = self.changed();
-        let policy = if changed.is_some() {
-            &self.apart
-        } else {
-            &self.policy
-        };
+        let policy = if changed.is_some() { &self.apart } else { &self.policy };
         let mut found = locked(policy).found();
         found.changed = changed;
         found
@@ -256,11 +230,7 @@ impl Crew {
         match &self.way {
             Way::Here(library) => Box::new(Local::new(library, cases)),
             Way::Elsewhere(team) => Box::new(Remote::new(team, None, cases, false)),
-            Way::Processes {
-                ground,
-                here,
-                limits,
-            } => {
+            Way::Processes { ground, here, limits } => {
                 let named = |case: &Case| working_directory::named_in(&case.task);
                 let here = *here || cases.iter().any(named);
                 Box::new(Isolated::new(

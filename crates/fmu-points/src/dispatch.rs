@@ -48,10 +48,7 @@ impl Greeting {
         let named = named.or_else(|| std::env::var("COMPUTERNAME").ok());
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            program: digest.map_or_else(
-                |error| error.to_string(),
-                |digest| fmu_import::hexadecimal(&digest),
-            ),
+            program: digest.map_or_else(|error| error.to_string(), |digest| fmu_import::hexadecimal(&digest)),
             host: named.map_or_else(|| "a host".to_owned(), |name| name.trim().to_owned()),
         }
     }

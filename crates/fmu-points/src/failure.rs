@@ -57,10 +57,7 @@ impl Partial {
     /// Results of which some are no finite numbers; the first of these belongs to `variable`.
     pub fn new(variable: &str, values: &[f64]) -> Self {
         let finite = |&value: &f64| Some(value).filter(|value| value.is_finite());
-        Self {
-            variable: variable.to_owned(),
-            values: values.iter().map(finite).collect(),
-        }
+        Self { variable: variable.to_owned(), values: values.iter().map(finite).collect() }
     }
 }
 
@@ -134,11 +131,7 @@ impl Failure {
 /// The status as the version of FMI names it whose function the text ends with.
 fn by_version(text: &str, [two, three]: [&'static str; 2]) -> &'static str {
     let function = text.rsplit('(').next().unwrap_or(text);
-    if function.starts_with("fmi3") {
-        three
-    } else {
-        two
-    }
+    if function.starts_with("fmi3") { three } else { two }
 }
 
 impl fmt::Display for Failure {
@@ -152,15 +145,8 @@ impl fmt::Display for Failure {
             | Self::Crashed(text) => write!(f, "{class}: {text}"),
             Self::NotFinite(partial) => write!(f, "{class}: {}", partial.variable),
             Self::Exited(code, words) => {
-                let words = if words.is_empty() {
-                    String::new()
-                } else {
-                    format!(": {words}")
-                };
-                write!(
-                    f,
-                    "{class}: the FMU ended its process with code {code}{words}"
-                )
+                let words = if words.is_empty() { String::new() } else { format!(": {words}") };
+                write!(f, "{class}: the FMU ended its process with code {code}{words}")
             }
             Self::Unloadable(text) => f.write_str(text),
             Self::Timeout | Self::OutOfMemory => f.write_str(class),
@@ -178,10 +164,7 @@ mod tests {
         let failure = Failure::NotFinite(Partial::new("b", &[0.1, f64::NAN, f64::INFINITY]));
         let text = serde_json::to_string(&failure).unwrap();
         assert_eq!(serde_json::from_str::<Failure>(&text).unwrap(), failure);
-        assert_eq!(
-            [0, 1, 2, 3].map(|k| failure.value(k)),
-            [Some(0.1), None, None, None]
-        );
+        assert_eq!([0, 1, 2, 3].map(|k| failure.value(k)), [Some(0.1), None, None, None]);
         let doubled = failure.converted(|values| values.iter_mut().for_each(|v| *v *= 2.0));
         assert_eq!(doubled.value(0), Some(0.2));
     }

@@ -36,17 +36,8 @@ struct State {
 
 impl Ground {
     pub(crate) fn new(shared: PathBuf, name: &Path, scratch: &Path) -> Self {
-        let state = Mutex::new(State {
-            watch: Watch::on(&shared),
-            changed: None,
-            package: None,
-        });
-        Self {
-            shared,
-            name: name.to_owned(),
-            scratch: scratch.to_owned(),
-            state,
-        }
+        let state = Mutex::new(State { watch: Watch::on(&shared), changed: None, package: None });
+        Self { shared, name: name.to_owned(), scratch: scratch.to_owned(), state }
     }
 
     /// The first change that the FMU has made in the folder that points share; `None` while all is as it was unpacked.

@@ -97,13 +97,7 @@ impl Isolated {
     }
 
     /// One try of a point alone.
-    fn once(
-        &mut self,
-        job: &Job,
-        separation: Separation,
-        fill: Option<u8>,
-        post: &Post<'_>,
-    ) -> Result<Reply, Gone> {
+    fn once(&mut self, job: &Job, separation: Separation, fill: Option<u8>, post: &Post<'_>) -> Result<Reply, Gone> {
         let mut reply = None;
         let (stopped, mut take) = (post.stopped, |came| reply = Some(came));
         let jobs = std::slice::from_ref(job);
@@ -142,10 +136,7 @@ impl Isolated {
             (Err(gone), None) => return Err(gone),
         };
         self.leave(separation, fill);
-        Ok(Reply {
-            odd: Some(Reason::Complaints),
-            ..Reply::new(job.index, Err(Trouble::lost(failure)))
-        })
+        Ok(Reply { odd: Some(Reason::Complaints), ..Reply::new(job.index, Err(Trouble::lost(failure))) })
     }
 
     /// The worker of processes that load the FMU themselves, and how many it has had.
@@ -192,9 +183,7 @@ impl Isolated {
                 return Ok(reply);
             };
             let failure = &trouble.failure;
-            let wait = self
-                .policy()
-                .wait(licence, since, self.using.setup.limits.time);
+            let wait = self.policy().wait(licence, since, self.using.setup.limits.time);
             match wait {
                 Wait::No => return Ok(reply),
                 Wait::Again => {}
@@ -231,12 +220,7 @@ impl Isolated {
     }
 
     /// A point alone; one that fails is tried once more, in a new process.
-    fn alone(
-        &mut self,
-        job: &Job,
-        separation: Separation,
-        post: &mut Post<'_>,
-    ) -> Result<(Outcome, Separation), Gone> {
+    fn alone(&mut self, job: &Job, separation: Separation, post: &mut Post<'_>) -> Result<(Outcome, Separation), Gone> {
         let begun = Instant::now();
         let ready = separation != Separation::Forked || self.forking.is_running();
         let first = self.licensed(job, separation, None, post)?;
@@ -261,12 +245,7 @@ impl Isolated {
     }
 
     /// A point alone, with its answer.
-    fn answer_alone(
-        &mut self,
-        job: &Job,
-        separation: Separation,
-        post: &mut Post<'_>,
-    ) -> Result<(), Gone> {
+    fn answer_alone(&mut self, job: &Job, separation: Separation, post: &mut Post<'_>) -> Result<(), Gone> {
         let begun = Instant::now();
         let (outcome, separation) = self.alone(job, separation, post)?;
         let values = outcome.as_ref().ok().map(|outcome| outcome.values.clone());
@@ -280,25 +259,14 @@ impl Isolated {
         let wanted = policy.audits() && (in_any_case || policy.audits_alone());
         drop(policy);
         if let Some(values) = values.filter(|_| wanted) {
-            let point = Done {
-                job,
-                values,
-                separation,
-                behind_odd: false,
-            };
+            let point = Done { job, values, separation, behind_odd: false };
             self.audit(&point, in_any_case, post)?;
         }
         Ok(())
     }
 
     /// A point failed in a process of this separation, but not in a new one: either that matters, or new ones differ.
-    fn explain(
-        &mut self,
-        job: &Job,
-        separation: Separation,
-        new: &Outcome,
-        post: &mut Post<'_>,
-    ) -> Result<(), Gone> {
+    fn explain(&mut self, job: &Job, separation: Separation, new: &Outcome, post: &mut Post<'_>) -> Result<(), Gone> {
         if separation != self.strictest() && is_same(new, &self.anew(job, None, post)?.answer) {
             self.refute(separation, post);
         } else {
@@ -348,12 +316,7 @@ impl Isolated {
             };
             let odd = match reply.answer {
                 Ok(outcome) => {
-                    done.push(Done {
-                        job,
-                        values: outcome.values.clone(),
-                        separation: Separation::Used,
-                        behind_odd,
-                    });
+                    done.push(Done { job, values: outcome.values.clone(), separation: Separation::Used, behind_odd });
                     tell(post, job.index, Ok(outcome), Separation::Used);
                     reply.odd
                 }
@@ -389,10 +352,7 @@ impl Isolated {
         let late = |trouble: &Trouble| trouble.failure == Failure::Timeout;
         let (outcome, separation) = match used.as_ref().is_err_and(late) {
             // It has had its second try with this one.
-            true => (
-                self.licensed(job, separation, None, post)?.answer,
-                separation,
-            ),
+            true => (self.licensed(job, separation, None, post)?.answer, separation),
             false => self.alone(job, separation, post)?,
         };
         if outcome.is_ok() && speaks_of_the_fmu(used) {
@@ -479,16 +439,12 @@ impl Worker for Isolated {
 
 /// Hands over the outcome of a point, and the FMU's warnings before it failed.
 fn tell(post: &mut Post<'_>, index: u64, outcome: Outcome, separation: Separation) {
-    let answer = outcome.map_err(
-        |Trouble {
-             failure, notices, ..
-         }| {
-            if !notices.is_empty() {
-                post.send(Event::Said(index, notices));
-            }
-            failure
-        },
-    );
+    let answer = outcome.map_err(|Trouble { failure, notices, .. }| {
+        if !notices.is_empty() {
+            post.send(Event::Said(index, notices));
+        }
+        failure
+    });
     post.send(Event::Answer(index, answer, separation));
 }
 

@@ -16,10 +16,7 @@ use crate::wire::{Origin, Outcome, Reply, Trouble};
 /// A point's simulations.
 pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {
     let first = job.index * cases as u64;
-    (first..first + cases as u64).map(|index| Job {
-        index,
-        values: job.values.clone(),
-    })
+    (first..first + cases as u64).map(|index| Job { index, values: job.values.clone() })
 }
 
 /// The number of the case of a simulation.
@@ -39,10 +36,7 @@ pub(crate) struct Part {
 
 /// The parts of all cases.
 pub(crate) fn parts(cases: &[Case]) -> Vec<Part> {
-    let part = |case: &Case| Part {
-        name: case.name.clone().unwrap_or_default(),
-        results: case.task.observed.len(),
-    };
+    let part = |case: &Case| Part { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() };
     cases.iter().map(part).collect()
 }
 
@@ -55,10 +49,7 @@ pub(crate) struct Join {
 
 impl Join {
     pub(crate) fn new(cases: &[Case]) -> Self {
-        Self {
-            cases: parts(cases),
-            open: BTreeMap::new(),
-        }
+        Self { cases: parts(cases), open: BTreeMap::new() }
     }
 
     /// Takes the reply of a simulation; gives that of its point once it is the last one.
@@ -67,10 +58,7 @@ impl Join {
         if count == 1 {
             return Some(reply);
         }
-        let (point, case) = (
-            reply.index / (count as u64).max(1),
-            case_of(reply.index, count),
-        );
+        let (point, case) = (reply.index / (count as u64).max(1), case_of(reply.index, count));
         let replies = self.open.entry(point).or_insert_with(|| vec![None; count]);
         *replies.get_mut(case)? = Some(reply);
         if replies.iter().any(Option::is_none) {
@@ -107,18 +95,14 @@ pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
             Ok(simulated) => simulated.notices.as_deref(),
             Err(trouble) => Some(&*trouble.notices),
         };
-        said.into_iter()
-            .for_each(|said| notices.add(said, &case.name));
+        said.into_iter().for_each(|said| notices.add(said, &case.name));
     }
     let from = |&case: &usize| outcomes[case].as_ref().err().map(|trouble| trouble.from);
     let failed = (0..outcomes.len()).filter(|&case| outcomes[case].is_err());
     let Some(worst) = failed.min_by_key(from) else {
         let values = outcomes.into_iter().flatten();
         let values = values.flat_map(|simulated| simulated.values);
-        return Ok(Simulated {
-            values: values.collect(),
-            notices: (!notices.is_empty()).then(|| Box::new(notices)),
-        });
+        return Ok(Simulated { values: values.collect(), notices: (!notices.is_empty()).then(|| Box::new(notices)) });
     };
     let values = cases.iter().zip(&outcomes);
     let values = values.flat_map(|(case, outcome)| known(outcome, case.results));
@@ -133,18 +117,10 @@ pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
                 // They stand among those of all cases.
                 partial.values.clear();
             }
-            Failure::InCase(Box::new(OfCase {
-                case,
-                failure,
-                values,
-            }))
+            Failure::InCase(Box::new(OfCase { case, failure, values }))
         }
     };
-    Err(Trouble {
-        from: trouble.from,
-        failure,
-        notices: Box::new(notices),
-    })
+    Err(Trouble { from: trouble.from, failure, notices: Box::new(notices) })
 }
 
 /// The results of a case, as far as there are any.
@@ -167,10 +143,7 @@ mod tests {
     fn cases() -> Vec<Case> {
         let probe = Probe {
             name: "y".to_owned(),
-            handle: Handle {
-                reference: 0,
-                content: Content::Real,
-            },
+            handle: Handle { reference: 0, content: Content::Real },
             statistic: Statistic::Final,
             window: None,
             curve: None,
@@ -179,27 +152,14 @@ mod tests {
         };
         let task = Task {
             observed: vec![probe.clone(), probe],
-            ..Task::new(Schedule {
-                start: 0.0,
-                stop: 1.0,
-                step: 1.0,
-                window_start: 0.0,
-                leap: false,
-                tolerance: None,
-            })
+            ..Task::new(Schedule { start: 0.0, stop: 1.0, step: 1.0, window_start: 0.0, leap: false, tolerance: None })
         };
-        let case = |name: &str| Case {
-            name: Some(name.to_owned()),
-            task: task.clone(),
-        };
+        let case = |name: &str| Case { name: Some(name.to_owned()), task: task.clone() };
         vec![case("slow"), case("fast")]
     }
 
     fn reply(index: u64, answer: Outcome) -> Reply {
-        Reply {
-            forkable: Some(true),
-            ..Reply::new(index, answer)
-        }
+        Reply { forkable: Some(true), ..Reply::new(index, answer) }
     }
 
     fn failed(failure: Failure) -> Outcome {
@@ -210,10 +170,7 @@ mod tests {
     fn a_point_is_answered_with_its_last_case_whatever_the_order() {
         let cases = cases();
         let mut join = Join::new(&cases);
-        let job = |index| Job {
-            index,
-            values: vec![7.0],
-        };
+        let job = |index| Job { index, values: vec![7.0] };
         let runs: Vec<(u64, usize)> = [job(3), job(4)]
             .iter()
             .flat_map(|job| split(job, 2))
@@ -237,9 +194,7 @@ mod tests {
         assert_eq!(values(&failure), [Some(1.0), Some(2.0), None, None]);
         // A result that is no number keeps the others of its case.
         let partial = Failure::NotFinite(Partial::new("y", &[3.0, f64::NAN]));
-        let failure = joined(&parts(&cases()), vec![failed(partial), good()])
-            .unwrap_err()
-            .failure;
+        let failure = joined(&parts(&cases()), vec![failed(partial), good()]).unwrap_err().failure;
         assert_eq!(failure.to_string(), "case slow: not finite: y");
         assert_eq!(values(&failure), [Some(3.0), None, Some(1.0), Some(2.0)]);
     }

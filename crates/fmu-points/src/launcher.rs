@@ -63,9 +63,7 @@ impl Launcher {
     /// The line that cannot be understood, and why.
     pub fn on(self, hosts: &str) -> Result<Self, String> {
         if !self.words.iter().any(|word| word.contains(HOST)) {
-            return Err(format!(
-                "the command of --launcher says nowhere {HOST}, which becomes the host's name"
-            ));
+            return Err(format!("the command of --launcher says nowhere {HOST}, which becomes the host's name"));
         }
         let mut all = Vec::new();
         for (number, line) in (1..).zip(hosts.lines()) {
@@ -108,11 +106,7 @@ impl Launcher {
             Some(name) => word.replace(HOST, name),
             None => word.clone(),
         });
-        Place {
-            words: words.collect(),
-            name,
-            slots: host.slots,
-        }
+        Place { words: words.collect(), name, slots: host.slots }
     }
 }
 
@@ -166,12 +160,7 @@ mod tests {
     #[test]
     fn what_is_no_list_of_hosts_is_told() {
         let launcher = || Launcher::new("ssh {host}", 1).unwrap();
-        for (text, word) in [
-            ("a 0", "line 1"),
-            ("a\nb x", "line 2"),
-            ("a 1 2", "line 1"),
-            ("#", "no host"),
-        ] {
+        for (text, word) in [("a 0", "line 1"), ("a\nb x", "line 2"), ("a 1 2", "line 1"), ("#", "no host")] {
             let error = launcher().on(text).unwrap_err();
             assert!(error.contains(word), "{error}");
         }

@@ -107,10 +107,7 @@ impl Link {
         let line = find(seen, MAGIC.as_bytes()).and_then(|at| {
             let rest = &seen[at + MAGIC.len()..];
             let end = find(rest, b"\n")?;
-            Some((
-                at + MAGIC.len() + end + 1,
-                serde_json::from_slice(&rest[..end]).ok()?,
-            ))
+            Some((at + MAGIC.len() + end + 1, serde_json::from_slice(&rest[..end]).ok()?))
         });
         if let Some((length, greeting)) = line {
             self.reports.skip(length);
@@ -118,14 +115,8 @@ impl Link {
         }
         if seen.len() > NOISE || !open {
             // The beginning of a greeting may be its end.
-            let passed = if open {
-                seen.len() - NOISE / 2
-            } else {
-                seen.len()
-            };
-            String::from_utf8_lossy(&seen[..passed])
-                .lines()
-                .for_each(|line| keep(&self.words, line));
+            let passed = if open { seen.len() - NOISE / 2 } else { seen.len() };
+            String::from_utf8_lossy(&seen[..passed]).lines().for_each(|line| keep(&self.words, line));
             self.reports.skip(passed);
         }
         match open {
@@ -199,10 +190,7 @@ impl Link {
         let status = process::wait_for_end(&mut self.child, Duration::from_secs(1));
         // Its last words are on their way.
         thread::sleep(Duration::from_millis(20));
-        let status = status.map_or_else(
-            || "its output was closed".to_owned(),
-            |status| status.to_string(),
-        );
+        let status = status.map_or_else(|| "its output was closed".to_owned(), |status| status.to_string());
         format!("the launcher ended ({status}){}", self.last_words())
     }
 
@@ -251,10 +239,7 @@ fn write(mut to: ChildStdin, frames: &Receiver<Frame>, beat: Duration) {
 fn listen(from: ChildStderr, words: &Words) {
     let mut from = BufReader::new(from);
     let mut line = Vec::new();
-    while from
-        .read_until(b'\n', &mut line)
-        .is_ok_and(|count| count > 0)
-    {
+    while from.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
         keep(words, &String::from_utf8_lossy(&line));
         line.clear();
     }

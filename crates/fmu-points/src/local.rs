@@ -24,10 +24,7 @@ impl Local {
         let mut tasks = cases.iter().map(|case| case.task.clone());
         let first = tasks.next();
         let runner = first.map(|task| Runner::new(Arc::clone(library), task).with_further(tasks));
-        Self {
-            runner,
-            cases: parts(cases),
-        }
+        Self { runner, cases: parts(cases) }
     }
 }
 

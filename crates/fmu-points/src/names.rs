@@ -41,14 +41,8 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 /// `clearance` finds `bearing.radialClearance`.
 fn closeness(wanted: &str, candidate: &str) -> f64 {
     let last = candidate.rsplit('.').next().unwrap_or(candidate);
-    let contained = if wanted.len() >= 4 && candidate.contains(wanted) {
-        0.9
-    } else {
-        0.0
-    };
-    strsim::jaro_winkler(wanted, candidate)
-        .max(0.97 * strsim::jaro_winkler(wanted, last))
-        .max(contained)
+    let contained = if wanted.len() >= 4 && candidate.contains(wanted) { 0.9 } else { 0.0 };
+    strsim::jaro_winkler(wanted, candidate).max(0.97 * strsim::jaro_winkler(wanted, last)).max(contained)
 }
 
 /// The half-sentence `; did you mean ...?`, or nothing.

@@ -89,8 +89,7 @@ impl Notices {
 
     /// Adds what was said in one of a point's cases. Of warnings and errors, the first one is kept, with its case.
     pub fn add(&mut self, other: &Self, case: &str) {
-        let named =
-            |text: &Option<String>| text.as_ref().map(|text| format!("case {case}: {text}"));
+        let named = |text: &Option<String>| text.as_ref().map(|text| format!("case {case}: {text}"));
         self.warnings += other.warnings;
         let warning = self.first_warning.take();
         self.first_warning = warning.or_else(|| named(&other.first_warning));
@@ -116,11 +115,7 @@ mod tests {
 
     #[test]
     fn the_first_warning_is_kept() {
-        let warning = |count, text: &str| Warnings {
-            count,
-            first: Some(text.to_owned()),
-            ..Warnings::default()
-        };
+        let warning = |count, text: &str| Warnings { count, first: Some(text.to_owned()), ..Warnings::default() };
         let mut notices = Notices::default();
         notices.warn(Warnings::default());
         assert!(notices.is_empty());
@@ -144,20 +139,14 @@ mod tests {
         point.add(&passed(&["hot at 3 s"]), "300 rpm");
         point.add(&passed(&["hot at 5.5 s", "fast at 1 s"]), "900 rpm");
         let told: Vec<String> = point.beyond.iter().map(Limit::to_string).collect();
-        assert_eq!(
-            told,
-            ["case 300 rpm: hot at 3 s", "case 900 rpm: fast at 1 s"]
-        );
+        assert_eq!(told, ["case 300 rpm: hot at 3 s", "case 900 rpm: fast at 1 s"]);
         let text = serde_json::to_string(&passed(&["hot"])).unwrap();
         assert_eq!(text, r#"{"beyond":[{"message":"hot"}]}"#);
     }
 
     #[test]
     fn only_what_was_said_is_written() {
-        let notices = Notices {
-            ended: Some(0.5),
-            ..Notices::default()
-        };
+        let notices = Notices { ended: Some(0.5), ..Notices::default() };
         let text = serde_json::to_string(&notices).unwrap();
         assert_eq!(text, r#"{"ended":0.5}"#);
         assert_eq!(serde_json::from_str::<Notices>(&text).unwrap(), notices);

@@ -32,9 +32,7 @@ pub enum RunError {
     )]
     Circling,
     /// Earlier results, which have been used already, do not count any more.
-    #[error(
-        "the FMU gives other results in a process that has computed points before; use --isolation fresh"
-    )]
+    #[error("the FMU gives other results in a process that has computed points before; use --isolation fresh")]
     Refuted,
     /// The same, because the FMU has changed its own folder, which all points shared.
     #[error(
@@ -54,10 +52,7 @@ pub struct Limits {
 
 impl Limits {
     /// No limits: for a single point, while a person is watching.
-    pub const NONE: Self = Self {
-        time: Duration::MAX,
-        memory: u64::MAX,
-    };
+    pub const NONE: Self = Self { time: Duration::MAX, memory: u64::MAX };
 }
 
 /// A point to run: its index, and its parameters in the FMU's units.
@@ -92,10 +87,7 @@ impl From<Vec<f64>> for Simulated {
 impl Simulated {
     /// Results with what was said beside them.
     pub(crate) fn new(values: Vec<f64>, notices: &Notices) -> Self {
-        Self {
-            values,
-            notices: (!notices.is_empty()).then(|| Box::new(notices.clone())),
-        }
+        Self { values, notices: (!notices.is_empty()).then(|| Box::new(notices.clone())) }
     }
 }
 
@@ -139,13 +131,7 @@ impl<'a> Post<'a> {
         stopped: &'a dyn Fn() -> bool,
         left: Option<usize>,
     ) -> Self {
-        Self {
-            take,
-            stopped,
-            left,
-            over: false,
-            returned: Vec::new(),
-        }
+        Self { take, stopped, left, over: false, returned: Vec::new() }
     }
 
     /// Reports what happened.

@@ -291,18 +291,12 @@ impl Policy {
 
     /// A policy for points that have an unpacked FMU each.
     pub(crate) fn apart(tool: bool, company: bool) -> Self {
-        Self {
-            apart: true,
-            ..Self::new(Isolation::Fresh, tool, company)
-        }
+        Self { apart: true, ..Self::new(Isolation::Fresh, tool, company) }
     }
 
     /// A policy for points that are computed again as in audits.
     pub(crate) fn auditing() -> Self {
-        Self {
-            auditing: true,
-            ..Self::new(Isolation::Fresh, false, false)
-        }
+        Self { auditing: true, ..Self::new(Isolation::Fresh, false, false) }
     }
 
     /// The most independent processes: new ones, or new ones with a folder each where the FMU changes its folder.
@@ -326,9 +320,7 @@ impl Policy {
         };
         match self.sharing {
             // Whoever wants that gets it.
-            Sharing::Earned(reuse) if self.wish == Isolation::Reuse || !self.is_odd() => {
-                Plan::Used(reuse)
-            }
+            Sharing::Earned(reuse) if self.wish == Isolation::Reuse || !self.is_odd() => Plan::Used(reuse),
             Sharing::Untried if !self.led && self.is_worth_a_trial(left) => {
                 self.sharing = Sharing::OnTrial;
                 Plan::Trial
@@ -383,13 +375,7 @@ impl Policy {
     }
 
     /// Notes a point with results that was computed alone, and how long that took, s, where nothing else was started for it.
-    pub(crate) fn note(
-        &mut self,
-        job: &Job,
-        reply: &Reply,
-        separation: Separation,
-        took: Option<f64>,
-    ) {
+    pub(crate) fn note(&mut self, job: &Job, reply: &Reply, separation: Separation, took: Option<f64>) {
         let Ok(simulated) = &reply.answer else {
             return;
         };
@@ -442,11 +428,7 @@ impl Policy {
         if since.elapsed() >= limit {
             return Wait::No;
         }
-        if std::mem::replace(&mut self.told, true) {
-            Wait::Again
-        } else {
-            Wait::Told(round)
-        }
+        if std::mem::replace(&mut self.told, true) { Wait::Again } else { Wait::Told(round) }
     }
 
     /// There are too few licences: no process may keep one between points. Says whether some did, so that their points
@@ -497,19 +479,14 @@ impl Policy {
     /// Whether a point is computed twice whatever share of the time that takes: one of those that were chosen, or one of
     /// the first that came right behind an odd one. There must be time for it.
     pub(crate) fn chooses(&self, index: u64, behind_odd: bool) -> bool {
-        let chosen = self
-            .repeats
-            .as_ref()
-            .is_some_and(|repeats| repeats.has(index));
+        let chosen = self.repeats.as_ref().is_some_and(|repeats| repeats.has(index));
         let wanted = chosen || behind_odd && self.audits.behind_odd < ENOUGH;
         wanted && !self.is_dear() && self.spent.in_any_case + self.time_of_audit() <= LITTLE
     }
 
     /// The place of a point in the order in which points are audited.
     pub(crate) fn rank(&self, index: u64) -> u64 {
-        self.repeats
-            .as_ref()
-            .map_or(0, |repeats| repeats.rank(index))
+        self.repeats.as_ref().map_or(0, |repeats| repeats.rank(index))
     }
 
     /// Notes the time that points took, s.
@@ -532,13 +509,7 @@ impl Policy {
     }
 
     /// Notes how long an audit took, s; `in_any_case`: whatever share of the time that is.
-    pub(crate) fn note_audit(
-        &mut self,
-        took: f64,
-        separation: Separation,
-        in_any_case: bool,
-        behind_odd: bool,
-    ) {
+    pub(crate) fn note_audit(&mut self, took: f64, separation: Separation, in_any_case: bool, behind_odd: bool) {
         for spending in [&mut self.spent, &mut self.untold] {
             let spent = &mut spending.kinds[kind(separation)];
             spent.audited += took;
@@ -629,22 +600,13 @@ impl Policy {
 
     /// What a worker elsewhere should know before it computes points: no audits, nor why points run alone.
     pub(crate) fn known(&mut self) -> Found {
-        Found {
-            reason: None,
-            audits: Vec::new(),
-            spent_by_all: self.spent,
-            ..self.found()
-        }
+        Found { reason: None, audits: Vec::new(), spent_by_all: self.spent, ..self.found() }
     }
 
     /// Lets the policy take over what others found that it concerns: that of points which share the FMU's folder, or that of
     /// points with a folder each. What was found in a shared folder, and is told late, says nothing of the others.
     pub(crate) fn adopt_in([shared, apart]: [&Mutex<Self>; 2], found: &Found) {
-        let policy = if found.changed.is_some() {
-            apart
-        } else {
-            shared
-        };
+        let policy = if found.changed.is_some() { apart } else { shared };
         locked(policy).adopt(found);
     }
 

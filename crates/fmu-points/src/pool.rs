@@ -36,18 +36,15 @@ pub fn run<E: From<RunError>>(
 ) -> Result<(), E> {
     let mut ledger = Ledger::default();
     let crowded = workers.len() > 1;
-    let mut watch = |event, ledger: &mut Ledger, company: Option<&mut Company>| match ledger
-        .enter(event, earlier)
-    {
+    let mut watch = |event, ledger: &mut Ledger, company: Option<&mut Company>| match ledger.enter(event, earlier) {
         Some(event) => {
             company.into_iter().for_each(|company| company.heed(&event));
             receive(event)
         }
         None => Ok(ControlFlow::Continue(())),
     };
-    let mut over = pass(workers, open, job, stop, &mut |event| {
-        watch(event, &mut ledger, crowded.then_some(&mut *company))
-    })?;
+    let mut over =
+        pass(workers, open, job, stop, &mut |event| watch(event, &mut ledger, crowded.then_some(&mut *company)))?;
     while !over {
         if let Some(again) = ledger.open() {
             let (left, void) = (again.len(), ledger.void);
@@ -62,9 +59,7 @@ pub fn run<E: From<RunError>>(
         } else if company.is_settled() {
             break;
         } else {
-            over = company.settle(workers, job, stop, &mut |event| {
-                watch(event, &mut ledger, None)
-            })?;
+            over = company.settle(workers, job, stop, &mut |event| watch(event, &mut ledger, None))?;
         }
     }
     Ok(())
@@ -80,10 +75,7 @@ fn pass<E: From<RunError>>(
 ) -> Result<bool, E> {
     // Bounded, so that slow storage holds the workers back instead of filling the memory.
     const WAITING: usize = 16_384;
-    let jobs = (
-        Mutex::new(Batches::new(open.map(job), workers.len())),
-        Condvar::new(),
-    );
+    let jobs = (Mutex::new(Batches::new(open.map(job), workers.len())), Condvar::new());
     let done = AtomicBool::new(false);
     let stopped = || stop.load(Ordering::Relaxed) || done.load(Ordering::Relaxed);
     let (send, receiver) = sync_channel(WAITING);
@@ -117,10 +109,7 @@ fn work<I: Iterator<Item = Job>>(
     /// How often a worker without points looks whether it is to stop.
     const LOOK: Duration = Duration::from_millis(50);
     // Points come from a program's own iterator: if that panics, the run does.
-    let lock = || {
-        jobs.lock()
-            .map_err(|_| RunError::Lost("the points broke off".to_owned()))
-    };
+    let lock = || jobs.lock().map_err(|_| RunError::Lost("the points broke off".to_owned()));
     let is_over = || stopped() || jobs.lock().is_ok_and(|jobs| jobs.is_over());
     let (mut pace, mut batch) = (Pace::default(), Vec::new());
     while worker.ready(&is_over)? {
@@ -131,9 +120,7 @@ fn work<I: Iterator<Item = Job>>(
                 return Ok(());
             }
             let waited = change.wait_timeout(left, LOOK);
-            left = waited
-                .map_err(|_| RunError::Lost("the points broke off".to_owned()))?
-                .0;
+            left = waited.map_err(|_| RunError::Lost("the points broke off".to_owned()))?.0;
         }
         let others = left.left();
         drop(left);
@@ -169,9 +156,7 @@ impl Ledger {
     /// Notes an event; `None` where it does not count.
     fn enter(&mut self, event: Event, earlier: &dyn Fn(Separation) -> Vec<u64>) -> Option<Event> {
         match event {
-            Event::Answer(index, _, separation)
-                if self.void.is_some_and(|void| separation >= void) =>
-            {
+            Event::Answer(index, _, separation) if self.void.is_some_and(|void| separation >= void) => {
                 self.again.insert(index);
                 return None;
             }

@@ -112,13 +112,7 @@ impl Process {
             echo: false,
             careful: false,
         };
-        Self {
-            setup,
-            ground: None,
-            home: None,
-            lasting: false,
-            running: None,
-        }
+        Self { setup, ground: None, home: None, lasting: false, running: None }
     }
 
     /// Lets points be run, and hands over what comes of each. `way` makes the order of the simulations of all cases.
@@ -133,11 +127,7 @@ impl Process {
         let count = self.setup.cases.len();
         let runs: Vec<Job> = jobs.iter().flat_map(|job| split(job, count)).collect();
         let ground = self.ground.clone();
-        let disturbed = || {
-            ground
-                .as_ref()
-                .is_some_and(|ground| ground.changed().is_some())
-        };
+        let disturbed = || ground.as_ref().is_some_and(|ground| ground.changed().is_some());
         let (mut left, mut spoilt) = (runs.len(), false);
         let ran = self.order(&way(runs), stopped, &mut |said| {
             spoilt = disturbed();
@@ -210,11 +200,7 @@ impl Running {
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(if setup.echo {
-                Stdio::inherit()
-            } else {
-                Stdio::null()
-            })
+            .stderr(if setup.echo { Stdio::inherit() } else { Stdio::null() })
             .spawn()
             .map_err(start)?;
         family.insert(child.id(), None);
@@ -231,21 +217,10 @@ impl Running {
         let Some(replies) = replies else {
             return Err(Gone::Start("a pipe to the worker is missing".to_owned()));
         };
-        let mut running = Self {
-            child,
-            orders,
-            replies,
-            ticket: 0,
-            place,
-            answered: false,
-        };
+        let mut running = Self { child, orders, replies, ticket: 0, place, answered: false };
         let home = running.place.as_ref();
         let home = home.map(|place| place.path().to_owned());
-        let setup = Setup {
-            ticket,
-            place: home,
-            ..setup.clone()
-        };
+        let setup = Setup { ticket, place: home, ..setup.clone() };
         let text = serde_json::to_vec(&setup).map_err(|error| start(error.into()))?;
         running.order(&text)?;
         running.ticket = ticket;
@@ -253,10 +228,7 @@ impl Running {
     }
 
     fn order(&mut self, order: &[u8]) -> Result<(), Gone> {
-        let sent = self
-            .orders
-            .as_mut()
-            .map(|orders| frame::write(orders, self.ticket, order));
+        let sent = self.orders.as_mut().map(|orders| frame::write(orders, self.ticket, order));
         match sent {
             Some(Ok(())) => Ok(()),
             _ => Err(Gone::Lost(self.ending())),
@@ -270,8 +242,7 @@ impl Running {
             match self.replies.arrived() {
                 Ok(Some(payload)) => {
                     self.answered = true;
-                    let damaged =
-                        || Gone::Lost(Failure::Crashed("its answer is damaged".to_owned()));
+                    let damaged = || Gone::Lost(Failure::Crashed("its answer is damaged".to_owned()));
                     return read(&payload).ok_or_else(damaged);
                 }
                 Ok(None) => {}
@@ -308,9 +279,7 @@ impl Running {
             Some(Loss::Exit(code)) => format!("exit code {code}"),
             _ => "its pipes are closed".to_owned(),
         };
-        Failure::Crashed(format!(
-            "the FMU ended the process that watches it: {reason}"
-        ))
+        Failure::Crashed(format!("the FMU ended the process that watches it: {reason}"))
     }
 
     fn wait_for_end(&mut self, patience: Duration) -> Option<ExitStatus> {

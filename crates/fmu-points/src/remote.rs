@@ -135,10 +135,7 @@ impl Team {
             company: places.len() > 1,
             isolation,
         };
-        let state = State {
-            possible: places.len(),
-            ..State::default()
-        };
+        let state = State { possible: places.len(), ..State::default() };
         let lanes = (0..).zip(places).map(|(number, place)| {
             Mutex::new(Lane {
                 number,
@@ -173,9 +170,7 @@ impl Team {
 
     /// Takes it for known that the FMU changes this file.
     pub(crate) fn know(&self, changed: &str) {
-        self.state()
-            .changed
-            .get_or_insert_with(|| changed.to_owned());
+        self.state().changed.get_or_insert_with(|| changed.to_owned());
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -249,9 +244,7 @@ impl Team {
             if begun.elapsed() > self.launcher.patience {
                 let seconds = self.launcher.patience.as_secs_f64();
                 let how = format!("no worker started within {seconds} s{}", link.last_words());
-                let State {
-                    connected, ever, ..
-                } = *self.state();
+                let State { connected, ever, .. } = *self.state();
                 if connected == 0 {
                     let lasting = !ever;
                     return Err(Fault { how, lasting });
@@ -291,10 +284,7 @@ impl Team {
         let here = &self.greeting;
         let program = self.launcher.program.display();
         if there.version != here.version {
-            return Err(format!(
-                "{program} is version {} there and {} here",
-                there.version, here.version
-            ));
+            return Err(format!("{program} is version {} there and {} here", there.version, here.version));
         }
         match there.program == here.program {
             true => Ok(()),
@@ -373,16 +363,9 @@ impl Team {
     }
 
     /// Lets a worker follow an order for these points. What is left of them is given back.
-    fn order(
-        &self,
-        lane: &mut Lane,
-        order: &Order,
-        jobs: &[Job],
-        post: &mut Post<'_>,
-    ) -> (End, BTreeMap<u64, Job>) {
+    fn order(&self, lane: &mut Lane, order: &Order, jobs: &[Job], post: &mut Post<'_>) -> (End, BTreeMap<u64, Job>) {
         let all: BTreeSet<u64> = jobs.iter().map(|job| job.index).collect();
-        let mut open: BTreeMap<u64, Job> =
-            jobs.iter().map(|job| (job.index, job.clone())).collect();
+        let mut open: BTreeMap<u64, Job> = jobs.iter().map(|job| (job.index, job.clone())).collect();
         let Some(link) = &mut lane.link else {
             return (End::Stopped, open);
         };
@@ -424,13 +407,7 @@ impl Team {
     }
 
     /// Points of a worker that was lost: they are handed out again, unless one alone has cost too many workers.
-    fn reclaim(
-        &self,
-        open: BTreeMap<u64, Job>,
-        alone: bool,
-        how: &str,
-        post: &mut Post<'_>,
-    ) -> Vec<Job> {
+    fn reclaim(&self, open: BTreeMap<u64, Job>, alone: bool, how: &str, post: &mut Post<'_>) -> Vec<Job> {
         if let (true, Some(&index)) = (alone, open.keys().next()) {
             let mut state = self.state();
             let cost = state.costs.entry(index).or_default();
@@ -452,9 +429,7 @@ impl Drop for Team {
     fn drop(&mut self) {
         // All of them learn it before one of them is waited for.
         let lanes = self.lanes.iter_mut().filter_map(|lane| lane.get_mut().ok());
-        lanes
-            .filter_map(|lane| lane.link.as_mut())
-            .for_each(Link::part);
+        lanes.filter_map(|lane| lane.link.as_mut()).for_each(Link::part);
     }
 }
 
@@ -471,25 +446,13 @@ pub(crate) struct Remote {
 }
 
 impl Remote {
-    pub(crate) fn new(
-        team: &Arc<Team>,
-        lane: Option<usize>,
-        cases: &[Case],
-        auditing: bool,
-    ) -> Self {
+    pub(crate) fn new(team: &Arc<Team>, lane: Option<usize>, cases: &[Case], auditing: bool) -> Self {
         static SERIES: AtomicU64 = AtomicU64::new(0);
-        let here = cases
-            .iter()
-            .any(|case| working_directory::named_in(&case.task));
+        let here = cases.iter().any(|case| working_directory::named_in(&case.task));
         Self {
             team: Arc::clone(team),
             lane,
-            series: Series {
-                cases: cases.to_vec(),
-                auditing,
-                here,
-                repeats: None,
-            },
+            series: Series { cases: cases.to_vec(), auditing, here, repeats: None },
             number: SERIES.fetch_add(1, Ordering::Relaxed),
             overhead: Duration::ZERO,
         }
@@ -500,23 +463,14 @@ impl Remote {
         if lane.series.replace(self.number) == Some(self.number) {
             return;
         }
-        let series = Series {
-            repeats: self.team.policy().repeats().cloned(),
-            ..self.series.clone()
-        };
+        let series = Series { repeats: self.team.policy().repeats().cloned(), ..self.series.clone() };
         if let Some(link) = &mut lane.link {
             link.order(&Order::Begin(Box::new(series)));
         }
     }
 
     /// One try of points on a lane; those that are open still.
-    fn attempt(
-        &mut self,
-        number: usize,
-        alone: bool,
-        jobs: &[Job],
-        post: &mut Post<'_>,
-    ) -> Result<Vec<Job>, RunError> {
+    fn attempt(&mut self, number: usize, alone: bool, jobs: &[Job], post: &mut Post<'_>) -> Result<Vec<Job>, RunError> {
         let begun = Instant::now();
         let team = Arc::clone(&self.team);
         let mut lane = team.lane(number);
@@ -547,12 +501,7 @@ impl Remote {
     }
 
     /// Runs points on whichever lane has a worker, until all are done.
-    fn run_anywhere(
-        &mut self,
-        alone: bool,
-        jobs: &[Job],
-        post: &mut Post<'_>,
-    ) -> Result<(), RunError> {
+    fn run_anywhere(&mut self, alone: bool, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         let team = Arc::clone(&self.team);
         let mut open = jobs.to_vec();
         while !open.is_empty() && !post.is_over() {

@@ -40,10 +40,7 @@ impl Repeats {
             passed = place + 1;
             index.expect("there are as many indexes as the caller says")
         });
-        Self {
-            seed,
-            chosen: Some(chosen.collect()),
-        }
+        Self { seed, chosen: Some(chosen.collect()) }
     }
 
     /// Chooses among points whose number is not known: all of the first ones, and fewer and fewer of those that follow.

@@ -104,9 +104,7 @@ impl Runner {
     /// The same for points with further cases, of which [`turn_to`](Self::turn_to) chooses one.
     pub fn with_further(mut self, tasks: impl Iterator<Item = Task>) -> Self {
         let numbered = tasks.zip(1..);
-        self.others = numbered
-            .map(|(task, number)| Scene::new(number, task))
-            .collect();
+        self.others = numbered.map(|(task, number)| Scene::new(number, task)).collect();
         self
     }
 
@@ -120,20 +118,12 @@ impl Runner {
 
     /// The same, but instances are used again in a way that others compare with fresh processes.
     pub fn trusting(self, reuse: Reuse) -> Self {
-        Self {
-            reuse,
-            trusted: true,
-            ..self
-        }
+        Self { reuse, trusted: true, ..self }
     }
 
     /// Simulates one point on an instance of its own, which is ended only after `tell` has got the answer:
     /// what the FMU does at its end costs no result. The instance is freed when what is returned is dropped.
-    pub fn alone(
-        &mut self,
-        values: &[f64],
-        tell: impl FnOnce(&Self, Result<&[f64], &Failure>),
-    ) -> Last {
+    pub fn alone(&mut self, values: &[f64], tell: impl FnOnce(&Self, Result<&[f64], &Failure>)) -> Last {
         let begun = self.allow(values).and_then(|()| self.prepared());
         let mut held = match begun {
             Ok(held) => held,
@@ -168,32 +158,21 @@ impl Runner {
 
     /// Notes the version of FMI that the binary says, where it is another than that of its description.
     fn note_version(&mut self) {
-        let version = self
-            .version
-            .get_or_insert_with(|| self.library.odd_version());
+        let version = self.version.get_or_insert_with(|| self.library.odd_version());
         self.notices.version.clone_from(version);
     }
 
     /// Refuses values that the FMU's description does not allow.
     fn allow(&self, values: &[f64]) -> Result<(), Failure> {
         let varied = &self.scene.task.varied;
-        assert_eq!(
-            varied.len(),
-            values.len(),
-            "a point has a value of every varied parameter"
-        );
+        assert_eq!(varied.len(), values.len(), "a point has a value of every varied parameter");
         let mut slots = varied.iter().zip(values).filter(|(slot, _)| !slot.idle);
         slots.try_for_each(|(slot, &value)| slot.check(value).map_err(Failure::OutOfRange))
     }
 
     /// Refuses results that are no numbers.
     fn finite(&self) -> Result<(), Failure> {
-        match self
-            .scene
-            .results
-            .iter()
-            .position(|value| !value.is_finite())
-        {
+        match self.scene.results.iter().position(|value| !value.is_finite()) {
             Some(index) => {
                 let mut variable = self.scene.task.observed[index].name.clone();
                 variable += &self.scene.why_none(index).unwrap_or_default();
@@ -252,11 +231,7 @@ impl Runner {
     fn compare(&mut self, values: &[f64], reused: Result<(), Failure>) -> Result<(), Failure> {
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         let before = reused.as_ref().map(|()| bits(&self.scene.results));
-        if self
-            .used
-            .as_ref()
-            .is_some_and(|used| used.instance.is_dead())
-        {
+        if self.used.as_ref().is_some_and(|used| used.instance.is_dead()) {
             return reused;
         }
         self.used = None;
@@ -303,10 +278,7 @@ impl Runner {
             Ok(())
         };
         let result = run();
-        self.notices = Notices {
-            ended,
-            ..Notices::default()
-        };
+        self.notices = Notices { ended, ..Notices::default() };
         result.map_err(|call| Failure::from_call(&call))?;
         self.hear_warnings(&held);
         self.used = Some(held);
@@ -325,13 +297,9 @@ impl Runner {
         self.failed = None;
         if let Some(mut used) = self.used.take() {
             if used.instance.is_dead() {
-                return Err(Failure::Fatal(
-                    "the FMU cannot go on in this process".to_owned(),
-                ));
+                return Err(Failure::Fatal("the FMU cannot go on in this process".to_owned()));
             }
-            let Held {
-                instance, first, ..
-            } = &mut used;
+            let Held { instance, first, .. } = &mut used;
             let (ready, otherwise) = match (self.reuse, first) {
                 (Reuse::Reset, _) => (instance.reset().is_ok(), Reuse::Restore),
                 (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Renew),
@@ -353,12 +321,7 @@ impl Runner {
             Reuse::Restore => instance.save(),
             _ => None,
         };
-        Ok(Held {
-            born: instance.warnings(),
-            instance,
-            first,
-            reused: false,
-        })
+        Ok(Held { born: instance.warnings(), instance, first, reused: false })
     }
 
     fn simulate(&mut self, held: &mut Held, values: &[f64]) -> Result<(), Call> {
@@ -415,8 +378,7 @@ impl Runner {
 /// Statistics over a window cannot be taken where the FMU ends the simulation before it.
 fn before_the_window(mut call: Call) -> Call {
     if let Some(End { at, .. }) = call.ended {
-        let message =
-            format!("the FMU ended the simulation at {at} s, before the window of the statistics");
+        let message = format!("the FMU ended the simulation at {at} s, before the window of the statistics");
         call.message = Some(message);
     }
     call

@@ -79,10 +79,7 @@ impl Scratch {
         let folder = tempfile::Builder::new().prefix(prefix).tempdir_in(place);
         let folder = folder.map_err(ScratchError::at(place))?;
         folders.insert(folder.path().to_owned());
-        Ok(Self {
-            folder,
-            _lock: None,
-        })
+        Ok(Self { folder, _lock: None })
     }
 
     /// Where it is.
@@ -129,10 +126,7 @@ pub fn remove_starting_with(place: &Path, prefixes: &[&str]) {
     starting_with(place, prefixes).for_each(|path| remove(&path));
 }
 
-fn starting_with<'a>(
-    place: &Path,
-    prefixes: &'a [&'a str],
-) -> impl Iterator<Item = PathBuf> + use<'a> {
+fn starting_with<'a>(place: &Path, prefixes: &'a [&'a str]) -> impl Iterator<Item = PathBuf> + use<'a> {
     let entries = fs::read_dir(place).into_iter().flatten().flatten();
     entries.filter_map(|entry| {
         let name = entry.file_name();

@@ -21,15 +21,10 @@ const FILE: &str = "shipped.fmu";
 
 impl Shipped {
     /// The file with this digest; `source` gives its bytes, the last part empty, where nobody here has them yet.
-    pub(crate) fn take(
-        digest: &str,
-        source: &mut dyn FnMut() -> io::Result<Vec<u8>>,
-    ) -> io::Result<Self> {
+    pub(crate) fn take(digest: &str, source: &mut dyn FnMut() -> io::Result<Vec<u8>>) -> io::Result<Self> {
         const PAUSE: Duration = Duration::from_millis(50);
         let folder = std::env::temp_dir().join(scratch::shared_name(digest));
-        let at = |error: io::Error| {
-            io::Error::new(error.kind(), format!("{}: {error}", folder.display()))
-        };
+        let at = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", folder.display()));
         #[cfg_attr(not(unix), allow(unused_mut))]
         let mut builder = fs::DirBuilder::new();
         // Nobody else may change what is run here.
@@ -53,11 +48,7 @@ impl Shipped {
                 Ok(_) => {}
             }
             let path = folder.join(scratch::LOCK);
-            let lock = OpenOptions::new()
-                .create(true)
-                .append(true)
-                .read(true)
-                .open(&path);
+            let lock = OpenOptions::new().create(true).append(true).read(true).open(&path);
             let lock = match lock {
                 // Or just now.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,

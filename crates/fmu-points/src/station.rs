@@ -212,12 +212,8 @@ impl Station {
         let passing = |error: &dyn ToString| (error.to_string(), false);
         let lasting = |error: &dyn ToString| (error.to_string(), true);
         let went = std::env::set_current_dir(&terms.folder);
-        let nowhere = went.err().map(|error| {
-            format!(
-                "the study names a file relative to {}: {error}",
-                terms.folder.display()
-            )
-        });
+        let nowhere =
+            went.err().map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
         if let (true, Some(nowhere)) = (terms.here, &nowhere) {
             return Err((nowhere.clone(), true));
         }
@@ -226,9 +222,7 @@ impl Station {
             true => Some(Shipped::take(&terms.digest, source).map_err(|error| passing(&error))?),
             false => None,
         };
-        let path: PathBuf = shipped
-            .as_ref()
-            .map_or_else(|| terms.fmu.clone(), Shipped::path);
+        let path: PathBuf = shipped.as_ref().map_or_else(|| terms.fmu.clone(), Shipped::path);
         let mut package = open(&path, terms)?;
         let place = Place::Processes(
             Limits {
@@ -240,12 +234,7 @@ impl Station {
             },
             terms.isolation,
         );
-        let crew = Crew::new(
-            &mut package,
-            place,
-            scratch.path(),
-            1 + usize::from(terms.company),
-        );
+        let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company));
         let crew = crew.map_err(|error| lasting(&error))?;
         Ok(Self {
             crew,
@@ -302,8 +291,7 @@ impl Station {
     ) -> io::Result<()> {
         let begun = Instant::now();
         let Some(worker) = &mut self.worker else {
-            return locked(&self.output)
-                .say(&Report::Unable("it knows no points".to_owned(), false));
+            return locked(&self.output).say(&Report::Unable("it knows no points".to_owned(), false));
         };
         let (output, crew) = (&self.output, &self.crew);
         let mut take = |event| {
@@ -331,9 +319,7 @@ fn open(path: &Path, terms: &Terms) -> Result<Package, Unable> {
         let hint = if terms.ship { "" } else { " (--ship sends it)" };
         (format!("{error}{hint}"), true)
     })?;
-    let digest = package
-        .digest()
-        .map_err(|error| (error.to_string(), false))?;
+    let digest = package.digest().map_err(|error| (error.to_string(), false))?;
     match digest == terms.digest {
         true => Ok(package),
         false => Err((

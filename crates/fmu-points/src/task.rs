@@ -153,10 +153,7 @@ impl Probe {
 
     /// One that reads the variable at a time of the model's clock, s, in the unit of a measured curve.
     pub fn at_row(&self, curve: &MeasuredCurve, time: f64) -> Self {
-        Self {
-            curve: Some(Arc::new(curve.read_at(time))),
-            ..self.clone()
-        }
+        Self { curve: Some(Arc::new(curve.read_at(time))), ..self.clone() }
     }
 
     /// When it reads a row of a curve, on the model's clock, s.

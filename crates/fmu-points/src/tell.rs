@@ -44,9 +44,7 @@ fn written(text: &str, is_hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
 /// Writes a text to standard output. A reader that has gone, such as `head`, is no error.
 pub fn print(text: &str) {
     let mut out = io::stdout().lock();
-    let _ = out
-        .write_all(visible(text).as_bytes())
-        .and_then(|()| out.flush());
+    let _ = out.write_all(visible(text).as_bytes()).and_then(|()| out.flush());
 }
 
 /// Writes a line to standard error. Where nobody reads that any more it is lost, and the work goes on; `eprintln!` would
@@ -85,9 +83,6 @@ mod tests {
         // Escaped JSON still holds the same text.
         let name = "\u{202e}\x1b\x7f";
         let json = serde_json::to_string(name).unwrap();
-        assert_eq!(
-            serde_json::from_str::<String>(&visible(&json)).unwrap(),
-            name
-        );
+        assert_eq!(serde_json::from_str::<String>(&visible(&json)).unwrap(), name);
     }
 }

@@ -107,14 +107,7 @@ pub(crate) struct Reply {
 impl Reply {
     /// An outcome of which no more is known.
     pub(crate) fn new(index: u64, answer: Outcome) -> Self {
-        Self {
-            index,
-            answer,
-            start: 0.0,
-            simulated: 0.0,
-            odd: None,
-            forkable: None,
-        }
+        Self { index, answer, start: 0.0, simulated: 0.0, odd: None, forkable: None }
     }
 }
 
@@ -154,11 +147,7 @@ pub(crate) enum Origin {
 impl Trouble {
     /// A failure before which the FMU said nothing.
     pub(crate) fn new(from: Origin, failure: Failure) -> Self {
-        Self {
-            from,
-            failure,
-            notices: Box::default(),
-        }
+        Self { from, failure, notices: Box::default() }
     }
 
     /// The FMU cannot be loaded.

@@ -54,12 +54,7 @@ pub(crate) fn serve() -> io::Result<()> {
     }
     let mut service = Service {
         keeper: streams.keeper(setup.echo, setup.ticket)?,
-        output: Output {
-            to: output,
-            ticket: setup.ticket,
-            held: Vec::new(),
-            sent: Instant::now(),
-        },
+        output: Output { to: output, ticket: setup.ticket, held: Vec::new(), sent: Instant::now() },
         package: None,
         library: None,
         used: None,
@@ -170,9 +165,7 @@ impl Service {
         // The user looks for the functions by their names in the standard.
         let package = self.package.as_ref();
         let prefix = package.map_or("", |package| package.description().standard.prefix());
-        Ok(Some(format!(
-            "{why} ({prefix}Terminate or {prefix}FreeInstance)"
-        )))
+        Ok(Some(format!("{why} ({prefix}Terminate or {prefix}FreeInstance)")))
     }
 
     /// Opens the FMU; loads it into this process where children are to have it loaded already.
@@ -319,12 +312,8 @@ impl Service {
     /// A child at work; waits for room where the system has none at the moment.
     fn child(&mut self, library: Option<Arc<Library>>, order: &Order) -> io::Result<Child> {
         const PAUSES: [u64; 5] = [1, 10, 100, 500, 1000];
-        let mut estate = Estate {
-            setup: &self.setup,
-            package: self.package.as_mut(),
-            library,
-            progress: &self.progress,
-        };
+        let mut estate =
+            Estate { setup: &self.setup, package: self.package.as_mut(), library, progress: &self.progress };
         for pause in PAUSES {
             // SAFETY: where children are forks, a worker has a single thread; loading the FMU has started none, or it is
             // not loaded here.
@@ -386,11 +375,7 @@ impl Service {
     /// The failure of a point whose child was lost, with the child's last output.
     fn failure(&mut self, loss: &Loss) -> io::Result<Failure> {
         let with_words = |text: String, words: String| {
-            Failure::Crashed(if words.is_empty() {
-                text
-            } else {
-                format!("{text}: {words}")
-            })
+            Failure::Crashed(if words.is_empty() { text } else { format!("{text}: {words}") })
         };
         Ok(match loss {
             Loss::Signal(signal) => with_words(signal_name(*signal), self.keeper.last_line()),
@@ -438,9 +423,7 @@ fn lacks_licence(text: &str) -> bool {
         "unavailable",
         "wait",
     ];
-    text.to_lowercase()
-        .lines()
-        .any(|line| line.contains("licen") && LACK.iter().any(|word| line.contains(word)))
+    text.to_lowercase().lines().any(|line| line.contains("licen") && LACK.iter().any(|word| line.contains(word)))
 }
 
 fn bounds(setup: &Setup) -> Bounds {
@@ -478,11 +461,7 @@ struct Output {
 
 impl Output {
     fn send_in_time(&mut self) -> io::Result<()> {
-        if self.sent.elapsed() < HOLD {
-            Ok(())
-        } else {
-            self.send()
-        }
+        if self.sent.elapsed() < HOLD { Ok(()) } else { self.send() }
     }
 
     fn send(&mut self) -> io::Result<()> {

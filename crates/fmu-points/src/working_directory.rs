@@ -48,9 +48,7 @@ const LISTS: [&str; 4] = ["LD_LIBRARY_PATH", "LD_PRELOAD", "PATH", "PYTHONPATH"]
 
 /// These lists for a process in another working directory: what they name relative to this one, it would not find.
 pub(crate) fn lists_for_elsewhere() -> impl Iterator<Item = (&'static str, OsString)> {
-    let named = LISTS
-        .into_iter()
-        .filter_map(|name| Some((name, env::var_os(name)?)));
+    let named = LISTS.into_iter().filter_map(|name| Some((name, env::var_os(name)?)));
     named.map(|(name, list)| (name, from_here(name, &list)))
 }
 
@@ -81,14 +79,8 @@ mod tests {
         let here = env::current_dir().unwrap();
         let here = here.to_str().unwrap();
         let made = |name: &str, list: &str| from_here(name, list.as_ref()).into_string().unwrap();
-        assert_eq!(
-            made("PATH", "/bin:own::/x/../y"),
-            format!("/bin:{here}/own:{here}:/x/../y")
-        );
-        assert_eq!(
-            made("LD_PRELOAD", "libm.so.6:own/a.so"),
-            format!("libm.so.6:{here}/own/a.so")
-        );
+        assert_eq!(made("PATH", "/bin:own::/x/../y"), format!("/bin:{here}/own:{here}:/x/../y"));
+        assert_eq!(made("LD_PRELOAD", "libm.so.6:own/a.so"), format!("libm.so.6:{here}/own/a.so"));
         assert_eq!(made("LD_PRELOAD", ""), "");
     }
 }

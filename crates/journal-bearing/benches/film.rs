@@ -4,9 +4,7 @@ use std::hint::black_box;
 
 use divan::Bencher;
 use journal_bearing::mobility::{MobilityMap, SliceFamily};
-use journal_bearing::reynolds::{
-    Boundary, Cavitation, Drive, FilmSettings, Grid, QuasiStatic, ReynoldsFilm,
-};
+use journal_bearing::reynolds::{Boundary, Cavitation, Drive, FilmSettings, Grid, QuasiStatic, ReynoldsFilm};
 use nalgebra::Vector2;
 
 fn main() {
@@ -22,11 +20,7 @@ const VISCOSITY: f64 = 0.02;
 #[divan::bench(args = [Cavitation::NonNegative, Cavitation::MassConserving], sample_count = 1000, sample_size = 1)]
 fn transient_step_of_two_stages_96x8(bencher: Bencher<'_, '_>, cavitation: Cavitation) {
     // The tolerance is so loose that every interval is one internal step.
-    let settings = FilmSettings {
-        cavitation,
-        tolerance: 1.0,
-        ..FilmSettings::new(0.019, 0.025, 20e-6)
-    };
+    let settings = FilmSettings { cavitation, tolerance: 1.0, ..FilmSettings::new(0.019, 0.025, 20e-6) };
     let Ok(mut film) = ReynoldsFilm::new(settings) else {
         return;
     };
@@ -57,10 +51,7 @@ fn quasi_static_96x8(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| {
         angle += 1e-3;
         film.place(Vector2::new(0.89, 0.0));
-        film.velocity_under(Vector2::new(
-            (0.4 * angle.sin()).cos(),
-            (0.4 * angle.sin()).sin(),
-        ))
+        film.velocity_under(Vector2::new((0.4 * angle.sin()).cos(), (0.4 * angle.sin()).sin()))
     });
 }
 

@@ -9,14 +9,7 @@ use journal_bearing::reynolds::{Boundary, Grid, NotConverged, QuasiStatic};
 use nalgebra::Vector2;
 
 /// Eccentricity ratio and B/D.
-const CASES: [(f64, f64); 6] = [
-    (0.5, 0.76),
-    (0.9, 0.76),
-    (0.97, 0.76),
-    (0.97, 1.0),
-    (0.9, 0.5),
-    (0.9, 0.25),
-];
+const CASES: [(f64, f64); 6] = [(0.5, 0.76), (0.9, 0.76), (0.97, 0.76), (0.97, 1.0), (0.9, 0.5), (0.9, 0.25)];
 
 fn main() -> Result<(), NotConverged> {
     println!(

@@ -69,10 +69,7 @@ fn report_rough() -> Result<(), Box<dyn Error>> {
         let start = (1.0 - NO_CONTACT * roughness).max(0.0);
         let e = start + (1.0 + 2.5 * roughness - start) * share;
         let (eps, load) = (Vector2::new(e, 0.0), Vector2::new(angle.cos(), angle.sin()));
-        let surface = Surface {
-            roughness,
-            ..Surface::default()
-        };
+        let surface = Surface { roughness, ..Surface::default() };
         let Some(touch) = ContactTable::new(&surface, 1.0, width, 1.0).touch(e) else {
             continue;
         };
@@ -173,10 +170,6 @@ fn point(n: usize) -> [f64; 3] {
     const PHI: f64 = 1.220_744_084_605_759_5;
     let at = |k: i32| (0.5 + (n + 1) as f64 / PHI.powi(k)).fract();
     let e = 0.05 + 0.93 * at(2);
-    let span = if n.is_multiple_of(2) {
-        PI
-    } else {
-        (3.0 * (1.0 - e).sqrt()).min(PI)
-    };
+    let span = if n.is_multiple_of(2) { PI } else { (3.0 * (1.0 - e).sqrt()).min(PI) };
     [0.25 + 1.25 * at(1), e, span * (2.0 * at(3) - 1.0)]
 }

@@ -21,9 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|a| a.parse::<f64>().map_err(|error| format!("{a}: {error}")))
         .collect::<Result<_, _>>()?;
     let [width, number, extent, searches] = numbers[..] else {
-        return Err(
-            "four numbers are needed: WIDTH/DIAMETER SOMMERFELD-NUMBER GROOVES SEARCHES".into(),
-        );
+        return Err("four numbers are needed: WIDTH/DIAMETER SOMMERFELD-NUMBER GROOVES SEARCHES".into());
     };
     let start = Instant::now();
     for _ in 1..searches as u32 {
@@ -42,15 +40,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// The eccentricity ratio under a load along `x`, and the coefficients in loads, by Newton's method from a cold start.
-fn rest(
-    width: f64,
-    number: f64,
-    extent: f64,
-) -> Result<(Vector2<f64>, Coefficients), NotConverged> {
-    let grooves = [-FRAC_PI_2, FRAC_PI_2].map(|angle| Groove {
-        angle,
-        extent: extent.to_radians(),
-    });
+fn rest(width: f64, number: f64, extent: f64) -> Result<(Vector2<f64>, Coefficients), NotConverged> {
+    let grooves = [-FRAC_PI_2, FRAC_PI_2].map(|angle| Groove { angle, extent: extent.to_radians() });
     let grid = Grid::standard(CELLS[0], CELLS[1], width);
     let mut film = QuasiStatic::new(grid, width, Boundary::Free).with_grooves(&grooves);
     // At a mean rotation of 1 rad/s.

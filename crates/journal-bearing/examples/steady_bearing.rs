@@ -16,9 +16,7 @@ use std::f64::consts::TAU;
 
 use journal_bearing::mobility::{MobilityMap, MobilitySlice, SliceFamily};
 use journal_bearing::nalgebra::Vector2;
-use journal_bearing::reynolds::{
-    Cavitation, Diagnostics, Drive, FilmError, FilmSettings, ReynoldsFilm,
-};
+use journal_bearing::reynolds::{Cavitation, Diagnostics, Drive, FilmError, FilmSettings, ReynoldsFilm};
 
 /// Width, diameter and radial clearance, m.
 const WIDTH: f64 = 0.025;
@@ -35,12 +33,8 @@ const TURNS: f64 = 40.0;
 fn main() -> Result<(), Box<dyn Error>> {
     let slice = SliceFamily::new(&MobilityMap::built_in()?).slice(WIDTH / DIAMETER);
     println!("                 |   mobility  |    p >= 0   | mass-conserving");
-    println!(
-        "load  Sommerfeld |  e/c  angle |  e/c  angle |  e/c  angle   gap  pressure  friction   flow"
-    );
-    println!(
-        "   N           1 |    1    deg |    1    deg |    1    deg    um       MPa         1  mm3/s"
-    );
+    println!("load  Sommerfeld |  e/c  angle |  e/c  angle |  e/c  angle   gap  pressure  friction   flow");
+    println!("   N           1 |    1    deg |    1    deg |    1    deg    um       MPa         1  mm3/s");
     for load in LOADS {
         print!("{load:4} {:11.4}", sommerfeld_number(load));
         let (free, _) = settle(load, Cavitation::NonNegative)?;
@@ -62,10 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The eccentricity ratio at which the journal comes to rest by the transient Reynolds equation, and the film there.
 fn settle(load: f64, cavitation: Cavitation) -> Result<(Vector2<f64>, Diagnostics), FilmError> {
-    let mut film = ReynoldsFilm::new(FilmSettings {
-        cavitation,
-        ..FilmSettings::new(WIDTH, DIAMETER, CLEARANCE)
-    })?;
+    let mut film = ReynoldsFilm::new(FilmSettings { cavitation, ..FilmSettings::new(WIDTH, DIAMETER, CLEARANCE) })?;
     let drive = Drive::steady(Vector2::new(load, 0.0), TAU * REVOLUTIONS, VISCOSITY);
     let report = film.advance(TURNS / REVOLUTIONS, &drive, &|_| 0.0)?;
     Ok((film.eccentricity(), report))
@@ -86,8 +77,7 @@ fn rest(slice: &MobilitySlice, load: f64) -> Vector2<f64> {
     let mut eps = Vector2::new(0.1, 0.1);
     let mut time = 0.0;
     while time < TURNS / REVOLUTIONS {
-        let velocity = slice.mobility_vector(eps, Vector2::x()) * scale
-            + Vector2::new(-eps.y, eps.x) * rotation;
+        let velocity = slice.mobility_vector(eps, Vector2::x()) * scale + Vector2::new(-eps.y, eps.x) * rotation;
         let step = (1e-2 * (1.0 - eps.norm()) / velocity.norm()).min(1e-2 / rotation);
         eps += velocity * step;
         time += step;

@@ -69,10 +69,7 @@ impl Surface {
     /// Contact pressure over the nominal area at `F_5/2 = 1`, Pa:
     /// `16*sqrt(2)*pi/15 * (eta*beta*sigma)^2 * sqrt(sigma/beta) * E*` (Greenwood & Tripp 1970, eq. 12).
     pub fn pressure_scale(&self) -> f64 {
-        16.0 * SQRT_2 * PI / 15.0
-            * self.asperity_density.powi(2)
-            * self.asperity_slope.sqrt()
-            * self.composite_modulus
+        16.0 * SQRT_2 * PI / 15.0 * self.asperity_density.powi(2) * self.asperity_slope.sqrt() * self.composite_modulus
     }
 
     /// Logarithm of the contact force, N, over its integral around a bearing of width and diameter in m.
@@ -155,10 +152,7 @@ fn points(ratio: f64) -> impl Iterator<Item = [f64; 2]> {
     HALVES.iter().enumerate().map(move |(k, [cos2, sin2])| {
         let end = k == 0 || k == QUADRATURE;
         let sum = cos2 + b2 * sin2;
-        [
-            (cos2 - b2 * sin2) / sum,
-            even / sum * if end { 1.0 } else { 2.0 },
-        ]
+        [(cos2 - b2 * sin2) / sum, even / sum * if end { 1.0 } else { 2.0 }]
     })
 }
 
@@ -168,10 +162,7 @@ impl ContactTable {
         if !surface.touches() {
             return Self::default();
         }
-        Self {
-            scale: surface.log_force_scale(width, diameter),
-            ..Self::of_integrals(surface.roughness, clearance)
-        }
+        Self { scale: surface.log_force_scale(width, diameter), ..Self::of_integrals(surface.roughness, clearance) }
     }
 
     /// Tabulates the integrals alone, which depend on roughness and clearance (m) only.
@@ -193,10 +184,7 @@ impl ContactTable {
     fn ends(&self, cell: usize) -> [&Node; 2] {
         let [left, right] = [cell, cell + 1];
         let nodes = &self.nodes[left..=right];
-        [
-            nodes[0].get_or_init(|| self.node(left)),
-            nodes[1].get_or_init(|| self.node(right)),
-        ]
+        [nodes[0].get_or_init(|| self.node(left)), nodes[1].get_or_init(|| self.node(right))]
     }
 
     #[cold]
@@ -244,11 +232,7 @@ impl Place {
     fn new(position: f64) -> Self {
         let cell = (position as u32).min(NODES as u32 - 2);
         let t = position - f64::from(cell);
-        Self {
-            cell: cell as usize,
-            t,
-            weights: hermite(t.min(1.0)),
-        }
+        Self { cell: cell as usize, t, weights: hermite(t.min(1.0)) }
     }
 
     /// Adds a share of the quantities between the nodes of a table's cell. Beyond the table, logarithms go on along their tangents.
@@ -274,10 +258,7 @@ impl Place {
         let fades = self.cell == 0 && start > 0.0;
         let fade = if fades { t * t * (3.0 - 2.0 * t) } else { 1.0 };
         Touch {
-            contact: Contact {
-                force: fade * ratio * force.exp(),
-                normal: fade * normal.exp(),
-            },
+            contact: Contact { force: fade * ratio * force.exp(), normal: fade * normal.exp() },
             shear,
             room,
             place,
@@ -311,13 +292,7 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
     let [room, place] = [reach.room(e), reach.place(e)];
     let even = if near_centre { 0.0 } else { spacing };
     [
-        [
-            reference + (sums[0] / e).ln(),
-            reference + sums[1].ln(),
-            sums[2],
-            room[0],
-            place[0],
-        ],
+        [reference + (sums[0] / e).ln(), reference + sums[1].ln(), sums[2], room[0], place[0]],
         [
             (slopes[0] / sums[0] - 1.0 / e) * even,
             slopes[1] / sums[1] * even,
@@ -363,10 +338,7 @@ mod tests {
 
     #[test]
     fn smooth_surfaces_do_not_touch() {
-        let surface = Surface {
-            roughness: 0.0,
-            ..Surface::default()
-        };
+        let surface = Surface { roughness: 0.0, ..Surface::default() };
         let table = ContactTable::new(&surface, 2e-5, 0.019, 0.025);
         assert_eq!(table.at(0.999), Contact::default());
     }

@@ -92,10 +92,7 @@ impl Profile {
     /// Returns [`ProfileError`] when the file cannot be read or a line is wrong; the message names file and line.
     pub fn from_csv(path: &Path) -> Result<Self, ProfileError> {
         let file = path.display().to_string();
-        let unreadable = |reason: String| ProfileError::Unreadable {
-            file: file.clone(),
-            reason,
-        };
+        let unreadable = |reason: String| ProfileError::Unreadable { file: file.clone(), reason };
         let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
         Self::from_text(&text, &file)
     }
@@ -105,11 +102,7 @@ impl Profile {
     /// # Errors
     /// Returns [`ProfileError::Line`] when a line is wrong.
     pub fn from_text(text: &str, file: &str) -> Result<Self, ProfileError> {
-        let wrong = |line: usize, reason: String| ProfileError::Line {
-            file: file.to_owned(),
-            line,
-            reason,
-        };
+        let wrong = |line: usize, reason: String| ProfileError::Line { file: file.to_owned(), line, reason };
         let mut lines = text
             .lines()
             .enumerate()
@@ -121,8 +114,7 @@ impl Profile {
             let line = header.map_or(1, |(line, _)| line);
             return Err(wrong(
                 line,
-                "the header must be `angle,bush,journal` (degrees, micrometres, micrometres)"
-                    .to_owned(),
+                "the header must be `angle,bush,journal` (degrees, micrometres, micrometres)".to_owned(),
             ));
         }
         let (mut samples, mut numbers) = (Vec::new(), Vec::new());
@@ -133,19 +125,13 @@ impl Profile {
                 .collect::<Result<_, _>>()
                 .map_err(|field| wrong(number, format!("`{field}` is not a number")))?;
             let &[angle, bush, journal] = values.as_slice() else {
-                return Err(wrong(
-                    number,
-                    format!("3 values are wanted, not {}", values.len()),
-                ));
+                return Err(wrong(number, format!("3 values are wanted, not {}", values.len())));
             };
             samples.push([angle.to_radians(), bush * 1e-6, journal * 1e-6]);
             numbers.push(number);
         }
         if samples.len() < 3 {
-            return Err(wrong(
-                text.lines().count().max(1),
-                "at least 3 angles are needed".to_owned(),
-            ));
+            return Err(wrong(text.lines().count().max(1), "at least 3 angles are needed".to_owned()));
         }
         Self::new(&samples).map_err(|(k, reason)| wrong(numbers[k], reason.to_owned()))
     }
@@ -163,10 +149,7 @@ impl Profile {
 
     /// Derivatives of [`opening`](Self::opening) over the angles of journal and bush, m/rad.
     pub fn opening_rates(&self, theta: f64, [journal, bush]: [f64; 2]) -> [f64; 2] {
-        [
-            self.journal.at(theta - journal)[1],
-            -self.bush.at(theta - bush)[1],
-        ]
+        [self.journal.at(theta - journal)[1], -self.bush.at(theta - bush)[1]]
     }
 }
 
@@ -180,11 +163,7 @@ impl Deviations {
         let angle = first + (theta - first).rem_euclid(TAU);
         let after = self.angle.partition_point(|&a| a <= angle);
         let before = after.saturating_sub(1);
-        let next = if after < count {
-            self.angle[after]
-        } else {
-            first + TAU
-        };
+        let next = if after < count { self.angle[after] } else { first + TAU };
         let to = self.deviation[after % count];
         let from = self.deviation[before];
         let slope = (to - from) / (next - self.angle[before]);
@@ -198,8 +177,7 @@ mod tests {
 
     #[test]
     fn closes_around_the_turn() {
-        let profile =
-            Profile::from_text("angle,bush,journal\n0,1,0\n90,2,0\n270,-2,4\n", "p.csv").unwrap();
+        let profile = Profile::from_text("angle,bush,journal\n0,1,0\n90,2,0\n270,-2,4\n", "p.csv").unwrap();
         let at = |degrees: f64| profile.opening(degrees.to_radians(), [0.0; 2]) * 1e6;
         assert!((at(0.0) - 1.0).abs() < 1e-9);
         assert!((at(180.0) - (0.0 - 2.0)).abs() < 1e-9);
@@ -209,8 +187,7 @@ mod tests {
 
     #[test]
     fn turns_with_the_journal() {
-        let profile =
-            Profile::from_text("angle,bush,journal\n0,0,3\n120,0,0\n240,0,0\n", "p.csv").unwrap();
+        let profile = Profile::from_text("angle,bush,journal\n0,0,3\n120,0,0\n240,0,0\n", "p.csv").unwrap();
         assert!((profile.opening(1.0, [1.0, 0.5]) + 3e-6).abs() < 1e-12);
         let step = 1e-6;
         let rate = (profile.opening(0.5, [step, 0.0]) - profile.opening(0.5, [0.0, 0.0])) / step;
@@ -222,10 +199,7 @@ mod tests {
         let error = |text| Profile::from_text(text, "p.csv").unwrap_err().to_string();
         assert!(error("theta,a,b\n").contains("p.csv, line 1: the header"));
         assert!(error("# x\nangle,bush,journal\n0,0,0\n10,x,0\n").contains("line 4: `x`"));
-        assert!(
-            error("angle,bush,journal\n0,0,0\n10,0,0\n5,0,0\n")
-                .contains("line 4: angles must increase")
-        );
+        assert!(error("angle,bush,journal\n0,0,0\n10,0,0\n5,0,0\n").contains("line 4: angles must increase"));
         assert!(error("angle,bush,journal\n0,0,0\n10,0\n").contains("3 values"));
     }
 }

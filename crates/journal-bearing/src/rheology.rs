@@ -118,11 +118,7 @@ impl Rheology {
     /// Slope of the viscosity's logarithm over pressure, 1/Pa.
     pub(super) fn thickening(&self, eta0: f64, pressure: f64) -> f64 {
         let [exponent, slope] = self.exponent(eta0, pressure);
-        if exponent.abs() < LARGEST_EXPONENT {
-            slope
-        } else {
-            0.0
-        }
+        if exponent.abs() < LARGEST_EXPONENT { slope } else { 0.0 }
     }
 
     /// Viscosity over `eta0`, 1, at a pressure above ambient (Pa) and a shear rate (1/s). `eta0` (Pa.s) is the viscosity at
@@ -132,9 +128,7 @@ impl Rheology {
         let (limit, time, power) = (self.shear_limit, self.shear_time, self.shear_exponent);
         let thinning = match self.shear_law {
             ShearLaw::Newtonian => 1.0,
-            ShearLaw::Cross => {
-                limit + (1.0 - limit) / (1.0 + (time * shear_rate.abs()).powf(power))
-            }
+            ShearLaw::Cross => limit + (1.0 - limit) / (1.0 + (time * shear_rate.abs()).powf(power)),
             ShearLaw::Carreau => {
                 let rate = time * shear_rate;
                 limit + (1.0 - limit) * (1.0 + rate * rate).powf(0.5 * (power - 1.0))
@@ -150,37 +144,23 @@ mod tests {
 
     #[test]
     fn roelands_has_the_coefficient_of_barus_at_low_pressure() {
-        let of = |pressure_law| Rheology {
-            pressure_law,
-            pressure_coefficient: 2e-8,
-            ..Rheology::default()
-        };
+        let of = |pressure_law| Rheology { pressure_law, pressure_coefficient: 2e-8, ..Rheology::default() };
         let (eta0, p) = (0.05, 1e4);
         let barus = of(PressureLaw::Barus).ratio(eta0, p, 0.0);
         let roelands = of(PressureLaw::Roelands).ratio(eta0, p, 0.0);
         assert!(((roelands - 1.0) / (barus - 1.0) - 1.0).abs() < 1e-3);
         let high = 2e8;
-        assert!(
-            of(PressureLaw::Roelands).ratio(eta0, high, 0.0)
-                < of(PressureLaw::Barus).ratio(eta0, high, 0.0)
-        );
+        assert!(of(PressureLaw::Roelands).ratio(eta0, high, 0.0) < of(PressureLaw::Barus).ratio(eta0, high, 0.0));
     }
 
     #[test]
     fn thickening_is_the_slope_of_the_logarithm() {
         for pressure_law in [PressureLaw::Barus, PressureLaw::Roelands] {
-            let law = Rheology {
-                pressure_law,
-                pressure_coefficient: 2e-8,
-                ..Rheology::default()
-            };
+            let law = Rheology { pressure_law, pressure_coefficient: 2e-8, ..Rheology::default() };
             let (p, d) = (1e8, 1e3);
             let rise = law.ratio(0.05, p + d, 0.0) / law.ratio(0.05, p - d, 0.0);
             let slope = law.thickening(0.05, p);
-            assert!(
-                (rise.ln() / (2.0 * d) / slope - 1.0).abs() < 1e-5,
-                "{law:?}"
-            );
+            assert!((rise.ln() / (2.0 * d) / slope - 1.0).abs() < 1e-5, "{law:?}");
         }
     }
 
@@ -200,13 +180,7 @@ mod tests {
     #[test]
     fn thinning_stays_between_its_limits() {
         for (shear_law, shear_exponent) in [(ShearLaw::Cross, 0.8), (ShearLaw::Carreau, 0.5)] {
-            let law = Rheology {
-                shear_law,
-                shear_limit: 0.4,
-                shear_time: 1e-6,
-                shear_exponent,
-                ..Rheology::default()
-            };
+            let law = Rheology { shear_law, shear_limit: 0.4, shear_time: 1e-6, shear_exponent, ..Rheology::default() };
             assert!((law.ratio(0.05, 0.0, 1.0) - 1.0).abs() < 1e-4);
             assert!((law.ratio(0.05, 0.0, 1e12) - 0.4).abs() < 1e-2);
             assert!(law.ratio(0.05, 0.0, 1e6) < law.ratio(0.05, 0.0, 1e5));

@@ -78,22 +78,14 @@ impl Cubic {
     fn between([a, slope_a]: Width, [b, slope_b]: Width) -> Self {
         let [slope_a, slope_b] = [slope_a / PER_UNIT, slope_b / PER_UNIT];
         let rise = b - a;
-        Self([
-            a,
-            slope_a,
-            3.0 * rise - 2.0 * slope_a - slope_b,
-            slope_a + slope_b - 2.0 * rise,
-        ])
+        Self([a, slope_a, 3.0 * rise - 2.0 * slope_a - slope_b, slope_a + slope_b - 2.0 * rise])
     }
 
     /// Value and slope at a place in 0..1.
     #[inline(always)]
     fn at(self, t: f64) -> Width {
         let [a, b, c, d] = self.0;
-        [
-            a + t * (b + t * (c + t * d)),
-            PER_UNIT * (b + t * (2.0 * c + t * 3.0 * d)),
-        ]
+        [a + t * (b + t * (c + t * d)), PER_UNIT * (b + t * (2.0 * c + t * 3.0 * d))]
     }
 }
 
@@ -160,22 +152,15 @@ fn tabulate() -> Box<Table> {
     let mut splined = |values: Vec<f64>| -> Vec<Width> {
         spline.slopes(&values, &mut slopes);
         let both = values.iter().zip(&slopes);
-        both.map(|(value, slope)| [*value, slope * PER_UNIT])
-            .collect()
+        both.map(|(value, slope)| [*value, slope * PER_UNIT]).collect()
     };
     let means = nodes.iter().enumerate();
-    let flows = splined(
-        means
-            .map(|(i, node)| flow_gap(ratio(i), node.mean[0]))
-            .collect(),
-    );
+    let flows = splined(means.map(|(i, node)| flow_gap(ratio(i), node.mean[0])).collect());
     let resistances = splined((0..NODES).map(|i| faded_resistance(ratio(i))).collect());
     for (node, (flow, resistance)) in nodes.iter_mut().zip(flows.into_iter().zip(resistances)) {
         (node.flow, node.resistance) = (flow, resistance);
     }
-    let cells = nodes
-        .windows(2)
-        .map(|ends| Cell::between(&ends[0], &ends[1]));
+    let cells = nodes.windows(2).map(|ends| Cell::between(&ends[0], &ends[1]));
     let cells: Box<[Cell]> = cells.collect();
     cells.try_into().expect("a cell lies between two nodes")
 }
@@ -349,13 +334,9 @@ mod tests {
     /// `Phi` to 7 decimals: Abramowitz & Stegun 1964, table 26.1.
     #[test]
     fn the_mean_gap_is_that_of_the_normal_distribution() {
-        for (ratio, distribution) in [
-            (-3.0, 0.001_349_9),
-            (-1.0, 0.158_655_3),
-            (0.0, 0.5),
-            (0.44, 0.670_031_4),
-            (2.0, 0.977_249_9),
-        ] {
+        for (ratio, distribution) in
+            [(-3.0, 0.001_349_9), (-1.0, 0.158_655_3), (0.0, 0.5), (0.44, 0.670_031_4), (2.0, 0.977_249_9)]
+        {
             let ratio: f64 = ratio;
             let density = (-0.5 * ratio * ratio).exp() / TAU.sqrt();
             let [gap, slope] = open_gap(ratio);

@@ -54,11 +54,7 @@ impl Spline {
         }
         let [diagonal, left] = ends[1].row();
         pivots[n - 1] = 1.0 / (diagonal - left * upper[n - 2]);
-        Self {
-            ends,
-            upper,
-            pivots,
-        }
+        Self { ends, upper, pivots }
     }
 
     /// Computes the slopes at the nodes, per node spacing.
@@ -72,8 +68,7 @@ impl Spline {
         let n = self.upper.len();
         let (values, slopes) = (&values[..n * many], &mut slopes[..n * many]);
         let node = |i: usize| &values[i * many..(i + 1) * many];
-        let end =
-            |end: End, nodes: [usize; 4], lane: usize| end.right(nodes.map(|i| node(i)[lane]));
+        let end = |end: End, nodes: [usize; 4], lane: usize| end.right(nodes.map(|i| node(i)[lane]));
         for (lane, slope) in slopes[..many].iter_mut().enumerate() {
             *slope = self.pivots[0] * end(self.ends[0], [0, 1, 2, 3], lane);
         }
@@ -120,12 +115,7 @@ pub fn below(x: f64) -> i32 {
 /// The derivatives of [`hermite`]'s weights over `x`.
 pub fn slope_of_hermite(x: f64) -> [f64; 4] {
     let y = 1.0 - x;
-    [
-        -6.0 * x * y,
-        6.0 * x * y,
-        y * (1.0 - 3.0 * x),
-        x * (3.0 * x - 2.0),
-    ]
+    [-6.0 * x * y, 6.0 * x * y, y * (1.0 - 3.0 * x), x * (3.0 * x - 2.0)]
 }
 
 #[cfg(test)]
@@ -148,24 +138,19 @@ mod tests {
         for position in [0.0_f64, 0.4, 3.7, 8.0] {
             let cell = (position as usize).min(7);
             let [a, b, c, d] = hermite(position - cell as f64);
-            let sum =
-                a * values[cell] + b * values[cell + 1] + c * slope[cell] + d * slope[cell + 1];
+            let sum = a * values[cell] + b * values[cell + 1] + c * slope[cell] + d * slope[cell + 1];
             assert!((sum - cubic(position)).abs() < 1e-12);
         }
     }
 
     #[test]
     fn symmetric_ends() {
-        let values: Vec<f64> = (0..=8)
-            .map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).sin())
-            .collect();
+        let values: Vec<f64> = (0..=8).map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).sin()).collect();
         let mut slope = [0.0; 9];
         Spline::new(9, [End::Odd; 2]).slopes(&values, &mut slope);
         let expected = 0.125 * std::f64::consts::PI;
         assert!((slope[0] - expected).abs() < 2e-4 && (slope[8] + expected).abs() < 2e-4);
-        let values: Vec<f64> = (0..=8)
-            .map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).cos())
-            .collect();
+        let values: Vec<f64> = (0..=8).map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).cos()).collect();
         Spline::new(9, [End::Even; 2]).slopes(&values, &mut slope);
         assert_eq!((slope[0], slope[8]), (0.0, 0.0));
         assert!((slope[4] + expected).abs() < 2e-4);

@@ -38,20 +38,14 @@ pub(crate) struct Decimals {
 impl Decimals {
     /// Those of a file with this separator between cells.
     pub fn new(separator: u8) -> Self {
-        Self {
-            separator,
-            seen: Cell::default(),
-        }
+        Self { separator, seen: Cell::default() }
     }
 
     /// The number in a cell. Beside decimal commas `1.000` may be a thousand, and is none.
     pub fn number(&self, cell: &str) -> Option<f64> {
         let number = number(self.separator, cell)?;
         let [comma, thousands] = self.seen.get();
-        let seen = [
-            comma || cell.contains(','),
-            thousands || has_thousands(cell),
-        ];
+        let seen = [comma || cell.contains(','), thousands || has_thousands(cell)];
         self.seen.set(seen);
         (seen != [true, true]).then_some(number)
     }
@@ -92,8 +86,7 @@ impl CsvFile {
     /// When it cannot be read.
     pub fn header(&mut self) -> Result<Vec<String>, FileError> {
         let header = self.reader.headers();
-        let header =
-            header.map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
+        let header = header.map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
         let header = header.iter().map(|name| text(name).into_owned());
         let header = header.collect();
         self.check_row()?;
@@ -283,9 +276,7 @@ pub fn text(cell: &str) -> Cow<'_, str> {
     if cell.contains("\\u") {
         let mut all = String::new();
         while let Some((before, after)) = rest.split_once("\\u") {
-            let code = after
-                .get(..4)
-                .and_then(|code| u32::from_str_radix(code, 16).ok());
+            let code = after.get(..4).and_then(|code| u32::from_str_radix(code, 16).ok());
             let c = code.and_then(char::from_u32);
             let c = c.filter(|c| *c == '\\' || is_hidden(*c));
             all += before;
@@ -320,16 +311,9 @@ fn reason(path: &Path, error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Io(error) => files::reason(path, error),
         csv::ErrorKind::Utf8 { pos, .. } => {
-            format!(
-                "{} is no text in UTF-8; save the table so (`synchronise` reads recordings as they are)",
-                line(pos)
-            )
+            format!("{} is no text in UTF-8; save the table so (`synchronise` reads recordings as they are)", line(pos))
         }
-        csv::ErrorKind::UnequalLengths {
-            pos,
-            expected_len,
-            len,
-        } => format!(
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => format!(
             "{} has {len} cells instead of {expected_len} as the first line; a decimal comma needs semicolons between cells",
             line(pos)
         ),
@@ -376,9 +360,7 @@ mod tests {
             assert_eq!(cell, format!("'{formula}"));
             assert_eq!(text(&cell), formula);
         }
-        for plain in [
-            "", "lag.y", "-1.5e3", "+2", "'quoted'", "der(x)", "a=b", "C:\\a", "a\nb",
-        ] {
+        for plain in ["", "lag.y", "-1.5e3", "+2", "'quoted'", "der(x)", "a=b", "C:\\a", "a\nb"] {
             assert_eq!(cell(plain), plain);
             assert_eq!(text(plain), plain);
         }
@@ -388,14 +370,7 @@ mod tests {
     fn nothing_hidden_is_in_a_cell() {
         let steering = "\x1b]0;owned\x07\u{9b}2J\u{202e}\r";
         assert_eq!(cell(steering), r"\u001b]0;owned\u0007\u009b2J\u202e\u000d");
-        for plain in [
-            steering,
-            r"\u001b",
-            r"\u005cu001b",
-            r"\u00e9",
-            "=\x1b",
-            "\\u\x1b",
-        ] {
+        for plain in [steering, r"\u001b", r"\u005cu001b", r"\u00e9", "=\x1b", "\\u\x1b"] {
             assert_eq!(text(&cell(plain)), plain);
             assert!(!cell(plain).contains(is_hidden));
         }
@@ -441,14 +416,9 @@ mod tests {
         assert_eq!(number(b';', "1,234,567"), None);
         assert_eq!(number(b';', "1.234,5"), None);
         assert_eq!(number(b';', ""), None);
-        for (cell, expected) in [
-            ("1.000", true),
-            ("-12.345", true),
-            ("0.125", false),
-            ("1.00", false),
-            ("1000", false),
-            ("1.5e3", false),
-        ] {
+        for (cell, expected) in
+            [("1.000", true), ("-12.345", true), ("0.125", false), ("1.00", false), ("1000", false), ("1.5e3", false)]
+        {
             assert_eq!(has_thousands(cell), expected, "{cell}");
         }
     }

@@ -25,21 +25,13 @@ pub struct FileError {
 impl FileError {
     /// Something in the file is wrong.
     pub fn new(path: &Path, message: impl Into<String>) -> Self {
-        Self {
-            path: path.to_owned(),
-            place: String::new(),
-            message: message.into(),
-            kind: None,
-        }
+        Self { path: path.to_owned(), place: String::new(), message: message.into(), kind: None }
     }
 
     /// The system says no.
     pub fn read(path: &Path, error: io::Error) -> Self {
         let error = of_the_system(error);
-        Self {
-            kind: Some(error.kind()),
-            ..Self::new(path, reason(path, &error))
-        }
+        Self { kind: Some(error.kind()), ..Self::new(path, reason(path, &error)) }
     }
 
     /// The same, of a line or of a column, counted from 1.
@@ -107,9 +99,7 @@ fn read(path: &Path) -> io::Result<String> {
     String::from_utf8(bytes).map_err(|error| {
         let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = sound.iter().filter(|byte| **byte == b'\n').count() + 1;
-        io::Error::other(format!(
-            "line {line} is not text in UTF-8; save the file as UTF-8"
-        ))
+        io::Error::other(format!("line {line} is not text in UTF-8; save the file as UTF-8"))
     })
 }
 
@@ -169,9 +159,7 @@ pub fn name(path: &Path) -> String {
 
 fn names_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect()
+    entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
 }
 
 #[cfg(test)]
@@ -185,32 +173,17 @@ mod tests {
         let path = folder.path().join("a.toml");
         let told = |path: &Path| text(path).unwrap_err().message;
         fs::write(&path, b"a\nb\n\xe9").unwrap();
-        assert_eq!(
-            told(&path),
-            "line 3 is not text in UTF-8; save the file as UTF-8"
-        );
-        File::create(&path)
-            .unwrap()
-            .set_len((64 << 20) + 1)
-            .unwrap();
-        assert_eq!(
-            told(&path),
-            "larger than 64 MiB, which is the most that is read here"
-        );
+        assert_eq!(told(&path), "line 3 is not text in UTF-8; save the file as UTF-8");
+        File::create(&path).unwrap().set_len((64 << 20) + 1).unwrap();
+        assert_eq!(told(&path), "larger than 64 MiB, which is the most that is read here");
         assert_eq!(told(folder.path()), "a folder; give a file");
         let below = told(&path.join("b"));
-        assert_eq!(
-            below,
-            format!("{} is a file, where a folder is needed", path.display())
-        );
+        assert_eq!(below, format!("{} is a file, where a folder is needed", path.display()));
         if cfg!(unix) {
             let device = told("/dev/zero".as_ref());
             assert!(device.starts_with("a device or a pipe"), "{device}");
             let device = told("/dev/null/a".as_ref());
-            assert_eq!(
-                device,
-                "/dev/null is a device or a pipe, where a folder is needed"
-            );
+            assert_eq!(device, "/dev/null is a device or a pipe, where a folder is needed");
         }
     }
 
@@ -223,15 +196,9 @@ mod tests {
             let path = folder.path().join(name);
             reason(&path, &fs::read(&path).unwrap_err())
         };
-        assert_eq!(
-            told("studdy.toml"),
-            format!("no such file in {here}; did you mean `study.toml`?")
-        );
+        assert_eq!(told("studdy.toml"), format!("no such file in {here}; did you mean `study.toml`?"));
         assert_eq!(told("q.csv"), format!("no such file in {here}"));
-        assert_eq!(
-            told("runs/a/q.csv"),
-            format!("no such file: there is no folder {here}/runs")
-        );
+        assert_eq!(told("runs/a/q.csv"), format!("no such file: there is no folder {here}/runs"));
         let folder = reason(folder.path(), &fs::read(folder.path()).unwrap_err());
         assert_eq!(folder, "a folder; give a file");
     }

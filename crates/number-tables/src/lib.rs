@@ -36,9 +36,7 @@ pub fn is_table(path: &Path) -> bool {
 
 /// Who reads a table whose ending names another format than text.
 fn no_text(path: &Path) -> Option<Open> {
-    place(path)
-        .filter(|place| *place > 0)
-        .map(|place| FORMATS[place].1)
+    place(path).filter(|place| *place > 0).map(|place| FORMATS[place].1)
 }
 
 /// Opens a table in the format that its ending names, in csv otherwise.
@@ -60,9 +58,7 @@ fn twice(path: &Path, what: &str) -> FileError {
 
 /// The remedy where a cell is no number.
 fn remedy(text: &str) -> &'static str {
-    let is_stamp = text.len() >= 8
-        && text.starts_with(|first: char| first.is_ascii_digit())
-        && text.contains(':');
+    let is_stamp = text.len() >= 8 && text.starts_with(|first: char| first.is_ascii_digit()) && text.contains(':');
     if is_stamp {
         "; it looks like a time of day: write the seconds since the first row"
     } else if text.contains([',', '.']) && !text.contains(char::is_alphabetic) {
@@ -104,13 +100,7 @@ impl Table {
 
     /// With `gaps`, an empty cell is not a number instead of an error.
     fn load(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
-        let mut rows = open(
-            path,
-            How {
-                comments: true,
-                gaps,
-            },
-        )?;
+        let mut rows = open(path, How { comments: true, gaps })?;
         if rows.names().is_empty() {
             return Err(empty(path));
         }
@@ -161,20 +151,15 @@ struct Reading<'a> {
 
 impl<'a> Reading<'a> {
     fn new(path: &'a Path, header: Vec<String>, columns: &[Column]) -> Result<Self, FileError> {
-        let places = columns
-            .iter()
-            .map(|(names, purpose)| find(path, &header, names, purpose))
-            .collect::<Result<_, _>>()?;
+        let places =
+            columns.iter().map(|(names, purpose)| find(path, &header, names, purpose)).collect::<Result<_, _>>()?;
         let label = |name: &String| name.eq_ignore_ascii_case("point");
         Ok(Self {
             path,
             places,
             label: header.iter().position(label),
             header,
-            table: Table {
-                rows: Vec::new(),
-                labels: Vec::new(),
-            },
+            table: Table { rows: Vec::new(), labels: Vec::new() },
         })
     }
 
@@ -192,8 +177,7 @@ impl<'a> Reading<'a> {
         let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
         let Table { rows, labels } = &mut self.table;
         if rows.len() == MOST_ROWS {
-            let message =
-                format!("more than {MOST_ROWS} rows, which is the most that is read here");
+            let message = format!("more than {MOST_ROWS} rows, which is the most that is read here");
             return Err(FileError::new(self.path, message));
         }
         rows.push(numbers);
@@ -206,9 +190,7 @@ impl<'a> Reading<'a> {
 /// Yes as 1, no as 0.
 fn truth(text: &str) -> Option<f64> {
     let words = [("false", 0.0), ("true", 1.0)];
-    let word = words
-        .iter()
-        .find(|(word, _)| text.trim().eq_ignore_ascii_case(word));
+    let word = words.iter().find(|(word, _)| text.trim().eq_ignore_ascii_case(word));
     word.map(|(_, number)| *number)
 }
 
@@ -222,15 +204,8 @@ fn shown(text: &str) -> String {
     }
 }
 
-fn find(
-    path: &Path,
-    header: &[String],
-    names: &[String],
-    purpose: &str,
-) -> Result<usize, FileError> {
-    let place = names
-        .iter()
-        .find_map(|name| header.iter().position(|column| column == name));
+fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Result<usize, FileError> {
+    let place = names.iter().find_map(|name| header.iter().position(|column| column == name));
     if let Some(place) = place
         && header[place + 1..].contains(&header[place])
     {

@@ -65,21 +65,14 @@ pub struct Column {
 
 /// A name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)`, `n in rpm`, `n / rpm`.
 fn name_and_unit(name: &str) -> (&str, Option<String>) {
-    let enclosed = |from: char, to: char| {
-        name.strip_suffix(to)
-            .and_then(|name| name.rsplit_once(from))
-    };
+    let enclosed = |from: char, to: char| name.strip_suffix(to).and_then(|name| name.rsplit_once(from));
     let known = |pair: &(&str, &str)| known::usual(&unit(pair.1)).is_some();
     let parts = enclosed('[', ']').or_else(|| {
-        let words = [" in ", " / "]
-            .iter()
-            .filter_map(|word| name.rsplit_once(word));
+        let words = [" in ", " / "].iter().filter_map(|word| name.rsplit_once(word));
         enclosed('(', ')').into_iter().chain(words).find(known)
     });
     match parts {
-        Some((bare, inner)) if !bare.trim().is_empty() => {
-            (bare.trim_end_matches(['/', ' ']).trim(), Some(unit(inner)))
-        }
+        Some((bare, inner)) if !bare.trim().is_empty() => (bare.trim_end_matches(['/', ' ']).trim(), Some(unit(inner))),
         _ => (name, None),
     }
 }
@@ -90,11 +83,7 @@ fn name_over_unit<'a>(name: &'a str, names: &[String]) -> Option<(&'a str, Optio
     let parts = slashes.map(|place| (name[..place].trim(), unit(&name[place + 1..])));
     let is_unit = |(bare, unit): &(&str, String)| !bare.is_empty() && known::usual(unit).is_some();
     let (bare, unit) = parts.into_iter().find(is_unit)?;
-    let of_folder = |other: &&String| {
-        other
-            .strip_prefix(bare)
-            .is_some_and(|rest| rest.trim_start().starts_with('/'))
-    };
+    let of_folder = |other: &&String| other.strip_prefix(bare).is_some_and(|rest| rest.trim_start().starts_with('/'));
     (names.iter().filter(of_folder).count() == 1).then_some((bare, Some(unit)))
 }
 
@@ -117,30 +106,18 @@ struct TextRows {
 
 impl TextRows {
     fn new(path: &Path, text: &str, found: &Found) -> Self {
-        let above: usize = text
-            .split_inclusive('\n')
-            .take(found.first)
-            .map(str::len)
-            .sum();
+        let above: usize = text.split_inclusive('\n').take(found.first).map(str::len).sum();
         let (mut separator, mut rest) = (found.separator, Cow::Borrowed(&text[above..]));
         if separator == b' ' {
-            let lines = rest
-                .lines()
-                .map(|line| line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n");
+            let lines = rest.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n");
             (separator, rest) = (b'\t', Cow::Owned(lines.collect()));
         }
         let mut builder = csv::ReaderBuilder::new();
-        builder
-            .trim(csv::Trim::All)
-            .has_headers(false)
-            .flexible(true)
-            .comment(Some(b'#'));
+        builder.trim(csv::Trim::All).has_headers(false).flexible(true).comment(Some(b'#'));
         Self {
             path: path.to_owned(),
             names: found.names.clone(),
-            reader: builder
-                .delimiter(separator)
-                .from_reader(Cursor::new(rest.into_owned().into_bytes())),
+            reader: builder.delimiter(separator).from_reader(Cursor::new(rest.into_owned().into_bytes())),
             record: csv::StringRecord::new(),
             decimals: Decimals::new(separator),
             above: found.first as u64,
@@ -157,17 +134,10 @@ impl Rows for TextRows {
         let more = self.reader.read_record(&mut self.record);
         let more = more.map_err(|error| FileError::new(&self.path, error.to_string()))?;
         if more && self.record.iter().any(|cell| cell.contains('\n')) {
-            let message = format!(
-                "line {}: a quote without an end; close or remove it",
-                self.line()
-            );
+            let message = format!("line {}: a quote without an end; close or remove it", self.line());
             return Err(FileError::new(&self.path, message));
         }
-        let more_cells = self
-            .record
-            .iter()
-            .skip(self.names.len())
-            .any(|cell| !cell.is_empty());
+        let more_cells = self.record.iter().skip(self.names.len()).any(|cell| !cell.is_empty());
         if more && more_cells {
             let unequal = layout::unequal(self.record.len(), self.names.len());
             let message = format!("line {} {unequal}", self.line());
@@ -214,10 +184,7 @@ impl RecordedTable {
         let rows = TextRows::new(path, &text, &found);
         drop(text);
         let table = Self::fill(path, Box::new(rows), found.units, layout)?;
-        Ok(Self {
-            above: found.above,
-            ..table
-        })
+        Ok(Self { above: found.above, ..table })
     }
 
     fn fill(
@@ -232,12 +199,7 @@ impl RecordedTable {
                 (_, None) => name_over_unit(name, rows.names()).unwrap_or((name, None)),
                 parts => parts,
             };
-            Column {
-                name: name.clone(),
-                bare: bare.to_owned(),
-                unit: unit.or(own),
-                ..Column::default()
-            }
+            Column { name: name.clone(), bare: bare.to_owned(), unit: unit.or(own), ..Column::default() }
         };
         let mut table = Self {
             path: path.to_owned(),
@@ -277,9 +239,7 @@ impl RecordedTable {
             let [unreadable, empty] = [column.unreadable, column.empty];
             2 * unreadable < self.rows && empty < self.rows
         });
-        sound
-            .or(self.columns.first())
-            .map_or("", |column| &column.name)
+        sound.or(self.columns.first()).map_or("", |column| &column.name)
     }
 
     /// How many columns there are.
@@ -289,10 +249,7 @@ impl RecordedTable {
 
     /// The place of a column, 0 where there is none.
     pub fn place(&self, name: &str) -> usize {
-        let is_it = |column: &Column| {
-            self.get(name)
-                .is_some_and(|known| std::ptr::eq(known, column))
-        };
+        let is_it = |column: &Column| self.get(name).is_some_and(|known| std::ptr::eq(known, column));
         self.columns.iter().position(is_it).unwrap_or(0)
     }
 
@@ -319,14 +276,9 @@ impl RecordedTable {
             let names = table.columns.iter().map(|column| column.name.as_str());
             names.take(MANY).collect::<Vec<_>>().join(", ")
         };
-        let others: String = tables[1..]
-            .iter()
-            .map(|table| format!("; {} has {}", table.path.display(), has(table)))
-            .collect();
-        tables[0].wrong(format!(
-            "there is no column `{name}`{suggestion}; it has {}{others}",
-            has(tables[0])
-        ))
+        let others: String =
+            tables[1..].iter().map(|table| format!("; {} has {}", table.path.display(), has(table))).collect();
+        tables[0].wrong(format!("there is no column `{name}`{suggestion}; it has {}{others}", has(tables[0])))
     }
 
     fn wrong(&self, message: String) -> FileError {
@@ -397,13 +349,10 @@ impl Column {
         let value = value.filter(|value| value.is_finite());
         if value.is_none() {
             // Loggers write signs such as `-` where nothing was measured.
-            match cell.chars().any(|c| c.is_alphanumeric() || c == '∞')
-                && !cell.eq_ignore_ascii_case("nan")
-            {
+            match cell.chars().any(|c| c.is_alphanumeric() || c == '∞') && !cell.eq_ignore_ascii_case("nan") {
                 true => {
                     self.unreadable += 1;
-                    self.trouble
-                        .get_or_insert_with(|| format!("line {line}: `{cell}`"));
+                    self.trouble.get_or_insert_with(|| format!("line {line}: `{cell}`"));
                 }
                 false => self.empty += 1,
             }
@@ -448,22 +397,17 @@ mod tests {
 
     #[test]
     fn units_stand_in_names() {
-        let table = table("t [ms],n in rpm,p (bar),T / °C,side (left)\n0,1,2,3,4\n1,1,2,3,OVR\nend of record,,,,\n").unwrap();
+        let table =
+            table("t [ms],n in rpm,p (bar),T / °C,side (left)\n0,1,2,3,4\n1,1,2,3,OVR\nend of record,,,,\n").unwrap();
         for (name, unit) in [("t", "ms"), ("n", "rpm"), ("p", "bar"), ("T", "degC")] {
             assert_eq!(table.unit(name, None).unwrap(), unit);
         }
         assert_eq!(table.unit("side (left)", Some("mm")).unwrap(), "mm");
         let side = table.column("side (left)").unwrap();
-        assert_eq!(
-            (side.unreadable, side.trouble.as_deref()),
-            (1, Some("line 3: `OVR`"))
-        );
+        assert_eq!((side.unreadable, side.trouble.as_deref()), (1, Some("line 3: `OVR`")));
         assert_eq!((table.rows, table.others), (2, Some((4, 1))));
         let error = table.column("sid (left)").unwrap_err().to_string();
-        assert!(
-            error.contains("did you mean") && error.contains("it has t [ms], n in rpm"),
-            "{error}"
-        );
+        assert!(error.contains("did you mean") && error.contains("it has t [ms], n in rpm"), "{error}");
     }
 
     #[test]
@@ -513,14 +457,8 @@ mod tests {
         let error = plain.unit("F", None).unwrap_err().to_string();
         assert!(error.contains("`F` has no unit; add `unit`"), "{error}");
         for (text, expected) in [
-            (
-                "t,F\n0,1\nsoon,2\n",
-                "line 3: `soon` of column `t` is neither",
-            ),
-            (
-                "t,F\n2026-11-22T12:00:00Z,1\n2026-11-22T12:00:01,2\n",
-                "line 3: `2026-11-22T12:00:01` of",
-            ),
+            ("t,F\n0,1\nsoon,2\n", "line 3: `soon` of column `t` is neither"),
+            ("t,F\n2026-11-22T12:00:00Z,1\n2026-11-22T12:00:01,2\n", "line 3: `2026-11-22T12:00:01` of"),
         ] {
             let error = table(text).unwrap().times("t").unwrap_err().to_string();
             assert!(error.contains(expected), "{error}");
@@ -541,10 +479,7 @@ mod tests {
         typed::convert(&csv, file, |_, _| typed::Kind::Number).unwrap();
         let table = RecordedTable::read(&path, &Layout::default()).unwrap();
         let force = table.column("F").unwrap();
-        assert_eq!(
-            (&*force.values, force.unit.as_deref()),
-            (&[1.5, 2.5][..], Some("N"))
-        );
+        assert_eq!((&*force.values, force.unit.as_deref()), (&[1.5, 2.5][..], Some("N")));
         // Only what is of a format that the Python package reads is to be converted.
         for (content, converts) in [("PAR1, and no more", true), ("t,F\n0,1\n1,2\n", false)] {
             std::fs::write(&path, content).unwrap();

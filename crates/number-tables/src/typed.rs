@@ -88,14 +88,8 @@ fn schema(header: &csv::StringRecord, kinds: &[Kind]) -> Result<Type, ParquetErr
         let logical = (*kind == Kind::Text).then_some(LogicalType::String);
         builder.with_logical_type(logical).build().map(Arc::new)
     };
-    let columns = header
-        .iter()
-        .zip(kinds)
-        .map(column)
-        .collect::<Result<_, _>>()?;
-    Type::group_type_builder("points")
-        .with_fields(columns)
-        .build()
+    let columns = header.iter().zip(kinds).map(column).collect::<Result<_, _>>()?;
+    Type::group_type_builder("points").with_fields(columns).build()
 }
 
 fn write_group(

@@ -110,15 +110,9 @@ impl PointTable {
     pub fn subset(&self, points: &[usize]) -> Self {
         let numbers = |values: &[f64]| points.iter().map(|&i| values[i]).collect();
         let flags = |values: &[bool]| points.iter().map(|&i| values[i]).collect();
-        let parameter = |p: &ParameterColumn| ParameterColumn {
-            values: numbers(&p.values),
-            ..p.clone()
-        };
-        let criterion = |c: &CriterionColumn| CriterionColumn {
-            values: numbers(&c.values),
-            ok: flags(&c.ok),
-            ..c.clone()
-        };
+        let parameter = |p: &ParameterColumn| ParameterColumn { values: numbers(&p.values), ..p.clone() };
+        let criterion =
+            |c: &CriterionColumn| CriterionColumn { values: numbers(&c.values), ok: flags(&c.ok), ..c.clone() };
         Self {
             ids: points.iter().map(|&i| self.ids[i]).collect(),
             parameters: self.parameters.iter().map(parameter).collect(),
@@ -168,10 +162,7 @@ impl PointTable {
                 return None;
             }
             if worst.is_none_or(|w| deviation > w.deviation) {
-                worst = Some(Binding {
-                    criterion,
-                    deviation,
-                });
+                worst = Some(Binding { criterion, deviation });
             }
         }
         worst
@@ -189,13 +180,7 @@ impl PointTable {
 
     /// The first so many of the [ranking](Self::ranking).
     pub fn best(&self, most: usize) -> Vec<Ranked> {
-        let ranked = |point| {
-            Some(Ranked {
-                point,
-                distance: self.distance(point),
-                binding: self.binding(point)?,
-            })
-        };
+        let ranked = |point| Some(Ranked { point, distance: self.distance(point), binding: self.binding(point)? });
         let key = |r: &Ranked| (!self.verified[r.point], r.distance, r.point);
         let order = |a: &Ranked, b: &Ranked| {
             let (a, b) = (key(a), key(b));
@@ -272,17 +257,8 @@ mod tests {
             status: vec!["ok".into(), "solver failed".into(), "ok".into()],
             ..PointTable::default()
         };
-        assert_eq!(
-            table.binding(0),
-            Some(Binding {
-                criterion: 1,
-                deviation: 0.75
-            })
-        );
+        assert_eq!(table.binding(0), Some(Binding { criterion: 1, deviation: 0.75 }));
         assert_eq!(table.binding(1), None);
-        assert_eq!(
-            table.ranking().iter().map(|r| r.point).collect::<Vec<_>>(),
-            [0, 2]
-        );
+        assert_eq!(table.ranking().iter().map(|r| r.point).collect::<Vec<_>>(), [0, 2]);
     }
 }

@@ -16,9 +16,7 @@ use fmu_points::tell::visible;
 /// When the system says no.
 pub fn make_folder(path: &Path) -> Result<(), FileError> {
     std::fs::create_dir_all(path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => {
-            FileError::new(path, "no folder can be made here; choose another --output")
-        }
+        io::ErrorKind::NotFound => FileError::new(path, "no folder can be made here; choose another --output"),
         _ => FileError::read(path, error),
     })
 }
@@ -27,10 +25,7 @@ pub fn make_folder(path: &Path) -> Result<(), FileError> {
 ///
 /// # Errors
 /// When the system says no.
-pub fn write_atomically(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), FileError> {
+pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FileError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let attempt = || {
         let mut file = draft(folder)?;

@@ -144,21 +144,16 @@ impl Finished {
                 noted.repeated_alone += repeated;
                 noted.passed_alone += passed;
             }
-            Note::StillVoid(separation)
-                if self.refuted.is_some_and(|known| known <= separation) => {}
+            Note::StillVoid(separation) if self.refuted.is_some_and(|known| known <= separation) => {}
             Note::Void(separation) | Note::StillVoid(separation) => {
-                let refuted = self
-                    .refuted
-                    .map_or(separation, |known| known.min(separation));
+                let refuted = self.refuted.map_or(separation, |known| known.min(separation));
                 self.refuted = Some(refuted);
                 if separation <= Separation::New {
                     // Nothing is left of which the notes so far tell.
                     (self.apart, self.noted) = (true, None);
                     self.parts.clear();
                 }
-                self.of(separation)
-                    .into_iter()
-                    .for_each(|index| self.forget(index));
+                self.of(separation).into_iter().for_each(|index| self.forget(index));
             }
         }
     }
@@ -194,18 +189,12 @@ impl Finished {
     pub fn of(&self, separation: Separation) -> Vec<u64> {
         let slots = (0..).zip(&self.places);
         let wanted = |slot: u64| slot != NOWHERE && slot >> SEPARATION >= separation as u64;
-        slots
-            .filter(|(_, slot)| wanted(**slot))
-            .map(|(index, _)| index)
-            .collect()
+        slots.filter(|(_, slot)| wanted(**slot)).map(|(index, _)| index).collect()
     }
 
     /// Points that failed while others ran, of which no line says that they do not come again, as far as they count.
     pub fn crowded(&self) -> impl Iterator<Item = u64> + '_ {
-        self.crowded
-            .iter()
-            .copied()
-            .filter(|&index| self.has(index))
+        self.crowded.iter().copied().filter(|&index| self.has(index))
     }
 
     /// Whether a point was repeated alone, since it had failed while others ran.
@@ -285,10 +274,7 @@ impl Finished {
     /// When the journal cannot be opened.
     pub fn outcomes(&self) -> Result<Outcomes<'_>, Error> {
         let file = File::open(&self.path).map_err(Error::io(&self.path))?;
-        Ok(Outcomes {
-            finished: self,
-            lines: Lines::new(file),
-        })
+        Ok(Outcomes { finished: self, lines: Lines::new(file) })
     }
 }
 

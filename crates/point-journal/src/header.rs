@@ -45,18 +45,13 @@ impl Header {
 
     /// Whether this is the same run with more points than `then`.
     pub fn extends(&self, then: &Self) -> bool {
-        let same = Self {
-            points: then.points,
-            ..self.clone()
-        };
+        let same = Self { points: then.points, ..self.clone() };
         same == *then && self.points > then.points && then.points.is_some()
     }
 
     /// The first difference between two headers: its name, the other's value, this one's.
     pub fn difference(&self, then: &Self) -> Option<(&'static str, String, String)> {
-        let or = |text: &Option<String>, otherwise: &str| {
-            text.clone().unwrap_or_else(|| otherwise.to_owned())
-        };
+        let or = |text: &Option<String>, otherwise: &str| text.clone().unwrap_or_else(|| otherwise.to_owned());
         let texts = |header: &Self| {
             let table = header.table.as_deref().map(short);
             let points = header.points.map(|points| points.to_string());

@@ -57,12 +57,10 @@ impl Journal {
     /// When there is one already, and when the system says no.
     pub fn create(folder: &Path, header: &Header) -> Result<Self, Error> {
         let (draft, journal) = Self::draft(folder, header)?;
-        draft
-            .persist_noclobber(&journal.path)
-            .map_err(|error| match error.error.kind() {
-                io::ErrorKind::AlreadyExists => Error::Begun(folder.to_owned()),
-                _ => Error::io(&journal.path)(error.error),
-            })?;
+        draft.persist_noclobber(&journal.path).map_err(|error| match error.error.kind() {
+            io::ErrorKind::AlreadyExists => Error::Begun(folder.to_owned()),
+            _ => Error::io(&journal.path)(error.error),
+        })?;
         Ok(journal)
     }
 
@@ -154,9 +152,7 @@ impl Journal {
         let _ = match outcome {
             Ok(values) => {
                 let _ = write!(self.line, "{index} {}", word(separation));
-                values
-                    .iter()
-                    .try_for_each(|value| write!(self.line, " {value:e}"))
+                values.iter().try_for_each(|value| write!(self.line, " {value:e}"))
             }
             Err(failure) => {
                 let text = serde_json::to_string(failure);
@@ -238,11 +234,7 @@ impl Journal {
 
     fn flush_when_full(&mut self) -> Result<(), Error> {
         const FULL: usize = 1 << 16;
-        if self.buffer.len() > FULL {
-            self.flush()
-        } else {
-            Ok(())
-        }
+        if self.buffer.len() > FULL { self.flush() } else { Ok(()) }
     }
 
     fn copy_line(&mut self, line: &str) -> Result<(), Error> {

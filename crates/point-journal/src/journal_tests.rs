@@ -24,16 +24,11 @@ fn header() -> Header {
 
 fn written() -> (tempfile::TempDir, Vec<Outcome>) {
     let folder = tempfile::tempdir().unwrap();
-    let outcomes = vec![
-        Ok(vec![1.0 / 3.0, -2e-300]),
-        Err(Failure::Error("it \"broke\"\nbadly".to_owned())),
-        Ok(vec![0.1, 82.0]),
-    ];
+    let outcomes =
+        vec![Ok(vec![1.0 / 3.0, -2e-300]), Err(Failure::Error("it \"broke\"\nbadly".to_owned())), Ok(vec![0.1, 82.0])];
     let mut journal = Journal::create(folder.path(), &header()).unwrap();
     for (index, outcome) in [(3, 0), (0, 1), (1, 2)] {
-        journal
-            .append(index, &outcomes[outcome], Separation::New, None)
-            .unwrap();
+        journal.append(index, &outcomes[outcome], Separation::New, None).unwrap();
     }
     journal.sync().unwrap();
     (folder, outcomes)
@@ -46,10 +41,7 @@ fn what_was_written_comes_back_exactly() {
     assert_eq!(finished.count, 3);
     let mut reader = finished.outcomes().unwrap();
     for (index, outcome) in [(0, 1), (1, 2), (3, 0)] {
-        assert_eq!(
-            reader.get(index).unwrap().as_ref(),
-            Some(&outcomes[outcome])
-        );
+        assert_eq!(reader.get(index).unwrap().as_ref(), Some(&outcomes[outcome]));
     }
     assert_eq!(reader.get(2).unwrap(), None);
 }
@@ -63,16 +55,11 @@ fn a_damaged_end_is_cut_off_wherever_it_begins() {
     for end in header_end..=whole.len() {
         fs::write(&path, &whole[..end]).unwrap();
         let (mut journal, finished) = Journal::resume(folder.path(), &header()).unwrap();
-        let complete = whole[header_end..end]
-            .iter()
-            .filter(|&&byte| byte == b'\n')
-            .count();
+        let complete = whole[header_end..end].iter().filter(|&&byte| byte == b'\n').count();
         // A copy of the header stands before the three points, and another one behind them.
         let complete = complete.saturating_sub(1).min(3);
         assert_eq!(finished.count, complete as u64);
-        journal
-            .append(4, &Ok(vec![1.0]), Separation::New, None)
-            .unwrap();
+        journal.append(4, &Ok(vec![1.0]), Separation::New, None).unwrap();
         journal.flush().unwrap();
         let again = Finished::read(folder.path()).unwrap();
         assert_eq!(again.count, complete as u64 + 1);
@@ -82,15 +69,9 @@ fn a_damaged_end_is_cut_off_wherever_it_begins() {
 #[test]
 fn a_changed_study_is_refused_with_what_differs() {
     let (folder, _) = written();
-    let now = Header {
-        seed: 2,
-        ..header()
-    };
+    let now = Header { seed: 2, ..header() };
     let error = Journal::resume(folder.path(), &now).unwrap_err();
-    assert!(
-        error.to_string().contains("another seed (1 then, 2 now)"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("another seed (1 then, 2 now)"), "{error}");
     let error = Journal::create(folder.path(), &header()).unwrap_err();
     assert!(matches!(error, Error::Begun(_)));
 }
@@ -116,27 +97,18 @@ fn what_does_not_count_is_open_again() {
     let finished = Finished::read(folder.path()).unwrap();
     assert_eq!(finished.conduct(), audited);
     assert_eq!(finished.of(Separation::Forked), [1, 2]);
-    let wrong = Conduct {
-        audits: 1,
-        audit_mismatches: 1,
-        ..audited.clone()
-    };
+    let wrong = Conduct { audits: 1, audit_mismatches: 1, ..audited.clone() };
     journal.note(&Note::Void(Separation::Used)).unwrap();
     journal.note(&Note::Conduct(wrong)).unwrap();
     journal.flush().unwrap();
     let finished = Finished::read(folder.path()).unwrap();
-    assert_eq!(
-        [0, 1, 2].map(|index| finished.has(index)),
-        [true, true, false]
-    );
+    assert_eq!([0, 1, 2].map(|index| finished.has(index)), [true, true, false]);
     assert_eq!(finished.count, 2);
     let conduct = finished.conduct();
     assert_eq!(conduct.isolation, Isolation::Fresh);
     assert_eq!((conduct.audits, conduct.audit_mismatches), (8, 1));
     // Computed again, and joined with others.
-    journal
-        .append(2, &Ok(vec![2.0]), Separation::Forked, None)
-        .unwrap();
+    journal.append(2, &Ok(vec![2.0]), Separation::Forked, None).unwrap();
     journal.flush().unwrap();
     drop(journal);
     let other = tempfile::tempdir().unwrap();
@@ -168,9 +140,7 @@ fn what_the_fmu_said_comes_back_with_the_point() {
         (Err(Failure::Error("it broke {".to_owned())), Some(notices)),
     ];
     for (index, (outcome, notices)) in (0..).zip(&points) {
-        journal
-            .append(index, outcome, Separation::Used, notices.as_ref())
-            .unwrap();
+        journal.append(index, outcome, Separation::Used, notices.as_ref()).unwrap();
     }
     journal.flush().unwrap();
     let finished = Finished::read(folder.path()).unwrap();
@@ -183,10 +153,7 @@ fn what_the_fmu_said_comes_back_with_the_point() {
 /// A journal of 300 points with sets, as an analysis writes it, and the value of each point.
 fn long() -> (tempfile::TempDir, Header) {
     let folder = tempfile::tempdir().unwrap();
-    let header = Header {
-        points: None,
-        ..header()
-    };
+    let header = Header { points: None, ..header() };
     let mut journal = Journal::create(folder.path(), &header).unwrap();
     for index in 0..300_u64 {
         if index % 100 == 0 {
@@ -225,9 +192,7 @@ fn damage_somewhere(bytes: &mut Vec<u8>, random: &mut StdRng) -> u64 {
             4
         }
         2 => {
-            let strange: Vec<u8> = (0..random.random_range(1..40))
-                .map(|_| random.random())
-                .collect();
+            let strange: Vec<u8> = (0..random.random_range(1..40)).map(|_| random.random()).collect();
             bytes.splice(at..at, strange);
             2
         }
@@ -268,11 +233,7 @@ fn damage_anywhere_costs_its_lines_and_nothing_else() {
         let cost = damage_somewhere(&mut damaged, &mut random);
         fs::write(&path, damaged).unwrap();
         let (mut journal, finished) = Journal::resume(folder.path(), &header).unwrap();
-        assert!(
-            finished.count + cost >= 300,
-            "{round}: {} points",
-            finished.count
-        );
+        assert!(finished.count + cost >= 300, "{round}: {} points", finished.count);
         let mut outcomes = finished.outcomes().unwrap();
         for index in 0..300 {
             match outcomes.get(index).unwrap() {
@@ -294,13 +255,9 @@ fn damage_anywhere_costs_its_lines_and_nothing_else() {
 fn a_note_that_points_do_not_count_outlasts_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let mut journal = Journal::create(folder.path(), &header()).unwrap();
-    journal
-        .append(0, &Ok(vec![1.0]), Separation::Used, None)
-        .unwrap();
+    journal.append(0, &Ok(vec![1.0]), Separation::Used, None).unwrap();
     journal.note(&Note::Void(Separation::Used)).unwrap();
-    journal
-        .append(1, &Ok(vec![2.0]), Separation::New, None)
-        .unwrap();
+    journal.append(1, &Ok(vec![2.0]), Separation::New, None).unwrap();
     journal.flush().unwrap();
     let path = path_in(folder.path());
     let text = fs::read_to_string(&path).unwrap();
@@ -308,9 +265,6 @@ fn a_note_that_points_do_not_count_outlasts_its_line() {
     assert_ne!(text, damaged);
     fs::write(&path, damaged).unwrap();
     let finished = Finished::read(folder.path()).unwrap();
-    assert_eq!(
-        (finished.has(0), finished.has(1), finished.damaged),
-        (false, true, 1)
-    );
+    assert_eq!((finished.has(0), finished.has(1), finished.damaged), (false, true, 1));
     assert_eq!(finished.refuted, Some(Separation::Used));
 }

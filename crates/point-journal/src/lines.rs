@@ -64,11 +64,7 @@ pub(crate) struct Lines {
 
 impl Lines {
     pub(crate) fn new(file: File) -> Self {
-        Self {
-            reader: BufReader::with_capacity(1 << 16, file),
-            line: Vec::new(),
-            place: 0,
-        }
+        Self { reader: BufReader::with_capacity(1 << 16, file), line: Vec::new(), place: 0 }
     }
 
     /// Position at which the next line begins.
@@ -91,8 +87,7 @@ impl Lines {
         self.line.clear();
         let length = self.reader.read_until(b'\n', &mut self.line)? as u64;
         let Some(line) = self.line.strip_suffix(b"\n") else {
-            self.reader
-                .seek_relative(-i64::try_from(length).unwrap_or(i64::MAX))?;
+            self.reader.seek_relative(-i64::try_from(length).unwrap_or(i64::MAX))?;
             return Ok(Line::End);
         };
         self.place += length;

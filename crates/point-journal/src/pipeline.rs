@@ -22,9 +22,7 @@ use fmu_points::crew::Crew;
 use fmu_points::notices::Notices;
 use fmu_points::repeats::Repeats;
 use fmu_points::task::Case;
-use fmu_points::{
-    Answer, Company, Conduct, Event, Isolation, Job, RunError, Separation, Worker, stop,
-};
+use fmu_points::{Answer, Company, Conduct, Event, Isolation, Job, RunError, Separation, Worker, stop};
 use progress::Progress;
 
 pub use shard::{Part, Shard};
@@ -106,15 +104,10 @@ impl<'a> Pipeline<'a> {
         part: Part,
     ) -> Self {
         let expected = part.count();
-        let before = finished
-            .as_ref()
-            .map_or(0, |finished| count_known(finished, &part, None));
+        let before = finished.as_ref().map_or(0, |finished| count_known(finished, &part, None));
         let progress = Progress::new(expected, before);
         if let Some(((crew, _), finished)) = crew.zip(finished.as_ref()) {
-            finished
-                .changed_file()
-                .into_iter()
-                .for_each(|file| crew.part(file));
+            finished.changed_file().into_iter().for_each(|file| crew.part(file));
             let differs = finished.conduct().reproducible == Some(false);
             crew.recall(finished.refuted, !differs);
         }
@@ -146,9 +139,7 @@ impl<'a> Pipeline<'a> {
     /// there will be.
     pub fn repeating(mut self, seed: u64, open: bool) -> Self {
         self.repeats = match self.part.count() {
-            Some(count) if !open => {
-                Repeats::among(seed, count, (0..).filter(|&k| self.part.has(k)))
-            }
+            Some(count) if !open => Repeats::among(seed, count, (0..).filter(|&k| self.part.has(k))),
             _ => Repeats::endless(seed),
         };
         if let Some(crew) = self.crew {
@@ -184,10 +175,7 @@ impl<'a> Pipeline<'a> {
 
     /// The reason to give when Ctrl-C has ended the run.
     pub fn interrupted(&self) -> Error {
-        Error::Interrupted {
-            done: self.done(),
-            of: self.expected,
-        }
+        Error::Interrupted { done: self.done(), of: self.expected }
     }
 
     /// Audits points of earlier runs that shared processes, all of which `job` must know. Where these processes changed the
@@ -267,20 +255,12 @@ impl<'a> Pipeline<'a> {
         let mut company = std::mem::take(&mut self.company);
         let open_ended = &mut company;
         let flag = stop::flag();
-        let result = fmu_points::run(
-            &mut workers,
-            open,
-            job,
-            earlier,
-            open_ended,
-            flag,
-            |event| {
-                Ok::<_, Error>(match self.take(event)? {
-                    Some(step) => receive(step),
-                    None => ControlFlow::Continue(()),
-                })
-            },
-        );
+        let result = fmu_points::run(&mut workers, open, job, earlier, open_ended, flag, |event| {
+            Ok::<_, Error>(match self.take(event)? {
+                Some(step) => receive(step),
+                None => ControlFlow::Continue(()),
+            })
+        });
         self.workers = workers;
         self.company = company;
         let ended_alone = self.alone.take().is_some();
@@ -318,11 +298,7 @@ impl<'a> Pipeline<'a> {
                     let answered = || self.crew.map_or_else(BTreeMap::new, Crew::answered);
                     self.progress.step(verified, outcome.is_err(), answered);
                 }
-                Some(Step::Outcome {
-                    index,
-                    outcome,
-                    separation,
-                })
+                Some(Step::Outcome { index, outcome, separation })
             }
             Event::Void(separation) => {
                 self.journal.note(&Note::Void(separation))?;
@@ -333,9 +309,7 @@ impl<'a> Pipeline<'a> {
                 self.note_conduct()?;
                 self.computed[separation as usize..].fill(0);
                 let finished = self.finished.as_ref();
-                let left = finished.map_or(0, |finished| {
-                    count_known(finished, &self.part, Some(separation))
-                });
+                let left = finished.map_or(0, |finished| count_known(finished, &self.part, Some(separation)));
                 self.before = self.before.min(left);
                 Some(Step::Void(separation))
             }
@@ -411,22 +385,15 @@ impl<'a> Pipeline<'a> {
         self.asked += points.len() as u64;
         self.begin_set(first, points)?;
         let model = self.model;
-        let job = |index: u64| Job {
-            index,
-            values: model.values(&points[(index - first) as usize]),
-        };
+        let job = |index: u64| Job { index, values: model.values(&points[(index - first) as usize]) };
         self.doubt_set(first..self.asked, &job)?;
         let mut outcomes = self.known(first, points.len())?;
-        let open: Vec<usize> = (0..points.len())
-            .filter(|&k| outcomes[k].is_none() && self.part.has(first + k as u64))
-            .collect();
+        let open: Vec<usize> =
+            (0..points.len()).filter(|&k| outcomes[k].is_none() && self.part.has(first + k as u64)).collect();
         let crowded = !self.workers.is_empty() && self.note_crowded(first..self.asked)?;
         if crowded || !open.is_empty() {
             if self.workers.is_empty() {
-                return Err(Error::Unknown {
-                    missing: open.len() as u64,
-                    of: points.len() as u64,
-                });
+                return Err(Error::Unknown { missing: open.len() as u64, of: points.len() as u64 });
             }
             self.fill(first, points, &open, &mut outcomes)?;
             if open.iter().any(|&k| outcomes[k].is_none()) {
@@ -442,11 +409,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When no worker can be started, and when Ctrl-C has ended the run.
-    pub fn apart(
-        &self,
-        cases: &[Case],
-        points: &[Vec<f64>],
-    ) -> Result<Option<Vec<Outcome>>, Error> {
+    pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Option<Vec<Outcome>>, Error> {
         let reproducible = |crew: &&Crew| crew.conduct().reproducible != Some(false);
         let Some(crew) = self.crew.filter(reproducible) else {
             return Ok(None);
@@ -455,10 +418,7 @@ impl<'a> Pipeline<'a> {
         let mut workers: Vec<_> = (0..size).map(|_| crew.auditor(cases)).collect();
         let values = points.iter().map(|point| self.model.values(point));
         let values: Vec<Vec<f64>> = values.collect();
-        let job = |index: u64| Job {
-            index,
-            values: values[index as usize].clone(),
-        };
+        let job = |index: u64| Job { index, values: values[index as usize].clone() };
         let mut outcomes = vec![None; points.len()];
         fmu_points::run(
             &mut workers,
@@ -489,10 +449,7 @@ impl<'a> Pipeline<'a> {
     ) -> Result<(), Error> {
         let model = self.model;
         let values: Vec<Vec<f64>> = points.iter().map(|point| model.values(point)).collect();
-        let job = |index: u64| Job {
-            index,
-            values: values[(index - first) as usize].clone(),
-        };
+        let job = |index: u64| Job { index, values: values[(index - first) as usize].clone() };
         let finished = self.finished.clone();
         let earlier = |separation| {
             let finished = finished.as_ref();
@@ -516,12 +473,7 @@ impl<'a> Pipeline<'a> {
         let mut origins = vec![None; points.len()];
         self.run(open.into_iter(), &job, &within, |step| {
             match step {
-                Step::Outcome {
-                    index,
-                    outcome,
-                    separation,
-                    ..
-                } => {
+                Step::Outcome { index, outcome, separation, .. } => {
                     let place = (index - first) as usize;
                     outcomes[place] = Some(outcome);
                     origins[place] = Some(separation);
@@ -531,9 +483,7 @@ impl<'a> Pipeline<'a> {
                         Separation::Apart | Separation::New => RunError::Disturbed,
                         Separation::Forked | Separation::Used => RunError::Refuted,
                     };
-                    spoilt = spoilt
-                        .take()
-                        .or(built_upon(separation, &computed).then_some(error));
+                    spoilt = spoilt.take().or(built_upon(separation, &computed).then_some(error));
                     for (outcome, origin) in outcomes.iter_mut().zip(&mut origins) {
                         if origin.is_some_and(|origin| origin >= separation) {
                             (*outcome, *origin) = (None, None);

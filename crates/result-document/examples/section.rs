@@ -8,17 +8,9 @@ fn main() {
     document.say("The load was measured once.");
     let figure = Figure {
         file: "load".to_owned(),
-        svg: picture(
-            "plot",
-            [200.0, 40.0],
-            "The load",
-            &text("title", [100.0, 24.0], "middle", "750 N"),
-        ),
+        svg: picture("plot", [200.0, 40.0], "The load", &text("title", [100.0, 24.0], "middle", "750 N")),
         ..Figure::default()
     };
     document.blocks.push(Block::Figures("plots", vec![figure]));
-    println!(
-        "<!doctype html><style>{STYLE}</style>{}",
-        document.as_html()
-    );
+    println!("<!doctype html><style>{STYLE}</style>{}", document.as_html());
 }

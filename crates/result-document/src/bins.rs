@@ -4,11 +4,7 @@
 /// the few far outliers that would squeeze all else. `None` without any finite value.
 ///
 /// Left off are values further than six interquartile ranges outside the quartiles.
-pub fn axis_range(
-    values: impl IntoIterator<Item = f64>,
-    lower: f64,
-    upper: f64,
-) -> Option<[f64; 2]> {
+pub fn axis_range(values: impl IntoIterator<Item = f64>, lower: f64, upper: f64) -> Option<[f64; 2]> {
     let finite = values.into_iter().filter(|value| value.is_finite());
     let mut sorted: Vec<f64> = finite.collect();
     if sorted.is_empty() {
@@ -20,10 +16,7 @@ pub fn axis_range(
     let (mut low, mut high) = if reach > 0.0 {
         let (a, b) = (at(0.25) - reach, at(0.75) + reach);
         let inside = |v: &&f64| **v >= a && **v <= b;
-        (
-            *sorted.iter().find(inside)?,
-            *sorted.iter().rev().find(inside)?,
-        )
+        (*sorted.iter().find(inside)?, *sorted.iter().rev().find(inside)?)
     } else {
         (sorted[0], sorted[sorted.len() - 1])
     };
@@ -31,27 +24,15 @@ pub fn axis_range(
         low = low.min(limit);
         high = high.max(limit);
     }
-    let margin = if high > low {
-        0.05 * (high - low)
-    } else {
-        (0.05 * high.abs()).max(1e-12)
-    };
+    let margin = if high > low { 0.05 * (high - low) } else { (0.05 * high.abs()).max(1e-12) };
     // Beyond this, the axis would have no length that is a number.
     const WIDEST: f64 = 8e307;
     let range = [(low - margin).max(-WIDEST), (high + margin).min(WIDEST)];
-    Some(if range[0] < range[1] {
-        range
-    } else {
-        [-WIDEST, WIDEST]
-    })
+    Some(if range[0] < range[1] { range } else { [-WIDEST, WIDEST] })
 }
 
 /// Counts of values in equal bins over a range; what lies outside is not counted.
-pub fn histogram<'a>(
-    values: impl Iterator<Item = &'a f64>,
-    range: [f64; 2],
-    bins: usize,
-) -> Vec<usize> {
+pub fn histogram<'a>(values: impl Iterator<Item = &'a f64>, range: [f64; 2], bins: usize) -> Vec<usize> {
     let mut counts = vec![0; bins];
     for &v in values {
         if let Some(k) = bin(v, range, bins) {
@@ -125,19 +106,9 @@ mod tests {
 
     #[test]
     fn an_axis_has_a_length_whatever_the_values() {
-        for values in [
-            &[1e308, -1e308][..],
-            &[f64::MAX; 3],
-            &[1e160, 0.86],
-            &[5e-324],
-            &[-f64::MAX],
-        ] {
-            let [low, high] =
-                axis_range(values.iter().copied(), f64::NEG_INFINITY, f64::INFINITY).unwrap();
-            assert!(
-                low < high && (high - low).is_finite(),
-                "{values:?}: {low} {high}"
-            );
+        for values in [&[1e308, -1e308][..], &[f64::MAX; 3], &[1e160, 0.86], &[5e-324], &[-f64::MAX]] {
+            let [low, high] = axis_range(values.iter().copied(), f64::NEG_INFINITY, f64::INFINITY).unwrap();
+            assert!(low < high && (high - low).is_finite(), "{values:?}: {low} {high}");
         }
     }
 

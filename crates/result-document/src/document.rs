@@ -65,18 +65,12 @@ pub struct Column {
 
 /// A column of words.
 pub fn words(name: impl Into<String>) -> Column {
-    Column {
-        name: name.into(),
-        ..Column::default()
-    }
+    Column { name: name.into(), ..Column::default() }
 }
 
 /// A column of numbers.
 pub fn numbers(name: impl Into<String>) -> Column {
-    Column {
-        is_number: true,
-        ..words(name)
-    }
+    Column { is_number: true, ..words(name) }
 }
 
 /// The meaning of a mark.
@@ -92,9 +86,7 @@ impl Key {
     /// The mark is a path of this class in a square of 14 units.
     pub fn new(class: &str, path: &str, words: impl Into<String>) -> Self {
         Self {
-            svg: format!(
-                "<svg class=\"plot key\" viewBox=\"0 0 14 14\"><path class=\"{class}\" d=\"{path}\"/></svg>"
-            ),
+            svg: format!("<svg class=\"plot key\" viewBox=\"0 0 14 14\"><path class=\"{class}\" d=\"{path}\"/></svg>"),
             words: words.into(),
         }
     }
@@ -118,12 +110,7 @@ pub struct Figure {
 impl Document {
     /// A document without content; its parts follow.
     pub fn new(id: &'static str, link: &'static str, title: impl Into<String>) -> Self {
-        Self {
-            id,
-            link,
-            title: title.into(),
-            blocks: Vec::new(),
-        }
+        Self { id, link, title: title.into(), blocks: Vec::new() }
     }
 
     /// Adds a heading.
@@ -138,8 +125,7 @@ impl Document {
 
     /// Adds caveats.
     pub fn warn(&mut self, warnings: &[String]) {
-        self.blocks
-            .extend(warnings.iter().cloned().map(Block::Warning));
+        self.blocks.extend(warnings.iter().cloned().map(Block::Warning));
     }
 
     /// Adds a table, unless it is empty.

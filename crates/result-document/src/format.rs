@@ -9,11 +9,7 @@ pub fn number(value: f64, digits: usize) -> String {
         return "–".into();
     }
     if value.is_infinite() {
-        return if value > 0.0 {
-            "∞".into()
-        } else {
-            "−∞".into()
-        };
+        return if value > 0.0 { "∞".into() } else { "−∞".into() };
     }
     if value == 0.0 {
         return "0".into();
@@ -33,11 +29,7 @@ pub fn number(value: f64, digits: usize) -> String {
 }
 
 fn trim(text: &str) -> &str {
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        text
-    }
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
 /// A fraction as per cent with one decimal, more where it would else read as 0 or 100.
@@ -61,11 +53,7 @@ pub fn count(n: usize) -> String {
 
 /// A name with its unit in brackets; the name alone when dimensionless.
 pub fn with_unit(name: &str, unit: &str) -> String {
-    if unit.is_empty() || unit == "1" {
-        name.to_owned()
-    } else {
-        format!("{name} ({unit})")
-    }
+    if unit.is_empty() || unit == "1" { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
 /// Text made safe inside XML and HTML, attributes included.

@@ -30,9 +30,7 @@ pub fn html(blocks: &[Block]) -> String {
         Ok(out.write_str(&written)?)
     });
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
-    environment.add_filter("stressed", |html: &str| {
-        Value::from_safe_string(emphasised(html))
-    });
+    environment.add_filter("stressed", |html: &str| Value::from_safe_string(emphasised(html)));
     let blocks = context! { blocks => Serde(blocks) };
     let html = environment.render_str(include_str!("blocks.html"), blocks);
     html.expect("the template knows all kinds of blocks")
@@ -76,9 +74,8 @@ fn emphasised(html: &str) -> String {
 /// The parts of a text, each with whether it stands between two marks.
 pub(super) fn between<'a>(mut text: &'a str, open: &str, close: &str) -> Vec<(&'a str, bool)> {
     let mut parts = Vec::new();
-    while let Some((before, (inside, after))) = text
-        .split_once(open)
-        .and_then(|(before, from)| Some((before, from.split_once(close)?)))
+    while let Some((before, (inside, after))) =
+        text.split_once(open).and_then(|(before, from)| Some((before, from.split_once(close)?)))
     {
         parts.extend([(before, false), (inside, true)]);
         text = after;
@@ -98,10 +95,7 @@ mod tests {
             marked("Warning: T<1: use `statistic = \"mean\"` with a `window`"),
             "<strong>Warning:</strong> T&lt;1: use <code>statistic = &quot;mean&quot;</code> with a <code>window</code>"
         );
-        assert_eq!(
-            marked("`<b>` and one ` alone & more"),
-            "<code>&lt;b&gt;</code> and one ` alone &amp; more"
-        );
+        assert_eq!(marked("`<b>` and one ` alone & more"), "<code>&lt;b&gt;</code> and one ` alone &amp; more");
         assert_eq!(marked("a Warning: inside"), "a Warning: inside");
         assert_eq!(marked("u_{num}, a_b"), "u<sub>num</sub>, a_b");
     }
@@ -113,22 +107,11 @@ mod tests {
         document.hint("*Length*: that of the part.");
         document.table(Table {
             name: "Parts".into(),
-            columns: vec![
-                words("Part"),
-                Column {
-                    unit: "mm".into(),
-                    ..numbers("Length")
-                },
-            ],
-            rows: [["a<b", "1"], ["c", "100"]]
-                .map(|row| row.map(String::from).to_vec())
-                .to_vec(),
+            columns: vec![words("Part"), Column { unit: "mm".into(), ..numbers("Length") }],
+            rows: [["a<b", "1"], ["c", "100"]].map(|row| row.map(String::from).to_vec()).to_vec(),
             ..Table::default()
         });
-        assert_eq!(
-            document.as_text(),
-            "Two parts.\n  Part  Length (mm)\n  a<b             1\n  c             100\n"
-        );
+        assert_eq!(document.as_text(), "Two parts.\n  Part  Length (mm)\n  a<b             1\n  c             100\n");
         let html = document.as_html();
         for part in [
             "<section id=\"parts\" aria-labelledby=\"parts-title\">",

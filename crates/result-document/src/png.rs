@@ -18,14 +18,7 @@ impl Painter {
     /// # Errors
     /// When there is none: the plots would have no text.
     pub fn new() -> Result<Self, String> {
-        const USUAL: [&str; 6] = [
-            "DejaVu Sans",
-            "Liberation Sans",
-            "Noto Sans",
-            "Arial",
-            "Helvetica",
-            "Segoe UI",
-        ];
+        const USUAL: [&str; 6] = ["DejaVu Sans", "Liberation Sans", "Noto Sans", "Arial", "Helvetica", "Segoe UI"];
         let mut fonts = fontdb::Database::new();
         fonts.load_system_fonts();
         let has = |family: &str| {
@@ -34,15 +27,12 @@ impl Painter {
         };
         let usual = USUAL.into_iter().find(|family| has(family));
         let any = || Some(fonts.faces().next()?.families.first()?.0.clone());
-        let family = usual.map(str::to_owned).or_else(any).ok_or(
-            "PNG files need a font, and none is installed; install one such as fonts-dejavu-core",
-        )?;
+        let family = usual
+            .map(str::to_owned)
+            .or_else(any)
+            .ok_or("PNG files need a font, and none is installed; install one such as fonts-dejavu-core")?;
         fonts.set_sans_serif_family(family.as_str());
-        let options = usvg::Options {
-            font_family: family,
-            fontdb: Arc::new(fonts),
-            ..usvg::Options::default()
-        };
+        let options = usvg::Options { font_family: family, fontdb: Arc::new(fonts), ..usvg::Options::default() };
         Ok(Self { options })
     }
 
@@ -55,11 +45,7 @@ impl Painter {
         let size = tree.size().to_int_size().scale_by(SCALE);
         let size = size.ok_or("the plot has no size")?;
         let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("the plot is too large")?;
-        resvg::render(
-            &tree,
-            Transform::from_scale(SCALE, SCALE),
-            &mut pixels.as_mut(),
-        );
+        resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
         pixels.encode_png().map_err(|e| e.to_string())
     }
 }
@@ -72,14 +58,9 @@ mod tests {
     #[test]
     fn a_plot_becomes_pixels_with_its_colours() {
         let frame = Frame::new(100.0, 80.0, [0.0, 1.0], [0.0, 1.0]);
-        let plot = frame.wrap(
-            "a bar",
-            "<path class=\"bar solid in\" d=\"M20,20H80V60H20z\"/>",
-        );
+        let plot = frame.wrap("a bar", "<path class=\"bar solid in\" d=\"M20,20H80V60H20z\"/>");
         // The fonts are not looked for: this plot has no text.
-        let painter = Painter {
-            options: usvg::Options::default(),
-        };
+        let painter = Painter { options: usvg::Options::default() };
         let file = painter.png(&plain(&plot)).unwrap();
         let pixels = Pixmap::decode_png(&file).unwrap();
         assert_eq!((pixels.width(), pixels.height()), (300, 240));

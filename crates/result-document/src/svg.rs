@@ -14,18 +14,12 @@ pub fn path(class: &str, d: impl Display) -> String {
 
 /// A bar or area between two ends across, and two along.
 pub fn area(class: &str, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> String {
-    path(
-        class,
-        format_args!("M{x0:.1},{y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}z"),
-    )
+    path(class, format_args!("M{x0:.1},{y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}z"))
 }
 
 /// Words whose `anchor` (start, middle or end) is at a place.
 pub fn text(class: &str, [x, y]: [f64; 2], anchor: &str, words: &str) -> String {
-    format!(
-        "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>",
-        escape(words)
-    )
+    format!("<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>", escape(words))
 }
 
 /// The title of a vertical axis, which is read from below.
@@ -39,10 +33,7 @@ pub fn upright([x, y]: [f64; 2], words: &str) -> String {
 /// A circle as a part of a path.
 pub fn circle([x, y]: [f64; 2], r: f64) -> String {
     let d = 2.0 * r;
-    format!(
-        "M{:.1},{y:.1}a{r},{r} 0 1,0 {d},0a{r},{r} 0 1,0 -{d},0",
-        x - r
-    )
+    format!("M{:.1},{y:.1}a{r},{r} 0 1,0 {d},0a{r},{r} 0 1,0 -{d},0", x - r)
 }
 
 /// The picture around some content. `title` is read by screen readers and shown on hover.
@@ -69,12 +60,7 @@ pub struct Axis {
 impl Axis {
     /// From the least and the greatest value to the pixels of these.
     pub fn new([low, high]: [f64; 2], [from, to]: [f64; 2]) -> Self {
-        Self {
-            low,
-            high,
-            from,
-            to,
-        }
+        Self { low, high, from, to }
     }
 
     /// The pixel of a value.
@@ -100,11 +86,8 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
         return vec![low];
     }
     let power = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 2.5, 5.0, 10.0]
-        .into_iter()
-        .map(|m| m * power)
-        .find(|s| *s >= raw * 0.999)
-        .unwrap_or(10.0 * power);
+    let step =
+        [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= raw * 0.999).unwrap_or(10.0 * power);
     let first = (low / step - 1e-9).ceil() as i64;
     let last = (high / step + 1e-9).floor() as i64;
     (first..=last).map(|k| k as f64 * step).collect()
@@ -126,12 +109,7 @@ pub struct Frame {
 impl Frame {
     /// A plot of the given size over the given ranges, with room for ticks and titles.
     pub fn new(width: f64, height: f64, x: [f64; 2], y: [f64; 2]) -> Self {
-        Self {
-            width,
-            height,
-            x: Axis::new(x, [64.0, width - 14.0]),
-            y: Axis::new(y, [height - 48.0, 12.0]),
-        }
+        Self { width, height, x: Axis::new(x, [64.0, width - 14.0]), y: Axis::new(y, [height - 48.0, 12.0]) }
     }
 
     /// A line of words above the plot, at its left end.
@@ -161,10 +139,7 @@ impl Frame {
             }
             out += &upright([13.0, (y.from + y.to) / 2.0], title);
         }
-        out += &path(
-            "axis",
-            format_args!("M{:.1},{:.1}H{:.1}", x.from, y.from, x.to),
-        );
+        out += &path("axis", format_args!("M{:.1},{:.1}H{:.1}", x.from, y.from, x.to));
         let middle = [(x.from + x.to) / 2.0, self.height - 8.0];
         out + &text("title", middle, "middle", x_title)
     }
@@ -172,11 +147,7 @@ impl Frame {
 
 /// Turns a picture of the page into a file of its own, in light or dark as the reader's screen is.
 pub fn standalone(svg: &str) -> String {
-    let style = format!(
-        "{}@media (prefers-color-scheme: dark) {{ {} }}",
-        rules(LIGHT),
-        rules(DARK)
-    );
+    let style = format!("{}@media (prefers-color-scheme: dark) {{ {} }}", rules(LIGHT), rules(DARK));
     with_style(svg, &style)
 }
 
@@ -198,9 +169,7 @@ fn rules(scheme: usize) -> String {
     let rules = STYLE.rsplit(BEGIN).next().unwrap_or_default();
     let rules = rules.splitn(3, '}').nth(2).unwrap_or_default().to_owned();
     let pairs = colours.split(';').filter_map(|c| c.trim().split_once(": "));
-    pairs.fold(rules, |rules, (name, colour)| {
-        rules.replace(&format!("var({name})"), colour)
-    })
+    pairs.fold(rules, |rules, (name, colour)| rules.replace(&format!("var({name})"), colour))
 }
 
 fn with_style(svg: &str, style: &str) -> String {
@@ -219,10 +188,8 @@ fn with_style(svg: &str, style: &str) -> String {
 pub fn envelope<'a>(points: impl Iterator<Item = (&'a f64, &'a f64)>, frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen: Option<[i64; 2]> = None;
-    let mut points = points
-        .filter(|(_, v)| v.is_finite())
-        .map(|(t, v)| (frame.x.at(*t), frame.y.clamped(*v)))
-        .peekable();
+    let mut points =
+        points.filter(|(_, v)| v.is_finite()).map(|(t, v)| (frame.x.at(*t), frame.y.clamped(*v))).peekable();
     let mut column = Vec::new();
     while let Some(first) = points.next() {
         column.clear();
@@ -232,10 +199,7 @@ pub fn envelope<'a>(points: impl Iterator<Item = (&'a f64, &'a f64)>, frame: &Fr
         let least = column.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
         let most = column.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
         let mut kept: Vec<(f64, f64)> =
-            [column.first().copied(), least, most, column.last().copied()]
-                .into_iter()
-                .flatten()
-                .collect();
+            [column.first().copied(), least, most, column.last().copied()].into_iter().flatten().collect();
         kept.sort_by(|a, b| a.0.total_cmp(&b.0));
         kept.dedup();
         for (px, py) in kept {
@@ -316,15 +280,9 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        assert_eq!(
-            ticks(0.0, 1.0, 5),
-            [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]
-        );
+        assert_eq!(ticks(0.0, 1.0, 5), [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]);
         let t = ticks(81.27, 81.93, 5);
-        assert!(
-            t.len() >= 3 && t.iter().all(|v| (81.27..=81.93).contains(v)),
-            "{t:?}"
-        );
+        assert!(t.len() >= 3 && t.iter().all(|v| (81.27..=81.93).contains(v)), "{t:?}");
         assert_eq!(ticks(3.0, 3.0, 5), [3.0]);
     }
 }

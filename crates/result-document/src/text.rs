@@ -51,18 +51,14 @@ fn block(block: &Block) -> String {
 
 fn figure(figure: &Figure) -> String {
     let numbers = figure.numbers.as_ref();
-    numbers.map_or_else(String::new, |numbers| {
-        format!("\n{}\n{}{}\n", figure.caption, table(numbers), figure.note)
-    })
+    numbers.map_or_else(String::new, |numbers| format!("\n{}\n{}{}\n", figure.caption, table(numbers), figure.note))
 }
 
 /// Columns as wide as their widest cell; where that is wider than a screen and the rows are few, a line for each column.
 fn table(table: &Table) -> String {
     const WIDEST: usize = 132;
     let heads = table.columns.iter();
-    let heads: Vec<String> = heads
-        .map(|column| plain(&with_unit(&column.name, &column.unit)))
-        .collect();
+    let heads: Vec<String> = heads.map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
     let lines: Vec<&Vec<String>> = std::iter::once(&heads).chain(&table.rows).collect();
     let is_number = |k: usize| table.columns[k].is_number;
     let drawn = aligned(&lines, is_number);
@@ -92,9 +88,6 @@ fn aligned(lines: &[&Vec<String>], is_number: impl Fn(usize) -> bool) -> String 
 
 /// A name without the marks of its index.
 fn plain(name: &str) -> String {
-    let parts: Vec<&str> = between(name, "_{", "}")
-        .into_iter()
-        .map(|(part, _)| part)
-        .collect();
+    let parts: Vec<&str> = between(name, "_{", "}").into_iter().map(|(part, _)| part).collect();
     parts.join("_").trim_end_matches('_').to_owned()
 }

@@ -33,36 +33,16 @@ fn main() -> Result<(), SignalError> {
         time.iter().enumerate().map(row).collect()
     };
     let bearing = Bearing {
-        load: channel(
-            "loadForce",
-            "N",
-            Accuracy::Relative(0.005),
-            rows(&load, 3.0),
-        ),
-        torque: channel(
-            "frictionTorque",
-            "N.m",
-            Accuracy::Absolute(0.005),
-            rows(&|t| 4e-4 * load(t - LATE), 2e-3),
-        ),
-        speed: channel(
-            "speed",
-            "rad/s",
-            Accuracy::Absolute(0.0),
-            rows(&|_| TAU / TURN, 0.0),
-        ),
+        load: channel("loadForce", "N", Accuracy::Relative(0.005), rows(&load, 3.0)),
+        torque: channel("frictionTorque", "N.m", Accuracy::Absolute(0.005), rows(&|t| 4e-4 * load(t - LATE), 2e-3)),
+        speed: channel("speed", "rad/s", Accuracy::Absolute(0.0), rows(&|_| TAU / TURN, 0.0)),
         power: None,
         diameter: 0.025,
         smoothing: Smoothing::None,
         longest_delay: 0.05,
     };
-    let recording = RigRecording {
-        bearing: Some(bearing),
-        others: Vec::new(),
-        window: None,
-        start: None,
-        confidence: 0.99,
-    };
+    let recording =
+        RigRecording { bearing: Some(bearing), others: Vec::new(), window: None, start: None, confidence: 0.99 };
     let answer = synchronise(&recording)?;
     println!("{}", criteria::to_toml(&answer, true));
     Ok(())

@@ -42,12 +42,7 @@ impl Grid {
         // Without a turning shaft any block is as good as another.
         let turn = turn.filter(|turn| (1.0..samples as f64 / 8.0).contains(turn));
         let turn = turn.map_or(1, |turn| turn as usize);
-        Self {
-            time,
-            turn,
-            block: (samples / 30 / turn).max(1) * turn,
-            confidence: recording.confidence,
-        }
+        Self { time, turn, block: (samples / 30 / turn).max(1) * turn, confidence: recording.confidence }
     }
 
     /// The mean of a channel's whole turns, and the concern about the others.
@@ -60,22 +55,12 @@ impl Grid {
     ) -> (DerivedCriterion, Option<String>) {
         let turns = holes.whole_turns(values, self.turn, self.time);
         let name = if self.turn > 1 { "turn" } else { "sample" };
-        let mean = self.mean(channel, &turns.values, |value| {
-            channel.accuracy.standard(value)
-        });
-        (
-            DerivedCriterion { noise, ..mean },
-            turns.concern(&channel.name, name),
-        )
+        let mean = self.mean(channel, &turns.values, |value| channel.accuracy.standard(value));
+        (DerivedCriterion { noise, ..mean }, turns.concern(&channel.name, name))
     }
 
     /// The mean of a signal's whole turns.
-    fn mean(
-        &self,
-        channel: &Channel,
-        whole: &[f64],
-        sensor: impl Fn(f64) -> f64,
-    ) -> DerivedCriterion {
+    fn mean(&self, channel: &Channel, whole: &[f64], sensor: impl Fn(f64) -> f64) -> DerivedCriterion {
         let blocks = block_means(whole, self.block);
         let value = mean(whole);
         DerivedCriterion {
@@ -84,11 +69,7 @@ impl Grid {
             statistic: "mean",
             unit: channel.unit.clone(),
             group: channel.group.clone(),
-            measured: MeasuredValue {
-                value,
-                scatter: uncertainty_of_mean(&blocks),
-                sensor: sensor(value),
-            },
+            measured: MeasuredValue { value, scatter: uncertainty_of_mean(&blocks), sensor: sensor(value) },
             stationarity: stationarity::test(&blocks, self.confidence),
             blocks,
             block: [self.time[0], self.block as f64 * self.time[1]],
@@ -159,23 +140,14 @@ impl<'a> Aligned<'a> {
         let of_speed = relative(&bearing.speed, &self.speed);
         let [load_holes, torque_holes] = &self.holes;
         let (start, shift) = (known.time[0], known.delay.shift());
-        let late = Grid {
-            time: [start + shift, self.step],
-            ..self.grid
-        };
-        let (mean_load, no_load) =
-            self.grid
-                .mean_of(&bearing.load, &known.load, load_holes, load_noise);
-        let (mean_torque, no_torque) =
-            late.mean_of(&bearing.torque, &known.torque, torque_holes, torque_noise);
+        let late = Grid { time: [start + shift, self.step], ..self.grid };
+        let (mean_load, no_load) = self.grid.mean_of(&bearing.load, &known.load, load_holes, load_noise);
+        let (mean_torque, no_torque) = late.mean_of(&bearing.torque, &known.torque, torque_holes, torque_noise);
         let mut lost: Vec<String> = no_load.into_iter().chain(no_torque).collect();
         let mut findings = vec![mean_load, mean_torque];
         // What follows from both lacks what either one lacks.
         let both = load_holes.and(torque_holes, shift);
-        let of_both = |values: &[f64]| {
-            both.whole_turns(values, self.grid.turn, [start, self.step])
-                .values
-        };
+        let of_both = |values: &[f64]| both.whole_turns(values, self.grid.turn, [start, self.step]).values;
         if let Some(derived) = &bearing.power {
             let channel = Channel {
                 name: derived.name.clone(),
@@ -197,13 +169,10 @@ impl<'a> Aligned<'a> {
         }
         findings.push(self.amplitude(&bearing.load, &known.load));
         findings.push(self.amplitude(&bearing.torque, &known.torque));
-        let [friction_before, friction] =
-            [&known.torque_before, &known.torque].map(|m| friction(m));
-        let mean_friction = self.grid.mean(&bearing.torque, &of_both(&friction), |v| {
-            of_product(v, &[of_load, of_torque])
-        });
-        let scatter = [&friction_before, &friction]
-            .map(|values| variance(values, 0).sqrt() / mean(values).abs());
+        let [friction_before, friction] = [&known.torque_before, &known.torque].map(|m| friction(m));
+        let mean_friction =
+            self.grid.mean(&bearing.torque, &of_both(&friction), |v| of_product(v, &[of_load, of_torque]));
+        let scatter = [&friction_before, &friction].map(|values| variance(values, 0).sqrt() / mean(values).abs());
         let mut warnings = self.warnings(&findings, scatter);
         warnings.extend(lost);
         Ok(Synchronised {
@@ -220,11 +189,7 @@ impl<'a> Aligned<'a> {
 
     /// Half the distance between least and greatest value of a turn, over all turns.
     fn amplitude(&self, channel: &Channel, values: &[f64]) -> DerivedCriterion {
-        let span = if self.grid.turn > 1 {
-            self.grid.turn
-        } else {
-            values.len()
-        };
+        let span = if self.grid.turn > 1 { self.grid.turn } else { values.len() };
         let half = |turn: &[f64]| {
             let low = turn.iter().copied().fold(f64::INFINITY, f64::min);
             let high = turn.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -243,11 +208,7 @@ impl<'a> Aligned<'a> {
             statistic: "amplitude",
             unit: channel.unit.clone(),
             group: channel.group.clone(),
-            measured: MeasuredValue {
-                value,
-                scatter: uncertainty_of_mean(&halves),
-                sensor: from_bound(gain * value),
-            },
+            measured: MeasuredValue { value, scatter: uncertainty_of_mean(&halves), sensor: from_bound(gain * value) },
             ..DerivedCriterion::default()
         }
     }
@@ -288,10 +249,7 @@ pub(crate) fn unsteady(finding: &DerivedCriterion) -> Option<String> {
             finding.block[1] * finding.blocks.len() as f64,
             s.trend_chance
         ),
-        Some(s) if s.drift => format!(
-            "{name} wanders over the window (chance {:.1e})",
-            s.wander_chance
-        ),
+        Some(s) if s.drift => format!("{name} wanders over the window (chance {:.1e})", s.wander_chance),
         Some(_) => return None,
     })
 }

@@ -3,9 +3,7 @@
 use super::clean::clean;
 use super::delay::Delay;
 use super::holes::Holes;
-use super::recording::{
-    Account, Accuracy, Channel, DerivedCriterion, EARLY, RigRecording, Synchronised, behind,
-};
+use super::recording::{Account, Accuracy, Channel, DerivedCriterion, EARLY, RigRecording, Synchronised, behind};
 use super::signal::SignalError;
 use super::spectrum::Noise;
 use super::thin::{Polyline, polyline};
@@ -101,11 +99,7 @@ pub struct Case<'a> {
 
 /// The times that are in both of two growing lists.
 fn common(one: &[f64], other: &[f64]) -> Vec<f64> {
-    let is_there = |time: &&f64| {
-        other
-            .binary_search_by(|known| known.total_cmp(time))
-            .is_ok()
-    };
+    let is_there = |time: &&f64| other.binary_search_by(|known| known.total_cmp(time)).is_ok();
     one.iter().filter(is_there).copied().collect()
 }
 
@@ -139,19 +133,14 @@ impl<'a> Case<'a> {
             let samples = time.iter().zip(samples);
             // Of a sample at the end of the sensor's range nobody knows the true value.
             let good = samples.filter(|(_, (value, clipped))| value.is_finite() && !**clipped);
-            let (time, values): (Vec<f64>, Vec<f64>) =
-                good.map(|(time, (value, _))| (*time, *value)).unzip();
+            let (time, values): (Vec<f64>, Vec<f64>) = good.map(|(time, (value, _))| (*time, *value)).unzip();
             let shared = tables.iter().position(|table| {
                 let both = common(&table.time, &time).len() as f64;
-                table.clock == channel.clock
-                    && both >= SHARED * table.time.len().max(time.len()) as f64
+                table.clock == channel.clock && both >= SHARED * table.time.len().max(time.len()) as f64
             });
             match shared {
                 Some(place) => tables[place].time = common(&tables[place].time, &time),
-                None => tables.push(Rows {
-                    clock: channel.clock,
-                    time: time.clone(),
-                }),
+                None => tables.push(Rows { clock: channel.clock, time: time.clone() }),
             }
             curves.push(Measured {
                 channel,
@@ -161,9 +150,7 @@ impl<'a> Case<'a> {
                 clipped: cleaned.clipped_count(),
                 time,
                 values,
-                delay: torque
-                    .filter(|torque| std::ptr::eq(*torque, channel))
-                    .map(|_| &result.delay),
+                delay: torque.filter(|torque| std::ptr::eq(*torque, channel)).map(|_| &result.delay),
                 table: shared.unwrap_or(tables.len() - 1),
             });
         }
@@ -176,9 +163,7 @@ impl<'a> Case<'a> {
         let firsts = firsts.chain(inputs.iter().map(|input| input.channel));
         let firsts = firsts.filter_map(|channel| channel.time.first().copied());
         Self {
-            begin: recording
-                .start
-                .unwrap_or_else(|| firsts.fold(f64::INFINITY, f64::min)),
+            begin: recording.start.unwrap_or_else(|| firsts.fold(f64::INFINITY, f64::min)),
             recording,
             result,
             drives,
@@ -196,10 +181,7 @@ impl<'a> Case<'a> {
 
     /// When the inputs end, where there are recorded ones.
     fn inputs_end(&self) -> f64 {
-        let ends = self
-            .inputs
-            .iter()
-            .filter_map(|input| input.line.time.last());
+        let ends = self.inputs.iter().filter_map(|input| input.line.time.last());
         ends.fold(f64::INFINITY, |end, time| end.min(time - self.begin))
     }
 
@@ -232,16 +214,9 @@ impl<'a> Case<'a> {
     /// What the reader must know of an input's times.
     fn times_of(&self, input: &Input<'_>) -> Vec<String> {
         let name = &input.drive.variable;
-        let first = input
-            .line
-            .time
-            .first()
-            .map_or(0.0, |first| first - self.begin);
-        let late = (first > 0.0
-            && (0..self.tables.len()).any(|table| self.span(table)[0] < first - input.step()))
-        .then(|| {
-            format!("input {name} begins at {first:.6} s, and before that has its first value")
-        });
+        let first = input.line.time.first().map_or(0.0, |first| first - self.begin);
+        let late = (first > 0.0 && (0..self.tables.len()).any(|table| self.span(table)[0] < first - input.step()))
+            .then(|| format!("input {name} begins at {first:.6} s, and before that has its first value"));
         let hole = input.hole.map(|ends| {
             let [from, to] = ends.map(|end| end - self.begin);
             format!("input {name} has no samples from {from:.6} s to {to:.6} s, and there follows a straight line")
@@ -266,17 +241,8 @@ impl<'a> Case<'a> {
         let head = |names: Vec<String>| format!("time,{}\n", names.join(","));
         let mut files = Vec::new();
         for (place, table) in self.tables.iter().enumerate() {
-            let curves: Vec<_> = self
-                .curves
-                .iter()
-                .filter(|curve| curve.table == place)
-                .collect();
-            let mut text = head(
-                curves
-                    .iter()
-                    .map(|curve| cell(&curve.channel.name))
-                    .collect(),
-            );
+            let curves: Vec<_> = self.curves.iter().filter(|curve| curve.table == place).collect();
+            let mut text = head(curves.iter().map(|curve| cell(&curve.channel.name)).collect());
             for time in &table.time {
                 let value = |curve: &&Measured<'_>| {
                     let known = curve.time.binary_search_by(|known| known.total_cmp(time));
@@ -286,26 +252,14 @@ impl<'a> Case<'a> {
             }
             files.push((Self::file(place), text));
         }
-        let mut times: Vec<f64> = self
-            .inputs
-            .iter()
-            .flat_map(|input| input.line.time.clone())
-            .collect();
+        let mut times: Vec<f64> = self.inputs.iter().flat_map(|input| input.line.time.clone()).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         if !times.is_empty() {
-            let mut text = head(
-                self.inputs
-                    .iter()
-                    .map(|input| cell(&input.drive.variable))
-                    .collect(),
+            let mut text = head(self.inputs.iter().map(|input| cell(&input.drive.variable)).collect());
+            text.extend(
+                times.iter().map(|&time| line(time, &mut self.inputs.iter().map(|input| at(&input.line, time)))),
             );
-            text.extend(times.iter().map(|&time| {
-                line(
-                    time,
-                    &mut self.inputs.iter().map(|input| at(&input.line, time)),
-                )
-            }));
             files.push((INPUTS.to_owned(), text));
         }
         files
@@ -338,24 +292,15 @@ impl<'a> Case<'a> {
             out += &format!("# {file}, {account}.\n");
         }
         out.extend(self.inputs.iter().map(Input::comment));
-        out.extend(
-            self.result
-                .warnings
-                .iter()
-                .map(|warning| format!("# Note: {warning}.\n")),
-        );
+        out.extend(self.result.warnings.iter().map(|warning| format!("# Note: {warning}.\n")));
         let inputs = self.inputs.iter().flat_map(|input| self.times_of(input));
         out.extend(inputs.map(|note| format!("# Note: {note}.\n")));
         let late = self.curves.iter().map(|curve| self.late(curve, frame));
         let early = late.map(|late| -late).fold(0.0, f64::max);
-        let last = (0..self.tables.len())
-            .map(|table| self.span(table)[1])
-            .fold(0.0, f64::max);
+        let last = (0..self.tables.len()).map(|table| self.span(table)[1]).fold(0.0, f64::max);
         let end = self.inputs_end();
         if end < last {
-            out += &format!(
-                "# Note: an input ends at {end:.6} s, so what was measured later is not judged.\n"
-            );
+            out += &format!("# Note: an input ends at {end:.6} s, so what was measured later is not judged.\n");
         }
         out += &format!(
             "[[cases]]\nname = {}\n{}{}simulation = {{ stop = {} }}\n",
@@ -364,11 +309,7 @@ impl<'a> Case<'a> {
                 [] => String::new(),
                 doubts => format!("concerns = {}\n", toml::Value::from(doubts.to_vec())),
             },
-            if frame.held_out {
-                "held-out = true\n"
-            } else {
-                ""
-            },
+            if frame.held_out { "held-out = true\n" } else { "" },
             up(last.min(end) + early)
         );
         for drive in self.drives {
@@ -384,10 +325,7 @@ impl<'a> Case<'a> {
                         let expanded = format!("{:.4e} {}", expanded(bound), drive.unit);
                         format!(", uncertainty = {}", quoted(&expanded))
                     });
-                    let first = self
-                        .inputs
-                        .iter()
-                        .filter_map(|input| input.line.time.first());
+                    let first = self.inputs.iter().filter_map(|input| input.line.time.first());
                     let first = first.fold(f64::INFINITY, |first, time| first.min(*time));
                     // The model runs from the first row, whole or not, and on until the last curve that is ahead of it.
                     let ends = match first > self.begin || early > 0.0 {
@@ -422,11 +360,7 @@ impl<'a> Case<'a> {
         let Some(delay) = curve.delay.filter(|delay| delay.delay.is_some()) else {
             return 0.0;
         };
-        let longest = self
-            .recording
-            .bearing
-            .as_ref()
-            .map_or(0.0, |bearing| bearing.longest_delay);
+        let longest = self.recording.bearing.as_ref().map_or(0.0, |bearing| bearing.longest_delay);
         let reach = delay.uncertainty();
         let reach = reach.map_or(longest, |one| (DEVIATIONS * one).min(longest));
         // As it is written.
@@ -450,14 +384,8 @@ impl<'a> Case<'a> {
         let mut uncertainty = match channel.accuracy {
             // Of a sensor without errors there is nothing to state.
             Accuracy::Absolute(0.0) | Accuracy::Relative(0.0) => String::new(),
-            Accuracy::Absolute(bound) => stated(
-                "uncertainty",
-                format!("{:.4e} {}", expanded(bound), channel.unit),
-            ),
-            Accuracy::Relative(part) => stated(
-                "gain-uncertainty",
-                format!("{:.4} %", 100.0 * expanded(part)),
-            ),
+            Accuracy::Absolute(bound) => stated("uncertainty", format!("{:.4e} {}", expanded(bound), channel.unit)),
+            Accuracy::Relative(part) => stated("gain-uncertainty", format!("{:.4} %", 100.0 * expanded(part))),
         };
         let noise = criterion.and_then(|criterion| criterion.noise);
         let about_noise = noise.map_or_else(String::new, |noise| {
@@ -504,10 +432,7 @@ impl<'a> Case<'a> {
         let mut tolerances = frame.tolerances.iter();
         let tolerance = match tolerances.find(|(name, _)| *name == channel.name) {
             Some((_, tolerance)) => format!("tolerance = {}", quoted(tolerance)),
-            None => format!(
-                "# tolerance = \"... {}\"   # how far the model may be from the true curve",
-                channel.unit
-            ),
+            None => format!("# tolerance = \"... {}\"   # how far the model may be from the true curve", channel.unit),
         };
         let group = channel.group.as_ref();
         let group = group.map_or_else(String::new, |group| format!("group = {}\n", quoted(group)));
@@ -530,24 +455,17 @@ impl<'a> Input<'a> {
         let early = channel.before(start).saturating_sub(1);
         let (all, cleaned) = (&channel.time[early..], clean(&channel.values[early..]));
         let pairs = all.iter().zip(&cleaned.values);
-        let (time, values): (Vec<f64>, Vec<f64>) =
-            pairs.filter(|(_, value)| value.is_finite()).unzip();
+        let (time, values): (Vec<f64>, Vec<f64>) = pairs.filter(|(_, value)| value.is_finite()).unzip();
         let mut line = polyline(&time, &values, drive.tolerance);
         let value = line.time.first().map(|_| at(&line, start));
-        if let (Some(first), Some(value)) =
-            (line.time.first_mut().filter(|first| **first < start), value)
-        {
+        if let (Some(first), Some(value)) = (line.time.first_mut().filter(|first| **first < start), value) {
             (*first, line.values[0]) = (start, value);
         }
         Self {
             channel,
             drive,
             line,
-            lost: [
-                (early, EARLY),
-                (cleaned.spikes, "spikes"),
-                (cleaned.marks, "at a value far from all others"),
-            ],
+            lost: [(early, EARLY), (cleaned.spikes, "spikes"), (cleaned.marks, "at a value far from all others")],
             hole: Holes::of(all, &cleaned).longest(),
         }
     }
@@ -555,23 +473,14 @@ impl<'a> Input<'a> {
     /// The mean time between samples, s.
     fn step(&self) -> f64 {
         let time = &self.channel.time;
-        let span = time
-            .last()
-            .zip(time.first())
-            .map_or(0.0, |(last, first)| last - first);
+        let span = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
         span / time.len().max(1) as f64
     }
 
     /// A comment that says how it was thinned.
     fn comment(&self) -> String {
-        let (account, line, unit) = (
-            self.channel.account(&self.lost),
-            &self.line,
-            &self.drive.unit,
-        );
-        let noise = line.noise.map_or_else(String::new, |noise| {
-            format!(" (noise of a row {noise:.2e})")
-        });
+        let (account, line, unit) = (self.channel.account(&self.lost), &self.line, &self.drive.unit);
+        let noise = line.noise.map_or_else(String::new, |noise| format!(" (noise of a row {noise:.2e})"));
         format!(
             "# {INPUTS}, {account} for a line with {} corners; it leaves out {:.2e} {unit} rms{noise}, tolerance {:.2e}.\n",
             line.time.len(),
@@ -583,9 +492,7 @@ impl<'a> Input<'a> {
 
 /// A comment that says of what the stated noise consists.
 fn about(noise: Noise, unit: &str) -> String {
-    let Noise {
-        row, equivalent, ..
-    } = noise;
+    let Noise { row, equivalent, .. } = noise;
     let mut parts = format!("# noise: {row:.2e}{} in a row as recorded", behind(unit));
     if noise.is_shared() {
         parts += &format!(

@@ -28,10 +28,7 @@ impl Cleaned {
     fn look_at_ends(&mut self) {
         let rest = self.values.iter().copied().filter(|v| v.is_finite());
         let rest = sorted(rest.collect());
-        let ends = [
-            clipping_level(rest.iter()),
-            clipping_level(rest.iter().rev()),
-        ];
+        let ends = [clipping_level(rest.iter()), clipping_level(rest.iter().rev())];
         for end in ends.into_iter().flatten() {
             let there: Vec<bool> = self.values.iter().map(|value| *value == end).collect();
             let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
@@ -73,22 +70,11 @@ const LEVELS: f64 = 2.5;
 
 /// Leaves out spikes and marks of missing values, and tells which samples are clipped.
 pub fn clean(values: &[f64]) -> Cleaned {
-    let known: Vec<usize> = (0..values.len())
-        .filter(|&k| values[k].is_finite())
-        .collect();
+    let known: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_finite()).collect();
     let samples: Vec<f64> = known.iter().map(|&k| values[k]).collect();
-    let mut cleaned = Cleaned {
-        values: values.to_vec(),
-        spikes: 0,
-        marks: 0,
-        clipped: vec![false; values.len()],
-    };
+    let mut cleaned = Cleaned { values: values.to_vec(), spikes: 0, marks: 0, clipped: vec![false; values.len()] };
     if samples.len() > 2 * AROUND {
-        for (place, _) in known
-            .iter()
-            .zip(spikes(&known, &samples))
-            .filter(|(_, spike)| *spike)
-        {
+        for (place, _) in known.iter().zip(spikes(&known, &samples)).filter(|(_, spike)| *spike) {
             cleaned.values[*place] = f64::NAN;
             cleaned.spikes += 1;
         }
@@ -105,28 +91,19 @@ fn spikes(known: &[usize], samples: &[f64]) -> Vec<bool> {
     let off: Vec<f64> = (0..samples.len()).map(off).collect();
     let ordered = sorted(samples.to_vec());
     // Of a sample's distance from the middle of its neighbours, noise is 1.2 standard deviations and a slope nothing.
-    let bends = samples
-        .windows(3)
-        .map(|w| (w[1] - (w[0] + w[2]) / 2.0).abs());
+    let bends = samples.windows(3).map(|w| (w[1] - (w[0] + w[2]) / 2.0).abs());
     // The median of the sizes is 0.6745 standard deviations of normal noise.
     let scale = at_part(&sorted(bends.collect()), 0.5) / (0.674_489_75 * 1.5_f64.sqrt());
     let range = at_part(&ordered, 0.95) - at_part(&ordered, 0.05);
     let distances = sorted(off.iter().map(|off| off.abs()).collect());
     let strays = at_part(&distances, USUAL) / USUAL_DEVIATIONS;
     let levels = ordered.windows(2).map(|w| w[1] - w[0]);
-    let step = levels
-        .filter(|step| *step > 0.0)
-        .fold(f64::INFINITY, f64::min);
+    let step = levels.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
     let least = DEVIATIONS * scale.max(strays);
     let least = least.max(PART * range).max(LEVELS * step);
     let is_far = |off: &f64| range > 0.0 && off.abs() > least;
     let mut spikes: Vec<bool> = off.iter().map(is_far).collect();
-    let signal = Signal {
-        known,
-        samples,
-        off: &off,
-        scale,
-    };
+    let signal = Signal { known, samples, off: &off, scale };
     signal.keep_what_follows(&mut spikes);
     spikes
 }
@@ -149,8 +126,7 @@ impl Signal<'_> {
         for run in places.chunk_by(|a, b| a + 1 == *b) {
             let all = run[0]..run[run.len() - 1] + 1;
             let rest = self.spikes_within(all.clone());
-            all.filter(|k| !rest.contains(k))
-                .for_each(|k| spikes[k] = false);
+            all.filter(|k| !rest.contains(k)).for_each(|k| spikes[k] = false);
         }
     }
 
@@ -168,9 +144,8 @@ impl Signal<'_> {
                 return run.start..run.start;
             }
             let ends = |place: usize, others: &dyn Fn(usize) -> Range<usize>| {
-                let follows = |&[count, degree]: &[usize; 2]| {
-                    self.follows(place, &Vec::from_iter(others(count)), degree)
-                };
+                let follows =
+                    |&[count, degree]: &[usize; 2]| self.follows(place, &Vec::from_iter(others(count)), degree);
                 BESIDE.iter().any(follows)
             };
             if ends(run.end - 1, &behind) {
@@ -188,22 +163,12 @@ impl Signal<'_> {
     /// median, and not by chance.
     fn follows(&self, place: usize, others: &[usize], degree: usize) -> bool {
         let at = |k: usize| self.known[k] as f64 - self.known[place] as f64;
-        let powers = DMatrix::from_fn(others.len(), degree + 1, |row, power| {
-            at(others[row]).powi(power as i32)
-        });
-        let Some(weights) = powers
-            .pseudo_inverse(1e-12)
-            .ok()
-            .filter(|_| others.len() > degree)
-        else {
+        let powers = DMatrix::from_fn(others.len(), degree + 1, |row, power| at(others[row]).powi(power as i32));
+        let Some(weights) = powers.pseudo_inverse(1e-12).ok().filter(|_| others.len() > degree) else {
             return false;
         };
         let weights = weights.row(0);
-        let value: f64 = weights
-            .iter()
-            .zip(others)
-            .map(|(weight, &k)| weight * self.samples[k])
-            .sum();
+        let value: f64 = weights.iter().zip(others).map(|(weight, &k)| weight * self.samples[k]).sum();
         let half = self.off[place].abs() / 2.0;
         CHANCE * weights.norm() * self.scale <= half && (self.samples[place] - value).abs() <= half
     }

@@ -11,22 +11,10 @@ pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
     };
     out += "# Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
             # values.\n";
-    out.extend(
-        result
-            .warnings
-            .iter()
-            .map(|warning| format!("# Note: {warning}.\n")),
-    );
-    out.extend(
-        result
-            .accounts
-            .iter()
-            .map(|account| format!("# {account}.\n")),
-    );
+    out.extend(result.warnings.iter().map(|warning| format!("# Note: {warning}.\n")));
+    out.extend(result.accounts.iter().map(|account| format!("# {account}.\n")));
     let findings = result.findings.iter();
-    let wanted = findings
-        .clone()
-        .filter(|f| amplitudes || f.statistic != "amplitude");
+    let wanted = findings.clone().filter(|f| amplitudes || f.statistic != "amplitude");
     out.extend(wanted.map(|finding| criterion(finding, result)));
     let products = findings.filter(|finding| derived(finding, result).is_none());
     out.extend(products.filter_map(|finding| shared(finding, result)));
@@ -41,8 +29,7 @@ fn friction(result: &Synchronised) -> String {
     };
     let [before, after] = result.friction_scatter.map(|part| 100.0 * part);
     let friction = result.mean_friction;
-    let [value, uncertainty] =
-        [friction.value, friction.expanded()].map(|number| rounded(number, friction.expanded()));
+    let [value, uncertainty] = [friction.value, friction.expanded()].map(|number| rounded(number, friction.expanded()));
     format!(
         "# From measured signals: {shift}, which leaves {after:.2} % scatter of\n\
          # the friction coefficient (before: {before:.2} %). Friction coefficient {value} +- {uncertainty} (k = 2).\n"
@@ -79,13 +66,7 @@ fn shared(product: &DerivedCriterion, result: &Synchronised) -> Option<String> {
 }
 
 fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
-    let DerivedCriterion {
-        name,
-        variable,
-        statistic,
-        unit,
-        ..
-    } = finding;
+    let DerivedCriterion { name, variable, statistic, unit, .. } = finding;
     let m = &finding.measured;
     let [value, uncertainty] = [m.value, m.expanded()].map(|number| rounded(number, m.expanded()));
     let steady = finding.stationarity.as_ref().map_or_else(String::new, |s| {
@@ -95,8 +76,7 @@ fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
             change.value, change.low, change.high, s.blocks
         )
     });
-    let uncertainty = derived(finding, result)
-        .unwrap_or_else(|| format!("uncertainty = \"{uncertainty} {unit}\"\n"));
+    let uncertainty = derived(finding, result).unwrap_or_else(|| format!("uncertainty = \"{uncertainty} {unit}\"\n"));
     let group = finding.group.as_ref();
     let group = group.map_or_else(String::new, |group| format!("group = \"{group}\"\n"));
     format!(
@@ -120,11 +100,7 @@ fn key(name: &str) -> String {
 
 /// A value to two digits of its uncertainty, as a TOML float.
 fn rounded(value: f64, uncertainty: f64) -> String {
-    let digits = if uncertainty > 0.0 {
-        (1.0 - uncertainty.log10().floor()).clamp(1.0, 12.0) as usize
-    } else {
-        6
-    };
+    let digits = if uncertainty > 0.0 { (1.0 - uncertainty.log10().floor()).clamp(1.0, 12.0) as usize } else { 6 };
     format!("{value:.digits$}")
 }
 

@@ -48,9 +48,7 @@ impl Delay {
 
     /// The delay with its interval as text, where the signals are related.
     pub fn words(&self) -> Option<String> {
-        let [value, low, high] = self
-            .delay
-            .map(|d| [d.value, d.low, d.high].map(|s| 1e3 * s))?;
+        let [value, low, high] = self.delay.map(|d| [d.value, d.low, d.high].map(|s| 1e3 * s))?;
         Some(match self.disturbance {
             None => format!("{value:.3} ms ({low:.3} to {high:.3} ms, 95 %)"),
             Some(_) => format!("{value:.3} ms (without an interval)"),
@@ -247,15 +245,9 @@ impl<'a> Search<'a> {
         let unexplained = |r: &f64| (1.0 - r.max(0.0).powi(2)).max(0.0).sqrt();
         let scanned = self.lags.iter().zip(&all);
         let delay = Delay {
-            delay: related.then_some(Estimate {
-                value: lag * step,
-                low: low * step,
-                high: high * step,
-            }),
+            delay: related.then_some(Estimate { value: lag * step, low: low * step, high: high * step }),
             chance,
-            scan: scanned
-                .map(|(&lag, r)| (lag as f64 * step, unexplained(r)))
-                .collect(),
+            scan: scanned.map(|(&lag, r)| (lag as f64 * step, unexplained(r))).collect(),
             blocks: self.blocks,
             at_edge: best == 0 || best + 1 == all.len(),
             disturbance: None,
@@ -306,11 +298,7 @@ fn sums(samples: impl Iterator<Item = (f64, f64)>) -> Sums {
 }
 
 fn total(blocks: &[Sums]) -> Sums {
-    blocks.iter().fold(Sums::default(), |t, s| Sums {
-        xy: t.xy + s.xy,
-        xx: t.xx + s.xx,
-        yy: t.yy + s.yy,
-    })
+    blocks.iter().fold(Sums::default(), |t, s| Sums { xy: t.xy + s.xy, xx: t.xx + s.xx, yy: t.yy + s.yy })
 }
 
 /// The correlation over all blocks; none where a signal is constant.
@@ -329,9 +317,7 @@ fn greatest(values: &[f64]) -> usize {
 /// correlations decides; the smaller one of both ways, doubled.
 fn chance(scan: &[Vec<Sums>]) -> f64 {
     let half = |odd: usize| {
-        let of = |sums: &Vec<Sums>, odd| -> Vec<Sums> {
-            sums.iter().skip(odd).step_by(2).copied().collect()
-        };
+        let of = |sums: &Vec<Sums>, odd| -> Vec<Sums> { sums.iter().skip(odd).step_by(2).copied().collect() };
         let choice: Vec<f64> = scan.iter().map(|s| correlation(&of(s, odd))).collect();
         let others = of(&scan[greatest(&choice)], 1 - odd);
         let each: Vec<f64> = others.iter().map(|s| correlation(&[*s])).collect();
@@ -347,9 +333,7 @@ fn chance(scan: &[Vec<Sums>]) -> f64 {
 
 fn quantile() -> f64 {
     let student = StudentsT::new(0.0, 1.0, FREEDOM);
-    student
-        .expect("there are degrees of freedom")
-        .inverse_cdf(0.975)
+    student.expect("there are degrees of freedom").inverse_cdf(0.975)
 }
 
 /// The place of the least value between two places, by golden section (Kiefer 1953).

@@ -113,16 +113,10 @@ mod tests {
     fn only_long_gaps_are_holes() {
         let time: Vec<f64> = (0..100).map(f64::from).collect();
         let missing = |t: f64| t == 20.0 || (41.0..45.0).contains(&t);
-        let values: Vec<f64> = time
-            .iter()
-            .map(|t| if missing(*t) { f64::NAN } else { *t })
-            .collect();
+        let values: Vec<f64> = time.iter().map(|t| if missing(*t) { f64::NAN } else { *t }).collect();
         let holes = Holes::of(&time, &clean(&values));
         assert_eq!(holes, Holes(vec![[40.0, 45.0]]));
-        assert_eq!(
-            [40.0, 40.1, 44.9, 45.0].map(|t| holes.has(t)),
-            [false, true, true, false]
-        );
+        assert_eq!([40.0, 40.1, 44.9, 45.0].map(|t| holes.has(t)), [false, true, true, false]);
         let both = holes.and(&Holes(vec![[43.0, 48.0], [70.0, 75.0]]), 1.0);
         assert_eq!(both, Holes(vec![[40.0, 47.0], [69.0, 74.0]]));
         let turns = holes.whole_turns(&time, 10, [0.0, 1.0]);
@@ -130,12 +124,6 @@ mod tests {
         assert_eq!(turns.values[39..41], [39.0, 50.0]);
         let all = holes.whole_turns(&time, 100, [0.0, 1.0]);
         assert_eq!((all.lost, all.values.len()), (1, 100));
-        assert_eq!(
-            Holes::default()
-                .whole_turns(&time, 7, [0.0, 1.0])
-                .values
-                .len(),
-            98
-        );
+        assert_eq!(Holes::default().whole_turns(&time, 7, [0.0, 1.0]).values.len(), 98);
     }
 }

@@ -45,15 +45,9 @@ mod tests {
         for place in [-3.7, 0.25, 0.5, 7.49] {
             let (whole, weights) = kernel.at(place);
             let reach = kernel.reach() as isize;
-            let centre: f64 = (whole - reach..)
-                .zip(&weights)
-                .map(|(sample, w)| sample as f64 * w)
-                .sum();
+            let centre: f64 = (whole - reach..).zip(&weights).map(|(sample, w)| sample as f64 * w).sum();
             assert!((centre - place).abs() < 1e-6, "{place}: {centre}");
-            assert!(
-                (noise(&weights) / noise(&middle) - 1.0).abs() < 1e-5,
-                "{place}"
-            );
+            assert!((noise(&weights) / noise(&middle) - 1.0).abs() < 1e-5, "{place}");
         }
     }
 }

@@ -21,9 +21,7 @@ use aligned::{Aligned, Grid, unsteady};
 use clean::{Cleaned, clean};
 use delay::Pair;
 use holes::Holes;
-pub use recording::{
-    Account, Accuracy, Bearing, Channel, Derived, DerivedCriterion, RigRecording, Synchronised,
-};
+pub use recording::{Account, Accuracy, Bearing, Channel, Derived, DerivedCriterion, RigRecording, Synchronised};
 use signal::{Even, SignalError, Spline};
 use spectrum::Comb;
 pub use spectrum::Noise;
@@ -43,19 +41,11 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     let mut result = match &recording.bearing {
         Some(bearing) => aligned(recording, bearing)?,
         None => {
-            let others = recording
-                .others
-                .iter()
-                .map(|channel| other(recording, channel, None));
-            let (findings, concerns): (Vec<_>, Vec<_>) =
-                others.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+            let others = recording.others.iter().map(|channel| other(recording, channel, None));
+            let (findings, concerns): (Vec<_>, Vec<_>) = others.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
             let mut warnings: Vec<String> = findings.iter().filter_map(unsteady).collect();
             warnings.extend(concerns.into_iter().flatten());
-            Synchronised {
-                findings,
-                warnings,
-                ..Synchronised::default()
-            }
+            Synchronised { findings, warnings, ..Synchronised::default() }
         }
     };
     for channel in recording.signals() {
@@ -89,8 +79,7 @@ fn other(
     let ((start, end), step) = (spline.span(), spline.step());
     let even = Even::from_spline(&spline, start, end, step);
     let samples = even.values.len();
-    let comb = comb
-        .filter(|(_, load)| load.values.len() == samples && (load.step / step - 1.0).abs() < 1e-3);
+    let comb = comb.filter(|(_, load)| load.values.len() == samples && (load.step / step - 1.0).abs() < 1e-3);
     let noise = match comb {
         Some((comb, _)) => comb.noise(&even, None),
         None => Noise::by_rows(&cleaned.values),
@@ -105,10 +94,8 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
         let (time, values) = channel.within(recording.window());
         (time, clean(&values))
     };
-    let spline =
-        |name: &str, time: &[f64], values: &[f64]| Spline::new(name, time, values, LONGEST_GAP);
-    let [(load_time, clean_load), (torque_time, clean_torque)] =
-        [&bearing.load, &bearing.torque].map(cleaned);
+    let spline = |name: &str, time: &[f64], values: &[f64]| Spline::new(name, time, values, LONGEST_GAP);
+    let [(load_time, clean_load), (torque_time, clean_torque)] = [&bearing.load, &bearing.torque].map(cleaned);
     let load = spline(&bearing.load.name, &load_time, &clean_load.values)?;
     let torque = spline(&bearing.torque.name, &torque_time, &clean_torque.values)?;
     let (speed_time, speed) = bearing.speed.within(recording.window());
@@ -117,8 +104,7 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
     if end - start < 8.0 * step {
-        let message =
-            "load and torque have no time in common: correct the `offset` of a file's time";
+        let message = "load and torque have no time in common: correct the `offset` of a file's time";
         return Err(SignalError::Setting(message.into()));
     }
     let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
@@ -129,9 +115,7 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let raw = (even(&load), even(&torque));
     let (load, torque) = (smooth(&raw.0)?, smooth(&raw.1)?);
     if load.values.contains(&0.0) {
-        return Err(SignalError::Setting(
-            "the load passes through zero: M/F_N has no meaning there".into(),
-        ));
+        return Err(SignalError::Setting("the load passes through zero: M/F_N has no meaning there".into()));
     }
     let pair = Pair {
         load: &load,
@@ -143,10 +127,7 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let delay = delay::find(pair, bearing.longest_delay, turn)?;
     let name = &bearing.torque.name;
     let late = Spline::new(name, &torque.times(), &torque.values, LONGEST_GAP)?;
-    let holes = [
-        Holes::of(&load_time, &clean_load),
-        Holes::of(&torque_time, &clean_torque),
-    ];
+    let holes = [Holes::of(&load_time, &clean_load), Holes::of(&torque_time, &clean_torque)];
     let comb = Comb::new(&raw.0, recording.turn(), recording.speed_spread());
     // Load at random is in both channels and no noise; a disturbance is in both, too, and one.
     let shift = delay.shift();
@@ -154,17 +135,8 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let [of_load, of_torque] = [(&raw.0, &raw.1, shift), (&raw.1, &raw.0, -shift)]
         .map(|(signal, other, late)| comb.noise(signal, shared.then_some((other, late))));
     let grid = raw.0.clone();
-    let aligned = Aligned::new(
-        (recording, bearing),
-        raw,
-        &load,
-        &late,
-        even(&speed),
-        (delay, holes),
-    );
-    aligned.finish([of_load, of_torque], |channel| {
-        other(recording, channel, Some((&comb, &grid)))
-    })
+    let aligned = Aligned::new((recording, bearing), raw, &load, &late, even(&speed), (delay, holes));
+    aligned.finish([of_load, of_torque], |channel| other(recording, channel, Some((&comb, &grid))))
 }
 
 /// Which samples of an even signal lie next to none that is clipped.
@@ -234,10 +206,7 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
     let wrong = |text: String| Err(SignalError::Setting(text));
     let confidence = recording.confidence;
     let lengths = recording.bearing.iter().flat_map(|bearing| {
-        [
-            ("bearing's diameter", bearing.diameter, "m"),
-            ("longest delay", bearing.longest_delay, "s"),
-        ]
+        [("bearing's diameter", bearing.diameter, "m"), ("longest delay", bearing.longest_delay, "s")]
     });
     for (name, value, unit) in lengths {
         if !(value.is_finite() && value > 0.0) {
@@ -245,32 +214,20 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
         }
     }
     if !(confidence > 0.5 && confidence < 1.0) {
-        return wrong(format!(
-            "the confidence must lie between 0.5 and 1, not at {confidence}"
-        ));
+        return wrong(format!("the confidence must lie between 0.5 and 1, not at {confidence}"));
     }
     if let Some([from, to]) = recording.window.filter(|[from, to]| from >= to) {
-        return wrong(format!(
-            "window: it ends at {to} s and begins at {from} s; write the begin first"
-        ));
+        return wrong(format!("window: it ends at {to} s and begins at {from} s; write the begin first"));
     }
     for channel in recording.signals() {
-        let Channel {
-            name, time, values, ..
-        } = channel;
+        let Channel { name, time, values, .. } = channel;
         if time.len() != values.len() {
-            return wrong(format!(
-                "signal '{name}' has {} rows, its time has {}",
-                values.len(),
-                time.len()
-            ));
+            return wrong(format!("signal '{name}' has {} rows, its time has {}", values.len(), time.len()));
         }
         in_order(name, time)?;
         let [Some(first), Some(last)] = [time.first(), time.last()] else {
             let lost = channel.account(&[]);
-            return wrong(format!(
-                "no row of the column has a number ({lost}); name another column"
-            ));
+            return wrong(format!("no row of the column has a number ({lost}); name another column"));
         };
         let [from, to] = recording.window();
         if from > *last || to < *first {
@@ -302,10 +259,7 @@ fn in_order(name: &str, time: &[f64]) -> Result<(), SignalError> {
         )));
     }
     match pairs().find(|pair| pair[1] <= pair[0]) {
-        Some(pair) => Err(SignalError::Unsorted {
-            name: name.to_owned(),
-            time: pair[1],
-        }),
+        Some(pair) => Err(SignalError::Unsorted { name: name.to_owned(), time: pair[1] }),
         None => Ok(()),
     }
 }

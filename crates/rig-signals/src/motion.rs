@@ -49,18 +49,13 @@ pub fn motion(time: &[f64], values: &[f64], [start, end]: [f64; 2]) -> Option<Mo
         None => last.extrapolated(run, swing),
     };
     let sure = drift.abs() > unsure;
-    Some(Motion {
-        swing,
-        drift: if sure { drift } else { 0.0 },
-    })
+    Some(Motion { swing, drift: if sure { drift } else { 0.0 } })
 }
 
 /// The motion of a signal with less than two periods in its last part: it goes one way, or it turns.
 fn slow(time: &[f64], values: &[f64], end: usize, run: f64) -> Motion {
     // Rounding is no turn.
-    let largest = values
-        .iter()
-        .fold(0.0, |most: f64, value| most.max(value.abs()));
+    let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let enough = (0.1 * range(values)).max(1e-12 * largest);
     if range(values) <= enough {
         return Motion::default();
@@ -130,12 +125,7 @@ impl<'a> Stretch<'a> {
         let pairs = time.iter().zip(values);
         let rest: Vec<f64> = pairs.map(|(&t, &value)| value - line.at(t)).collect();
         let turns = crossings(&rest);
-        Some(Self {
-            time,
-            line,
-            rest,
-            turns,
-        })
+        Some(Self { time, line, rest, turns })
     }
 
     fn span(&self) -> f64 {
@@ -177,19 +167,11 @@ impl Line {
     fn through(time: &[f64], values: &[f64]) -> Option<Self> {
         let n = time.len() as f64;
         let centre = [time, values].map(|numbers| numbers.iter().sum::<f64>() / n);
-        let pairs = || {
-            time.iter()
-                .zip(values)
-                .map(|(t, v)| (t - centre[0], v - centre[1]))
-        };
+        let pairs = || time.iter().zip(values).map(|(t, v)| (t - centre[0], v - centre[1]));
         let spread: f64 = pairs().map(|(t, _)| t * t).sum();
         let slope = pairs().map(|(t, v)| t * v).sum::<f64>() / spread;
         let rest: f64 = pairs().map(|(t, v)| (v - slope * t).powi(2)).sum();
-        (spread > 0.0).then(|| Self {
-            centre,
-            slope,
-            deviation: (rest / (n - 2.0) / spread).sqrt(),
-        })
+        (spread > 0.0).then(|| Self { centre, slope, deviation: (rest / (n - 2.0) / spread).sqrt() })
     }
 
     fn at(&self, time: f64) -> f64 {
@@ -200,10 +182,7 @@ impl Line {
 /// How often numbers go from one side of 0 to the other, by more than a tenth of their range.
 fn crossings(numbers: &[f64]) -> usize {
     let enough = 0.1 * range(numbers);
-    let sides = numbers
-        .iter()
-        .filter(|number| number.abs() > enough)
-        .map(|number| *number > 0.0);
+    let sides = numbers.iter().filter(|number| number.abs() > enough).map(|number| *number > 0.0);
     let sides: Vec<bool> = sides.collect();
     sides.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
@@ -245,10 +224,7 @@ mod tests {
     #[test]
     fn a_drift_is_that_over_the_length_of_the_run() {
         let moves = of(|t| 82.0 + 0.02 * t + 0.5 * (TAU * t / 0.2).sin());
-        assert!(
-            (moves.drift - 3.0).abs() < 0.1 && (moves.swing - 1.0).abs() < 0.05,
-            "{moves:?}"
-        );
+        assert!((moves.drift - 3.0).abs() < 0.1 && (moves.swing - 1.0).abs() < 0.05, "{moves:?}");
         let moves = of(|t| 82.0 - 5.0 * (-t / 300.0).exp());
         assert!((1.3..1.8).contains(&moves.drift), "{moves:?}");
         assert_eq!(moves.swing, 0.0);
@@ -265,8 +241,7 @@ mod tests {
     #[test]
     fn scatter_is_no_drift() {
         for seed in 1..=20_u32 {
-            let noise =
-                |t: f64| ((t * 12_989.8 + f64::from(seed) * 78.2).sin() * 43_758.545).fract();
+            let noise = |t: f64| ((t * 12_989.8 + f64::from(seed) * 78.2).sin() * 43_758.545).fract();
             assert_eq!(of(noise).drift, 0.0, "{seed}");
         }
     }
@@ -279,10 +254,7 @@ mod tests {
         assert!((moves.drift - expected).abs() < 1e-9, "{moves:?}");
         assert_eq!(moves.swing, 0.0);
         let moves = of_a_second(|t| 750.0 + 0.7 * t + (TAU * 50.0 * t).sin());
-        assert!(
-            (moves.drift - 0.7).abs() < 0.05 && (moves.swing - 2.0).abs() < 0.05,
-            "{moves:?}"
-        );
+        assert!((moves.drift - 0.7).abs() < 0.05 && (moves.swing - 2.0).abs() < 0.05, "{moves:?}");
     }
 
     #[test]
@@ -291,10 +263,7 @@ mod tests {
             let periods = 0.6 * f64::from(periods);
             let moves = of_a_second(|t| 5.0 + (TAU * periods * t).sin());
             assert_eq!(moves.drift, 0.0, "{periods} periods: {moves:?}");
-            assert!(
-                (moves.swing - 2.0).abs() < 0.3,
-                "{periods} periods: {moves:?}"
-            );
+            assert!((moves.swing - 2.0).abs() < 0.3, "{periods} periods: {moves:?}");
         }
     }
 
@@ -302,20 +271,14 @@ mod tests {
     #[test]
     fn a_single_turn_is_a_drift_as_far_as_it_goes() {
         let moves = of_a_second(|t| 82.0 - 4.0 * (t - 1.5).powi(2));
-        assert!(
-            (moves.drift - 1.0).abs() < 1e-3 && moves.swing == 0.0,
-            "{moves:?}"
-        );
+        assert!((moves.drift - 1.0).abs() < 1e-3 && moves.swing == 0.0, "{moves:?}");
     }
 
     /// A sensor that holds its value between its readings.
     #[test]
     fn stairs_that_go_one_way_do_not_swing() {
         let moves = of(|t| 82.0 - 5.0 * (-(t / 3.0).floor() / 100.0).exp());
-        assert!(
-            moves.swing == 0.0 && (1.3..1.8).contains(&moves.drift),
-            "{moves:?}"
-        );
+        assert!(moves.swing == 0.0 && (1.3..1.8).contains(&moves.drift), "{moves:?}");
     }
 
     /// Steps of the golden ratio times the period see all phases of a swing, even though each is longer than a period.

@@ -61,9 +61,7 @@ impl Channel {
     /// The samples at times within a window.
     pub(crate) fn within(&self, [from, to]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
         let pairs = self.time.iter().zip(&self.values);
-        pairs
-            .filter(|(time, _)| (from..=to).contains(*time))
-            .unzip()
+        pairs.filter(|(time, _)| (from..=to).contains(*time)).unzip()
     }
 
     /// How many samples are before a time.
@@ -73,19 +71,10 @@ impl Channel {
 
     /// What became of its rows: those that were lost for these reasons, too, are not used.
     pub(crate) fn account(&self, reasons: &[(usize, &'static str)]) -> Account {
-        let lost = self
-            .lost
-            .iter()
-            .chain(reasons)
-            .filter(|(count, _)| *count > 0);
+        let lost = self.lost.iter().chain(reasons).filter(|(count, _)| *count > 0);
         let lost: Vec<_> = lost.copied().collect();
         let rows = self.values.len() + self.lost.iter().map(|(count, _)| count).sum::<usize>();
-        Account {
-            name: self.name.clone(),
-            rows,
-            used: rows - lost.iter().map(|(count, _)| count).sum::<usize>(),
-            lost,
-        }
+        Account { name: self.name.clone(), rows, used: rows - lost.iter().map(|(count, _)| count).sum::<usize>(), lost }
     }
 }
 
@@ -108,9 +97,7 @@ pub struct Account {
 impl std::fmt::Display for Account {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {} rows, {} used", self.name, self.rows, self.used)?;
-        self.lost
-            .iter()
-            .try_for_each(|(count, why)| write!(f, ", {count} {why}"))
+        self.lost.iter().try_for_each(|(count, why)| write!(f, ", {count} {why}"))
     }
 }
 
@@ -179,18 +166,12 @@ impl RigRecording {
 
     /// All that was measured: load and torque first.
     pub fn signals(&self) -> impl Iterator<Item = &Channel> {
-        let pair = self
-            .bearing
-            .iter()
-            .flat_map(|bearing| [&bearing.load, &bearing.torque]);
+        let pair = self.bearing.iter().flat_map(|bearing| [&bearing.load, &bearing.torque]);
         pair.chain(&self.others)
     }
 
     fn speeds(&self) -> Vec<f64> {
-        let speed = self
-            .bearing
-            .iter()
-            .flat_map(|bearing| bearing.speed.values.iter().copied());
+        let speed = self.bearing.iter().flat_map(|bearing| bearing.speed.values.iter().copied());
         speed.filter(|v| v.is_finite()).collect()
     }
 

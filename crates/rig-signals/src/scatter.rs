@@ -48,10 +48,7 @@ fn by_differences(values: &[f64], order: usize, stride: usize) -> f64 {
     let mut rows = values.to_vec();
     let mut square = 1.0;
     for step in 1..=order {
-        rows = rows
-            .windows(stride + 1)
-            .map(|pair| pair[stride] - pair[0])
-            .collect();
+        rows = rows.windows(stride + 1).map(|pair| pair[stride] - pair[0]).collect();
         // The squares of the binomial coefficients add up to that of twice the order.
         square *= (order + step) as f64 / step as f64;
     }
@@ -93,16 +90,9 @@ mod tests {
             let rows = rows.map(|(row, noise)| signal(row, period) + 0.003 * noise);
             scatter(&rows.collect::<Vec<_>>()).unwrap()
         };
-        assert!(
-            (with(&noise, 20.0) / 0.003 - 1.0).abs() < 0.12,
-            "{}",
-            with(&noise, 20.0)
-        );
+        assert!((with(&noise, 20.0) / 0.003 - 1.0).abs() < 0.12, "{}", with(&noise, 20.0));
         // The mean of two neighbours has a deviation of 1 / sqrt(2), which single differences would put at a tenth of it.
-        let smooth: Vec<f64> = noise
-            .windows(2)
-            .map(|pair| 0.5 * (pair[0] + pair[1]))
-            .collect();
+        let smooth: Vec<f64> = noise.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let told = with(&smooth, 20.0);
         assert!((told / 0.003 * 2.0_f64.sqrt() - 1.0).abs() < 0.15, "{told}");
         // A signal that a few rows hardly follow is not taken for scatter of every third row.

@@ -7,9 +7,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SignalError {
     /// Fewer samples than needed.
-    #[error(
-        "signal '{name}' has {usable} usable samples, {needed} are needed: record a longer window"
-    )]
+    #[error("signal '{name}' has {usable} usable samples, {needed} are needed: record a longer window")]
     TooShort {
         /// The signal.
         name: String,
@@ -19,9 +17,7 @@ pub enum SignalError {
         needed: usize,
     },
     /// Times that do not increase.
-    #[error(
-        "the time of signal '{name}' does not increase at {time} s: remove the row that repeats a time"
-    )]
+    #[error("the time of signal '{name}' does not increase at {time} s: remove the row that repeats a time")]
     Unsorted {
         /// The signal.
         name: String,
@@ -29,9 +25,7 @@ pub enum SignalError {
         time: f64,
     },
     /// A hole in the record.
-    #[error(
-        "signal '{name}' has no samples from {from} s to {to} s: choose a window without this gap"
-    )]
+    #[error("signal '{name}' has no samples from {from} s to {to} s: choose a window without this gap")]
     Gap {
         /// The signal.
         name: String,
@@ -57,38 +51,22 @@ pub struct Spline {
 impl Spline {
     /// A spline through finite samples at increasing times; samples that are not finite are left out.
     /// A gap longer than `longest_gap` steps (of median length) is refused.
-    pub fn new(
-        name: &str,
-        time: &[f64],
-        values: &[f64],
-        longest_gap: f64,
-    ) -> Result<Self, SignalError> {
+    pub fn new(name: &str, time: &[f64], values: &[f64], longest_gap: f64) -> Result<Self, SignalError> {
         const LEAST: usize = 8;
         let pairs = time.iter().zip(values);
         let known = pairs.filter(|(t, v)| t.is_finite() && v.is_finite());
         let (time, values): (Vec<f64>, Vec<f64>) = known.unzip();
         if time.len() < LEAST {
-            return Err(SignalError::TooShort {
-                name: name.into(),
-                usable: time.len(),
-                needed: LEAST,
-            });
+            return Err(SignalError::TooShort { name: name.into(), usable: time.len(), needed: LEAST });
         }
         if let Some(w) = time.windows(2).find(|w| w[1] <= w[0]) {
-            return Err(SignalError::Unsorted {
-                name: name.into(),
-                time: w[1],
-            });
+            return Err(SignalError::Unsorted { name: name.into(), time: w[1] });
         }
         let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
         steps.sort_by(f64::total_cmp);
         let longest = longest_gap * steps[steps.len() / 2];
         if let Some(w) = time.windows(2).find(|w| w[1] - w[0] > longest) {
-            return Err(SignalError::Gap {
-                name: name.into(),
-                from: w[0],
-                to: w[1],
-            });
+            return Err(SignalError::Gap { name: name.into(), from: w[0], to: w[1] });
         }
         let bend = bends(&time, &values);
         Ok(Self { time, values, bend })
@@ -132,9 +110,7 @@ fn bends(time: &[f64], values: &[f64]) -> Vec<f64> {
         let ratio = lower / diagonal[i - 1];
         diagonal[i] = (h0 + h1) / 3.0 - ratio * upper[i - 1];
         upper[i] = h1 / 6.0;
-        right[i] = (values[i + 1] - values[i]) / h1
-            - (values[i] - values[i - 1]) / h0
-            - ratio * right[i - 1];
+        right[i] = (values[i + 1] - values[i]) / h1 - (values[i] - values[i - 1]) / h0 - ratio * right[i - 1];
     }
     let mut bend = vec![0.0; n];
     for i in (1..n - 1).rev() {
@@ -160,11 +136,7 @@ impl Even {
         let n = ((end - start) / step * (1.0 + 1e-12)).floor() as usize + 1;
         let value = |k| spline.at(start + k as f64 * step);
         let values = (0..n).map(value).collect();
-        Self {
-            start,
-            step,
-            values,
-        }
+        Self { start, step, values }
     }
 
     /// The times of the samples, s.
@@ -180,9 +152,7 @@ mod tests {
 
     #[test]
     fn a_spline_follows_a_sine_between_uneven_samples() {
-        let time: Vec<f64> = (0..200)
-            .map(|k| f64::from(k) * 0.01 + 0.003 * f64::from(k % 3))
-            .collect();
+        let time: Vec<f64> = (0..200).map(|k| f64::from(k) * 0.01 + 0.003 * f64::from(k % 3)).collect();
         let values: Vec<f64> = time.iter().map(|t| (8.0 * t).sin()).collect();
         let spline = Spline::new("s", &time, &values, 5.0).unwrap();
         for k in 1..180 {
@@ -193,26 +163,14 @@ mod tests {
 
     #[test]
     fn gaps_and_disorder_are_named() {
-        let time: Vec<f64> = (0..20)
-            .map(|k| f64::from(k) + if k > 9 { 30.0 } else { 0.0 })
-            .collect();
+        let time: Vec<f64> = (0..20).map(|k| f64::from(k) + if k > 9 { 30.0 } else { 0.0 }).collect();
         assert_eq!(
             Spline::new("load", &time, &time, 5.0).unwrap_err(),
-            SignalError::Gap {
-                name: "load".into(),
-                from: 9.0,
-                to: 40.0
-            }
+            SignalError::Gap { name: "load".into(), from: 9.0, to: 40.0 }
         );
         let mut back = time.clone();
         back[5] = 2.0;
-        assert!(matches!(
-            Spline::new("load", &back, &time, 50.0),
-            Err(SignalError::Unsorted { .. })
-        ));
-        assert!(matches!(
-            Spline::new("load", &time[..3], &time, 50.0),
-            Err(SignalError::TooShort { .. })
-        ));
+        assert!(matches!(Spline::new("load", &back, &time, 50.0), Err(SignalError::Unsorted { .. })));
+        assert!(matches!(Spline::new("load", &time[..3], &time, 50.0), Err(SignalError::TooShort { .. })));
     }
 }

@@ -36,10 +36,9 @@ impl fmt::Display for Smoothing {
             Self::SavitzkyGolay { window, order } => {
                 write!(f, "Savitzky-Golay, order {order} over {window} samples")
             }
-            Self::Butterworth { cutoff, order } => write!(
-                f,
-                "Butterworth low pass, order {order} at {cutoff} Hz, forwards and backwards"
-            ),
+            Self::Butterworth { cutoff, order } => {
+                write!(f, "Butterworth low pass, order {order} at {cutoff} Hz, forwards and backwards")
+            }
         }
     }
 }
@@ -68,11 +67,10 @@ fn savitzky_golay(values: &[f64], window: usize, order: usize) -> Result<Vec<f64
     // Rows of the hat matrix: the fitted value at each place of a window as weights of its samples.
     let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
     let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
-    let inverse = powers.clone().pseudo_inverse(1e-14).map_err(|e| {
-        SignalError::Setting(format!(
-            "Savitzky-Golay of order {order} cannot be solved: {e}"
-        ))
-    })?;
+    let inverse = powers
+        .clone()
+        .pseudo_inverse(1e-14)
+        .map_err(|e| SignalError::Setting(format!("Savitzky-Golay of order {order} cannot be solved: {e}")))?;
     let hat = powers * inverse;
     let n = values.len();
     let fitted = |i: usize| -> f64 {
@@ -126,18 +124,12 @@ fn sections(cutoff: f64, order: usize) -> Vec<Section> {
         let scale = 1.0 + damping * w + w * w;
         let b = w * w / scale;
         let last = (1.0 - damping * w + w * w) / scale;
-        Section {
-            b: [b, 2.0 * b, b],
-            a: [2.0 * (w * w - 1.0) / scale, last],
-        }
+        Section { b: [b, 2.0 * b, b], a: [2.0 * (w * w - 1.0) / scale, last] }
     };
     let mut sections: Vec<Section> = (0..order / 2).map(pair).collect();
     if order % 2 == 1 {
         let b = w / (1.0 + w);
-        sections.push(Section {
-            b: [b, b, 0.0],
-            a: [(w - 1.0) / (1.0 + w), 0.0],
-        });
+        sections.push(Section { b: [b, b, 0.0], a: [(w - 1.0) / (1.0 + w), 0.0] });
     }
     sections
 }
@@ -171,9 +163,7 @@ mod tests {
                 let ratio = (PI * frequency * step).tan() / (PI * cutoff * step).tan();
                 1.0 / (1.0 + ratio.powi(2 * order as i32))
             }
-            Smoothing::SavitzkyGolay { window, order } => {
-                savitzky_golay_gain(window, order, frequency * step)
-            }
+            Smoothing::SavitzkyGolay { window, order } => savitzky_golay_gain(window, order, frequency * step),
         }
     }
 
@@ -181,21 +171,13 @@ mod tests {
         let half = window / 2;
         let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
         let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
-        let wave = DVector::from_fn(window, |r, _| {
-            (2.0 * PI * cycles * (r as f64 - half as f64)).cos()
-        });
-        let inverse = powers
-            .pseudo_inverse(1e-14)
-            .expect("the limit of singular values is not negative");
+        let wave = DVector::from_fn(window, |r, _| (2.0 * PI * cycles * (r as f64 - half as f64)).cos());
+        let inverse = powers.pseudo_inverse(1e-14).expect("the limit of singular values is not negative");
         (inverse * wave)[0]
     }
 
     fn signal() -> Vec<f64> {
-        (0..40)
-            .map(|k| {
-                (f64::from(k) * 0.7).sin() + 0.3 * (f64::from(k) * 2.9).cos() + 0.01 * f64::from(k)
-            })
-            .collect()
+        (0..40).map(|k| (f64::from(k) * 0.7).sin() + 0.3 * (f64::from(k) * 2.9).cos() + 0.01 * f64::from(k)).collect()
     }
 
     fn close(values: &[f64], places: [usize; 4], expected: [f64; 4], tolerance: f64) {
@@ -207,65 +189,25 @@ mod tests {
     /// SciPy 1.x: `savgol_filter(x, 7, 3)`.
     #[test]
     fn savitzky_golay_equals_scipy() {
-        close(
-            &savitzky_golay(&signal(), 7, 3).unwrap(),
-            [0, 2, 20, 39],
-            SAVGOL,
-            1e-10,
-        );
+        close(&savitzky_golay(&signal(), 7, 3).unwrap(), [0, 2, 20, 39], SAVGOL, 1e-10);
     }
-    const SAVGOL: [f64; 4] = [
-        0.17408515386742826,
-        0.9220469955168947,
-        1.1127388784709775,
-        1.4226553793500574,
-    ];
+    const SAVGOL: [f64; 4] = [0.17408515386742826, 0.9220469955168947, 1.1127388784709775, 1.4226553793500574];
 
     /// SciPy 1.x: `sosfiltfilt(butter(N, 0.3, output="sos"), x, padlen=...)` with the same padding.
     #[test]
     fn butterworth_equals_scipy() {
-        close(
-            &butterworth(&signal(), 0.15, 4).unwrap(),
-            [0, 2, 20, 39],
-            BUTTER4,
-            1e-10,
-        );
-        close(
-            &butterworth(&signal(), 0.15, 3).unwrap(),
-            [0, 2, 20, 39],
-            BUTTER3,
-            1e-10,
-        );
+        close(&butterworth(&signal(), 0.15, 4).unwrap(), [0, 2, 20, 39], BUTTER4, 1e-10);
+        close(&butterworth(&signal(), 0.15, 3).unwrap(), [0, 2, 20, 39], BUTTER3, 1e-10);
     }
-    const BUTTER4: [f64; 4] = [
-        0.2985894878113545,
-        0.9354826675063309,
-        1.1271413055083337,
-        1.5111685752928512,
-    ];
-    const BUTTER3: [f64; 4] = [
-        0.29889007191768063,
-        0.8832945872967664,
-        1.0726724893379518,
-        1.5188581687981568,
-    ];
+    const BUTTER4: [f64; 4] = [0.2985894878113545, 0.9354826675063309, 1.1271413055083337, 1.5111685752928512];
+    const BUTTER3: [f64; 4] = [0.29889007191768063, 0.8832945872967664, 1.0726724893379518, 1.5188581687981568];
 
     #[test]
     fn smoothing_moves_no_zero_crossing() {
         let step = 1e-3;
-        let wave: Vec<f64> = (0..4000)
-            .map(|k| (2.0 * PI * 5.0 * f64::from(k) * step + 0.4).sin())
-            .collect();
-        for s in [
-            Smoothing::Butterworth {
-                cutoff: 40.0,
-                order: 4,
-            },
-            Smoothing::SavitzkyGolay {
-                window: 31,
-                order: 3,
-            },
-        ] {
+        let wave: Vec<f64> = (0..4000).map(|k| (2.0 * PI * 5.0 * f64::from(k) * step + 0.4).sin()).collect();
+        for s in [Smoothing::Butterworth { cutoff: 40.0, order: 4 }, Smoothing::SavitzkyGolay { window: 31, order: 3 }]
+        {
             let smooth = s.apply(&wave, step).unwrap();
             let g = gain(s, step, 5.0);
             for k in 1000..3000 {

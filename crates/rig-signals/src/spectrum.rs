@@ -51,23 +51,11 @@ pub struct Noise {
 impl Noise {
     /// The noise by the differences of neighbouring rows, for a signal of which no lines are known.
     pub(crate) fn by_rows(values: &[f64]) -> Option<Self> {
-        let values: Vec<f64> = values
-            .iter()
-            .copied()
-            .filter(|value| value.is_finite())
-            .collect();
+        let values: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
         // What is left of digits is no noise.
-        let digits = 1e-9
-            * values
-                .iter()
-                .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let digits = 1e-9 * values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let row = scatter(&values).filter(|row| *row > digits)?;
-        Some(Self {
-            row,
-            equivalent: row,
-            freedom: freedom(values.len())?,
-            ..Self::default()
-        })
+        Some(Self { row, equivalent: row, freedom: freedom(values.len())?, ..Self::default() })
     }
 
     /// Whether neighbouring rows share their noise: of a white one chance says so once in about 50 channels.
@@ -99,9 +87,7 @@ fn transform(values: &[f64]) -> Vec<Complex<f64>> {
     let window = window(values.len());
     let scale = window.iter().map(|w| w * w).sum::<f64>().sqrt();
     let pairs = values.iter().zip(&window).enumerate();
-    let mut tapered: Vec<f64> = pairs
-        .map(|(k, (v, w))| (v - centre - slope * place(k)) * w / scale)
-        .collect();
+    let mut tapered: Vec<f64> = pairs.map(|(k, (v, w))| (v - centre - slope * place(k)) * w / scale).collect();
     let transform = RealFftPlanner::new().plan_fft_forward(values.len());
     let mut bins = transform.make_output_vec();
     let done = transform.process(&mut tapered, &mut bins);
@@ -141,10 +127,7 @@ impl Comb {
     pub fn new(load: &Even, turn: Option<f64>, spread: f64) -> Self {
         let n = load.values.len();
         let bin = 1.0 / (n as f64 * load.step);
-        let power: Vec<f64> = transform(&load.values)
-            .iter()
-            .map(Complex::norm_sqr)
-            .collect();
+        let power: Vec<f64> = transform(&load.values).iter().map(Complex::norm_sqr).collect();
         let shaft = turn.map(|turn| refined(&power, 1.0 / (turn * bin)));
         // Shorter records leave nothing between the lines.
         let shaft = shaft.filter(|shaft| *shaft > 2.0 * LOBE as f64 + 2.0);
@@ -159,11 +142,7 @@ impl Comb {
             let reach = LOBE as f64 + harmonic * (0.05 + spread * shaft);
             ((place - harmonic * shaft).abs() <= reach).then_some(harmonic as usize)
         };
-        Self {
-            bin,
-            shaft,
-            line: (0..power.len()).map(line).collect(),
-        }
+        Self { bin, shaft, line: (0..power.len()).map(line).collect() }
     }
 
     fn between(&self) -> Vec<usize> {
@@ -197,13 +176,10 @@ impl Comb {
         let squares: f64 = places.iter().map(|&k| density[k].powi(2)).sum();
         let freedom = 4.0 * (all * row).powi(2) / squares / memory();
         let turn = TAU / signal.values.len() as f64;
-        let cosines = places
-            .iter()
-            .map(|&k| ((turn * k as f64).cos(), density[k] - row));
+        let cosines = places.iter().map(|&k| ((turn * k as f64).cos(), density[k] - row));
         // The first of the cosines that the density is a sum of, by least squares, as some of the bins are left out.
-        let (products, norm) = cosines.fold((0.0, 0.0), |(products, norm), (cosine, off)| {
-            (products + cosine * off, norm + cosine * cosine)
-        });
+        let (products, norm) = cosines
+            .fold((0.0, 0.0), |(products, norm), (cosine, off)| (products + cosine * off, norm + cosine * cosine));
         // Of noise at frequencies where the signal does not vary a fit knows nothing.
         let (mut weighted, mut weights, mut variance) = (0.0, 0.0, 0.0);
         if let Some(shaft) = self.shaft {
@@ -234,24 +210,11 @@ impl Comb {
     }
 
     /// The squared coherence of two channels in a group of bins.
-    fn coherence(
-        &self,
-        one: &[Complex<f64>],
-        other: &[Complex<f64>],
-        group: &[usize],
-        delay: f64,
-    ) -> f64 {
-        let cross: Complex<f64> = group
-            .iter()
-            .map(|&k| one[k] * other[k].conj() * self.turned(k, -delay))
-            .sum();
+    fn coherence(&self, one: &[Complex<f64>], other: &[Complex<f64>], group: &[usize], delay: f64) -> f64 {
+        let cross: Complex<f64> = group.iter().map(|&k| one[k] * other[k].conj() * self.turned(k, -delay)).sum();
         let power = |of: &[Complex<f64>]| group.iter().map(|&k| of[k].norm_sqr()).sum::<f64>();
         let scale = power(one) * power(other);
-        if scale > 0.0 {
-            cross.norm_sqr() / scale
-        } else {
-            0.0
-        }
+        if scale > 0.0 { cross.norm_sqr() / scale } else { 0.0 }
     }
 
     /// By how much a bin turns in a time, s.
@@ -261,11 +224,7 @@ impl Comb {
 
     /// Why the delay of the torque has no interval: what both channels share and is not the load, a sentence with its remedy.
     /// `half` is the interval's half width, `longest` the longest delay, and `kernel` the deviation of the search's kernel, s.
-    pub fn disturbance(
-        &self,
-        [load, torque]: [&Even; 2],
-        [delay, half, longest, kernel]: [f64; 4],
-    ) -> Option<String> {
+    pub fn disturbance(&self, [load, torque]: [&Even; 2], [delay, half, longest, kernel]: [f64; 4]) -> Option<String> {
         let [x, y] = [load, torque].map(|signal| transform(&signal.values));
         let places = self.between();
         if places.len() < NEAR {
@@ -287,26 +246,18 @@ impl Comb {
         let common: Vec<(usize, usize)> = numbered.iter().copied().filter(stands_out).collect();
         let mains = self.mains([&x, &y]);
         let of = |common: &mut dyn Iterator<Item = &(usize, usize)>| -> Vec<usize> {
-            common
-                .map(|&(_, k)| k)
-                .chain(mains.iter().copied())
-                .collect()
+            common.map(|&(_, k)| k).chain(mains.iter().copied()).collect()
         };
         let all = of(&mut common.iter());
         let lines = of(&mut common.iter().filter(|line| unexplained(line)));
         let near = |lines: &[usize], k: usize| lines.iter().any(|line| line.abs_diff(k) <= LOBE);
         // The first two derivatives of the correlation by the delay, behind the kernel, from some bins.
         let derivatives = |which: &dyn Fn(usize) -> bool| {
-            (1..x.len())
-                .filter(|&k| which(k))
-                .fold([0.0; 2], |[pull, bend], k| {
-                    let angular = TAU * k as f64 * self.bin;
-                    let cross = (-(angular * kernel).powi(2)).exp() * cross(k);
-                    [
-                        pull - angular * cross.im,
-                        bend - angular * angular * cross.re,
-                    ]
-                })
+            (1..x.len()).filter(|&k| which(k)).fold([0.0; 2], |[pull, bend], k| {
+                let angular = TAU * k as f64 * self.bin;
+                let cross = (-(angular * kernel).powi(2)).exp() * cross(k);
+                [pull - angular * cross.im, bend - angular * angular * cross.re]
+            })
         };
         let [pull, _] = derivatives(&|k| near(&lines, k));
         let [_, rest] = derivatives(&|k| !near(&lines, k));
@@ -322,11 +273,7 @@ impl Comb {
         };
         let other = |k: usize| self.line[k].is_none() && !near(&all, k);
         let is_periodic = usual(&is_harmonic) / usual(&other).abs() > 5.0;
-        let (far, moves) = if is_periodic {
-            (0.5, MOVES)
-        } else {
-            (1.5, 0.4)
-        };
+        let (far, moves) = if is_periodic { (0.5, MOVES) } else { (1.5, 0.4) };
         let apart = (of_lines - delay).abs() > far * half * (bend / line_bend).max(1.0).sqrt();
         let pulled = (pull / rest).abs();
         let moved = match apart && is_periodic {
@@ -335,9 +282,7 @@ impl Comb {
         };
         if let Some((lines, moved)) = moved {
             let strength = |k: &usize| x[*k].norm_sqr() * y[*k].norm_sqr();
-            let strongest = lines
-                .iter()
-                .max_by(|a, b| strength(a).total_cmp(&strength(b)))?;
+            let strongest = lines.iter().max_by(|a, b| strength(a).total_cmp(&strength(b)))?;
             let frequency = *strongest as f64 * self.bin;
             return Some(format!(
                 "both channels have a line at {frequency:.1} Hz that the load does not explain, such as mains hum; it moves the delay by \
@@ -356,9 +301,7 @@ impl Comb {
         let power: f64 = quiet.iter().map(|(_, c)| c.norm_sqr()).sum();
         let deviation = (power * memory() / 2.0).sqrt();
         let together = |lag: f64| {
-            let terms = quiet
-                .iter()
-                .map(|(k, c)| (c * self.turned(*k, lag - delay)).re);
+            let terms = quiet.iter().map(|(k, c)| (c * self.turned(*k, lag - delay)).re);
             terms.sum::<f64>() / deviation
         };
         let most = (2.0 * longest / kernel).ceil().min(500.0);
@@ -386,27 +329,16 @@ impl Comb {
 
     /// Whether what varies between the harmonics has another phase than one delay gives it. `bend` is what all bins tell of the
     /// delay: where those between the lines tell little of it, their phase does not matter.
-    fn dispersion(
-        &self,
-        [x, y]: [&[Complex<f64>]; 2],
-        places: &[usize],
-        delay: f64,
-        bend: f64,
-    ) -> Option<String> {
+    fn dispersion(&self, [x, y]: [&[Complex<f64>]; 2], places: &[usize], delay: f64, bend: f64) -> Option<String> {
         let angular = |k: usize| TAU * k as f64 * self.bin;
         let cross = |k: usize| x[k].conj() * y[k] * self.turned(k, delay);
-        let between: f64 = places
-            .iter()
-            .map(|&k| -angular(k).powi(2) * cross(k).re)
-            .sum();
+        let between: f64 = places.iter().map(|&k| -angular(k).powi(2) * cross(k).re).sum();
         let free = NEAR as f64 / memory();
         let squares: Vec<f64> = places
             .chunks_exact(NEAR)
             .map(|group| {
-                let power =
-                    |of: &[Complex<f64>]| group.iter().map(|&k| of[k].norm_sqr()).sum::<f64>();
-                let mean = group.iter().map(|&k| cross(k)).sum::<Complex<f64>>()
-                    / (power(x) * power(y)).sqrt();
+                let power = |of: &[Complex<f64>]| group.iter().map(|&k| of[k].norm_sqr()).sum::<f64>();
+                let mean = group.iter().map(|&k| cross(k)).sum::<Complex<f64>>() / (power(x) * power(y)).sqrt();
                 2.0 * free * mean.im.powi(2) / (1.0 - mean.norm_sqr())
             })
             .collect();

@@ -61,11 +61,7 @@ pub fn test(blocks: &[f64], confidence: f64) -> Option<Stationarity> {
     let effective = (n * (1.0 - memory) / (1.0 + memory)).clamp(4.0, n);
     let error = (squares / (effective - 2.0) / spread * (n / effective)).sqrt();
     let student = StudentsT::new(0.0, 1.0, effective - 2.0).ok()?;
-    let chance = if error > 0.0 {
-        2.0 * student.sf((slope / error).abs())
-    } else {
-        f64::from(slope == 0.0)
-    };
+    let chance = if error > 0.0 { 2.0 * student.sf((slope / error).abs()) } else { f64::from(slope == 0.0) };
     let width = student.inverse_cdf(0.5 + confidence / 2.0) * error;
     let wander_chance = von_neumann(&rest, squares);
     Some(Stationarity {
@@ -80,11 +76,7 @@ pub fn test(blocks: &[f64], confidence: f64) -> Option<Stationarity> {
 }
 
 fn correlation(rest: &[f64], squares: f64) -> f64 {
-    if squares > 0.0 {
-        (rest.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / squares).clamp(0.0, 0.9)
-    } else {
-        0.0
-    }
+    if squares > 0.0 { (rest.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / squares).clamp(0.0, 0.9) } else { 0.0 }
 }
 
 /// The chance of a ratio of mean square successive difference to variance as small as this: about
@@ -125,9 +117,7 @@ mod tests {
 
     #[test]
     fn steady_signals_are_rarely_called_otherwise() {
-        let alarms = (0..500)
-            .filter(|s| !test(&noise(60, *s), 0.99).unwrap().steady())
-            .count();
+        let alarms = (0..500).filter(|s| !test(&noise(60, *s), 0.99).unwrap().steady()).count();
         // 1 % for either test: 10 of 500 expected, 20 at most with probability 99.8 %.
         assert!(alarms <= 20, "{alarms}");
     }
@@ -136,10 +126,7 @@ mod tests {
     fn a_drifting_signal_is_called_drifting() {
         for seed in 0..50 {
             let mut values = noise(60, seed);
-            values
-                .iter_mut()
-                .enumerate()
-                .for_each(|(k, v)| *v += 0.08 * k as f64);
+            values.iter_mut().enumerate().for_each(|(k, v)| *v += 0.08 * k as f64);
             let s = test(&values, 0.99).unwrap();
             assert!(s.trend && s.change.contains(0.08 * 59.0), "{s:?}");
         }
@@ -148,10 +135,7 @@ mod tests {
     #[test]
     fn a_wandering_signal_without_trend_is_called_drifting() {
         let mut values = noise(80, 3);
-        values
-            .iter_mut()
-            .enumerate()
-            .for_each(|(k, v)| *v += if (20..60).contains(&k) { 4.0 } else { 0.0 });
+        values.iter_mut().enumerate().for_each(|(k, v)| *v += if (20..60).contains(&k) { 4.0 } else { 0.0 });
         let s = test(&values, 0.99).unwrap();
         assert!(!s.trend && s.drift, "{s:?}");
     }
@@ -166,9 +150,6 @@ mod tests {
     fn the_mean_of_independent_blocks_has_the_usual_uncertainty() {
         let values = noise(4000, 1);
         let u = uncertainty_of_mean(&block_means(&values, 40));
-        assert!(
-            (u - 1.0 / 4000f64.sqrt()).abs() < 0.3 / 4000f64.sqrt(),
-            "{u}"
-        );
+        assert!((u - 1.0 / 4000f64.sqrt()).abs() < 0.3 / 4000f64.sqrt(), "{u}");
     }
 }

@@ -4,13 +4,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use std::f64::consts::TAU;
 
-fn channel(
-    name: &str,
-    variable: &str,
-    unit: &str,
-    accuracy: Accuracy,
-    values: Vec<f64>,
-) -> Channel {
+fn channel(name: &str, variable: &str, unit: &str, accuracy: Accuracy, values: Vec<f64>) -> Channel {
     Channel {
         name: name.into(),
         variable: variable.into(),
@@ -36,56 +30,19 @@ fn recording(creep: f64) -> RigRecording {
     let time: Vec<f64> = (0..30_000).map(|k| f64::from(k) * 1e-3).collect();
     let force = |t: f64| 750.0 * (1.0 + 0.5 * (TAU * 5.0 * t).sin());
     let load = time.iter().map(|t| force(*t) + 10.0 * noise()).collect();
-    let torque = time
-        .iter()
-        .map(|t| 0.0472 * 0.0125 * force(t - 0.016) + 0.005 * noise())
-        .collect();
-    let oil = time
-        .iter()
-        .map(|t| 48.0 + creep * (t / 30.0 - 0.5) + 0.1 * noise())
-        .collect();
+    let torque = time.iter().map(|t| 0.0472 * 0.0125 * force(t - 0.016) + 0.005 * noise()).collect();
+    let oil = time.iter().map(|t| 48.0 + creep * (t / 30.0 - 0.5) + 0.1 * noise()).collect();
     RigRecording {
         bearing: Some(Bearing {
-            load: channel(
-                "F_N",
-                "sensor.loadForce",
-                "N",
-                Accuracy::Relative(0.01),
-                load,
-            ),
-            torque: channel(
-                "M",
-                "sensor.frictionTorque",
-                "N.m",
-                Accuracy::Relative(0.02),
-                torque,
-            ),
-            speed: channel(
-                "speed",
-                "drive.speed",
-                "rad/s",
-                Accuracy::Relative(0.005),
-                vec![TAU * 5.0; 30_000],
-            ),
-            power: Some(Derived {
-                name: "P_fr".to_owned(),
-                variable: "sensor.frictionPower".to_owned(),
-                group: None,
-            }),
+            load: channel("F_N", "sensor.loadForce", "N", Accuracy::Relative(0.01), load),
+            torque: channel("M", "sensor.frictionTorque", "N.m", Accuracy::Relative(0.02), torque),
+            speed: channel("speed", "drive.speed", "rad/s", Accuracy::Relative(0.005), vec![TAU * 5.0; 30_000]),
+            power: Some(Derived { name: "P_fr".to_owned(), variable: "sensor.frictionPower".to_owned(), group: None }),
             diameter: 0.025,
-            smoothing: Smoothing::Butterworth {
-                cutoff: 60.0,
-                order: 4,
-            },
+            smoothing: Smoothing::Butterworth { cutoff: 60.0, order: 4 },
             longest_delay: 0.05,
         }),
-        others: vec![channel(
-            "T_oil",
-            "sensor.oilTemperature",
-            "degC",
-            Accuracy::Absolute(0.5),
-            oil,
-        )],
+        others: vec![channel("T_oil", "sensor.oilTemperature", "degC", Accuracy::Absolute(0.5), oil)],
         window: None,
         start: None,
         confidence: 0.99,
@@ -97,9 +54,7 @@ fn a_record_becomes_criteria() {
     let s = synchronise(&recording(0.0)).unwrap();
     assert!((s.delay.shift() - 0.016).abs() < 1e-4, "{:?}", s.delay);
     assert!(s.warnings.is_empty(), "{:?}", s.warnings);
-    let [load, torque, power, oil, swing, _] = s.findings.as_slice() else {
-        panic!("{:?}", s.findings)
-    };
+    let [load, torque, power, oil, swing, _] = s.findings.as_slice() else { panic!("{:?}", s.findings) };
     assert!((load.measured.value - 750.0).abs() < 1.0);
     assert!((torque.measured.value - 0.4425).abs() < 1e-3);
     assert!((power.measured.value - 0.4425 * TAU * 5.0).abs() < 0.03);
@@ -116,11 +71,7 @@ fn a_record_becomes_criteria() {
 fn a_creeping_temperature_is_reported() {
     let s = synchronise(&recording(0.2)).unwrap();
     assert_eq!(s.warnings.len(), 1, "{:?}", s.warnings);
-    assert!(
-        s.warnings[0].starts_with("T_oil is drifting"),
-        "{:?}",
-        s.warnings
-    );
+    assert!(s.warnings[0].starts_with("T_oil is drifting"), "{:?}", s.warnings);
     let oil = s.findings.iter().find(|f| f.name == "T_oil").unwrap();
     assert!(oil.stationarity.as_ref().unwrap().change.contains(0.2));
 }
@@ -132,20 +83,10 @@ fn the_window_is_used_and_wrong_settings_are_named() {
     let s = synchronise(&r).unwrap();
     assert!(s.time[0] >= 5.0 && *s.time.last().unwrap() <= 20.0);
     bearing(&mut r).diameter = -0.025;
-    assert!(
-        synchronise(&r)
-            .unwrap_err()
-            .to_string()
-            .contains("diameter")
-    );
+    assert!(synchronise(&r).unwrap_err().to_string().contains("diameter"));
     let mut r = recording(0.0);
     bearing(&mut r).torque.values.pop();
-    assert!(
-        synchronise(&r)
-            .unwrap_err()
-            .to_string()
-            .contains("'M' has 29999 rows, its time has 30000")
-    );
+    assert!(synchronise(&r).unwrap_err().to_string().contains("'M' has 29999 rows, its time has 30000"));
 }
 
 #[test]
@@ -172,10 +113,7 @@ fn the_text_is_a_table_of_criteria() {
     assert!(!text.contains("uncertainty-correlations"), "{text}");
     let power = text.split("[criteria.P_fr]").nth(1).unwrap();
     let power = power.split("[criteria").next().unwrap();
-    assert!(
-        power.contains("derived = { from = \"M\", by = \"drive.speed\" }"),
-        "{power}"
-    );
+    assert!(power.contains("derived = { from = \"M\", by = \"drive.speed\" }"), "{power}");
     assert!(!power.contains("uncertainty ="), "{power}");
 }
 
@@ -192,11 +130,7 @@ fn spikes_and_clipping_are_said_and_do_not_move_the_delay() {
         }
     }
     let s = synchronise(&r).unwrap();
-    assert!(
-        (s.delay.shift() - 0.016).abs() < 2e-4,
-        "{:?}",
-        s.delay.delay
-    );
+    assert!((s.delay.shift() - 0.016).abs() < 2e-4, "{:?}", s.delay.delay);
     let said = s.warnings.join("\n");
     assert!(said.contains("samples of M are spikes"), "{said}");
     assert!(said.contains("F_N is clipped"), "{said}");
@@ -216,14 +150,9 @@ fn turns_with_a_gap_do_not_count_in_the_mean() {
     }
     let s = synchronise(&r).unwrap();
     let said = s.warnings.join("\n");
-    assert!(
-        said.contains("15 of 149 turns of F_N lie in gaps"),
-        "{said}"
-    );
+    assert!(said.contains("15 of 149 turns of F_N lie in gaps"), "{said}");
     assert!(said.contains("turns of T_oil lie in gaps"), "{said}");
-    let [load, _, power, oil, ..] = s.findings.as_slice() else {
-        panic!("{:?}", s.findings)
-    };
+    let [load, _, power, oil, ..] = s.findings.as_slice() else { panic!("{:?}", s.findings) };
     // Noise of 10 N in 26,800 samples leaves 0.06 N, noise of 0.1 K 0.0006 K.
     assert!((load.measured.value - 750.0).abs() < 0.25, "{load:?}");
     assert!((oil.measured.value - 48.0).abs() < 0.003, "{oil:?}");
@@ -278,36 +207,18 @@ fn the_noise_of_a_row_is_what_was_put_in() {
             b.torque.values = torque.iter().map(|m| m + of_torque(next())).collect();
             b.load.values[250] = f64::NAN;
             b.torque.values[401] = f64::NAN;
-            b.smoothing = Smoothing::Butterworth {
-                cutoff: 30.0,
-                order: 4,
-            };
-            r.others[0].values = (0..600)
-                .map(|k| 48.0 + 1e-3 * f64::from(k) + 0.05 * next())
-                .collect();
+            b.smoothing = Smoothing::Butterworth { cutoff: 30.0, order: 4 };
+            r.others[0].values = (0..600).map(|k| 48.0 + 1e-3 * f64::from(k) + 0.05 * next()).collect();
             r.others[0].values[120] = f64::NAN;
             let s = synchronise(&r).unwrap();
-            let of = |name: &str| {
-                s.findings
-                    .iter()
-                    .find(|f| f.name == name)
-                    .unwrap()
-                    .noise
-                    .unwrap()
-            };
+            let of = |name: &str| s.findings.iter().find(|f| f.name == name).unwrap().noise.unwrap();
             for (name, size) in [("F_N", 4.0), ("M", 0.004)] {
                 let noise = of(name);
-                assert!(
-                    (noise.row / size - 1.0).abs() < 0.25,
-                    "{name} {seed} {memory}: {noise:?}"
-                );
+                assert!((noise.row / size - 1.0).abs() < 0.25, "{name} {seed} {memory}: {noise:?}");
                 // Noise of each row's own is told by many more bins than those around a line.
                 if memory == 0.0 {
                     let ratio = noise.stated() / size;
-                    assert!(
-                        !noise.is_shared() && (0.85..1.15).contains(&ratio),
-                        "{name} {seed}: {noise:?}"
-                    );
+                    assert!(!noise.is_shared() && (0.85..1.15).contains(&ratio), "{name} {seed}: {noise:?}");
                 }
                 ratios.push(noise.stated() / (size * density.sqrt()));
             }
@@ -321,26 +232,13 @@ fn the_noise_of_a_row_is_what_was_put_in() {
         }
         let mean = sampling::statistics::moments::mean;
         let (correlation, middle) = (mean(&correlations), mean(&ratios));
-        assert!(
-            (correlation - memory).abs() < 0.06,
-            "{memory}: {correlation}"
-        );
+        assert!((correlation - memory).abs() < 0.06, "{memory}: {correlation}");
         // A sample is missing in each channel. No bias: 60 estimates of 6 % have a mean of 1 %.
-        let bias = if whites.is_empty() {
-            0.0
-        } else {
-            mean(&whites) - 1.0
-        };
+        let bias = if whites.is_empty() { 0.0 } else { mean(&whites) - 1.0 };
         assert!(bias.abs() < 0.025, "{bias}");
-        assert!(
-            (0.95..1.15).contains(&middle),
-            "{memory}: {middle} {ratios:?}"
-        );
+        assert!((0.95..1.15).contains(&middle), "{memory}: {middle} {ratios:?}");
         // The dozen independent bins around a line of 30 turns tell its noise to 20 %.
-        assert!(
-            ratios.iter().all(|ratio| (0.4..1.8).contains(ratio)),
-            "{memory}: {ratios:?}"
-        );
+        assert!(ratios.iter().all(|ratio| (0.4..1.8).contains(ratio)), "{memory}: {ratios:?}");
     }
 }
 
@@ -355,8 +253,7 @@ fn every_row_is_used_or_told() {
         let mut signal = |name: &str, rate: f64, clock: usize, start: f64| {
             let count = (20.0 * rate) as usize;
             let time: Vec<f64> = (0..count).map(|k| start + k as f64 / rate).collect();
-            let value =
-                |time: &f64| 80.0 + time.sin() + 0.01 * random.sample::<f64, _>(StandardNormal);
+            let value = |time: &f64| 80.0 + time.sin() + 0.01 * random.sample::<f64, _>(StandardNormal);
             let mut values: Vec<f64> = time.iter().map(value).collect();
             values[count / 2] += 50.0;
             let gone = count / 4..(count / 4 + gap).min(count / 3);
@@ -368,10 +265,7 @@ fn every_row_is_used_or_told() {
             channel.clock = clock;
             (channel, count)
         };
-        let (fast, slow) = (
-            signal("fast", rates[0], 0, 0.0),
-            signal("slow", rates[1], combination % 2, 0.5),
-        );
+        let (fast, slow) = (signal("fast", rates[0], 0, 0.0), signal("slow", rates[1], combination % 2, 0.5));
         let (drive, _) = signal("n", 1000.0, 0, 0.0);
         let counts = [fast.1, slow.1];
         let recording = RigRecording {
@@ -394,15 +288,9 @@ fn every_row_is_used_or_told() {
         for (accounts, of_case) in [(&result.accounts, false), (&case.accounts(), true)] {
             for (account, count) in accounts.iter().zip(counts) {
                 let told: usize = account.lost.iter().map(|(count, _)| count).sum();
-                assert_eq!(
-                    (account.rows, account.used + told),
-                    (count, count),
-                    "{combination} {account}"
-                );
+                assert_eq!((account.rows, account.used + told), (count, count), "{combination} {account}");
                 if of_case {
-                    let is_its = |(_, text): &&(String, String)| {
-                        text.lines().next().unwrap().contains(&account.name)
-                    };
+                    let is_its = |(_, text): &&(String, String)| text.lines().next().unwrap().contains(&account.name);
                     let rows = files.iter().find(is_its).unwrap().1.lines().count() - 1;
                     assert_eq!(rows, account.used, "{combination} {account}");
                     // A spike and the gap, and what lies beside them, and no more.
@@ -411,33 +299,20 @@ fn every_row_is_used_or_told() {
             }
         }
         for finding in &result.findings {
-            assert!(
-                (finding.measured.value - 80.0).abs() < 0.15,
-                "{combination} {finding:?}"
-            );
+            assert!((finding.measured.value - 80.0).abs() < 0.15, "{combination} {finding:?}");
         }
-        assert!(
-            files.last().unwrap().1.lines().count() < 600,
-            "{combination}"
-        );
+        assert!(files.last().unwrap().1.lines().count() < 600, "{combination}");
     }
 }
 
 /// A recording of one noisy temperature of 60 s, and a drive with these samples.
 fn with_drive(time: Vec<f64>, values: Vec<f64>) -> (RigRecording, [case::Drive; 1]) {
     let mut random = StdRng::seed_from_u64(4);
-    let oil = (0..6000)
-        .map(|k| 50.0 + (f64::from(k) / 900.0).sin() + random.sample::<f64, _>(StandardNormal));
+    let oil = (0..6000).map(|k| 50.0 + (f64::from(k) / 900.0).sin() + random.sample::<f64, _>(StandardNormal));
     let mut signal = channel("T", "T", "degC", Accuracy::Absolute(0.5), oil.collect());
     signal.time.iter_mut().for_each(|time| *time *= 10.0);
     let drive = channel("n", "n", "rpm", Accuracy::Absolute(2.0), values);
-    let recording = RigRecording {
-        bearing: None,
-        others: vec![signal],
-        window: None,
-        start: None,
-        confidence: 0.99,
-    };
+    let recording = RigRecording { bearing: None, others: vec![signal], window: None, start: None, confidence: 0.99 };
     let drive = case::Drive {
         variable: "n".into(),
         unit: "rpm".into(),
@@ -449,13 +324,7 @@ fn with_drive(time: Vec<f64>, values: Vec<f64>) -> (RigRecording, [case::Drive; 
 }
 
 fn frame() -> case::Frame<'static> {
-    case::Frame {
-        name: "c",
-        held_out: false,
-        folder: "f",
-        tolerances: &[],
-        lag: 0.0,
-    }
+    case::Frame { name: "c", held_out: false, folder: "f", tolerances: &[], lag: 0.0 }
 }
 
 #[test]
@@ -472,42 +341,22 @@ fn spikes_and_holes_of_inputs_are_told() {
         assert!(text.contains("n: 6000 rows, 5999 used, 1 spikes"), "{text}");
         assert!(!text.contains("# Note: input"), "{text}");
         let (_, table) = case.tables().pop().unwrap();
-        let cells = table
-            .lines()
-            .skip(1)
-            .map(|line| line.rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
+        let cells = table.lines().skip(1).map(|line| line.rsplit_once(',').unwrap().1.parse::<f64>().unwrap());
         assert!(cells.fold(0.0, f64::max) < 1560.0);
     }
-    let holed: Vec<f64> = time(500)
-        .into_iter()
-        .filter(|time| !(20.0..23.0).contains(time))
-        .collect();
+    let holed: Vec<f64> = time(500).into_iter().filter(|time| !(20.0..23.0).contains(time)).collect();
     let (recording, drives) = with_drive(holed.clone(), holed.iter().map(speed).collect());
     let result = synchronise(&recording).unwrap();
     let case = case::Case::new(&recording, &result, &drives);
     assert!(case.check().is_ok());
     let text = case.to_toml(&frame());
-    assert!(
-        text.contains(
-            "# Note: input n begins at 5.000000 s, and before that has its first value.\n"
-        ),
-        "{text}"
-    );
-    assert!(
-        text.contains("# Note: input n has no samples from 19.990000 s to 23.000000 s"),
-        "{text}"
-    );
+    assert!(text.contains("# Note: input n begins at 5.000000 s, and before that has its first value.\n"), "{text}");
+    assert!(text.contains("# Note: input n has no samples from 19.990000 s to 23.000000 s"), "{text}");
     let later: Vec<f64> = time(0).iter().map(|time| time + 1000.0).collect();
     let (recording, drives) = with_drive(later.clone(), later.iter().map(speed).collect());
     let result = synchronise(&recording).unwrap();
-    let error = case::Case::new(&recording, &result, &drives)
-        .check()
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("from 1000.000 s to 1059.990 s and the signals from 0.000 s"),
-        "{error}"
-    );
+    let error = case::Case::new(&recording, &result, &drives).check().unwrap_err().to_string();
+    assert!(error.contains("from 1000.000 s to 1059.990 s and the signals from 0.000 s"), "{error}");
 }
 
 /// The speed climbs by 1 rpm in each second, so it has 14.305 rpm when the model starts, between two rows.
@@ -517,15 +366,9 @@ fn rows_before_the_models_start_are_left_out_and_told() {
     let (mut recording, drives) = with_drive(time.clone(), time);
     recording.start = Some(14.305);
     let result = synchronise(&recording).unwrap();
-    assert_eq!(
-        result.accounts[0].to_string(),
-        "T: 6000 rows, 4569 used, 1431 before the model's start"
-    );
+    assert_eq!(result.accounts[0].to_string(), "T: 6000 rows, 4569 used, 1431 before the model's start");
     let case = case::Case::new(&recording, &result, &drives);
-    assert_eq!(
-        case.accounts()[0].to_string(),
-        result.accounts[0].to_string()
-    );
+    assert_eq!(case.accounts()[0].to_string(), result.accounts[0].to_string());
     let text = case.to_toml(&frame());
     for line in [
         "# The model starts at 14.305 s of the recording.\n",
@@ -542,10 +385,7 @@ fn rows_before_the_models_start_are_left_out_and_told() {
     recording.start = Some(-2.0);
     let result = synchronise(&recording).unwrap();
     let text = case::Case::new(&recording, &result, &drives).to_toml(&frame());
-    assert!(
-        text.contains("extrapolate = \"hold\"") && text.contains("window = { from = 2, "),
-        "{text}"
-    );
+    assert!(text.contains("extrapolate = \"hold\"") && text.contains("window = { from = 2, "), "{text}");
 }
 
 /// Criteria and case leave out the same rows.
@@ -554,17 +394,10 @@ fn marks_of_missing_values_do_not_move_the_mean() {
     let (mut recording, _) = with_drive(Vec::new(), Vec::new());
     recording.others[0].values[2000..2040].fill(-9999.0);
     let result = synchronise(&recording).unwrap();
-    assert!(
-        (result.findings[0].measured.value - 50.0).abs() < 0.5,
-        "{:?}",
-        result.findings[0]
-    );
+    assert!((result.findings[0].measured.value - 50.0).abs() < 0.5, "{:?}", result.findings[0]);
     let of_case = case::Case::new(&recording, &result, &[]).accounts();
     assert_eq!(result.accounts[0].to_string(), of_case[0].to_string());
-    assert_eq!(
-        result.accounts[0].lost,
-        [(40, "at a value far from all others")]
-    );
+    assert_eq!(result.accounts[0].lost, [(40, "at a value far from all others")]);
 }
 
 #[test]
@@ -575,10 +408,7 @@ fn a_sensor_that_hangs_is_told() {
     recording.others[0].values[3000..3200].fill(50.3);
     recording.others[0].values[100..102].fill(50.0);
     let text = told(&recording);
-    assert!(
-        text.contains("T stands at 50.3 degC for 200 samples, from 30.000 s to 31.990 s"),
-        "{text}"
-    );
+    assert!(text.contains("T stands at 50.3 degC for 200 samples, from 30.000 s to 31.990 s"), "{text}");
     let result = synchronise(&recording).unwrap();
     let case = case::Case::new(&recording, &result, &[]).to_toml(&frame());
     let study: toml::Table = case.parse().unwrap();
@@ -596,36 +426,22 @@ fn times_that_do_not_grow_have_their_own_remedies() {
         change(&mut recording);
         synchronise(&recording).unwrap_err().to_string()
     };
-    let back = |r: &mut RigRecording| {
-        r.others[0].time[3000..]
-            .iter_mut()
-            .for_each(|time| *time -= 5.0)
-    };
+    let back = |r: &mut RigRecording| r.others[0].time[3000..].iter_mut().for_each(|time| *time -= 5.0);
     let twice = |r: &mut RigRecording| r.others[0].time[100] = r.others[0].time[99];
-    let coarse = |r: &mut RigRecording| {
-        r.others[0]
-            .time
-            .iter_mut()
-            .for_each(|time| *time = (*time * 20.0).floor() / 20.0)
-    };
+    let coarse =
+        |r: &mut RigRecording| r.others[0].time.iter_mut().for_each(|time| *time = (*time * 20.0).floor() / 20.0);
     let none = |r: &mut RigRecording| {
         r.others[0].time.clear();
         r.others[0].values.clear();
     };
     type Told<'a> = (&'a dyn Fn(&mut RigRecording), &'a str);
     let cases: [Told<'_>; 6] = [
-        (
-            &back,
-            "jumps back from 29.990 s to 25.000 s: cut the file there",
-        ),
+        (&back, "jumps back from 29.990 s to 25.000 s: cut the file there"),
         (&twice, "remove the row that repeats a time"),
         (&coarse, "give the rate instead"),
         (&none, "no row of the column has a number"),
         (&|r| r.window = Some([20.0, 10.0]), "write the begin first"),
-        (
-            &|r| r.window = Some([100.0, 200.0]),
-            "signal 'T' from 0.000 s to 59.990 s; correct the window",
-        ),
+        (&|r| r.window = Some([100.0, 200.0]), "signal 'T' from 0.000 s to 59.990 s; correct the window"),
     ];
     for (change, expected) in cases {
         let error = refused(change);

@@ -45,8 +45,7 @@ pub fn polyline(time: &[f64], values: &[f64], tolerance: Option<f64>) -> Polylin
             *sum += off;
             Some(sum.abs())
         });
-        let runs =
-            sums.fold(0.0, f64::max) > RUNS * deviation * count.sqrt() + stated * count / 8.0;
+        let runs = sums.fold(0.0, f64::max) > RUNS * deviation * count.sqrt() + stated * count / 8.0;
         !far && !runs && left.iter().map(|off| off * off).sum::<f64>() <= spread * count
     };
     let last = values.len().saturating_sub(1);
@@ -80,8 +79,7 @@ fn part(time: &[f64], [from, to]: [usize; 2], k: usize) -> f64 {
 /// The values at the corners by least squares: a tridiagonal system, solved by elimination.
 fn fit(time: &[f64], values: &[f64], knots: &[usize]) -> Vec<f64> {
     let count = knots.len();
-    let (mut diagonal, mut beside, mut right) =
-        (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+    let (mut diagonal, mut beside, mut right) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
     for (piece, pair) in knots.windows(2).enumerate() {
         let ends = [pair[0], pair[1]];
         // The last sample of a piece is the first one of the next.
@@ -105,11 +103,7 @@ fn fit(time: &[f64], values: &[f64], knots: &[usize]) -> Vec<f64> {
         right[k] -= ratio * right[k - 1];
     }
     for k in (0..count).rev() {
-        let next = if k + 1 < count {
-            beside[k] * right[k + 1]
-        } else {
-            0.0
-        };
+        let next = if k + 1 < count { beside[k] * right[k + 1] } else { 0.0 };
         right[k] = (right[k] - next) / diagonal[k];
     }
     right
@@ -137,25 +131,15 @@ mod tests {
     fn thinned(signal: impl Fn(f64) -> f64, noise: f64) -> (Polyline, f64) {
         let normals = Random::new(5, Purpose::Search, 0).normals(6000);
         let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / RATE).collect();
-        let values: Vec<f64> = time
-            .iter()
-            .zip(&normals)
-            .map(|(t, n)| signal(*t) + noise * n)
-            .collect();
+        let values: Vec<f64> = time.iter().zip(&normals).map(|(t, n)| signal(*t) + noise * n).collect();
         let line = polyline(&time, &values, None);
         // The largest difference of the integrals, in units of the signal times seconds.
-        let knots: Vec<usize> = line
-            .time
-            .iter()
-            .map(|t| (t * RATE).round() as usize)
-            .collect();
+        let knots: Vec<usize> = line.time.iter().map(|t| (t * RATE).round() as usize).collect();
         let truth: Vec<f64> = time.iter().map(|t| signal(*t)).collect();
-        let sums = residuals(&time, &truth, &knots, &line.values)
-            .into_iter()
-            .scan(0.0, |sum, off| {
-                *sum += off / RATE;
-                Some(f64::abs(*sum))
-            });
+        let sums = residuals(&time, &truth, &knots, &line.values).into_iter().scan(0.0, |sum, off| {
+            *sum += off / RATE;
+            Some(f64::abs(*sum))
+        });
         let sum = sums.fold(0.0, f64::max);
         (line, sum)
     }
@@ -170,26 +154,15 @@ mod tests {
             ("slow wave", |t| 300.0 + 20.0 * t.sin(), 2.0, 30),
         ] {
             let (line, sum) = thinned(signal, noise);
-            assert!(
-                line.time.len() <= most,
-                "{name}: {} corners",
-                line.time.len()
-            );
-            assert!(
-                line.left <= 1.03 * noise + line.tolerance.min(0.1),
-                "{name}: {line:?}"
-            );
+            assert!(line.time.len() <= most, "{name}: {} corners", line.time.len());
+            assert!(line.left <= 1.03 * noise + line.tolerance.min(0.1), "{name}: {line:?}");
             // Three deviations of what the noise itself adds up to.
             let drift = 3.0 * noise * 6000_f64.sqrt() / RATE + 1e-9;
             assert!(sum < drift, "{name}: the integral differs by {sum}");
         }
         // What is far above the noise is no noise, however quick.
         let (line, _) = thinned(|t| 300.0 + 20.0 * (300.0 * t).sin(), 2.0);
-        assert!(
-            line.left < 3.0 && line.time.len() > 600,
-            "{}",
-            line.time.len()
-        );
+        assert!(line.left < 3.0 && line.time.len() > 600, "{}", line.time.len());
     }
 
     #[test]
@@ -200,10 +173,7 @@ mod tests {
             let line = polyline(&time, &values, Some(tolerance));
             let knots: Vec<usize> = line.time.iter().map(|t| *t as usize).collect();
             let left = residuals(&time, &values, &knots, &line.values);
-            assert!(
-                left.iter()
-                    .all(|off| off.abs() <= tolerance + 5.0 * line.noise.unwrap())
-            );
+            assert!(left.iter().all(|off| off.abs() <= tolerance + 5.0 * line.noise.unwrap()));
             assert!(line.time.len() < 40, "{}", line.time.len());
         }
         let one = polyline(&[2.0], &[3.0], None);

@@ -44,11 +44,7 @@ mod tests {
 
     #[test]
     fn contributions_add_as_squares() {
-        let m = MeasuredValue {
-            value: 10.0,
-            scatter: 0.3,
-            sensor: 0.4,
-        };
+        let m = MeasuredValue { value: 10.0, scatter: 0.3, sensor: 0.4 };
         assert!((m.combined() - 0.5).abs() < 1e-12);
         assert!((m.expanded() - 1.0).abs() < 1e-12);
         assert!((from_bound(3.0) - 3f64.sqrt()).abs() < 1e-12);

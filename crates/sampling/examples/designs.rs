@@ -13,31 +13,17 @@ fn main() -> Result<(), String> {
     correlations()
 }
 
-fn points(
-    method: Method,
-    points: u64,
-    seed: u64,
-    inputs: impl Into<Inputs>,
-) -> Result<Vec<Vec<f64>>, String> {
-    let sampling = Sampling {
-        method,
-        points,
-        seed,
-        replicates: 1,
-    };
+fn points(method: Method, points: u64, seed: u64, inputs: impl Into<Inputs>) -> Result<Vec<Vec<f64>>, String> {
+    let sampling = Sampling { method, points, seed, replicates: 1 };
     let design = Design::new(&sampling, inputs)?;
     Ok((0..points).map(|index| design.point(index)).collect())
 }
 
 fn integrals() -> Result<(), String> {
     println!("the mean of x1 x2 x3 x4 (exact: 1/16) over 1024 points; largest error of 20 seeds");
-    for method in [
-        Method::MonteCarlo,
-        Method::LatinHypercube,
-        Method::OptimisedLatinHypercube,
-        Method::Halton,
-        Method::Sobol,
-    ] {
+    for method in
+        [Method::MonteCarlo, Method::LatinHypercube, Method::OptimisedLatinHypercube, Method::Halton, Method::Sobol]
+    {
         let mut worst: f64 = 0.0;
         for seed in 0..20 {
             let points = points(method, 1024, seed, vec![UNIT; 4])?;
@@ -50,14 +36,8 @@ fn integrals() -> Result<(), String> {
 }
 
 fn discrepancies() -> Result<(), String> {
-    println!(
-        "\nsquare of the centred L2 discrepancy in seven inputs, mean of 5 seeds: 50, 200, 1000 points"
-    );
-    for method in [
-        Method::LatinHypercube,
-        Method::Sobol,
-        Method::OptimisedLatinHypercube,
-    ] {
+    println!("\nsquare of the centred L2 discrepancy in seven inputs, mean of 5 seeds: 50, 200, 1000 points");
+    for method in [Method::LatinHypercube, Method::Sobol, Method::OptimisedLatinHypercube] {
         print!("{:<26}", method.name());
         for count in [50, 200, 1000] {
             let mut sum = 0.0;
@@ -77,14 +57,9 @@ fn discrepancy(points: &[Vec<f64>]) -> f64 {
     let far = |x: &f64| (x - 0.5).abs();
     let one = |x: &f64| 1.0 + 0.5 * far(x) - 0.5 * far(x).powi(2);
     let two = |(x, y): (&f64, &f64)| 1.0 + 0.5 * (far(x) + far(y) - (x - y).abs());
-    let ones: f64 = points
-        .iter()
-        .map(|p| p.iter().map(one).product::<f64>())
-        .sum();
+    let ones: f64 = points.iter().map(|p| p.iter().map(one).product::<f64>()).sum();
     let row = |p: &Vec<f64>| -> f64 {
-        let pairs = points
-            .iter()
-            .map(|q| p.iter().zip(q).map(two).product::<f64>());
+        let pairs = points.iter().map(|q| p.iter().zip(q).map(two).product::<f64>());
         pairs.sum()
     };
     let twos: f64 = points.iter().map(row).sum();
@@ -96,23 +71,9 @@ fn correlations() -> Result<(), String> {
     println!(
         "\nfour normal inputs, coefficients 0.8, -0.5, -0.2 and 0: largest and rms deviation of all pairs, 50 seeds"
     );
-    let wanted = [
-        (0, 1, 0.8),
-        (0, 3, -0.5),
-        (1, 3, -0.2),
-        (0, 2, 0.0),
-        (1, 2, 0.0),
-        (2, 3, 0.0),
-    ];
-    let normal = Distribution::Normal {
-        mean: 0.0,
-        deviation: 1.0,
-    };
-    for method in [
-        Method::MonteCarlo,
-        Method::LatinHypercube,
-        Method::OptimisedLatinHypercube,
-    ] {
+    let wanted = [(0, 1, 0.8), (0, 3, -0.5), (1, 3, -0.2), (0, 2, 0.0), (1, 2, 0.0), (2, 3, 0.0)];
+    let normal = Distribution::Normal { mean: 0.0, deviation: 1.0 };
+    for method in [Method::MonteCarlo, Method::LatinHypercube, Method::OptimisedLatinHypercube] {
         for count in [20, 50, 200, 1000] {
             let [mut largest, mut squares] = [0.0_f64; 2];
             for seed in 0..if count > 500 { 10 } else { 50 } {
@@ -129,11 +90,7 @@ fn correlations() -> Result<(), String> {
                     squares += off * off / 6.0 / if count > 500 { 10.0 } else { 50.0 };
                 }
             }
-            println!(
-                "{:<26} {count:>5} {largest:.1e} {:.1e}",
-                method.name(),
-                squares.sqrt()
-            );
+            println!("{:<26} {count:>5} {largest:.1e} {:.1e}", method.name(), squares.sqrt());
         }
     }
     Ok(())

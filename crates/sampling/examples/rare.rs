@@ -42,11 +42,7 @@ fn density(z: f64) -> f64 {
 
 /// The probability of an interval, exact in both tails.
 fn between(low: f64, high: f64) -> f64 {
-    if low > 0.0 {
-        below(-low) - below(-high)
-    } else {
-        below(high) - below(low)
-    }
+    if low > 0.0 { below(-low) - below(-high) } else { below(high) - below(low) }
 }
 
 /// Simpson's rule.
@@ -58,11 +54,7 @@ fn integral(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
         k if k % 2 == 1 => 4.0,
         _ => 2.0,
     };
-    (0..=N)
-        .map(|k| weight(k) * f(low + h * f64::from(k)))
-        .sum::<f64>()
-        * h
-        / 3.0
+    (0..=N).map(|k| weight(k) * f(low + h * f64::from(k))).sum::<f64>() * h / 3.0
 }
 
 /// Where a falling function has a value.
@@ -83,50 +75,27 @@ fn exceeded(probability: f64) -> f64 {
     falls_to(probability, |z| below(-z), 0.0, 30.0)
 }
 
-fn case(
-    name: &'static str,
-    dimensions: usize,
-    exact: f64,
-    level: impl Fn(&[f64]) -> f64 + Sync + 'static,
-) -> Case {
-    Case {
-        name,
-        dimensions,
-        exact,
-        level: Box::new(level),
-        is_binary: false,
-    }
+fn case(name: &'static str, dimensions: usize, exact: f64, level: impl Fn(&[f64]) -> f64 + Sync + 'static) -> Case {
+    Case { name, dimensions, exact, level: Box::new(level), is_binary: false }
 }
 
 fn linear(name: &'static str, dimensions: usize) -> Case {
     let limit = exceeded(RARE);
     let root = (dimensions as f64).sqrt();
-    case(name, dimensions, RARE, move |u| {
-        limit - u.iter().sum::<f64>() / root
-    })
+    case(name, dimensions, RARE, move |u| limit - u.iter().sum::<f64>() / root)
 }
 
 /// u2 beyond a parabola that opens away from the centre (`bend` > 0) or around it.
 fn parabola(name: &'static str, bend: f64) -> Case {
-    let reach = |b: f64| {
-        integral(
-            |x| density(x) * below(-b - bend * (x - 0.1).powi(2)),
-            -14.0,
-            14.0,
-        )
-    };
+    let reach = |b: f64| integral(|x| density(x) * below(-b - bend * (x - 0.1).powi(2)), -14.0, 14.0);
     let b = falls_to(RARE, reach, 1.0, 14.0);
-    case(name, 2, reach(b), move |u| {
-        b + bend * (u[0] - 0.1).powi(2) - u[1]
-    })
+    case(name, 2, reach(b), move |u| b + bend * (u[0] - 0.1).powi(2) - u[1])
 }
 
 /// Opposite regions, one ten times as probable as the other.
 fn uneven() -> Case {
     let [near, far] = [10.0 / 11.0, 1.0 / 11.0].map(|part| exceeded(part * RARE));
-    case("two regions, 10 to 1, of 7", 7, RARE, move |u| {
-        (near - u[0]).min(far + u[0])
-    })
+    case("two regions, 10 to 1, of 7", 7, RARE, move |u| (near - u[0]).min(far + u[0]))
 }
 
 /// The series system with four branches: two curved, two plane; each with a quarter of the share.
@@ -134,12 +103,7 @@ fn branches() -> Case {
     let curved = |c: f64| integral(|t| density(t) * 2.0 * below(-c - 0.2 * t * t), -14.0, 14.0);
     let c = falls_to(RARE / 2.0, curved, 1.0, 9.0);
     let plane = exceeded(RARE / 4.0);
-    let exact = 2.0 * below(-plane)
-        + integral(
-            |t| density(t) * 2.0 * below(-c - 0.2 * t * t),
-            -plane,
-            plane,
-        );
+    let exact = 2.0 * below(-plane) + integral(|t| density(t) * 2.0 * below(-c - 0.2 * t * t), -plane, plane);
     case("four branches", 2, exact, move |u| {
         let (s, t) = ((u[0] + u[1]) / SQRT_2, (u[0] - u[1]) / SQRT_2);
         (c + 0.2 * t * t - s.abs()).min(plane - t.abs())
@@ -154,8 +118,7 @@ fn bands(name: &'static str, criteria: usize, dimensions: usize, scales: &'stati
     let exact = move |tolerance: f64| {
         let inside = |x: f64| {
             let shift = PLACE - BEND * (x * x - 1.0);
-            let others = (1..criteria)
-                .map(|k| between(shift - tolerance * of(k), shift + tolerance * of(k)));
+            let others = (1..criteria).map(|k| between(shift - tolerance * of(k), shift + tolerance * of(k)));
             density(x) * others.product::<f64>()
         };
         integral(inside, PLACE - tolerance * of(0), PLACE + tolerance * of(0))
@@ -186,79 +149,49 @@ fn reflected(u: &[f64]) -> Vec<f64> {
 fn ring(name: &'static str, exact: f64) -> Case {
     const RADIUS: f64 = 1.5;
     // exp(-r^2 / 2) is the probability beyond r.
-    let of =
-        |half: f64| 2.0 * (-0.5 * (RADIUS * RADIUS + half * half)).exp() * (RADIUS * half).sinh();
+    let of = |half: f64| 2.0 * (-0.5 * (RADIUS * RADIUS + half * half)).exp() * (RADIUS * half).sinh();
     let half = falls_to(-exact, |half: f64| -of(half), 0.0, 0.5);
-    case(name, 2, exact, move |u| {
-        (u[0].hypot(u[1]) - RADIUS).abs() / half - 1.0
-    })
+    case(name, 2, exact, move |u| (u[0].hypot(u[1]) - RADIUS).abs() / half - 1.0)
 }
 
 /// The sum of three uniform parameters is small: a corner, in which it has the share e^3 / 6.
 fn uniform() -> Case {
     let limit = (6.0 * RARE).cbrt();
     let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-    case("corner of 3 uniform", 3, RARE, move |u| {
-        u.iter().map(|&z| unit.at_score(z)).sum::<f64>() - limit
-    })
+    case("corner of 3 uniform", 3, RARE, move |u| u.iter().map(|&z| unit.at_score(z)).sum::<f64>() - limit)
 }
 
 /// The product of five lognormal parameters is large: the sum of their logarithms is normal.
 fn lognormal() -> Case {
-    let each = Distribution::Lognormal {
-        mean: 2.0,
-        deviation: 0.5,
-    };
+    let each = Distribution::Lognormal { mean: 2.0, deviation: 0.5 };
     let variance = (1.0_f64 + 0.0625).ln();
     let limit = 5.0 * (2.0_f64.ln() - 0.5 * variance) + exceeded(RARE) * (5.0 * variance).sqrt();
-    case("product of 5 lognormal", 5, RARE, move |u| {
-        limit.exp() - u.iter().map(|&z| each.at_score(z)).product::<f64>()
-    })
+    case("product of 5 lognormal", 5, RARE, move |u| limit.exp() - u.iter().map(|&z| each.at_score(z)).product::<f64>())
 }
 
 /// The sum of two normal parameters that are cut at three deviations.
 fn truncated() -> Case {
-    let cut = Distribution::TruncatedNormal {
-        mean: 0.0,
-        deviation: 1.0,
-        min: Some(-3.0),
-        max: Some(3.0),
-    };
+    let cut = Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, min: Some(-3.0), max: Some(3.0) };
     let all = between(-3.0, 3.0);
-    let beyond = move |s: f64| {
-        integral(
-            |x| density(x) / all * between(s - x, 3.0) / all,
-            s - 3.0,
-            3.0,
-        )
-    };
+    let beyond = move |s: f64| integral(|x| density(x) / all * between(s - x, 3.0) / all, s - 3.0, 3.0);
     let limit = falls_to(RARE, beyond, 2.0, 5.9999);
-    case("sum of 2 truncated", 2, beyond(limit), move |u| {
-        limit - u.iter().map(|&z| cut.at_score(z)).sum::<f64>()
-    })
+    case("sum of 2 truncated", 2, beyond(limit), move |u| limit - u.iter().map(|&z| cut.at_score(z)).sum::<f64>())
 }
 
 /// A sum of correlated parameters: correlations of 0.8 and -0.5.
 fn correlated() -> Option<Case> {
     let mixed = Correlation::new(3, &[(0, 1, 0.8), (1, 2, -0.5)]).ok()?;
-    let normal = [0; 3].map(|_| Distribution::Normal {
-        mean: 1.0,
-        deviation: 2.0,
-    });
+    let normal = [0; 3].map(|_| Distribution::Normal { mean: 1.0, deviation: 2.0 });
     let deviation = 2.0 * (3.0 + 2.0 * (0.8_f64 - 0.5)).sqrt();
     let limit = 3.0 + deviation * exceeded(RARE);
-    Some(case("sum of 3 correlated", 3, RARE, move |u| {
-        limit - mixed.at_scores(u, &normal).iter().sum::<f64>()
-    }))
+    Some(case("sum of 3 correlated", 3, RARE, move |u| limit - mixed.at_scores(u, &normal).iter().sum::<f64>()))
 }
 
 /// The largest of independent numbers exceeds a limit: as many equal regions.
 fn largest(name: &'static str, count: usize, exact: f64) -> Case {
     let each = -(-exact).ln_1p() / count as f64;
     let limit = exceeded(-(-each).exp_m1());
-    case(name, count, exact, move |u| {
-        limit - u.iter().copied().fold(f64::MIN, f64::max)
-    })
+    case(name, count, exact, move |u| limit - u.iter().copied().fold(f64::MIN, f64::max))
 }
 
 /// As many regions on both sides of each axis, each `ratio` times as probable as the one before.
@@ -267,10 +200,7 @@ fn sides(name: &'static str, dimensions: usize, ratio: f64, exact: f64) -> Case 
     let sum: f64 = parts.iter().sum();
     let limits: Vec<f64> = parts.iter().map(|p| exceeded(exact * p / sum)).collect();
     let none = |k: usize| 1.0 - below(-limits[2 * k]) - below(-limits[2 * k + 1]);
-    let exact = -(0..dimensions)
-        .map(|k| (none(k) - 1.0).ln_1p())
-        .sum::<f64>()
-        .exp_m1();
+    let exact = -(0..dimensions).map(|k| (none(k) - 1.0).ln_1p()).sum::<f64>().exp_m1();
     case(name, dimensions, exact, move |u| {
         let axis = |k: usize| (limits[2 * k] - u[k]).min(limits[2 * k + 1] + u[k]);
         (0..u.len()).map(axis).fold(f64::MAX, f64::min)
@@ -288,17 +218,13 @@ fn erlang(count: usize, limit: f64) -> f64 {
 
 fn exponentials(name: &'static str, count: usize, exact: f64) -> Case {
     let limit = falls_to(exact, |t| erlang(count, t), 0.0, 200.0);
-    case(name, count, exact, move |u| {
-        limit - u.iter().map(|&z| -below(-z).ln()).sum::<f64>()
-    })
+    case(name, count, exact, move |u| limit - u.iter().map(|&z| -below(-z).ln()).sum::<f64>())
 }
 
 /// Outside of a ball: half the square of the radius is Erlang in an even number of dimensions.
 fn ball(name: &'static str, dimensions: usize, exact: f64) -> Case {
     let limit = falls_to(exact, |t| erlang(dimensions / 2, t), 0.0, 400.0);
-    case(name, dimensions, exact, move |u| {
-        limit - 0.5 * u.iter().map(|x| x * x).sum::<f64>()
-    })
+    case(name, dimensions, exact, move |u| limit - 0.5 * u.iter().map(|x| x * x).sum::<f64>())
 }
 
 /// Outside of an ellipsoid whose axes come in pairs: a sum of exponential numbers with different means.
@@ -313,10 +239,7 @@ fn ellipsoid(name: &'static str, means: &'static [f64], exact: f64) -> Case {
     let limit = falls_to(exact, beyond, 0.0, 400.0);
     case(name, 2 * means.len(), exact, move |u| {
         let pairs = u.chunks(2).zip(means);
-        limit
-            - pairs
-                .map(|(x, a)| 0.5 * a * (x[0] * x[0] + x[1] * x[1]))
-                .sum::<f64>()
+        limit - pairs.map(|(x, a)| 0.5 * a * (x[0] * x[0] + x[1] * x[1])).sum::<f64>()
     })
 }
 
@@ -345,9 +268,7 @@ fn islands(name: &'static str, exact: f64) -> Case {
 /// All of several uniform parameters are near their ends.
 fn corner(name: &'static str, dimensions: usize, exact: f64) -> Case {
     let limit = exceeded(exact.powf(1.0 / dimensions as f64));
-    case(name, dimensions, exact, move |u| {
-        u.iter().map(|x| limit - x).fold(f64::MIN, f64::max)
-    })
+    case(name, dimensions, exact, move |u| u.iter().map(|x| limit - x).fold(f64::MIN, f64::max))
 }
 
 /// A narrow ridge along a parabola, far out.
@@ -372,9 +293,7 @@ fn long_tails(name: &'static str, exact: f64) -> Case {
         integral(at, -9.0, t.ln() - 1e-9) + below(-t.ln())
     };
     let limit = falls_to(exact, beyond, 5.0, 2000.0);
-    case(name, 2, exact, move |u| {
-        limit - u.iter().map(|x| x.exp()).sum::<f64>()
-    })
+    case(name, 2, exact, move |u| limit - u.iter().map(|x| x.exp()).sum::<f64>())
 }
 
 /// A plane, seen through noise and in steps.
@@ -385,9 +304,7 @@ fn stairs(name: &'static str, exact: f64) -> Case {
     let limit = falls_to(exact, beyond, 1.0, 9.0);
     case(name, 6, exact, move |u| {
         // From -1 to 1, by the last digits of the place.
-        let bits = u
-            .iter()
-            .fold(0_u64, |sum, x| sum.rotate_left(23) ^ x.to_bits());
+        let bits = u.iter().fold(0_u64, |sum, x| sum.rotate_left(23) ^ x.to_bits());
         let noise = (bits.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / 2.0_f64.powi(52);
         let level = limit + NOISE * (noise - 1.0) - u.iter().sum::<f64>() / 6.0_f64.sqrt();
         STEP * (level / STEP).ceil()
@@ -421,15 +338,9 @@ fn layers(name: &'static str, exact: f64) -> Case {
 /// At least so many of 20 numbers exceed 2: the level is a whole number.
 fn many_of_20(name: &'static str, least: i32) -> Case {
     let p = below(-2.0);
-    let choose = |k: i32| {
-        (0..k)
-            .map(|j| f64::from(20 - j) / f64::from(k - j))
-            .product::<f64>()
-    };
+    let choose = |k: i32| (0..k).map(|j| f64::from(20 - j) / f64::from(k - j)).product::<f64>();
     let terms = (least..=20).map(|k| choose(k) * p.powi(k) * (1.0 - p).powi(20 - k));
-    case(name, 20, terms.sum(), move |u| {
-        f64::from(least) - u.iter().filter(|x| **x > 2.0).count() as f64
-    })
+    case(name, 20, terms.sum(), move |u| f64::from(least) - u.iter().filter(|x| **x > 2.0).count() as f64)
 }
 
 /// The largest of four correlated numbers.
@@ -450,27 +361,17 @@ fn largest_correlated(name: &'static str, exact: f64) -> Case {
 /// The mean of three Cauchy numbers, which is another one.
 fn cauchy(name: &'static str, exact: f64) -> Case {
     let tail = |p: f64| 1.0 / (PI * p).tan();
-    case(name, 3, exact, move |u| {
-        tail(exact) - u.iter().map(|&z| tail(below(-z))).sum::<f64>() / 3.0
-    })
+    case(name, 3, exact, move |u| tail(exact) - u.iter().map(|&z| tail(below(-z))).sum::<f64>() / 3.0)
 }
 
 /// Both of two numbers are large, and the level is the same everywhere else.
 fn plateau(name: &'static str) -> Case {
-    case(name, 3, below(-2.7) * below(-2.9), |u| {
-        f64::from(u8::from(u[0] < 2.7 || u[1] < 2.9))
-    })
+    case(name, 3, below(-2.7) * below(-2.9), |u| f64::from(u8::from(u[0] < 2.7 || u[1] < 2.9)))
 }
 
 /// A number beyond a paraboloid in 19 dimensions, around which it bends.
 fn paraboloid(name: &'static str, exact: f64) -> Case {
-    let beyond = |t: f64| {
-        integral(
-            |x| density(x) * erlang(9, (9.0 + (t - x) / 0.2).max(0.0)),
-            -9.0,
-            9.0,
-        )
-    };
+    let beyond = |t: f64| integral(|x| density(x) * erlang(9, (9.0 + (t - x) / 0.2).max(0.0)), -9.0, 9.0);
     let limit = falls_to(exact, beyond, 1.0, 30.0);
     case(name, 19, exact, move |u| {
         let squares: f64 = u[1..].iter().map(|x| x * x).sum();
@@ -519,11 +420,7 @@ fn cases() -> Vec<Case> {
         cases.extend([2, 20, 40].map(|d| ball("other: ball", d, exact)));
         cases.push(exponentials("other: exponentials", 3, exact));
         cases.push(ellipsoid("other: ellipsoid", &[1.0, 0.8, 0.5, 0.3], exact));
-        cases.push(ellipsoid(
-            "other: ellipsoid",
-            &[1.0, 0.1, 0.09, 0.08, 0.07, 0.06],
-            exact,
-        ));
+        cases.push(ellipsoid("other: ellipsoid", &[1.0, 0.1, 0.09, 0.08, 0.07, 0.06], exact));
         cases.push(sides("other: sides", 3, 0.5, exact));
         cases.push(sides("other: sides", 5, 0.8, exact));
         cases.push(sides("other: sides", 15, 1.0, exact));
@@ -546,21 +443,11 @@ fn cases() -> Vec<Case> {
 }
 
 fn answer(case: &Case, runs: u64, seed: u64) -> Answer {
-    let search = Search {
-        dimensions: case.dimensions,
-        runs,
-        seed,
-        confidence: 0.95,
-        is_binary: case.is_binary,
-    };
+    let search = Search { dimensions: case.dimensions, runs, seed, confidence: 0.95, is_binary: case.is_binary };
     let mut ask = |points: &[Vec<f64>]| {
         let judged = points.iter().map(|point| {
             let level = (case.level)(point);
-            Judged {
-                level: if case.is_binary { 0.0 } else { level },
-                met: level <= 0.0,
-                failed: false,
-            }
+            Judged { level: if case.is_binary { 0.0 } else { level }, met: level <= 0.0, failed: false }
         });
         Ok::<_, Infallible>(judged.collect())
     };
@@ -572,24 +459,13 @@ fn answer(case: &Case, runs: u64, seed: u64) -> Answer {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |k: usize, usual: u64| {
-        arguments
-            .get(k)
-            .and_then(|a| a.parse().ok())
-            .unwrap_or(usual)
-    };
+    let number = |k: usize, usual: u64| arguments.get(k).and_then(|a| a.parse().ok()).unwrap_or(usual);
     let (repetitions, runs) = (number(0, 50), number(1, 100_000));
-    println!(
-        "| event | told | rms error | mean ratio | holding | too low | runs (most) | regions |"
-    );
+    println!("| event | told | rms error | mean ratio | holding | too low | runs (most) | regions |");
     println!("|---|---|---|---|---|---|---|---|");
     for case in cases() {
         let wanted = &arguments[arguments.len().min(2)..];
-        if !wanted.is_empty()
-            && !wanted
-                .iter()
-                .any(|name| case.label().contains(name.as_str()))
-        {
+        if !wanted.is_empty() && !wanted.iter().any(|name| case.label().contains(name.as_str())) {
             continue;
         }
         let (next, answers) = (AtomicU64::new(0), Mutex::new(Vec::new()));
@@ -614,21 +490,14 @@ fn main() {
 }
 
 fn row(case: &Case, answers: &[Answer]) -> String {
-    let told: Vec<_> = answers
-        .iter()
-        .filter_map(|answer| answer.share.as_ref())
-        .collect();
+    let told: Vec<_> = answers.iter().filter_map(|answer| answer.share.as_ref()).collect();
     let interval = |share: &sampling::rare::Share| share.interval.unwrap_or([f64::NAN; 2]);
     let count = |holds: &dyn Fn([f64; 2]) -> bool| {
         told.iter().filter(|share| holds(interval(share))).count() as f64 / told.len() as f64
     };
-    let square: f64 = told
-        .iter()
-        .map(|share| (share.value / case.exact - 1.0).powi(2))
-        .sum();
+    let square: f64 = told.iter().map(|share| (share.value / case.exact - 1.0).powi(2)).sum();
     let most = answers.iter().map(|answer| answer.runs).max().unwrap_or(0);
-    let mean =
-        |of: &dyn Fn(&Answer) -> f64| answers.iter().map(of).sum::<f64>() / answers.len() as f64;
+    let mean = |of: &dyn Fn(&Answer) -> f64| answers.iter().map(of).sum::<f64>() / answers.len() as f64;
     format!(
         "| {} | {} of {} | {:.1} % | {:.3} | {} | {:.1} % | {:.0} ({most}) | {:.1} |",
         case.label(),

@@ -95,10 +95,7 @@ pub fn ln_sum(terms: &[f64]) -> f64 {
 
 /// The ends of a truncated distribution, where it has any.
 fn limits(min: Option<f64>, max: Option<f64>) -> [f64; 2] {
-    [
-        min.unwrap_or(f64::NEG_INFINITY),
-        max.unwrap_or(f64::INFINITY),
-    ]
+    [min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY)]
 }
 
 fn require(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), String> {
@@ -109,9 +106,7 @@ impl Distribution {
     /// The distribution of a sample's values.
     pub fn sample(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
-        Self::Sample {
-            values: values.into(),
-        }
+        Self::Sample { values: values.into() }
     }
 
     /// The distribution of a quantity that takes whole numbers only: a uniform one is uniform over those from its smallest
@@ -119,9 +114,7 @@ impl Distribution {
     #[must_use]
     pub fn whole(self) -> Self {
         match self {
-            Self::Fixed { value } => Self::Fixed {
-                value: value.round(),
-            },
+            Self::Fixed { value } => Self::Fixed { value: value.round() },
             Self::Whole(_) => self,
             other => Self::Whole(Box::new(other)),
         }
@@ -157,42 +150,25 @@ impl Distribution {
             let fits = deviation > 0.0 && deviation.is_finite();
             require(fits, || format!("deviation {deviation} must be positive"))
         };
-        let ordered = |[low, high]: [f64; 2]| {
-            require(low < high, || {
-                format!("min {low} must be less than max {high}")
-            })
-        };
+        let ordered = |[low, high]: [f64; 2]| require(low < high, || format!("min {low} must be less than max {high}"));
         match *self {
             Self::Normal { deviation, .. } => positive(deviation),
-            Self::TruncatedNormal {
-                deviation,
-                min,
-                max,
-                ..
-            } => {
+            Self::TruncatedNormal { deviation, min, max, .. } => {
                 positive(deviation)?;
                 ordered(limits(min, max))?;
                 let [low, high] = self.cut();
-                require(high - low > 1e-12, || {
-                    "almost nothing is left between min and max".to_owned()
-                })
+                require(high - low > 1e-12, || "almost nothing is left between min and max".to_owned())
             }
             Self::Uniform { min, max } => ordered([min, max]),
             Self::Triangular { min, mode, max } => {
                 ordered([min, max])?;
-                require((min..=max).contains(&mode), || {
-                    format!("mode {mode} must lie between min {min} and max {max}")
-                })
+                require((min..=max).contains(&mode), || format!("mode {mode} must lie between min {min} and max {max}"))
             }
             Self::Lognormal { mean, deviation } => {
                 positive(deviation)?;
-                require(mean > 0.0, || {
-                    format!("mean {mean} of a lognormal quantity must be positive")
-                })
+                require(mean > 0.0, || format!("mean {mean} of a lognormal quantity must be positive"))
             }
-            Self::Sample { ref values } => {
-                require(!values.is_empty(), || "the sample is empty".to_owned())
-            }
+            Self::Sample { ref values } => require(!values.is_empty(), || "the sample is empty".to_owned()),
             Self::Fixed { .. } => Ok(()),
             Self::Whole(ref of) => {
                 of.check()?;
@@ -208,13 +184,7 @@ impl Distribution {
 
     /// The probabilities below the cuts of a truncated distribution.
     fn cut(&self) -> [f64; 2] {
-        let Self::TruncatedNormal {
-            mean,
-            deviation,
-            min,
-            max,
-        } = *self
-        else {
+        let Self::TruncatedNormal { mean, deviation, min, max } = *self else {
             return [0.0, 1.0];
         };
         limits(min, max).map(|end| normal_cdf((end - mean) / deviation))
@@ -224,12 +194,7 @@ impl Distribution {
     pub fn quantile(&self, u: f64) -> f64 {
         match *self {
             Self::Normal { mean, deviation } => mean + deviation * normal_quantile(u),
-            Self::TruncatedNormal {
-                mean,
-                deviation,
-                min,
-                max,
-            } => {
+            Self::TruncatedNormal { mean, deviation, min, max } => {
                 let [low, high] = self.cut();
                 let u = (low + u * (high - low)).min(BELOW_ONE);
                 let [least, most] = limits(min, max);
@@ -275,10 +240,7 @@ impl Distribution {
     pub fn reach(&self) -> [f64; 2] {
         const FAR: [f64; 2] = [0.001, 0.999];
         let [has_least, has_most] = self.is_bounded();
-        [
-            if has_least { 0.0 } else { FAR[0] },
-            if has_most { 1.0 } else { FAR[1] },
-        ]
+        [if has_least { 0.0 } else { FAR[0] }, if has_most { 1.0 } else { FAR[1] }]
     }
 
     /// Whether there is a smallest value and a largest one that searches may look at.
@@ -287,10 +249,7 @@ impl Distribution {
             Self::Normal { .. } | Self::Lognormal { .. } => [false; 2],
             Self::TruncatedNormal { min, max, .. } => [min.is_some(), max.is_some()],
             Self::Whole(ref of) => of.is_bounded(),
-            Self::Uniform { .. }
-            | Self::Triangular { .. }
-            | Self::Sample { .. }
-            | Self::Fixed { .. } => [true; 2],
+            Self::Uniform { .. } | Self::Triangular { .. } | Self::Sample { .. } | Self::Fixed { .. } => [true; 2],
         }
     }
 
@@ -312,29 +271,11 @@ mod tests {
 
     fn all() -> [Distribution; 5] {
         [
-            Distribution::Normal {
-                mean: 2.0,
-                deviation: 0.5,
-            },
-            Distribution::TruncatedNormal {
-                mean: 2.0,
-                deviation: 0.5,
-                min: Some(1.5),
-                max: None,
-            },
-            Distribution::Uniform {
-                min: -1.0,
-                max: 3.0,
-            },
-            Distribution::Triangular {
-                min: 0.0,
-                mode: 1.0,
-                max: 4.0,
-            },
-            Distribution::Lognormal {
-                mean: 2.0,
-                deviation: 0.5,
-            },
+            Distribution::Normal { mean: 2.0, deviation: 0.5 },
+            Distribution::TruncatedNormal { mean: 2.0, deviation: 0.5, min: Some(1.5), max: None },
+            Distribution::Uniform { min: -1.0, max: 3.0 },
+            Distribution::Triangular { min: 0.0, mode: 1.0, max: 4.0 },
+            Distribution::Lognormal { mean: 2.0, deviation: 0.5 },
         ]
     }
 
@@ -353,10 +294,7 @@ mod tests {
         let close = |distribution, mean: f64, deviation: f64| {
             let (m, d) = moments(&distribution);
             assert!((m - mean).abs() < 1e-3, "{distribution:?}: mean {m}");
-            assert!(
-                (d - deviation).abs() < 1e-3,
-                "{distribution:?}: deviation {d}"
-            );
+            assert!((d - deviation).abs() < 1e-3, "{distribution:?}: deviation {d}");
         };
         close(normal, 2.0, 0.5);
         close(lognormal, 2.0, 0.5);
@@ -375,33 +313,19 @@ mod tests {
         let thirds = [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0];
         for three in [uniform(1.0, 3.0), uniform(0.5, 3.5), uniform(0.1, 3.9)] {
             assert_eq!(at(&three), thirds);
-            assert_eq!(
-                [0.5, 1.0, 2.5, 3.0].map(|x| three.below(x)),
-                [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]
-            );
+            assert_eq!([0.5, 1.0, 2.5, 3.0].map(|x| three.below(x)), [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]);
             assert!((three.ln_density(2.0) + 3.0_f64.ln()).abs() < 1e-12);
             assert_eq!(three.ln_density(1.5), f64::NEG_INFINITY);
         }
-        assert!(
-            uniform(1.2, 1.8)
-                .check()
-                .unwrap_err()
-                .contains("no whole number")
-        );
+        assert!(uniform(1.2, 1.8).check().unwrap_err().contains("no whole number"));
         assert_eq!(uniform(1.2, 1.8).quantile(0.9), 2.0);
-        let normal = Distribution::Normal {
-            mean: 2.0,
-            deviation: 0.5,
-        };
+        let normal = Distribution::Normal { mean: 2.0, deviation: 0.5 };
         let rounded = normal.clone().whole();
         assert_eq!(rounded.quantile(0.9), 3.0);
         assert_eq!(rounded.at_score(0.9), 2.0);
         assert!((rounded.below(2.0) - normal.below(2.5)).abs() < 1e-15);
         assert_eq!(rounded.continuous(), &normal);
-        assert_eq!(
-            Distribution::Fixed { value: 2.4 }.whole(),
-            Distribution::Fixed { value: 2.0 }
-        );
+        assert_eq!(Distribution::Fixed { value: 2.4 }.whole(), Distribution::Fixed { value: 2.0 });
     }
 
     #[test]
@@ -427,16 +351,8 @@ mod tests {
     #[test]
     fn wrong_numbers_are_named() {
         let (min, max) = (1.0, 3.0);
-        let normal = |deviation| Distribution::Normal {
-            mean: 0.0,
-            deviation,
-        };
-        let cut = |min, max| Distribution::TruncatedNormal {
-            mean: 0.0,
-            deviation: 1.0,
-            min,
-            max,
-        };
+        let normal = |deviation| Distribution::Normal { mean: 0.0, deviation };
+        let cut = |min, max| Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, min, max };
         let triangular = |mode| Distribution::Triangular { min, mode, max };
         let lognormal = |mean, deviation| Distribution::Lognormal { mean, deviation };
         for (wrong, named) in [
@@ -472,9 +388,7 @@ mod tests {
     fn a_sample_is_freed() {
         let sample = Distribution::sample(vec![3.0, 1.0, 2.0]);
         let copy = sample.clone();
-        let Distribution::Sample { values } = &sample else {
-            panic!("{sample:?}")
-        };
+        let Distribution::Sample { values } = &sample else { panic!("{sample:?}") };
         let values = Arc::downgrade(values);
         drop(sample);
         assert_eq!(copy.median(), 2.0);
@@ -485,18 +399,9 @@ mod tests {
     #[test]
     fn quantiles_are_those_of_closed_forms() {
         let [_, truncated, uniform, triangular, lognormal] = all();
-        let shifted = Distribution::Triangular {
-            min: 5.0,
-            mode: 6.0,
-            max: 9.0,
-        };
+        let shifted = Distribution::Triangular { min: 5.0, mode: 6.0, max: 9.0 };
         let fixed = Distribution::Fixed { value: 7.0 };
-        let both = Distribution::TruncatedNormal {
-            mean: 2.0,
-            deviation: 0.5,
-            min: Some(1.0),
-            max: Some(2.5),
-        };
+        let both = Distribution::TruncatedNormal { mean: 2.0, deviation: 0.5, min: Some(1.0), max: Some(2.5) };
         for (distribution, u, expected) in [
             (&uniform, 0.25, 0.0),
             (&triangular, 0.0625, 0.5),
@@ -511,10 +416,7 @@ mod tests {
             (&both, 0.5, 2.0 - 0.5 * 0.171_164),
         ] {
             let quantile = distribution.quantile(u);
-            assert!(
-                (quantile - expected).abs() < 1e-5,
-                "{distribution:?}: {quantile}"
-            );
+            assert!((quantile - expected).abs() < 1e-5, "{distribution:?}: {quantile}");
         }
         assert_eq!(triangular.median(), triangular.quantile(0.5));
         assert!(triangular.varies() && !fixed.varies());
@@ -525,16 +427,10 @@ mod tests {
         for distribution in all() {
             let quantile = distribution.at_score(1.0);
             let expected = distribution.quantile(0.841_344_746_068_543);
-            assert!(
-                (quantile - expected).abs() < 1e-9,
-                "{distribution:?}: {quantile}"
-            );
+            assert!((quantile - expected).abs() < 1e-9, "{distribution:?}: {quantile}");
             // Scores at which the probability is 0 or 1 in floating point.
             let [low, high] = [-60.0, 60.0].map(|score| distribution.at_score(score));
-            assert!(
-                low < high && low.is_finite() && high.is_finite(),
-                "{distribution:?}: {low} {high}"
-            );
+            assert!(low < high && low.is_finite() && high.is_finite(), "{distribution:?}: {low} {high}");
         }
     }
 
@@ -545,12 +441,7 @@ mod tests {
         assert_eq!(normal.at_score(12.0), 8.0);
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         assert_eq!(unit.at_score(60.0), 1.0_f64.next_down());
-        let cut = |min| Distribution::TruncatedNormal {
-            mean: 0.0,
-            deviation: 1.0,
-            min,
-            max: None,
-        };
+        let cut = |min| Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, min, max: None };
         for min in [None, Some(0.1), Some(1.0), Some(3.0)] {
             let last = cut(min).quantile(1.0_f64.next_down());
             assert!((last - 8.2095).abs() < 1e-4, "{min:?}: {last}");

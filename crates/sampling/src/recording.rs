@@ -30,10 +30,7 @@ impl RowErrors {
             let place = |replicate: &usize| bits(seed, Purpose::Common, *replicate as u64, part);
             order.sort_by_cached_key(place);
             let middle = |slice: usize| (slice as f64 + 0.5) / Self::REPLICATES as f64;
-            order
-                .into_iter()
-                .map(|slice| quantile(middle(slice)))
-                .collect()
+            order.into_iter().map(|slice| quantile(middle(slice))).collect()
         };
         let even = |place: f64| 3.0_f64.sqrt() * (2.0 * place - 1.0);
         Self {
@@ -61,15 +58,10 @@ impl RowErrors {
             // Box and Muller (1958), "A note on the generation of random normal deviates".
             let radius = (-2.0 * u.ln()).sqrt();
             let (sine, cosine) = (std::f64::consts::TAU * v).sin_cos();
-            [
-                (2 * number, radius * cosine),
-                (2 * number + 1, radius * sine),
-            ]
+            [(2 * number, radius * cosine), (2 * number + 1, radius * sine)]
         };
         let drawn = (first / 2..last.div_ceil(2)).flat_map(draw);
-        drawn
-            .filter(move |(row, _)| (first..last).contains(row))
-            .map(|(_, error)| error)
+        drawn.filter(move |(row, _)| (first..last).contains(row)).map(|(_, error)| error)
     }
 }
 
@@ -94,10 +86,7 @@ mod tests {
             shared += made.gain(replicate) * made.common(replicate) / 256.0;
         }
         assert!((squares - 1.0).abs() < 0.06, "{squares}");
-        assert!(
-            products.abs() < 0.03 && mixed.abs() < 0.2 && shared.abs() < 0.2,
-            "{products} {mixed} {shared}"
-        );
+        assert!(products.abs() < 0.03 && mixed.abs() < 0.2 && shared.abs() < 0.2, "{products} {mixed} {shared}");
     }
 
     #[test]
@@ -109,10 +98,7 @@ mod tests {
         let even = RowErrors::new(1, true);
         let square = (0..256).map(|k| even.common(k).powi(2)).sum::<f64>() / 256.0;
         let most = (0..256).map(|k| even.common(k)).fold(0.0, f64::max);
-        assert!(
-            (square - 1.0).abs() < 1e-4 && (most - 3.0_f64.sqrt()).abs() < 0.01,
-            "{square} {most}"
-        );
+        assert!((square - 1.0).abs() < 1e-4 && (most - 3.0_f64.sqrt()).abs() < 0.01, "{square} {most}");
         let other = RowErrors::new(2, false);
         assert!((0..256).any(|k| other.common(k) != made.common(k)));
     }

@@ -219,28 +219,14 @@ mod tests {
     fn statistics_say_what_they_are() {
         use Statistic::*;
         let those = |is: fn(Statistic) -> bool| -> Vec<Statistic> {
-            let known = [
-                Final,
-                Mean,
-                Min,
-                Max,
-                Rms,
-                Amplitude,
-                Slope,
-                Percentile,
-                Crossing,
-                Frequency,
-                OscillationAmplitude,
-            ];
+            let known =
+                [Final, Mean, Min, Max, Rms, Amplitude, Slope, Percentile, Crossing, Frequency, OscillationAmplitude];
             known.into_iter().filter(|s| is(*s)).collect()
         };
         let differences = [Amplitude, Slope, OscillationAmplitude];
         assert_eq!(those(Statistic::is_difference), differences);
         assert_eq!(those(Statistic::is_since_first), [Crossing]);
-        assert_eq!(
-            those(Statistic::needs_lines),
-            [Frequency, OscillationAmplitude]
-        );
+        assert_eq!(those(Statistic::needs_lines), [Frequency, OscillationAmplitude]);
         assert_eq!(those(|s| s.unit().is_some()), [Crossing, Frequency]);
         let of_signal = those(|s| s.trend() == Trend::OfSignal);
         assert_eq!(of_signal, [Final, Mean, Rms]);
@@ -258,10 +244,7 @@ mod tests {
             line.result(4.0)
         };
         assert_eq!(of_line(Statistic::Mean), (2.5 + 3.0 * 4.5) / 4.0);
-        assert_eq!(
-            of_line(Statistic::Rms),
-            ((6.5 + 3.0 * 26.5) / 4.0_f64).sqrt()
-        );
+        assert_eq!(of_line(Statistic::Rms), ((6.5 + 3.0 * 26.5) / 4.0_f64).sqrt());
         assert_eq!(of_line(Statistic::Amplitude), 2.5);
         assert_eq!(of_line(Statistic::Min), 2.0);
         assert_eq!(of_line(Statistic::Max), 7.0);
@@ -272,20 +255,12 @@ mod tests {
     #[test]
     fn large_values_have_the_statistics_of_small_ones() {
         let signal = [(0.0, 1.0), (1.0, -1.0), (3.0, 1.0), (2.0, 0.5), (4.0, 1.0)];
-        for statistic in [
-            Statistic::Mean,
-            Statistic::Rms,
-            Statistic::Amplitude,
-            Statistic::Slope,
-            Statistic::Percentile,
-        ] {
+        for statistic in
+            [Statistic::Mean, Statistic::Rms, Statistic::Amplitude, Statistic::Slope, Statistic::Percentile]
+        {
             let of = |unit: f64| {
                 let mut collector = Accumulator::new(statistic);
-                collector.add_all(
-                    signal
-                        .iter()
-                        .map(|&(elapsed, value)| (elapsed, unit * value)),
-                );
+                collector.add_all(signal.iter().map(|&(elapsed, value)| (elapsed, unit * value)));
                 collector.result(10.0) / unit
             };
             for unit in [1e160, -1e308, f64::MAX] {
@@ -320,11 +295,7 @@ mod tests {
         assert_eq!(far.result(3.0), line.result(3.0));
         let mut bend = Accumulator::new(Statistic::Slope);
         bend.add_all([(0.0, 1.0), (1.0, 0.0), (3.0, 3.0)].into_iter());
-        assert!(
-            (bend.result(4.0) - 0.6875).abs() < 1e-15,
-            "{}",
-            bend.result(4.0)
-        );
+        assert!((bend.result(4.0) - 0.6875).abs() < 1e-15, "{}", bend.result(4.0));
         let mut parabola = Accumulator::new(Statistic::Slope);
         for k in 0..=3000 {
             let t = 1e-3 * f64::from(k);
@@ -356,11 +327,7 @@ mod tests {
             (75.0, 4.0),
             (100.0, 4.0),
         ] {
-            assert!(
-                (of(percent) - expected).abs() < 1e-12,
-                "{percent}: {}",
-                of(percent)
-            );
+            assert!((of(percent) - expected).abs() < 1e-12, "{percent}: {}", of(percent));
         }
         // Where the signal jumps, the least value that it does not exceed for the share counts.
         let mut jump = Accumulator::percentile(25.0);
@@ -374,14 +341,7 @@ mod tests {
     /// Up through 1 at 0.25 s and 3.5 s, down at 2 s; the signal stands at 3 from 1 s to 1.5 s.
     #[test]
     fn crossings_are_those_of_straight_lines() {
-        let values = [
-            (0.0, 0.0),
-            (0.75, 3.0),
-            (0.25, 3.0),
-            (0.5, 3.0),
-            (1.0, -1.0),
-            (1.5, 3.0),
-        ];
+        let values = [(0.0, 0.0), (0.75, 3.0), (0.25, 3.0), (0.5, 3.0), (1.0, -1.0), (1.5, 3.0)];
         let at = |level: f64, direction| {
             let mut signal = Accumulator::crossing(level, direction);
             signal.add_all(values.into_iter());
@@ -404,8 +364,7 @@ mod tests {
         // What comes before a crossing must be known, what comes after need not.
         let broken = |place: usize| {
             let mut signal = Accumulator::crossing(1.0, Direction::Falling);
-            let value =
-                |(k, (elapsed, value))| (elapsed, if k == place { f64::NAN } else { value });
+            let value = |(k, (elapsed, value))| (elapsed, if k == place { f64::NAN } else { value });
             signal.add_all(values.into_iter().enumerate().map(value));
             signal.result(4.0)
         };
@@ -437,10 +396,7 @@ mod tests {
 
     #[test]
     fn statistics_are_named_as_in_a_study() {
-        let names: Vec<String> = Statistic::ALL
-            .iter()
-            .map(|statistic| statistic.name())
-            .collect();
+        let names: Vec<String> = Statistic::ALL.iter().map(|statistic| statistic.name()).collect();
         for name in [
             "final",
             "mean",

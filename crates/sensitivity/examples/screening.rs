@@ -17,15 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{} runs", points.len());
     println!("parameter   mu*     sigma (0: linear, without interaction)");
     for (parameter, effect) in effects.iter().enumerate() {
-        let mark = if effect.mu_star.low > 0.1 {
-            "matters"
-        } else {
-            ""
-        };
-        println!(
-            "{parameter:>9}   {:.3}   {:.3}   {mark}",
-            effect.mu_star.value, effect.sigma
-        );
+        let mark = if effect.mu_star.low > 0.1 { "matters" } else { "" };
+        println!("{parameter:>9}   {:.3}   {:.3}   {mark}", effect.mu_star.value, effect.sigma);
     }
     Ok(())
 }

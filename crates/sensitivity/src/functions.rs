@@ -19,10 +19,7 @@ pub fn ishigami_indices() -> ([f64; 3], [f64; 3]) {
 
 /// Sobol's g-function (Saltelli & Sobol 1995); inputs in the unit cube.
 pub fn sobol_g(u: &[f64], a: &[f64]) -> f64 {
-    u.iter()
-        .zip(a)
-        .map(|(x, a)| ((4.0 * x - 2.0).abs() + a) / (1.0 + a))
-        .product()
+    u.iter().zip(a).map(|(x, a)| ((4.0 * x - 2.0).abs() + a) / (1.0 + a)).product()
 }
 
 /// The function's first-order and total indices.
@@ -30,10 +27,7 @@ pub fn sobol_g_indices(a: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let parts: Vec<f64> = a.iter().map(|a| 1.0 / (3.0 * (1.0 + a).powi(2))).collect();
     let all: f64 = parts.iter().map(|v| 1.0 + v).product();
     let v = all - 1.0;
-    (
-        parts.iter().map(|p| p / v).collect(),
-        parts.iter().map(|p| p * (all / (1.0 + p)) / v).collect(),
-    )
+    (parts.iter().map(|p| p / v).collect(), parts.iter().map(|p| p * (all / (1.0 + p)) / v).collect())
 }
 
 #[cfg(test)]
@@ -57,19 +51,9 @@ mod tests {
         let a = [0.0, 1.0, 4.5, 9.0];
         near([sobol_g(&[0.1, 0.3, 0.8, 0.6], &a)], [1.402_821_818_182]);
         let (first, total) = sobol_g_indices(&a);
-        let exact = [
-            0.716_492_934_858,
-            0.179_123_233_714,
-            0.023_685_716_855,
-            0.007_164_929_349,
-        ];
+        let exact = [0.716_492_934_858, 0.179_123_233_714, 0.023_685_716_855, 0.007_164_929_349];
         near(first.try_into().unwrap(), exact);
-        let exact = [
-            0.787_369_701_143,
-            0.242_267_600_352,
-            0.034_326_744_464,
-            0.010_463_384_733,
-        ];
+        let exact = [0.787_369_701_143, 0.242_267_600_352, 0.034_326_744_464, 0.010_463_384_733];
         near(total.try_into().unwrap(), exact);
     }
 }

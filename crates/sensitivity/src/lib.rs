@@ -49,9 +49,7 @@ pub fn named(name: &str) -> Result<&'static dyn FromRuns, String> {
 /// Whether an order of importance can be told: `None` where the interval of the largest estimate
 /// overlaps the next one's, else the index of the largest.
 pub fn dominant(estimates: &[Estimate]) -> Option<usize> {
-    let mut order: Vec<usize> = (0..estimates.len())
-        .filter(|&i| estimates[i].value.is_finite())
-        .collect();
+    let mut order: Vec<usize> = (0..estimates.len()).filter(|&i| estimates[i].value.is_finite()).collect();
     order.sort_by(|&a, &b| estimates[b].value.total_cmp(&estimates[a].value));
     match order.as_slice() {
         [first, second, ..] => (estimates[*first].low > estimates[*second].high).then_some(*first),
@@ -84,12 +82,7 @@ mod tests {
             )
         };
         let usual = told(1.0);
-        assert!(
-            usual
-                .0
-                .as_ref()
-                .is_some_and(|indices| indices.total[0].value > 0.1)
-        );
+        assert!(usual.0.as_ref().is_some_and(|indices| indices.total[0].value > 0.1));
         // Powers of two, so that no digit changes.
         assert_eq!(told(2.0_f64.powi(1000)), usual);
         assert_eq!(told(2.0_f64.powi(-900)), usual);
@@ -113,10 +106,7 @@ mod tests {
     /// The texts that people read and write: names in a study and on the command line, sizes, and how a study is told.
     #[test]
     fn methods_are_called_by_name_and_say_what_they_do() {
-        let space = Space {
-            parameters: 4,
-            correlation: None,
-        };
+        let space = Space { parameters: 4, correlation: None };
         let words = |name: &str| {
             let method = named(name).unwrap();
             let runs = method.runs(&space, 7);
@@ -134,10 +124,7 @@ mod tests {
         assert_eq!(words("morris"), ("morris", 20, 35, morris.to_owned(), done));
         let shapley = "Shapley effects from 7 base points";
         let done = format!("{shapley} (35 runs)");
-        assert_eq!(
-            words("shapley"),
-            ("shapley", 256, 35, shapley.to_owned(), done)
-        );
+        assert_eq!(words("shapley"), ("shapley", 256, 35, shapley.to_owned(), done));
         assert_eq!(views(), "rank correlations and PAWN");
         // Trajectories are no sample of the parameters.
         let sample = named("morris").unwrap().plain_sample(35, &settled(7, 1));

@@ -157,10 +157,7 @@ mod tests {
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     fn share(rows: &[Triple]) -> f64 {
-        let over = Parts::of(
-            rows.iter()
-                .map(|[base, mixed, _]| half_square(base - mixed)),
-        );
+        let over = Parts::of(rows.iter().map(|[base, mixed, _]| half_square(base - mixed)));
         ratio(&over, &variance(&pairs(rows)), |_| true)
     }
 
@@ -216,10 +213,7 @@ mod tests {
     fn the_least_index_has_the_largest_variance() {
         let rows = [[0.0, 1.0, 2.0], [2.0, 1.0, f64::NAN]];
         let least = |range: [f64; 2]| Problem::new(&rows, range).unwrap().ratio(false);
-        near(
-            [least([-4.0, 4.0]), least([-1.0, 4.0])],
-            [9.0 / 140.0, 9.0 / 44.0],
-        );
+        near([least([-4.0, 4.0]), least([-1.0, 4.0])], [9.0 / 140.0, 9.0 / 44.0]);
     }
 
     /// One value everywhere is one within its range, too: nothing depends on anything.

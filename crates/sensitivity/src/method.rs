@@ -150,13 +150,7 @@ pub struct Measure {
 impl Measure {
     /// A measure that is drawn.
     pub fn drawn(name: &'static str, estimates: Vec<Estimate>) -> Self {
-        Self {
-            name,
-            estimates,
-            drawn: true,
-            chance: None,
-            bounds: None,
-        }
+        Self { name, estimates, drawn: true, chance: None, bounds: None }
     }
 
     /// With such bounds.
@@ -181,10 +175,7 @@ impl Measure {
 
     /// A measure that stands in the table only.
     pub fn listed(name: &'static str, estimates: Vec<Estimate>) -> Self {
-        Self {
-            drawn: false,
-            ..Self::drawn(name, estimates)
-        }
+        Self { drawn: false, ..Self::drawn(name, estimates) }
     }
 }
 

@@ -147,9 +147,7 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
             continue;
         }
         let ends = [outputs[k - 1], outputs[k]].into_iter();
-        let widest = ends
-            .filter(|v| v.is_finite())
-            .fold(high - low, |_, end| (high - end).max(end - low));
+        let widest = ends.filter(|v| v.is_finite()).fold(high - low, |_, end| (high - end).max(end - low));
         all[changed].lost.push((widest / step).abs());
     }
     // The size of every effect that is not 0, of an output that is pass or fail.
@@ -196,11 +194,7 @@ fn summary(Seen { effects, lost }: &Seen, jump: Option<f64>) -> Effect {
 fn of_jumps(numbers: &[f64], jump: f64) -> Estimate {
     let count = numbers.iter().filter(|size| **size > 0.0).count() as f64;
     let [low, high] = clopper_pearson(count, numbers.len() as f64, 0.95);
-    Estimate {
-        value: mean(numbers),
-        low: low * jump,
-        high: high * jump,
-    }
+    Estimate { value: mean(numbers), low: low * jump, high: high * jump }
 }
 
 /// The mean of independent numbers that are none negative, with its interval: Student's on the scale on which the mean of
@@ -217,11 +211,7 @@ fn with_interval(numbers: &[f64]) -> Estimate {
         let plain = quantile / n.sqrt();
         let skewed = 1.0 + skewness * (plain - skewness / (6.0 * n));
         // The same for numbers without skewness, where the quotient would be lost in rounding; and for equal numbers.
-        if skewness.abs() > 1e-6 {
-            3.0 * (skewed.cbrt() - 1.0) / skewness
-        } else {
-            plain
-        }
+        if skewness.abs() > 1e-6 { 3.0 * (skewed.cbrt() - 1.0) / skewness } else { plain }
     };
     let quantile = student.inverse_cdf(0.975);
     let deviation = deviation(numbers, 1);
@@ -244,16 +234,10 @@ mod tests {
         let estimate = with_interval(&[0.0, 1.0, 2.0, 3.0, 10.0]);
         assert_eq!(estimate.value, 3.2);
         assert_eq!(estimate.low, 0.0);
-        assert!(
-            (estimate.high - 21.079_664_441).abs() < 1e-8,
-            "{estimate:?}"
-        );
+        assert!((estimate.high - 21.079_664_441).abs() < 1e-8, "{estimate:?}");
         // The same turned round, above 0.
         let turned = with_interval(&[30.0, 29.0, 28.0, 27.0, 20.0]);
-        assert!(
-            (turned.low - (30.0 - 21.079_664_441)).abs() < 1e-8,
-            "{turned:?}"
-        );
+        assert!((turned.low - (30.0 - 21.079_664_441)).abs() < 1e-8, "{turned:?}");
         assert!((turned.high - 30.226_286_674).abs() < 1e-8, "{turned:?}");
         // Without skewness it is Student's: 2.776 445 standard errors, sqrt(2.5 / 5) each.
         let even = with_interval(&[1.0, 2.0, 3.0, 4.0, 5.0]);
@@ -269,14 +253,8 @@ mod tests {
         outputs[7] = 1.0;
         let mu_star = effects(&rows, &outputs).unwrap()[0].mu_star;
         assert!((mu_star.value - 0.15).abs() < 1e-12);
-        assert!(
-            (mu_star.low - 1.5 * 0.002_528_579).abs() < 1e-8,
-            "{mu_star:?}"
-        );
-        assert!(
-            (mu_star.high - 1.5 * 0.445_016_117).abs() < 1e-8,
-            "{mu_star:?}"
-        );
+        assert!((mu_star.low - 1.5 * 0.002_528_579).abs() < 1e-8, "{mu_star:?}");
+        assert!((mu_star.high - 1.5 * 0.445_016_117).abs() < 1e-8, "{mu_star:?}");
     }
 
     /// The trajectories of a seed, for all time: their places and orders by a program of its own in Python.
@@ -334,9 +312,7 @@ mod tests {
         let output = |u: &Vec<f64>| if u[0] < 0.5 { f64::NAN } else { 3.0 * u[1] };
         let outputs: Vec<f64> = rows.iter().map(output).collect();
         let told = Told::from_iter([("morris".to_owned(), json!(effects(&rows, &outputs)))]);
-        let [mu_star, sigma] = &Morris.shown(&told)[..] else {
-            panic!("two measures")
-        };
+        let [mu_star, sigma] = &Morris.shown(&told)[..] else { panic!("two measures") };
         assert!(mu_star.estimates[0].value.is_nan() && sigma.estimates[0].value.is_nan());
         assert!((mu_star.estimates[1].value - 3.0).abs() < 1e-9);
         assert_eq!(effects(&rows, &vec![f64::NAN; rows.len()]), None);
@@ -356,10 +332,7 @@ mod tests {
     /// end of the grid to the other.
     #[test]
     fn a_study_of_a_linear_function_shows_its_slopes() {
-        let space = Space {
-            parameters: 2,
-            correlation: None,
-        };
+        let space = Space { parameters: 2, correlation: None };
         let rows = Morris.design(&space, &settled(10, 3)).unwrap();
         assert_eq!(rows.len() as u64, Morris.runs(&space, 10));
         let on_grid = |u: &f64| {
@@ -367,14 +340,12 @@ mod tests {
             (place - place.round()).abs() < 1e-9 && (0.0..=3.0).contains(&place.round())
         };
         assert!(rows.iter().flatten().all(on_grid));
-        let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max]
-            .map(|end| rows.iter().flatten().copied().fold(0.5, end));
+        let [least, most] =
+            [f64::min as fn(f64, f64) -> f64, f64::max].map(|end| rows.iter().flatten().copied().fold(0.5, end));
         near([least, most], [0.01, 0.99]);
         let mut outputs: Vec<f64> = rows.iter().map(|u| 0.98 * (4.0 * u[0] - u[1])).collect();
         let told = Morris.tell(&rows, &outputs, &settled(10, 3));
-        let [importance, spread] = &Morris.shown(&told)[..] else {
-            panic!("two measures")
-        };
+        let [importance, spread] = &Morris.shown(&told)[..] else { panic!("two measures") };
         assert_eq!((importance.name, importance.drawn), ("mu*", true));
         let exact = 0.98 * 0.98;
         holds(importance.estimates[0], [4.0 * exact; 3]);
@@ -382,12 +353,7 @@ mod tests {
         assert_eq!(importance.bounds, None);
         assert_eq!((spread.name, spread.drawn), ("sigma", false));
         near([0, 1].map(|i| spread.estimates[i].value), [0.0; 2]);
-        assert!(
-            spread
-                .estimates
-                .iter()
-                .all(|e| e.low.is_nan() && e.high.is_nan())
-        );
+        assert!(spread.estimates.iter().all(|e| e.low.is_nan() && e.high.is_nan()));
         // With a failed run, a parameter that has all its effects is as sure as before.
         outputs[0] = f64::NAN;
         let shown = Morris.shown(&Morris.tell(&rows, &outputs, &settled(10, 3)));
@@ -405,26 +371,12 @@ mod tests {
     #[test]
     fn failed_runs_leave_bounds_of_their_effects() {
         const LOST: f64 = f64::NAN;
-        let outputs = [
-            [1.0, 2.0],
-            [2.0, 5.0],
-            [LOST, 2.0],
-            [3.0, 3.5],
-            [4.0, 3.0],
-            [LOST, LOST],
-            [3.5, LOST],
-        ]
-        .concat();
+        let outputs = [[1.0, 2.0], [2.0, 5.0], [LOST, 2.0], [3.0, 3.5], [4.0, 3.0], [LOST, LOST], [3.5, LOST]].concat();
         let rows = vec![vec![vec![0.0], vec![2.0 / 3.0]]; 7].concat();
-        let [effect] = effects(&rows, &outputs).unwrap()[..] else {
-            panic!("one parameter")
-        };
+        let [effect] = effects(&rows, &outputs).unwrap()[..] else { panic!("one parameter") };
         near([effect.mu, effect.sigma], [1.3125, 2.478_028_450_2]);
         holds(effect.mu_star, [2.0625, 0.232_513_114_2, 11.373_761_519_1]);
-        near(
-            effect.mu_star_bounds.unwrap(),
-            [0.100_806_883_9, 5.051_168_154_0],
-        );
+        near(effect.mu_star_bounds.unwrap(), [0.100_806_883_9, 5.051_168_154_0]);
         assert_eq!(effect.used, 4);
     }
 
@@ -440,17 +392,13 @@ mod tests {
         outputs[2] = 5.0;
         outputs[9] = f64::NAN;
         let effect = effects(&rows, &outputs).unwrap()[1];
-        holds(
-            effect.mu_star,
-            [1.5, 4.5 * 0.008_403_758_66, 4.5 * 0.905_700_675_95],
-        );
+        holds(effect.mu_star, [1.5, 4.5 * 0.008_403_758_66, 4.5 * 0.905_700_675_95]);
         let least = 4.5 * 0.006_309_463_2;
         let most = 4.5 * 0.932_414_013_7;
         near(effect.mu_star_bounds.unwrap(), [least, most]);
         // One that is the same everywhere has none.
         let none = effects(&rows, &[5.0; 12]).unwrap();
-        none.iter()
-            .for_each(|effect| holds(effect.mu_star, [0.0; 3]));
+        none.iter().for_each(|effect| holds(effect.mu_star, [0.0; 3]));
     }
 
     /// Two effects have a mean and a spread, one has not.

@@ -39,11 +39,8 @@ pub fn pairs(parameters: usize, rows: u64, seed: u64) -> Result<Vec<Vec<f64>>, S
 /// How badly any two coordinates lie together: the sum of the squared means of the products of their first two Legendre
 /// polynomials, which are 0 over the whole square.
 fn badness(net: &[Vec<f64>], coordinates: usize) -> DMatrix<f64> {
-    let of_degree = |degree: fn(f64) -> f64| {
-        DMatrix::from_fn(net.len(), coordinates, |point, k| {
-            degree(net[point][k] - 0.5)
-        })
-    };
+    let of_degree =
+        |degree: fn(f64) -> f64| DMatrix::from_fn(net.len(), coordinates, |point, k| degree(net[point][k] - 0.5));
     let first = of_degree(|u| 12.0_f64.sqrt() * u);
     let second = of_degree(|u| 180.0_f64.sqrt() * (u * u - 1.0 / 12.0));
     let square = |a: &DMatrix<f64>, b: &DMatrix<f64>| {

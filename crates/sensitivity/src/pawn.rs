@@ -32,10 +32,7 @@ impl FromPoints for Slices {
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
         let pawn: Option<Pawn> = read(told, "pawn");
-        let measure = pawn.map(|pawn| Measure {
-            chance: Some(pawn.threshold),
-            ..Measure::drawn("PAWN", pawn.median)
-        });
+        let measure = pawn.map(|pawn| Measure { chance: Some(pawn.threshold), ..Measure::drawn("PAWN", pawn.median) });
         measure.into_iter().collect()
     }
 }
@@ -57,27 +54,15 @@ pub struct Pawn {
 
 /// Computes the indices of columns of parameters on an output, in `slices` slices of equal content.
 /// Points without a finite value are left out. `None` where a slice would hold fewer than two points.
-pub fn pawn(
-    parameters: &[&[f64]],
-    output: &[f64],
-    slices: usize,
-    resamples: usize,
-    seed: u64,
-) -> Option<Pawn> {
-    let kept: Vec<usize> = (0..output.len())
-        .filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite()))
-        .collect();
+pub fn pawn(parameters: &[&[f64]], output: &[f64], slices: usize, resamples: usize, seed: u64) -> Option<Pawn> {
+    let kept: Vec<usize> =
+        (0..output.len()).filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite())).collect();
     if slices == 0 || kept.len() < 2 * slices {
         return None;
     }
     let y: Vec<f64> = kept.iter().map(|&j| output[j]).collect();
     let mut random = Random::new(seed, Purpose::Resample, 0);
-    let mut result = Pawn {
-        median: vec![],
-        max: vec![],
-        threshold: 0.0,
-        used: y.len(),
-    };
+    let mut result = Pawn { median: vec![], max: vec![], threshold: 0.0, used: y.len() };
     for parameter in parameters {
         let x: Vec<f64> = kept.iter().map(|&j| parameter[j]).collect();
         let by_slice = distances(&x, &y, slices);
@@ -112,9 +97,7 @@ pub fn pawn(
 fn distances(x: &[f64], y: &[f64], slices: usize) -> Vec<f64> {
     let all = sorted(y.to_vec());
     let order = sorted(x.to_vec());
-    let edges: Vec<f64> = (0..=slices)
-        .map(|k| quantile(&order, k as f64 / slices as f64))
-        .collect();
+    let edges: Vec<f64> = (0..=slices).map(|k| quantile(&order, k as f64 / slices as f64)).collect();
     let mut parts = vec![Vec::new(); slices];
     for (v, out) in x.iter().zip(y) {
         // The last slice whose lower edge is not above the value.
@@ -134,12 +117,8 @@ mod tests {
 
     fn sample(n: usize) -> (Vec<Vec<f64>>, Vec<f64>) {
         let mut random = Random::new(8, Purpose::Unstated, 0);
-        let x: Vec<Vec<f64>> = (0..4)
-            .map(|_| (0..n).map(|_| random.unit()).collect())
-            .collect();
-        let y = (0..n)
-            .map(|j| ishigami(&[x[0][j], x[1][j], x[2][j]]))
-            .collect();
+        let x: Vec<Vec<f64>> = (0..4).map(|_| (0..n).map(|_| random.unit()).collect()).collect();
+        let y = (0..n).map(|j| ishigami(&[x[0][j], x[1][j], x[2][j]])).collect();
         (x, y)
     }
 
@@ -161,10 +140,7 @@ mod tests {
         }
         assert!(p.median[3].value < 1.3 * p.threshold, "{p:?}");
         // Pianosi & Wagener (2015), figure 4: the second parameter's influence is the largest.
-        assert!(
-            p.median[1].value > p.median[0].value && p.median[0].value > p.median[2].value,
-            "{p:?}"
-        );
+        assert!(p.median[1].value > p.median[0].value && p.median[0].value > p.median[2].value, "{p:?}");
     }
 
     #[test]
@@ -209,9 +185,7 @@ mod tests {
         let (x, y) = waves(100);
         let columns: [&[f64]; 2] = [&x[0], &x[1]];
         let pawn = pawn(&columns, &y, SLICES, RESAMPLES, 3).unwrap();
-        let [shown] = &Slices.shown(&Slices.tell(&columns, &y, 3))[..] else {
-            panic!("one measure")
-        };
+        let [shown] = &Slices.shown(&Slices.tell(&columns, &y, 3))[..] else { panic!("one measure") };
         assert_eq!((shown.name, shown.drawn), ("PAWN", true));
         assert_eq!(shown.estimates, pawn.median);
         assert_eq!(shown.chance, Some(pawn.threshold));

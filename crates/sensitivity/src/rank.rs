@@ -59,25 +59,21 @@ pub struct Correlations {
 /// "is verified", is an output like any other. Points without a finite value are left out.
 /// A constant column correlates with nothing: 0, without an interval. `None` for fewer than four points.
 pub fn correlations(parameters: &[&[f64]], output: &[f64]) -> Option<Correlations> {
-    let kept: Vec<usize> = (0..output.len())
-        .filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite()))
-        .collect();
+    let kept: Vec<usize> =
+        (0..output.len()).filter(|&j| output[j].is_finite() && parameters.iter().all(|p| p[j].is_finite())).collect();
     let points = kept.len();
     if points < 4 {
         return None;
     }
     let values = |column: &[f64]| -> Vec<f64> { kept.iter().map(|&j| column[j]).collect() };
     let columns = parameters.iter().copied().chain([output]).map(values);
-    let columns: Vec<(Vec<usize>, Vec<f64>)> =
-        columns.map(|column| (ascending(&column), column)).collect();
+    let columns: Vec<(Vec<usize>, Vec<f64>)> = columns.map(|column| (ascending(&column), column)).collect();
     let coefficients = |left_out: Option<usize>| coefficients(&columns, points, left_out);
     let all = coefficients(None);
     let groups = GROUPS.min(points);
     let without: Vec<Coefficients> = (0..groups).map(|group| coefficients(Some(group))).collect();
     let freedom = points as f64 - 3.0 - (parameters.len() as f64 - 1.0);
-    let partial_of_all = without
-        .iter()
-        .all(|part| part.partial.len() == parameters.len());
+    let partial_of_all = without.iter().all(|part| part.partial.len() == parameters.len());
     Some(Correlations {
         spearman: estimates(&all.spearman, without.iter().map(|part| &part.spearman)),
         partial: match freedom > 0.0 && partial_of_all {
@@ -95,11 +91,7 @@ struct Coefficients {
 }
 
 /// From columns with their places in ascending order; every tenth point may be left out, from one of the first ten on.
-fn coefficients(
-    columns: &[(Vec<usize>, Vec<f64>)],
-    points: usize,
-    left_out: Option<usize>,
-) -> Coefficients {
+fn coefficients(columns: &[(Vec<usize>, Vec<f64>)], points: usize, left_out: Option<usize>) -> Coefficients {
     let keep = |place: &usize| left_out.is_none_or(|group| place % GROUPS != group);
     let ranked = |(order, values): &(Vec<usize>, Vec<f64>)| -> Vec<f64> {
         let order: Vec<usize> = order.iter().copied().filter(keep).collect();
@@ -115,10 +107,7 @@ fn coefficients(
             matrix[(b, a)] = matrix[(a, b)];
         }
     }
-    Coefficients {
-        spearman: (0..d).map(|i| matrix[(i, d)]).collect(),
-        partial: partial(matrix),
-    }
+    Coefficients { spearman: (0..d).map(|i| matrix[(i, d)]).collect(), partial: partial(matrix) }
 }
 
 fn partial(matrix: DMatrix<f64>) -> Vec<f64> {
@@ -146,11 +135,7 @@ fn estimates<'a>(of_all: &[f64], without: impl Iterator<Item = &'a Vec<f64>>) ->
             true => f64::NAN,
             false => half_width(&parts),
         };
-        Estimate {
-            value: r,
-            low: (scaled(r) - half).tanh(),
-            high: (scaled(r) + half).tanh(),
-        }
+        Estimate { value: r, low: (scaled(r) - half).tanh(), high: (scaled(r) + half).tanh() }
     };
     of_all.iter().enumerate().map(estimate).collect()
 }
@@ -169,23 +154,16 @@ mod tests {
 
     fn columns(n: usize, d: usize) -> Vec<Vec<f64>> {
         let mut random = StdRng::seed_from_u64(4);
-        (0..d)
-            .map(|_| (0..n).map(|_| random.random::<f64>()).collect())
-            .collect()
+        (0..d).map(|_| (0..n).map(|_| random.random::<f64>()).collect()).collect()
     }
 
     #[test]
     fn a_monotone_parameter_stands_out_of_the_others() {
         let x = columns(400, 3);
-        let y: Vec<f64> = (0..400)
-            .map(|j| (3.0 * x[0][j]).exp() - 2.0 * x[1][j])
-            .collect();
+        let y: Vec<f64> = (0..400).map(|j| (3.0 * x[0][j]).exp() - 2.0 * x[1][j]).collect();
         let views: Vec<&[f64]> = x.iter().map(Vec::as_slice).collect();
         let c = correlations(&views, &y).unwrap();
-        assert!(
-            c.spearman[0].value > 0.9 && c.partial[0].value > 0.95,
-            "{c:?}"
-        );
+        assert!(c.spearman[0].value > 0.9 && c.partial[0].value > 0.95, "{c:?}");
         assert!(c.partial[1].value < c.spearman[1].value && c.partial[1].high < 0.0);
         assert!(c.partial[2].contains(0.0));
     }
@@ -216,45 +194,21 @@ mod tests {
     fn correlations_and_their_intervals_are_those_of_others() {
         let points = lattice(12, 3);
         let [x, y, z] = [0, 1, 2].map(|i| points.iter().map(|u| u[i]).collect::<Vec<f64>>());
-        let output: Vec<f64> = points
-            .iter()
-            .map(|u| 2.0 * u[0] - u[1] + 3.0 * (u[2] - 0.5).powi(2))
-            .collect();
+        let output: Vec<f64> = points.iter().map(|u| 2.0 * u[0] - u[1] + 3.0 * (u[2] - 0.5).powi(2)).collect();
         let told = Ranks.tell(&[&x, &y, &z], &output, 1);
         let correlations: Correlations = read(&told, "ranks").unwrap();
-        holds(
-            correlations.spearman[0],
-            [0.958_041_958_0, 0.828_963_333_1, 0.990_227_516_7],
-        );
-        holds(
-            correlations.spearman[1],
-            [-0.188_811_188_8, -0.743_867_951_7, 0.520_390_868_7],
-        );
-        holds(
-            correlations.partial[0],
-            [0.981_365_007_6, 0.870_997_751_1, 0.997_437_413_0],
-        );
-        holds(
-            correlations.partial[1],
-            [-0.769_974_808_1, -0.994_273_198_7, 0.709_366_301_4],
-        );
-        holds(
-            correlations.partial[2],
-            [0.049_631_871_8, -0.932_510_280_2, 0.944_333_205_6],
-        );
-        assert_eq!(
-            Ranks.shown(&told),
-            [Measure::listed("PRCC", correlations.partial)]
-        );
+        holds(correlations.spearman[0], [0.958_041_958_0, 0.828_963_333_1, 0.990_227_516_7]);
+        holds(correlations.spearman[1], [-0.188_811_188_8, -0.743_867_951_7, 0.520_390_868_7]);
+        holds(correlations.partial[0], [0.981_365_007_6, 0.870_997_751_1, 0.997_437_413_0]);
+        holds(correlations.partial[1], [-0.769_974_808_1, -0.994_273_198_7, 0.709_366_301_4]);
+        holds(correlations.partial[2], [0.049_631_871_8, -0.932_510_280_2, 0.944_333_205_6]);
+        assert_eq!(Ranks.shown(&told), [Measure::listed("PRCC", correlations.partial)]);
     }
 
     /// Four points have a rank correlation. A partial one needs more of them, the more parameters there are.
     #[test]
     fn few_points_have_no_partial_correlation() {
-        let columns = [
-            [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
-            [2.0, 5.0, 1.0, 4.0, 3.0, 6.0],
-        ];
+        let columns = [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [2.0, 5.0, 1.0, 4.0, 3.0, 6.0]];
         let output = [1.0, 3.0, 2.0, 5.0, 6.0, 4.0];
         let told = |points: usize| {
             let columns: Vec<&[f64]> = columns.iter().map(|c| &c[..points]).collect();

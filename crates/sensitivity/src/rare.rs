@@ -28,11 +28,7 @@ pub(crate) fn widened<P: Iterator<Item = [f64; 2]>>(
     }
     let index = |q: f64| (q - share * share) / (share * (1.0 - share));
     let [low, high] = clopper_pearson(both as f64, count as f64, 0.95).map(index);
-    Estimate {
-        low: estimate.low.min(low),
-        high: estimate.high.max(high.min(1.0)),
-        ..estimate
-    }
+    Estimate { low: estimate.low.min(low), high: estimate.high.max(high.min(1.0)), ..estimate }
 }
 
 /// The rarer one of two values, and its share; nothing where there are more, or one only, or runs without a value.
@@ -66,10 +62,7 @@ mod tests {
         // Clopper and Pearson: 1 - 0.025^(1/100) = 0.0362 of the pairs at most.
         let p: f64 = 0.01;
         let most = (0.036_217 - p * p) / (p * (1.0 - p));
-        assert!(
-            most > 1.0 && interval.high == 1.0 && interval.low < -0.0149,
-            "{interval:?}"
-        );
+        assert!(most > 1.0 && interval.high == 1.0 && interval.low < -0.0149, "{interval:?}");
         // Many pairs tell by themselves, and so do values of other kinds.
         let many = || (0..100).map(|k| [f64::from(u8::from(k < 5)); 2]);
         assert_eq!(widened(narrow, &ends, many), narrow);
@@ -88,14 +81,8 @@ mod tests {
         let one = || (0..100).map(|k| [f64::from(u8::from(k == 0)); 2]);
         let interval = widened(Estimate::around(-0.3, 0.01), &ends, one);
         let index = |q: f64| (q - 0.09) / 0.21;
-        assert!(
-            (interval.low - index(0.000_253_146)).abs() < 1e-6,
-            "{interval:?}"
-        );
-        assert!(
-            (interval.high - index(0.054_459_4)).abs() < 1e-6,
-            "{interval:?}"
-        );
+        assert!((interval.low - index(0.000_253_146)).abs() < 1e-6, "{interval:?}");
+        assert!((interval.high - index(0.054_459_4)).abs() < 1e-6, "{interval:?}");
         assert_eq!(interval.value, -0.3);
         // Whether the rare value comes first does not matter, nor do ends that the scatter sets wider.
         ends.reverse();

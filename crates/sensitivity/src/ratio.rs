@@ -29,9 +29,7 @@ impl Parts {
     /// Of the base points to keep: sum and count.
     fn total(&self, keep: impl Fn(usize) -> bool) -> [f64; 2] {
         let kept = (0..self.sums.len()).filter(|&j| keep(j));
-        kept.fold([0.0, 0.0], |[sum, count], j| {
-            [sum + self.sums[j], count + self.counts[j]]
-        })
+        kept.fold([0.0, 0.0], |[sum, count], j| [sum + self.sums[j], count + self.counts[j]])
     }
 
     /// Each base point's own mean.
@@ -87,10 +85,7 @@ fn but_for_rounding(parts: Parts, centre: f64) -> Parts {
     if sum > least * count {
         return parts;
     }
-    Parts {
-        sums: vec![0.0; parts.sums.len()],
-        ..parts
-    }
+    Parts { sums: vec![0.0; parts.sums.len()], ..parts }
 }
 
 /// The ratio of two means over the base points to keep.
@@ -198,9 +193,8 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
     let fold = |j: usize| j * FOLDS / points;
     let weight = |left_out: Option<usize>| {
         let kept = (0..points).filter(|&j| Some(fold(j)) != left_out);
-        let [above, below] = kept.fold([0.0, 0.0], |[above, below], j| {
-            [above + products[j][0], below + products[j][1]]
-        });
+        let [above, below] =
+            kept.fold([0.0, 0.0], |[above, below], j| [above + products[j][0], below + products[j][1]]);
         // Both are the same where nothing scatters.
         match above / below {
             weight if weight.is_finite() => weight.clamp(0.0, 1.0),
@@ -214,10 +208,7 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
     };
     let of_all = weight(None);
     let of_others: [f64; FOLDS] = std::array::from_fn(|k| weight(Some(k)));
-    Combined {
-        terms: weighted(&|_| of_all),
-        crosswise: weighted(&|j| of_others[fold(j)]),
-    }
+    Combined { terms: weighted(&|_| of_all), crosswise: weighted(&|j| of_others[fold(j)]) }
 }
 
 /// Outputs in a unit in which their squares are numbers: no part of a variance depends on the unit.
@@ -255,10 +246,7 @@ mod tests {
             let under = (0..points).map(|k| 1.0 + f64::from(k % 16) / 8.0);
             let over = Parts::of(over);
             let estimate = estimate(&over, &Parts::of(under), 0.0).unwrap();
-            (
-                over.used(),
-                [estimate.value, estimate.high - estimate.value],
-            )
+            (over.used(), [estimate.value, estimate.high - estimate.value])
         };
         let (used, all) = of_points(256, &[]);
         assert_eq!(used, 256);
@@ -290,9 +278,7 @@ mod tests {
         let ends = [[1.0, 3.0], [5.0, f64::NAN], [f64::NAN; 2]];
         let parts = variance(&ends);
         assert_eq!(parts.used(), 2);
-        let [two, one, none] = parts.means().collect::<Vec<_>>()[..] else {
-            panic!("one mean a base point")
-        };
+        let [two, one, none] = parts.means().collect::<Vec<_>>()[..] else { panic!("one mean a base point") };
         assert_eq!([two, one], [2.0, 4.0]);
         assert!(none.is_nan());
         assert_eq!(parts.total(|_| true), [8.0, 3.0]);

@@ -64,19 +64,7 @@ mod tests {
     /// scipy's `ks_2samp` has the distance. A point without a value of the parameter counts on neither side.
     #[test]
     fn the_sides_are_those_that_pass_and_that_do_not() {
-        let values = [
-            1.0,
-            2.0,
-            3.0,
-            4.0,
-            5.0,
-            6.0,
-            7.0,
-            8.0,
-            9.0,
-            f64::NAN,
-            f64::NAN,
-        ];
+        let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, f64::NAN, f64::NAN];
         let pass = [1, 1, 0, 1, 1, 0, 0, 1, 0, 1, 0].map(|pass| pass == 1);
         let sides = split(&[&values], &pass).unwrap()[0];
         near([sides.distance], [0.55]);

@@ -65,9 +65,8 @@ impl FromRuns for Shapley {
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
         let effects: Option<Effects> = read(told, "shapley");
-        let measure = effects.map(|effects| {
-            Measure::drawn("Shapley effect", effects.effects).within(effects.effects_bounds)
-        });
+        let measure =
+            effects.map(|effects| Measure::drawn("Shapley effect", effects.effects).within(effects.effects_bounds));
         measure.into_iter().collect()
     }
 }
@@ -135,11 +134,7 @@ fn beginnings(orders: &[Vec<usize>]) -> Vec<Vec<usize>> {
 ///
 /// # Errors
 /// When the correlations contradict each other.
-pub fn design(
-    pairs: &[Vec<f64>],
-    correlation: Option<&DMatrix<f64>>,
-    seed: u64,
-) -> Result<Vec<Vec<f64>>, String> {
+pub fn design(pairs: &[Vec<f64>], correlation: Option<&DMatrix<f64>>, seed: u64) -> Result<Vec<Vec<f64>>, String> {
     let mut random = Random::new(seed, Purpose::Order, 0);
     const CONTRADICTION: &str = "the correlations contradict each other";
     let factor = correlation.map(|matrix| matrix.clone().cholesky().ok_or(CONTRADICTION));
@@ -180,12 +175,7 @@ fn places(scores: &DVector<f64>) -> Vec<f64> {
 }
 
 /// Scores that are those of `a` in a set, and elsewhere those of `b` moved by what the correlations make of the difference.
-fn conditional(
-    a: &DVector<f64>,
-    b: &DVector<f64>,
-    set: &[usize],
-    matrix: &DMatrix<f64>,
-) -> Option<DVector<f64>> {
+fn conditional(a: &DVector<f64>, b: &DVector<f64>, set: &[usize], matrix: &DMatrix<f64>) -> Option<DVector<f64>> {
     let known = DVector::from_iterator(set.len(), set.iter().map(|&k| a[k] - b[k]));
     let within = DMatrix::from_fn(set.len(), set.len(), |i, j| matrix[(set[i], set[j])]);
     let weights = within.cholesky()?.solve(&known);
@@ -237,21 +227,14 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     let mean = |steps: &Vec<Step>| steps.iter().map(explained).sum::<f64>() / steps.len() as f64;
     let variance = ratio::paired_variance(&ends);
     let failed = outputs.iter().filter(|v| !v.is_finite()).count();
-    let mut result = Effects {
-        effects: vec![],
-        effects_bounds: None,
-        used: vec![],
-        failed,
-    };
+    let mut result = Effects { effects: vec![], effects_bounds: None, used: vec![], failed };
     for steps in &terms {
         let part = Parts::of(steps.iter().map(mean));
         result.used.push(part.used());
         result.effects.push(ratio::estimate(&part, &variance, 0.0)?);
     }
     if failed > 0 {
-        let bounds = terms
-            .iter()
-            .map(|steps| bounds(steps, &ends, correlated, outputs));
+        let bounds = terms.iter().map(|steps| bounds(steps, &ends, correlated, outputs));
         result.effects_bounds = bounds.collect();
     }
     Some(result)
@@ -287,19 +270,11 @@ fn minus(a: Range, b: Range) -> Range {
 
 fn times(a: Range, b: Range) -> Range {
     let products = [a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]];
-    [
-        products.into_iter().fold(f64::INFINITY, f64::min),
-        products.into_iter().fold(f64::NEG_INFINITY, f64::max),
-    ]
+    [products.into_iter().fold(f64::INFINITY, f64::min), products.into_iter().fold(f64::NEG_INFINITY, f64::max)]
 }
 
 /// Bounds of an effect, by interval arithmetic: wider than necessary.
-fn bounds(
-    steps: &[Vec<Step>],
-    ends: &[[f64; 2]],
-    correlated: bool,
-    outputs: &[f64],
-) -> Option<[f64; 2]> {
+fn bounds(steps: &[Vec<Step>], ends: &[[f64; 2]], correlated: bool, outputs: &[f64]) -> Option<[f64; 2]> {
     let any = crate::lost::range(outputs)?;
     let range = |value: f64| if value.is_finite() { [value; 2] } else { any };
     let term = |step: &Step| {
@@ -312,9 +287,7 @@ fn bounds(
         times(minus(after, before), other.map(|end| end / 2.0))
     };
     let explained = |end: usize| -> Parts {
-        let mean = |steps: &Vec<Step>| {
-            steps.iter().map(|step| term(step)[end]).sum::<f64>() / steps.len() as f64
-        };
+        let mean = |steps: &Vec<Step>| steps.iter().map(|step| term(step)[end]).sum::<f64>() / steps.len() as f64;
         Parts::of(steps.iter().map(mean))
     };
     let variance = |end: fn(f64, f64) -> f64| -> Parts {
@@ -381,10 +354,7 @@ mod tests {
         let shapley = run(3, None, &settled(4096, 3), ishigami);
         let (first, total) = ishigami_indices();
         for ((effect, first), total) in shapley.effects.iter().zip(first).zip(total) {
-            assert!(
-                (effect.value - (first + total) / 2.0).abs() < 0.02,
-                "{effect:?}"
-            );
+            assert!((effect.value - (first + total) / 2.0).abs() < 0.02, "{effect:?}");
         }
         assert!((sum(&shapley) - 1.0).abs() < 1e-12);
     }
@@ -421,11 +391,7 @@ mod tests {
         let variance = 6.0 + joint;
         let exact = [1.0, 4.0, 0.0, 1.0, joint / 2.0 + rest, joint / 2.0 - rest];
         for (effect, exact) in shapley.effects.iter().zip(exact) {
-            assert!(
-                (effect.value - exact / variance).abs() < 0.015,
-                "{effect:?} {}",
-                exact / variance
-            );
+            assert!((effect.value - exact / variance).abs() < 0.015, "{effect:?} {}", exact / variance);
         }
         assert!((sum(&shapley) - 1.0).abs() < 1e-12);
     }
@@ -437,19 +403,11 @@ mod tests {
         let pairs = pairs(4, 4096, 9).unwrap();
         let rows = design(&pairs, Some(&matrix), 9).unwrap();
         for place in [0, 1, 2, 4, 7] {
-            let rows: Vec<Vec<f64>> = rows
-                .iter()
-                .skip(place)
-                .step_by(8)
-                .map(|u| scores(u))
-                .collect();
+            let rows: Vec<Vec<f64>> = rows.iter().skip(place).step_by(8).map(|u| scores(u)).collect();
             for a in 0..4 {
                 for b in 0..4 {
                     let mean = rows.iter().map(|z| z[a] * z[b]).sum::<f64>() / rows.len() as f64;
-                    assert!(
-                        (mean - matrix[(a, b)]).abs() < 0.05,
-                        "{place} {a} {b} {mean}"
-                    );
+                    assert!((mean - matrix[(a, b)]).abs() < 0.05, "{place} {a} {b} {mean}");
                 }
             }
         }
@@ -466,10 +424,7 @@ mod tests {
         assert!(shapley.failed > 10 && shapley.used.iter().all(|&used| used < 512));
         let bounds = shapley.effects_bounds.unwrap();
         for (bounds, exact) in bounds.iter().zip(exact) {
-            assert!(
-                bounds[0] <= exact && exact <= bounds[1],
-                "{bounds:?} {exact}"
-            );
+            assert!(bounds[0] <= exact && exact <= bounds[1], "{bounds:?} {exact}");
             assert!(bounds[1] - bounds[0] < 0.9, "{bounds:?}");
         }
     }
@@ -477,12 +432,7 @@ mod tests {
     #[test]
     fn a_constant_output_depends_on_nothing() {
         let shapley = run(3, None, &settled(64, 1), |_| 7.1);
-        assert!(
-            shapley
-                .effects
-                .iter()
-                .all(|e| e.value == 0.0 && e.low == 0.0)
-        );
+        assert!(shapley.effects.iter().all(|e| e.value == 0.0 && e.low == 0.0));
         assert_eq!(effects(&[1.0; 65], 3, &settled(64, 1)), None);
         assert_eq!(effects(&[], 0, &settled(0, 1)), None);
     }
@@ -490,10 +440,7 @@ mod tests {
     /// The way of a study: the design has A, B and the mixed points; what is told comes back when it is shown.
     #[test]
     fn a_study_shows_the_effects_of_its_design() {
-        let space = Space {
-            parameters: 3,
-            correlation: None,
-        };
+        let space = Space { parameters: 3, correlation: None };
         let settled = settled(32, 5);
         let rows = Shapley.design(&space, &settled).unwrap();
         assert_eq!(rows.len() as u64, Shapley.runs(&space, 32));
@@ -512,10 +459,7 @@ mod tests {
         let failed = Shapley.tell(&rows, &[f64::NAN; 128], &settled);
         assert_eq!(Shapley.shown(&failed), []);
         // Correlated parameters stay together: all orders of three, two opposite ones of more.
-        let correlated = |parameters: usize| Space {
-            parameters,
-            correlation: Some(chain(parameters, 0.5)),
-        };
+        let correlated = |parameters: usize| Space { parameters, correlation: Some(chain(parameters, 0.5)) };
         let runs = [1, 2, 3, 4, 5].map(|d| Shapley.runs(&correlated(d), 10));
         assert_eq!(runs, [20, 40, 80, 80, 100]);
         assert!(Shapley.facts().takes_correlations);
@@ -526,34 +470,19 @@ mod tests {
     fn effects_and_bounds_are_those_of_interval_arithmetic() {
         let mut outputs = Vec::new();
         for u in lattice(64, 4) {
-            let mixed = [
-                0.7 * u[0] + 0.3 * u[1] + 0.02 * u[2],
-                0.4 * u[0] + 0.6 * u[1] - 0.03 * u[3],
-            ];
+            let mixed = [0.7 * u[0] + 0.3 * u[1] + 0.02 * u[2], 0.4 * u[0] + 0.6 * u[1] - 0.03 * u[3]];
             outputs.extend([u[0], u[1], mixed[0], mixed[1]].map(|value| 3.0 + value));
         }
         let whole = effects(&outputs, 2, &settled(64, 1)).unwrap();
-        holds(
-            whole.effects[0],
-            [0.634_247_770_2, 0.626_262_001_2, 0.642_233_539_3],
-        );
-        holds(
-            whole.effects[1],
-            [0.365_752_229_8, 0.357_766_460_7, 0.373_737_998_8],
-        );
+        holds(whole.effects[0], [0.634_247_770_2, 0.626_262_001_2, 0.642_233_539_3]);
+        holds(whole.effects[1], [0.365_752_229_8, 0.357_766_460_7, 0.373_737_998_8]);
         for (point, run) in [(3, 2), (17, 0), (40, 1)] {
             outputs[4 * point + run] = f64::NAN;
         }
         let shapley = effects(&outputs, 2, &settled(64, 1)).unwrap();
         assert_eq!((shapley.failed, &shapley.used), (3, &vec![61, 61]));
-        holds(
-            shapley.effects[0],
-            [0.638_470_768_5, 0.624_475_505_1, 0.652_466_032_0],
-        );
-        holds(
-            shapley.effects[1],
-            [0.370_226_265_5, 0.359_609_159_2, 0.380_843_371_8],
-        );
+        holds(shapley.effects[0], [0.638_470_768_5, 0.624_475_505_1, 0.652_466_032_0]);
+        holds(shapley.effects[1], [0.370_226_265_5, 0.359_609_159_2, 0.380_843_371_8]);
         let bounds = shapley.effects_bounds.unwrap();
         near(bounds[0], [0.303_047_251_1, 1.0]);
         near(bounds[1], [0.065_551_986_2, 0.628_511_745_3]);

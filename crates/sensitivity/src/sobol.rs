@@ -53,10 +53,7 @@ impl FromRuns for Sobol {
         let growing = convergence(values, parameters, settled.estimator);
         let totals = |s: Indices| s.total.iter().map(|e| e.value).collect::<Vec<f64>>();
         let growing: Vec<_> = growing.into_iter().map(|(n, s)| (n, totals(s))).collect();
-        Told::from_iter([
-            ("sobol".to_owned(), json!(indices)),
-            ("convergence".to_owned(), json!(growing)),
-        ])
+        Told::from_iter([("sobol".to_owned(), json!(indices)), ("convergence".to_owned(), json!(growing))])
     }
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
@@ -126,24 +123,15 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
     let finite: Vec<f64> = outputs.iter().copied().filter(|v| v.is_finite()).collect();
     let shift = mean(&finite);
     let failed = outputs.len() - finite.len();
-    let rows: Vec<Vec<f64>> = outputs
-        .chunks(width)
-        .map(|row| row.iter().map(|v| v - shift).collect())
-        .collect();
+    let rows: Vec<Vec<f64>> = outputs.chunks(width).map(|row| row.iter().map(|v| v - shift).collect()).collect();
     let ends: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[width - 1]]).collect();
     let variance = ratio::variance(&ends);
     let estimator = match failed {
         0 => estimator,
         _ => FirstOrder::Jansen,
     };
-    let mut result = Indices {
-        first: vec![],
-        total: vec![],
-        first_bounds: None,
-        total_bounds: None,
-        used: vec![],
-        failed,
-    };
+    let mut result =
+        Indices { first: vec![], total: vec![], first_bounds: None, total_bounds: None, used: vec![], failed };
     for i in 1..=parameters {
         let of = |term: fn(f64, f64, f64) -> f64| -> Vec<f64> {
             let terms = rows.iter().map(|row| term(row[0], row[i], row[width - 1]));
@@ -199,11 +187,7 @@ impl Indices {
 }
 
 /// Indices from growing parts of the design, to show convergence: base points, indices.
-pub fn convergence(
-    outputs: &[f64],
-    parameters: usize,
-    estimator: FirstOrder,
-) -> Vec<(usize, Indices)> {
+pub fn convergence(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Vec<(usize, Indices)> {
     let width = parameters + 2;
     let n = outputs.len() / width;
     let halves = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2));
@@ -227,9 +211,7 @@ mod tests {
 
     fn random_pairs(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {
         let mut random = StdRng::seed_from_u64(seed);
-        (0..n)
-            .map(|_| (0..2 * d).map(|_| random.random::<f64>()).collect())
-            .collect()
+        (0..n).map(|_| (0..2 * d).map(|_| random.random::<f64>()).collect()).collect()
     }
 
     fn evaluate(pairs: &[Vec<f64>], f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
@@ -242,16 +224,8 @@ mod tests {
         let y = evaluate(&lattice(256, 6), ishigami);
         let s = indices(&y, 3, FirstOrder::Saltelli).unwrap();
         for (i, (first, total)) in SALIB_ISHIGAMI.into_iter().enumerate() {
-            assert!(
-                (s.first[i].value - first).abs() < 1e-10,
-                "{i} {:?}",
-                s.first[i]
-            );
-            assert!(
-                (s.total[i].value - total).abs() < 1e-10,
-                "{i} {:?}",
-                s.total[i]
-            );
+            assert!((s.first[i].value - first).abs() < 1e-10, "{i} {:?}", s.first[i]);
+            assert!((s.total[i].value - total).abs() < 1e-10, "{i} {:?}", s.total[i]);
         }
     }
     const SALIB_ISHIGAMI: [(f64, f64); 3] = [
@@ -264,17 +238,10 @@ mod tests {
     fn both_estimators_converge_to_the_exact_indices() {
         let (first, total) = ishigami_indices();
         let y = evaluate(&random_pairs(40_000, 3, 5), ishigami);
-        for estimator in [
-            FirstOrder::Combined,
-            FirstOrder::Saltelli,
-            FirstOrder::Jansen,
-        ] {
+        for estimator in [FirstOrder::Combined, FirstOrder::Saltelli, FirstOrder::Jansen] {
             let s = indices(&y, 3, estimator).unwrap();
             for (index, exact) in s.first.iter().zip(first).chain(s.total.iter().zip(total)) {
-                assert!(
-                    (index.value - exact).abs() < 0.03,
-                    "{estimator:?} {index:?} {exact}"
-                );
+                assert!((index.value - exact).abs() < 0.03, "{estimator:?} {index:?} {exact}");
             }
         }
     }
@@ -290,15 +257,9 @@ mod tests {
         let (hf, ht) = ishigami_indices();
         let count = |s: &Indices, first: &[f64], total: &[f64]| {
             let pairs = s.first.iter().zip(first).chain(s.total.iter().zip(total));
-            pairs
-                .filter(|(index, exact)| index.contains(**exact))
-                .count() as f64
+            pairs.filter(|(index, exact)| index.contains(**exact)).count() as f64
         };
-        for estimator in [
-            FirstOrder::Combined,
-            FirstOrder::Saltelli,
-            FirstOrder::Jansen,
-        ] {
+        for estimator in [FirstOrder::Combined, FirstOrder::Saltelli, FirstOrder::Jansen] {
             let (mut ishigami_held, mut g_held) = (0.0, 0.0);
             for seed in 0..REPETITIONS {
                 let y = evaluate(&scrambled_pairs(BASE, 3, 1000 + seed), ishigami);
@@ -333,10 +294,7 @@ mod tests {
             }
         }
         let [first, total] = errors.map(|e| (e / (6 * SEEDS) as f64).sqrt());
-        assert!(
-            first <= 1.2 * 0.0011 && total <= 1.2 * 0.0010,
-            "{first} {total}"
-        );
+        assert!(first <= 1.2 * 0.0011 && total <= 1.2 * 0.0010, "{first} {total}");
     }
 
     #[test]
@@ -366,10 +324,7 @@ mod tests {
     fn convergence_ends_with_the_whole_design() {
         let y = evaluate(&random_pairs(256, 3, 3), ishigami);
         let steps = convergence(&y, 3, FirstOrder::Saltelli);
-        assert_eq!(
-            steps.iter().map(|s| s.0).collect::<Vec<_>>(),
-            [32, 64, 128, 256]
-        );
+        assert_eq!(steps.iter().map(|s| s.0).collect::<Vec<_>>(), [32, 64, 128, 256]);
         assert_eq!(steps[3].1, indices(&y, 3, FirstOrder::Saltelli).unwrap());
     }
 
@@ -382,10 +337,7 @@ mod tests {
     /// The way of a study: the design has A, A_B of each parameter, and B; what is told comes back when it is shown.
     #[test]
     fn a_study_shows_the_indices_of_its_design() {
-        let space = Space {
-            parameters: 2,
-            correlation: None,
-        };
+        let space = Space { parameters: 2, correlation: None };
         let rows = Sobol.design(&space, &settled(64, 5)).unwrap();
         assert_eq!(rows.len() as u64, Sobol.runs(&space, 64));
         for rows in rows.chunks(4) {
@@ -395,32 +347,15 @@ mod tests {
         let outputs: Vec<f64> = rows.iter().map(|u| u[0] + 3.0 * u[1]).collect();
         let told = Sobol.tell(&rows, &outputs, &settled(64, 5));
         let indices = indices(&outputs, 2, FirstOrder::Combined).unwrap();
-        assert_eq!(
-            (&indices.first_bounds, &indices.total_bounds),
-            (&None, &None)
-        );
-        let [total, first] = &Sobol.shown(&told)[..] else {
-            panic!("two measures")
-        };
+        assert_eq!((&indices.first_bounds, &indices.total_bounds), (&None, &None));
+        let [total, first] = &Sobol.shown(&told)[..] else { panic!("two measures") };
         assert_eq!((total.name, total.drawn), ("total", true));
         assert_eq!((first.name, first.drawn), ("first order", true));
-        assert_eq!(
-            (&total.estimates, &first.estimates),
-            (&indices.total, &indices.first)
-        );
+        assert_eq!((&total.estimates, &first.estimates), (&indices.total, &indices.first));
         let growing: Vec<(usize, Vec<f64>)> = read(&told, "convergence").unwrap();
-        assert_eq!(
-            growing.iter().map(|(n, _)| *n).collect::<Vec<_>>(),
-            [32, 64]
-        );
-        near(
-            growing[1].1.clone().try_into().unwrap(),
-            [0, 1].map(|i| indices.total[i].value),
-        );
-        assert_eq!(
-            Sobol.shown(&Sobol.tell(&rows, &[f64::NAN; 256], &settled(64, 5))),
-            []
-        );
+        assert_eq!(growing.iter().map(|(n, _)| *n).collect::<Vec<_>>(), [32, 64]);
+        near(growing[1].1.clone().try_into().unwrap(), [0, 1].map(|i| indices.total[i].value));
+        assert_eq!(Sobol.shown(&Sobol.tell(&rows, &[f64::NAN; 256], &settled(64, 5))), []);
     }
 
     /// A failed run of A_B has the value at worst that is farthest from the run it is compared with, and at best the same. The
@@ -431,10 +366,7 @@ mod tests {
         outputs[5] = f64::NAN;
         let indices = indices(&outputs, 2, FirstOrder::Combined).unwrap();
         let zeros = Some(vec![[0.0; 2]; 2]);
-        assert_eq!(
-            (&indices.first_bounds, &indices.total_bounds),
-            (&zeros, &zeros)
-        );
+        assert_eq!((&indices.first_bounds, &indices.total_bounds), (&zeros, &zeros));
     }
 
     #[test]
@@ -446,30 +378,16 @@ mod tests {
         let holed = indices(&outputs, 2, FirstOrder::Combined).unwrap();
         assert_eq!((holed.failed, &holed.used), (1, &vec![255, 256]));
         let known = || outputs.iter().copied().filter(|v| v.is_finite());
-        let [low, high] =
-            [f64::min as fn(f64, f64) -> f64, f64::max].map(|end| known().fold(outputs[0], end));
+        let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|end| known().fold(outputs[0], end));
         let with = |value: f64| {
             let mut outputs = outputs.clone();
             outputs[lost] = value;
             indices(&outputs, 2, FirstOrder::Jansen).unwrap()
         };
         let farthest = |from: f64| if high - from > from - low { high } else { low };
-        let [total, first] =
-            [&holed.total_bounds, &holed.first_bounds].map(|b| b.as_ref().unwrap());
-        near(
-            total[0],
-            [
-                with(outputs[a]).total[0].low,
-                with(farthest(outputs[a])).total[0].high,
-            ],
-        );
-        near(
-            first[0],
-            [
-                with(farthest(outputs[b])).first[0].low,
-                with(outputs[b]).first[0].high,
-            ],
-        );
+        let [total, first] = [&holed.total_bounds, &holed.first_bounds].map(|b| b.as_ref().unwrap());
+        near(total[0], [with(outputs[a]).total[0].low, with(farthest(outputs[a])).total[0].high]);
+        near(first[0], [with(farthest(outputs[b])).first[0].low, with(outputs[b]).first[0].high]);
         // The other parameter's runs are all there.
         near(total[1], [holed.total[1].low, holed.total[1].high]);
         near(first[1], [holed.first[1].low, holed.first[1].high]);
@@ -484,10 +402,7 @@ mod tests {
         let rare = |u: &[f64]| f64::from(u8::from(u[0] + 0.3 * u[1] > 1.05));
         let outputs = evaluate(&lattice(40, 4), rare);
         let indices = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
-        holds(
-            indices.first[0],
-            [0.722_222_222_2, 0.320_174_401_8, 1.124_270_042_6],
-        );
+        holds(indices.first[0], [0.722_222_222_2, 0.320_174_401_8, 1.124_270_042_6]);
         holds(indices.first[1], [0.166_666_666_7, -0.378_558_159_7, 1.0]);
     }
 

@@ -14,11 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("criteria:");
     for (name, criterion) in &study.criteria {
-        println!(
-            "  {}: {}",
-            name.as_ref(),
-            criterion.about.as_deref().unwrap_or("")
-        );
+        println!("  {}: {}", name.as_ref(), criterion.about.as_deref().unwrap_or(""));
     }
     Ok(())
 }

@@ -43,14 +43,7 @@ impl Binder<'_> {
         let (outputs, observed) = self.criteria(&schedule)?;
         let observed = self.windows(&mut schedule, observed)?;
         let (inputs, doubts) = inputs::series(self.study, self.fmu, &schedule)?;
-        let task = Task {
-            schedule,
-            sizes: self.fmu.sizes.clone(),
-            fixed: self.fixed()?,
-            varied,
-            inputs,
-            observed,
-        };
+        let task = Task { schedule, sizes: self.fmu.sizes.clone(), fixed: self.fixed()?, varied, inputs, observed };
         Ok((outputs, task, doubts))
     }
 
@@ -87,8 +80,7 @@ impl Binder<'_> {
         let pairs = inputs.iter().zip(slots);
         for ((input, slot), name) in pairs.zip(self.study.parameters.keys()) {
             let value = input.conversion.value(input.distribution.median());
-            slot.check(value)
-                .map_err(|message| self.study.error_of(name, message))?;
+            slot.check(value).map_err(|message| self.study.error_of(name, message))?;
         }
         Ok(())
     }
@@ -98,11 +90,7 @@ impl Binder<'_> {
         let scale = Scale::new(unit, self.fmu, variable)?;
         let distribution = parameter.distribution(&scale)?;
         let is_whole = variable.handle().content == Content::Integer;
-        let distribution = if is_whole {
-            distribution.whole()
-        } else {
-            distribution
-        };
+        let distribution = if is_whole { distribution.whole() } else { distribution };
         distribution.check()?;
         Ok(Input {
             name: variable.name.clone(),
@@ -141,10 +129,10 @@ impl Binder<'_> {
         let named = |message: String| self.study.error_of(name, message);
         let detail = text.detail().map_err(named)?;
         let is_whole = text.turns.is_some() || text.periods.is_some();
-        let needs_lines =
-            detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
+        let needs_lines = detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
         if needs_lines && variable.handle().content != Content::Real {
-            let message = "this statistic follows straight lines, and the variable is not real; take final, mean, min or max";
+            let message =
+                "this statistic follows straight lines, and the variable is not real; take final, mean, min or max";
             return Err(named(message.to_owned()));
         }
         if let Some(angle) = &text.turns {
@@ -159,20 +147,15 @@ impl Binder<'_> {
         }
         match detail {
             Some(Detail::Level(number, direction)) => {
-                let unit = text
-                    .level
-                    .as_ref()
-                    .and_then(|level| level.as_ref().unit.as_deref());
+                let unit = text.level.as_ref().and_then(|level| level.as_ref().unit.as_deref());
                 let scale = Scale::new(unit, self.fmu, variable).map_err(named)?;
                 let level = scale.conversion.value(number);
                 Ok(Some(Detail::Level(level, direction)))
             }
-            Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => {
-                Err(named(format!(
-                    "at = {time} s is not within the run from {} s to {} s; correct it, or start and stop under [simulation]",
-                    schedule.start, schedule.stop
-                )))
-            }
+            Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => Err(named(format!(
+                "at = {time} s is not within the run from {} s to {} s; correct it, or start and stop under [simulation]",
+                schedule.start, schedule.stop
+            ))),
             detail => Ok(detail),
         }
     }
@@ -182,10 +165,8 @@ impl Binder<'_> {
         let at = |message: String| self.study.error_at(name, message);
         let angle = self.variable(name)?;
         let handle = angle.number_handle();
-        let handle =
-            handle.filter(|handle| handle.content == Content::Real && angle.name != of.name);
-        let handle = handle
-            .ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
+        let handle = handle.filter(|handle| handle.content == Content::Real && angle.name != of.name);
+        let handle = handle.ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
         let scale = Scale::new(Some("rad"), self.fmu, angle);
         let scale = scale.map_err(|message| at(format!("turns must name an angle: {message}")))?;
         let turn = scale.conversion.difference(std::f64::consts::TAU);
@@ -225,26 +206,16 @@ impl Binder<'_> {
     }
 
     /// The part of the run that a criterion looks at by itself, s.
-    fn stated_window(
-        &self,
-        text: &CriterionText,
-        run: [f64; 2],
-    ) -> Result<Option<[f64; 2]>, FileError> {
+    fn stated_window(&self, text: &CriterionText, run: [f64; 2]) -> Result<Option<[f64; 2]>, FileError> {
         let Some(window) = &text.window else {
             return Ok(None);
         };
         let times = window.as_ref().times(run);
-        times
-            .map(Some)
-            .map_err(|message| self.study.error_at(window, message))
+        times.map(Some).map_err(|message| self.study.error_at(window, message))
     }
 
     /// The probes with their windows; what lies before the first window may be leapt over.
-    fn windows(
-        &self,
-        schedule: &mut Schedule,
-        mut observed: Vec<Probe>,
-    ) -> Result<Vec<Probe>, FileError> {
+    fn windows(&self, schedule: &mut Schedule, mut observed: Vec<Probe>) -> Result<Vec<Probe>, FileError> {
         let criteria = || self.study.criteria.values();
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
@@ -262,9 +233,7 @@ impl Binder<'_> {
                 None => general,
             });
         }
-        let begins = observed
-            .iter()
-            .filter_map(|probe| probe.window.map(|window| window[0]));
+        let begins = observed.iter().filter_map(|probe| probe.window.map(|window| window[0]));
         schedule.window_start = begins.fold(schedule.stop, f64::min);
         let points = schedule.points();
         for (probe, criterion) in observed.iter().zip(criteria()) {
@@ -313,12 +282,8 @@ impl Binder<'_> {
         let named = ssv::read(&path, self.fmu);
         let named = named.map_err(|error| self.study.error_at(file, error.to_string()))?;
         let set: HashSet<&str> = self.study.set().map(|(name, _)| &**name.as_ref()).collect();
-        let free = named
-            .into_iter()
-            .filter(|(name, ..)| !set.contains(&**name));
-        Ok(free
-            .map(|(_, reference, value)| (reference, value))
-            .collect())
+        let free = named.into_iter().filter(|(name, ..)| !set.contains(&**name));
+        Ok(free.map(|(_, reference, value)| (reference, value)).collect())
     }
 
     fn schedule(&self) -> Result<Schedule, String> {

@@ -35,10 +35,7 @@ impl Study {
             }
             for (name, text) in of_case {
                 let full = format!("{}{SEPARATOR}{}", case.name.as_ref(), name.as_ref());
-                let text = CriterionText {
-                    case: Some(number),
-                    ..text.clone()
-                };
+                let text = CriterionText { case: Some(number), ..text.clone() };
                 all.insert(Name::new(name.span(), full), text);
             }
         }
@@ -50,8 +47,7 @@ impl Study {
         for (number, case) in self.cases.iter().enumerate() {
             let name = case.name.as_ref();
             let wrong = |message: String| Err(self.error_at(&case.name, message));
-            if name.trim().is_empty() || name.contains(SEPARATOR) || name.contains(char::is_control)
-            {
+            if name.trim().is_empty() || name.contains(SEPARATOR) || name.contains(char::is_control) {
                 return wrong(format!(
                     "a case needs a name of printable characters without `{SEPARATOR}`, which stands between case and \
                      criterion"
@@ -59,9 +55,7 @@ impl Study {
             }
             let before = &self.cases[..number];
             if before.iter().any(|other| other.name.as_ref() == name) {
-                return wrong(format!(
-                    "two cases have the name `{name}`; rename one of them"
-                ));
+                return wrong(format!("two cases have the name `{name}`; rename one of them"));
             }
             let keys = case.fixed.keys().chain(case.inputs.keys());
             let sampled = |key: &&Name| self.parameters.contains_key(key.as_ref().as_str());
@@ -82,20 +76,12 @@ impl Study {
             return vec![(None, self.clone())];
         }
         let cases = self.cases.iter().enumerate();
-        cases
-            .map(|(number, case)| (Some(case), self.in_case(number, case)))
-            .collect()
+        cases.map(|(number, case)| (Some(case), self.in_case(number, case))).collect()
     }
 
     fn in_case(&self, number: usize, case: &CaseText) -> Self {
-        let mut study = Self {
-            cases: Vec::new(),
-            simulation: case.simulation.or(&self.simulation),
-            ..self.clone()
-        };
-        study
-            .criteria
-            .retain(|_, criterion| criterion.case == Some(number));
+        let mut study = Self { cases: Vec::new(), simulation: case.simulation.or(&self.simulation), ..self.clone() };
+        study.criteria.retain(|_, criterion| criterion.case == Some(number));
         // What the case gives takes the place of what the study gives, be that a value or a recording.
         let is_given = |key: &Name| {
             let key = key.as_ref().as_str();
@@ -117,9 +103,7 @@ impl Study {
             let is_held_out = self.cases.get(number).is_some_and(|case| case.held_out);
             (!is_held_out).then(|| cases.filter(|case| !case.held_out).count())
         };
-        study
-            .criteria
-            .retain(|_, criterion| criterion.case.is_none_or(|case| kept(case).is_some()));
+        study.criteria.retain(|_, criterion| criterion.case.is_none_or(|case| kept(case).is_some()));
         for criterion in study.criteria.values_mut() {
             criterion.case = criterion.case.and_then(kept);
         }
@@ -167,18 +151,10 @@ impl Simulation {
 }
 
 /// The criteria of a case: those of the whole study, of which it may have some otherwise, and its own.
-fn criteria<'a>(
-    common: &'a IndexMap<Name, CriterionText>,
-    case: &'a CaseText,
-) -> Vec<(&'a Name, &'a CriterionText)> {
+fn criteria<'a>(common: &'a IndexMap<Name, CriterionText>, case: &'a CaseText) -> Vec<(&'a Name, &'a CriterionText)> {
     let of_case = |name: &Name| case.criteria.get_key_value(name.as_ref().as_str());
-    let common_ones = common
-        .iter()
-        .map(|(name, text)| of_case(name).unwrap_or((name, text)));
-    let further = case
-        .criteria
-        .iter()
-        .filter(|(name, _)| !common.contains_key(name.as_ref().as_str()));
+    let common_ones = common.iter().map(|(name, text)| of_case(name).unwrap_or((name, text)));
+    let further = case.criteria.iter().filter(|(name, _)| !common.contains_key(name.as_ref().as_str()));
     common_ones.chain(further).collect()
 }
 
@@ -232,42 +208,25 @@ inputs."drive.speed" = { file = "n.csv" }
             .iter()
             .map(|(name, text)| (name.as_ref().clone(), text.nominal.as_ref().unwrap().number))
             .collect();
-        let expected = [
-            ("slow/T", 70.0),
-            ("slow/M", 3.0),
-            ("slow/F", 5.0),
-            ("fast/T", 80.0),
-            ("fast/M", 3.0),
-        ];
-        assert_eq!(
-            all,
-            expected.map(|(name, number)| (name.to_owned(), number))
-        );
+        let expected = [("slow/T", 70.0), ("slow/M", 3.0), ("slow/F", 5.0), ("fast/T", 80.0), ("fast/M", 3.0)];
+        assert_eq!(all, expected.map(|(name, number)| (name.to_owned(), number)));
     }
 
     #[test]
     fn a_case_counts_more_than_the_study() {
         let study = read("slow", "slow").unwrap();
         let cases = study.by_case();
-        let [(Some(slow), one), (Some(fast), other)] = &cases[..] else {
-            panic!("two cases")
-        };
+        let [(Some(slow), one), (Some(fast), other)] = &cases[..] else { panic!("two cases") };
         assert!(!slow.held_out && fast.held_out);
         assert_eq!(one.criteria.len(), 3);
-        assert_eq!(
-            one.fixed["drive.speed"].as_ref(),
-            &Setting::Text("300 rpm".to_owned())
-        );
+        assert_eq!(one.fixed["drive.speed"].as_ref(), &Setting::Text("300 rpm".to_owned()));
         assert_eq!(one.simulation.warm_up, Some(4.0));
         // A recording takes the place of a value.
         assert!(!other.fixed.contains_key("drive.speed"));
         assert!(other.fixed.contains_key("oil.temperature"));
         assert!(other.inputs.contains_key("drive.speed"));
         let simulation = &other.simulation;
-        assert_eq!(
-            (simulation.stop, simulation.leap),
-            (Some(20.0), Some(false))
-        );
+        assert_eq!((simulation.stop, simulation.leap), (Some(20.0), Some(false)));
         assert_eq!((simulation.warm_up, simulation.window), (None, Some(3.0)));
     }
 
@@ -276,11 +235,7 @@ inputs."drive.speed" = { file = "n.csv" }
         let criteria = "[criteria.T]\nvariable = \"t\"\nnominal = 80\ntolerance = 1\n[criteria.M]\nvariable = \"m\"\n\
                         nominal = 3\ntolerance = 1\n";
         for (from, to, expected) in [
-            (
-                "\"fast\"",
-                "\"slow\"",
-                "s.toml:26:8: two cases have the name `slow`",
-            ),
+            ("\"fast\"", "\"slow\"", "s.toml:26:8: two cases have the name `slow`"),
             ("\"fast\"", "\"fa/st\"", "s.toml:26:8: a case needs a name"),
             (criteria, "", "s.toml:18:8: the case `fast` has no criteria"),
             (
@@ -288,11 +243,7 @@ inputs."drive.speed" = { file = "n.csv" }
                 "{ clearance = \"300",
                 "s.toml:22:11: clearance is under [parameters], which are common to all cases",
             ),
-            (
-                "held-out",
-                "heldout",
-                "s.toml:27:1: unknown field `heldout`; did you mean `held-out`?",
-            ),
+            ("held-out", "heldout", "s.toml:27:1: unknown field `heldout`; did you mean `held-out`?"),
         ] {
             let error = read(from, to).unwrap_err();
             assert!(error.starts_with(expected), "{error}");

@@ -26,12 +26,7 @@ impl Concern {
             _ => Severity::Warning,
         };
         let text = text.into();
-        Self {
-            code,
-            severity,
-            text,
-            remedy: None,
-        }
+        Self { code, severity, text, remedy: None }
     }
 
     /// The same with what to do about it.
@@ -45,9 +40,7 @@ impl Concern {
 impl fmt::Display for Concern {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)?;
-        self.remedy
-            .iter()
-            .try_for_each(|remedy| write!(f, ". {remedy}"))
+        self.remedy.iter().try_for_each(|remedy| write!(f, ". {remedy}"))
     }
 }
 
@@ -153,10 +146,7 @@ mod tests {
     fn sentences_of_earlier_versions_and_codes_of_later_ones_are_read() {
         let new = Concern::new(Code::NotReRun, "no point was re-run");
         let text = serde_json::to_string(&new).unwrap();
-        assert_eq!(
-            text,
-            r#"{"code":"not-re-run","severity":"note","text":"no point was re-run"}"#
-        );
+        assert_eq!(text, r#"{"code":"not-re-run","severity":"note","text":"no point was re-run"}"#);
         let later = text.replace("not-re-run", "of-later");
         let moves = Concern::new(Code::StillMoves, "Y: it moves").remedied("Simulate longer.");
         assert_eq!(moves.to_string(), "Y: it moves. Simulate longer.");
@@ -164,10 +154,7 @@ mod tests {
         assert!(remedied.ends_with(r#","text":"Y: it moves","remedy":"Simulate longer."}"#));
         let all = format!("[{text}, {later}, \"Y: it moves\", {remedied}]");
         let all = read(&mut serde_json::Deserializer::from_str(&all)).unwrap();
-        let later = Concern {
-            code: Code::Other,
-            ..new.clone()
-        };
+        let later = Concern { code: Code::Other, ..new.clone() };
         let old = Concern::new(Code::Other, "Y: it moves");
         assert_eq!(all, [new, later, old, moves]);
     }

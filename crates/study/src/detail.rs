@@ -13,10 +13,7 @@ impl CriterionText {
     ///
     /// # Errors
     /// When its unit does not fit.
-    pub fn scale<'a>(
-        &self,
-        of: Option<(&'a Description, &'a Variable)>,
-    ) -> Result<Scale<'a>, String> {
+    pub fn scale<'a>(&self, of: Option<(&'a Description, &'a Variable)>) -> Result<Scale<'a>, String> {
         let unit = self.unit.as_deref();
         match (self.statistic.and_then(Statistic::unit), of) {
             (Some(si_unit), _) => Scale::in_si(unit, si_unit),
@@ -33,16 +30,9 @@ impl CriterionText {
         let is = |statistic| self.statistic == Some(statistic);
         let is_mean = is(Statistic::Mean) && self.reference.is_none();
         let [is_crossing, is_percentile] = [Statistic::Crossing, Statistic::Percentile].map(is);
-        let [level, percent, at] = [
-            self.level.is_some(),
-            self.percent.is_some(),
-            self.at.is_some(),
-        ];
+        let [level, percent, at] = [self.level.is_some(), self.percent.is_some(), self.at.is_some()];
         first_wrong(&[
-            (
-                self.turns.is_some() && !is_mean,
-                "`turns` belongs to statistic = \"mean\"; add that, or remove `turns`",
-            ),
+            (self.turns.is_some() && !is_mean, "`turns` belongs to statistic = \"mean\"; add that, or remove `turns`"),
             (
                 self.periods.is_some() && !is_mean,
                 "`periods` belongs to statistic = \"mean\"; add that, or remove `periods`",
@@ -55,14 +45,8 @@ impl CriterionText {
                 (level || self.direction.is_some()) && !is_crossing,
                 "`level` and `direction` belong to statistic = \"crossing\"; add that, or remove them",
             ),
-            (
-                is_crossing && !level,
-                "a crossing needs `level`, such as level = \"50 N\"",
-            ),
-            (
-                level && (percent || at),
-                "`percent` and `at` have no place beside `level`; remove them",
-            ),
+            (is_crossing && !level, "a crossing needs `level`, such as level = \"50 N\""),
+            (level && (percent || at), "`percent` and `at` have no place beside `level`; remove them"),
             (
                 at && (self.statistic.is_some() || self.window.is_some()),
                 "`at` asks for the value at one time; remove `statistic` and `window` beside it",
@@ -71,23 +55,15 @@ impl CriterionText {
                 percent && !is_percentile,
                 "`percent` belongs to statistic = \"percentile\"; add that, or remove `percent`",
             ),
-            (
-                is_percentile && !percent,
-                "a percentile needs `percent`, from 0 to 100, such as percent = 95",
-            ),
-            (
-                at && self.reference.is_some(),
-                "`at` has no place beside `reference`; `window` says which rows count",
-            ),
+            (is_percentile && !percent, "a percentile needs `percent`, from 0 to 100, such as percent = 95"),
+            (at && self.reference.is_some(), "`at` has no place beside `reference`; `window` says which rows count"),
         ])?;
         if let Some(level) = &self.level {
             let level = level.as_ref().number;
             let direction = self.direction.as_ref().map(|direction| *direction.as_ref());
             return match level.is_finite() {
                 true => Ok(Some(Detail::Level(level, direction.unwrap_or_default()))),
-                false => Err(format!(
-                    "level = {level} is no level that a signal can cross; give a finite number"
-                )),
+                false => Err(format!("level = {level} is no level that a signal can cross; give a finite number")),
             };
         }
         if let Some(percent) = self.percent.as_ref().map(|percent| *percent.as_ref()) {
@@ -144,8 +120,7 @@ mod tests {
         assert_eq!(percentile, Ok(Some(Detail::Percent(95.0))));
         assert_eq!(detail("at = \"12 s\""), Ok(Some(Detail::At(12.0))));
         assert_eq!(detail("at = \"20 ms\""), Ok(Some(Detail::At(0.02))));
-        let crossing =
-            detail("statistic = \"crossing\"\nlevel = \"50 N\"\ndirection = \"falling\"");
+        let crossing = detail("statistic = \"crossing\"\nlevel = \"50 N\"\ndirection = \"falling\"");
         assert_eq!(crossing, Ok(Some(Detail::Level(50.0, Direction::Falling))));
     }
 
@@ -159,10 +134,7 @@ mod tests {
         assert_eq!(event("level = 50", Some("N")), shown("at 50 N"));
         let keys = "level = \"0.05 kN\"\ndirection = \"rising\"";
         assert_eq!(event(keys, Some("N")), shown("rising to 0.05 kN"));
-        assert_eq!(
-            event("level = 50\ndirection = \"falling\"", None),
-            shown("falling to 50")
-        );
+        assert_eq!(event("level = 50\ndirection = \"falling\"", None), shown("falling to 50"));
         assert_eq!(event("", Some("N")), None);
     }
 
@@ -172,38 +144,20 @@ mod tests {
             ("statistic = \"percentile\"", "needs `percent`"),
             ("percent = 5", "add that, or remove"),
             ("statistic = \"mean\"\npercent = 5", "add that, or remove"),
-            (
-                "statistic = \"percentile\"\npercent = 101",
-                "between 0 and 100",
-            ),
+            ("statistic = \"percentile\"\npercent = 101", "between 0 and 100"),
             ("statistic = \"mean\"\nat = 1", "remove `statistic`"),
             ("statistic = \"crossing\"", "needs `level`"),
-            (
-                "statistic = \"crossing\"\nlevel = nan",
-                "give a finite number",
-            ),
+            ("statistic = \"crossing\"\nlevel = nan", "give a finite number"),
             ("level = 5", "belong to statistic"),
             ("turns = \"drive.angle\"", "belongs to statistic = \"mean\""),
             ("periods = \"v\"", "belongs to statistic = \"mean\""),
-            (
-                "statistic = \"mean\"\nperiods = \"v\"\nturns = \"a\"",
-                "keep one of them",
-            ),
-            (
-                "statistic = \"max\"\ndirection = \"rising\"",
-                "belong to statistic",
-            ),
-            (
-                "statistic = \"crossing\"\nlevel = 5\nat = 1",
-                "no place beside `level`",
-            ),
+            ("statistic = \"mean\"\nperiods = \"v\"\nturns = \"a\"", "keep one of them"),
+            ("statistic = \"max\"\ndirection = \"rising\"", "belong to statistic"),
+            ("statistic = \"crossing\"\nlevel = 5\nat = 1", "no place beside `level`"),
             ("window = 3\nat = 1", "remove `statistic`"),
             ("percent = 5\nat = 1", "add that, or remove"),
             ("at = \"1 N\"", "no unit of time"),
-            (
-                "reference = { file = \"a.csv\" }\nat = 1",
-                "beside `reference`",
-            ),
+            ("reference = { file = \"a.csv\" }\nat = 1", "beside `reference`"),
         ] {
             let error = detail(keys).unwrap_err();
             assert!(error.contains(message), "{keys}: {error}");

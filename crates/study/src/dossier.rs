@@ -25,11 +25,7 @@ pub struct Dossier {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub test: Option<String>,
     /// When the test was run: a date of TOML, or a text.
-    #[serde(
-        default,
-        deserialize_with = "date_or_text",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(default, deserialize_with = "date_or_text", skip_serializing_if = "Option::is_none")]
     pub tested: Option<String>,
     /// Where the test is written down.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,18 +44,14 @@ impl Dossier {
             ("tested", &self.tested),
             ("document", &self.document),
         ];
-        all.into_iter()
-            .filter_map(|(key, text)| Some((key, text.as_deref()?)))
+        all.into_iter().filter_map(|(key, text)| Some((key, text.as_deref()?)))
     }
 }
 
 /// A date as TOML has it, or a text. A text that begins as a date must be one.
 fn date_or_text<'de, D: Deserializer<'de>>(from: D) -> Result<Option<String>, D::Error> {
     #[derive(Deserialize)]
-    #[serde(
-        untagged,
-        expecting = "expected a date such as 2025-05-12, or a text in quotes"
-    )]
+    #[serde(untagged, expecting = "expected a date such as 2025-05-12, or a text in quotes")]
     enum Form {
         Date(Datetime),
         Text(String),
@@ -81,8 +73,7 @@ fn check_date(text: &str) -> Result<(), String> {
     let Some(date) = text.get(..10) else {
         return Ok(());
     };
-    if date.bytes().enumerate().all(digits) && NaiveDate::parse_from_str(date, "%Y-%m-%d").is_err()
-    {
+    if date.bytes().enumerate().all(digits) && NaiveDate::parse_from_str(date, "%Y-%m-%d").is_err() {
         return Err(format!("`{date}` is no date of the calendar"));
     }
     Ok(())
@@ -94,9 +85,7 @@ mod tests {
 
     fn tested(value: &str) -> Result<Option<String>, String> {
         let dossier = toml::from_str::<Dossier>(&format!("tested = {value}"));
-        dossier
-            .map(|dossier| dossier.tested)
-            .map_err(|error| error.message().to_owned())
+        dossier.map(|dossier| dossier.tested).map_err(|error| error.message().to_owned())
     }
 
     #[test]
@@ -111,10 +100,7 @@ mod tests {
         ] {
             assert_eq!(tested(value), Ok(Some(date.to_owned())), "{value}");
         }
-        let text = serde_json::to_string(&Dossier {
-            tested: Some("2025-05-12".to_owned()),
-            ..Dossier::default()
-        });
+        let text = serde_json::to_string(&Dossier { tested: Some("2025-05-12".to_owned()), ..Dossier::default() });
         let again: Dossier = serde_json::from_str(&text.unwrap()).unwrap();
         assert_eq!(again.tested.as_deref(), Some("2025-05-12"));
         assert_eq!(toml::from_str::<Dossier>("").unwrap().tested, None);

@@ -12,10 +12,9 @@ use number_tables::files::{FileError, missing};
 /// Why an FMU cannot be used, with a remedy.
 pub fn unusable(error: &FmuError) -> String {
     match error {
-        FmuError {
-            path,
-            fault: FmuFault::Archive(ArchiveError::Missing),
-        } => format!("{}: {}", path.display(), missing(path)),
+        FmuError { path, fault: FmuFault::Archive(ArchiveError::Missing) } => {
+            format!("{}: {}", path.display(), missing(path))
+        }
         other => other.to_string(),
     }
 }
@@ -59,12 +58,10 @@ impl Place<'_> {
                 let section = lines.map(str::trim).find(|line| line.starts_with('['));
                 let is_unknown = message.starts_with("unknown") && section == Some(line.trim());
                 let remedy = match section {
-                    Some(section) if !is_broken && is_single(section) && !is_unknown => {
-                        Some(format!(
-                            "there is only one of this section: write {} instead of {section}",
-                            section.replace("[[", "[").replace("]]", "]")
-                        ))
-                    }
+                    Some(section) if !is_broken && is_single(section) && !is_unknown => Some(format!(
+                        "there is only one of this section: write {} instead of {section}",
+                        section.replace("[[", "[").replace("]]", "]")
+                    )),
                     _ => remedy(error.message(), line, is_broken),
                 };
                 self.error(span.start, remedy.unwrap_or(message))
@@ -84,8 +81,8 @@ impl Place<'_> {
     fn place_of(&self, message: &str) -> Option<usize> {
         let study = DeTable::parse(self.text).ok()?;
         let mut sections = message.split('[').filter_map(|part| part.split_once(']'));
-        let (section, (name, content)) = sections
-            .find_map(|(name, words)| Some((words, study.get_ref().get_key_value(name)?)))?;
+        let (section, (name, content)) =
+            sections.find_map(|(name, words)| Some((words, study.get_ref().get_key_value(name)?)))?;
         let mut words = section.split(|c: char| !(c.is_alphanumeric() || c == '-'));
         let key = content
             .get_ref()
@@ -110,10 +107,7 @@ pub const BOTH_SIDES: &str = "a single limit is `at-most` or `at-least`, without
 fn remedy(message: &str, line: &str, is_broken: bool) -> Option<String> {
     let says = |part: &str| message.contains(part);
     let (key, value) = line.split_once('=').unwrap_or((line, ""));
-    let (key, value) = (
-        key.trim(),
-        value.split('#').next().unwrap_or_default().trim(),
-    );
+    let (key, value) = (key.trim(), value.split('#').next().unwrap_or_default().trim());
     let header = line.trim().strip_prefix('[');
     let alone = value.trim_end_matches([',', ';']);
     let whole = value.trim_start_matches(['+', '-']).replace('_', "");
@@ -121,14 +115,10 @@ fn remedy(message: &str, line: &str, is_broken: bool) -> Option<String> {
         return Some(section_name(line));
     }
     if is_broken && value.is_empty() && line.contains('=') {
-        return Some(format!(
-            "{key} has no value: write one behind the =, or remove the line"
-        ));
+        return Some(format!("{key} has no value: write one behind the =, or remove the line"));
     }
     if is_broken && alone != value && toml::from_str::<Table>(&format!("x = {alone}")).is_ok() {
-        return Some(format!(
-            "nothing stands behind a value: write {key} = {alone}"
-        ));
+        return Some(format!("nothing stands behind a value: write {key} = {alone}"));
     }
     if whole.bytes().all(|digit| digit.is_ascii_digit()) && whole.len() >= TOO_LONG {
         return Some(format!(
@@ -139,9 +129,7 @@ fn remedy(message: &str, line: &str, is_broken: bool) -> Option<String> {
     }
     if says("expected newline") && is_decimal_comma(value) {
         let point = value.replace(',', ".");
-        return Some(format!(
-            "a number has a point, not a comma: {key} = {point}"
-        ));
+        return Some(format!("a number has a point, not a comma: {key} = {point}"));
     }
     if says("escaped value") || says("unicode value") || says("unicode hexadecimal") {
         return Some(format!(
@@ -157,14 +145,10 @@ fn remedy(message: &str, line: &str, is_broken: bool) -> Option<String> {
         return Some("a key has = behind it, not a colon: `key = value`".to_owned());
     }
     if says("key with no value") || says("invalid key-value pair") || says("invalid unquoted") {
-        return Some(
-            "this is neither `key = value` nor `[section]`, as every line of a study is".to_owned(),
-        );
+        return Some("this is neither `key = value` nor `[section]`, as every line of a study is".to_owned());
     }
     if says("invalid basic string") || says("invalid literal string") {
-        return Some(format!(
-            "the text has no end: {key} needs the same quote behind its value"
-        ));
+        return Some(format!("the text has no end: {key} needs the same quote behind its value"));
     }
     if says("duplicate key") {
         let name = header.map_or(key, |name| name.trim_matches(['[', ']']));
@@ -185,21 +169,14 @@ fn remedy(message: &str, line: &str, is_broken: bool) -> Option<String> {
         && !name.contains(['"', '\''])
     {
         let name = name.trim_end_matches(']');
-        return Some(format!(
-            "a name with a point in it needs quotes: [{section}.\"{name}\"]"
-        ));
+        return Some(format!("a name with a point in it needs quotes: [{section}.\"{name}\"]"));
     }
     None
 }
 
 /// Whether this is the name of a section in the brackets of a list, and there is no list of such sections.
 fn is_single(section: &str) -> bool {
-    const LISTS: [&str; 4] = [
-        "cases",
-        "correlations",
-        "uncertainty-correlations",
-        "except",
-    ];
+    const LISTS: [&str; 4] = ["cases", "correlations", "uncertainty-correlations", "except"];
     let name = section.strip_prefix("[[");
     name.is_some_and(|name| !name.split([']', '.']).any(|part| LISTS.contains(&part)))
 }
@@ -212,9 +189,7 @@ fn section_name(line: &str) -> String {
     let name = name.trim_end_matches(']');
     if line != format!("{}{name}{}", "[".repeat(count), "]".repeat(count)) {
         let (open, close) = ("[".repeat(count), "]".repeat(count));
-        return format!(
-            "the section's name has other brackets before it than behind it: write {open}{name}{close}"
-        );
+        return format!("the section's name has other brackets before it than behind it: write {open}{name}{close}");
     }
     "points stand between the parts of a section's name, and a part needs quotes where it has more than letters, digits, - and _: \
      [criteria.\"Y 1\"]"
@@ -223,18 +198,12 @@ fn section_name(line: &str) -> String {
 
 /// Whether a value is a number such as `0,02`.
 fn is_decimal_comma(value: &str) -> bool {
-    value.matches(',').count() == 1
-        && !value.contains('.')
-        && value.replace(',', ".").parse::<f64>().is_ok()
+    value.matches(',').count() == 1 && !value.contains('.') && value.replace(',', ".").parse::<f64>().is_ok()
 }
 
 /// Shortens "unknown field `x`, expected one of `a`, `b`, ..." to the nearest name.
 fn suggest(message: &str) -> String {
-    let message = message
-        .split('\n')
-        .map(str::trim)
-        .collect::<Vec<_>>()
-        .join("; ");
+    let message = message.split('\n').map(str::trim).collect::<Vec<_>>().join("; ");
     let message = plain(&message);
     let mut names = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
@@ -257,10 +226,7 @@ fn suggest(message: &str) -> String {
 /// Says what is expected in words of the study, not in those of the program.
 fn plain(message: &str) -> String {
     const WORDS: [(&str, &str); 10] = [
-        (
-            "missing field `fmu`",
-            "`fmu` is missing, the model: fmu = \"my.fmu\"",
-        ),
+        ("missing field `fmu`", "`fmu` is missing, the model: fmu = \"my.fmu\""),
         ("missing field", "there is missing"),
         ("expected f64", "expected a number"),
         ("expected u64", "expected a whole number, not negative"),
@@ -290,81 +256,29 @@ mod tests {
         const STUDY: &str = "fmu = \"lag.fmu\"\n[design]\npoints = 8\n[parameters.\"lag.rate\"]\n\
                              distribution = \"normal\"\nmean = 1\ndeviation = 0.1\n";
         for (from, to, message) in [
-            (
-                "mean = 1",
-                "mean = 0,020",
-                "6:9: a number has a point, not a comma: mean = 0.020",
-            ),
-            (
-                "mean = 1",
-                "mean = 1 mm # wide",
-                "6:8: a text needs straight quotes: mean = \"1 mm\"",
-            ),
-            (
-                "\"lag.fmu\"",
-                "lag.fmu",
-                "1:7: a text needs straight quotes: fmu = \"lag.fmu\"",
-            ),
-            (
-                "\"normal\"",
-                "\u{201c}normal\u{201d}",
-                "5:16: a text needs straight quotes: distribution = \"normal\"",
-            ),
-            (
-                "\"lag.fmu\"",
-                "\"C:\\Users\\me\\lag.fmu\"",
-                "write 'C:\\Users\\me\\lag.fmu', with single quotes, or /",
-            ),
-            (
-                "\"lag.fmu\"",
-                "\"a\\lag.fmu\"",
-                "write 'a\\lag.fmu', with single quotes, or /",
-            ),
-            (
-                "mean = 1",
-                "mean: 1",
-                "6:7: a key has = behind it, not a colon",
-            ),
-            (
-                "mean = 1",
-                "mean",
-                "6:5: this is neither `key = value` nor `[section]`",
-            ),
+            ("mean = 1", "mean = 0,020", "6:9: a number has a point, not a comma: mean = 0.020"),
+            ("mean = 1", "mean = 1 mm # wide", "6:8: a text needs straight quotes: mean = \"1 mm\""),
+            ("\"lag.fmu\"", "lag.fmu", "1:7: a text needs straight quotes: fmu = \"lag.fmu\""),
+            ("\"normal\"", "\u{201c}normal\u{201d}", "5:16: a text needs straight quotes: distribution = \"normal\""),
+            ("\"lag.fmu\"", "\"C:\\Users\\me\\lag.fmu\"", "write 'C:\\Users\\me\\lag.fmu', with single quotes, or /"),
+            ("\"lag.fmu\"", "\"a\\lag.fmu\"", "write 'a\\lag.fmu', with single quotes, or /"),
+            ("mean = 1", "mean: 1", "6:7: a key has = behind it, not a colon"),
+            ("mean = 1", "mean", "6:5: this is neither `key = value` nor `[section]`"),
             (
                 "[design]",
                 "[design",
                 "2:8: the section's name has other brackets before it than behind it: write [design]",
             ),
-            (
-                "\"normal\"",
-                "\"normal",
-                "5:23: the text has no end: distribution needs the same quote",
-            ),
-            (
-                "mean = 1",
-                "mean = 1\nmean = 2",
-                "7:1: `mean` stands here a second time; keep one",
-            ),
-            (
-                "[design]",
-                "[design]\n[design]",
-                "3:2: `design` stands here a second time; keep one",
-            ),
+            ("\"normal\"", "\"normal", "5:23: the text has no end: distribution needs the same quote"),
+            ("mean = 1", "mean = 1\nmean = 2", "7:1: `mean` stands here a second time; keep one"),
+            ("[design]", "[design]\n[design]", "3:2: `design` stands here a second time; keep one"),
             (
                 "[design]",
                 "[cases]\n[design]",
                 "2:1: there may be several of this section: write two brackets around its name, [[cases]]",
             ),
-            (
-                "\"lag.rate\"]",
-                "lag.rate]",
-                "4:17: a name with a point in it needs quotes: [parameters.\"lag.rate\"]",
-            ),
-            (
-                "fmu = \"lag.fmu\"\n",
-                "",
-                "`fmu` is missing, the model: fmu = \"my.fmu\"",
-            ),
+            ("\"lag.rate\"]", "lag.rate]", "4:17: a name with a point in it needs quotes: [parameters.\"lag.rate\"]"),
+            ("fmu = \"lag.fmu\"\n", "", "`fmu` is missing, the model: fmu = \"my.fmu\""),
             ("\"normal\"", "\"gauss\"", "did you mean `normal`?"),
             (
                 "[design]",
@@ -373,31 +287,15 @@ mod tests {
             ),
             ("[design]", "[the design]", "[criteria.\"Y 1\"]"),
             ("[design]", "[[desing]]", "did you mean `design`?"),
-            (
-                "[design]",
-                "[[design]]",
-                "there is only one of this section: write [design] instead of [[design]]",
-            ),
+            ("[design]", "[[design]]", "there is only one of this section: write [design] instead of [[design]]"),
             (
                 "[parameters.\"lag.rate\"]",
                 "[[parameters.\"lag.rate\"]]",
                 "4:1: there is only one of this section: write [parameters.\"lag.rate\"]",
             ),
-            (
-                "mean = 1",
-                "mean = 1;",
-                "6:8: nothing stands behind a value: write mean = 1",
-            ),
-            (
-                "mean = 1",
-                "mean = 1.0,",
-                "nothing stands behind a value: write mean = 1.0",
-            ),
-            (
-                "mean = 1",
-                "mean = # ?",
-                "6:8: mean has no value: write one behind the =",
-            ),
+            ("mean = 1", "mean = 1;", "6:8: nothing stands behind a value: write mean = 1"),
+            ("mean = 1", "mean = 1.0,", "nothing stands behind a value: write mean = 1.0"),
+            ("mean = 1", "mean = # ?", "6:8: mean has no value: write one behind the ="),
             (
                 "points = 8",
                 "seed = 99_999_999_999_999_999_999",
@@ -410,11 +308,7 @@ mod tests {
             ),
             ("\"normal\"", "\"rectangular\"", "did you mean `uniform`?"),
             ("deviation", "sigma", "did you mean `deviation`?"),
-            (
-                "points = 8",
-                "method = \"lhs\"",
-                "did you mean `latin-hypercube`?",
-            ),
+            ("points = 8", "method = \"lhs\"", "did you mean `latin-hypercube`?"),
         ] {
             assert!(STUDY.contains(from), "{from}");
             let error = Study::parse("s.toml".as_ref(), STUDY.replace(from, to)).unwrap_err();

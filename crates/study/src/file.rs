@@ -16,10 +16,7 @@ use crate::error::{OpenError, Place, unusable};
 use crate::identification::Identification;
 use crate::name::{Name, Pair};
 use crate::sections::{RobustnessText, SensitivityText, TolerancesText};
-use crate::text::{
-    CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation,
-    VariantText,
-};
+use crate::text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation, VariantText};
 use crate::values::size_of;
 
 /// The content of a study file.
@@ -97,9 +94,7 @@ impl Study {
     /// # Errors
     /// When it cannot be read, with line and column when it is not understood.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let is_fmu = path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"));
+        let is_fmu = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"));
         let message = if is_fmu {
             let path = path.display();
             format!("is an FMU, where a study is needed: `orchestrator init {path}` writes one")
@@ -152,10 +147,9 @@ impl Study {
         let named = self.fmu_path();
         let package = Package::open(instead.unwrap_or(&named));
         let mut package = package.map_err(|error| match error {
-            FmuError {
-                fault: FmuFault::Archive(ArchiveError::Missing),
-                ..
-            } if instead.is_none() => self.error_at(&self.fmu, unusable(&error)).into(),
+            FmuError { fault: FmuFault::Archive(ArchiveError::Missing), .. } if instead.is_none() => {
+                self.error_at(&self.fmu, unusable(&error)).into()
+            }
             other => OpenError::from(other),
         })?;
         let mut sizes = Vec::new();
@@ -211,9 +205,7 @@ impl Study {
     pub fn files(&self) -> Vec<&Path> {
         let identify = self.identify.as_ref();
         let cases = identify.and_then(|identify| identify.cases.as_ref());
-        self.named()
-            .chain(cases.map(|file| file.as_ref().as_path()))
-            .collect()
+        self.named().chain(cases.map(|file| file.as_ref().as_path())).collect()
     }
 
     /// The files that a verdict depends on.
@@ -241,10 +233,7 @@ impl Study {
     }
 
     fn place(&self) -> Place<'_> {
-        Place {
-            path: &self.path,
-            text: &self.text,
-        }
+        Place { path: &self.path, text: &self.text }
     }
 
     /// An error of what a name in the file stands for.

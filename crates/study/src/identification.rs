@@ -149,10 +149,7 @@ pub struct Exception {
 
 /// How far the model may be from the truth by itself.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "a number, a text such as \"0.5 degC\" or \"2 %\", or \"unknown\""
-)]
+#[serde(untagged, expecting = "a number, a text such as \"0.5 degC\" or \"2 %\", or \"unknown\"")]
 pub enum DiscrepancyText {
     /// To be found, too.
     Unknown(UnknownText),

@@ -40,8 +40,6 @@ impl Input {
             fractions.len(),
             path.display()
         );
-        fractions
-            .into_iter()
-            .for_each(|value| *value = value.round());
+        fractions.into_iter().for_each(|value| *value = value.round());
     }
 }

@@ -36,10 +36,8 @@ pub(super) fn series(
         let path = study.path_of(recording.file.as_ref());
         let time = recording.time.as_deref().unwrap_or("time");
         let column = recording.column.as_deref().unwrap_or(key);
-        let columns = [
-            number_tables::column(time, "the time"),
-            number_tables::column(column, format!("the input {key}")),
-        ];
+        let columns =
+            [number_tables::column(time, "the time"), number_tables::column(column, format!("the input {key}"))];
         let table = Table::read(&path, &columns);
         let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
         let mut series = follow(&table, time, slot, scale.conversion)
@@ -104,11 +102,7 @@ pub fn takes_any_step(fmu: &Description) -> bool {
 }
 
 /// What an FMU gets otherwise than it was on the rig.
-pub fn doubts(
-    series: &Series,
-    schedule: &Schedule,
-    scale: &Scale<'_>,
-) -> impl Iterator<Item = Concern> + use<> {
+pub fn doubts(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> impl Iterator<Item = Concern> + use<> {
     let missed = missed(series, schedule, scale);
     missed.into_iter().chain(hole(series, schedule))
 }
@@ -122,15 +116,10 @@ fn hole(series: &Series, schedule: &Schedule) -> Option<Concern> {
     let Schedule { start, stop, .. } = *schedule;
     let gaps = || series.times.windows(2).map(|ends| [ends[0], ends[1]]);
     let lengths = gaps().map(|[from, to]| to - from);
-    let usual = quantile(
-        &sorted(lengths.filter(|&length| length > 0.0).collect()),
-        0.5,
-    );
+    let usual = quantile(&sorted(lengths.filter(|&length| length > 0.0).collect()), 0.5);
     let share = |[from, to]: [f64; 2]| (to.min(stop) - from.max(start)) / (stop - start);
     let is_hole = |&[from, to]: &[f64; 2]| to - from > USUAL * usual && share([from, to]) >= SHARE;
-    let longest = gaps()
-        .filter(is_hole)
-        .max_by(|a, b| share(*a).total_cmp(&share(*b)));
+    let longest = gaps().filter(is_hole).max_by(|a, b| share(*a).total_cmp(&share(*b)));
     let [from, to] = longest.filter(|_| series.times.len() >= FEWEST && !series.hold)?;
     let name = &series.slot.name;
     let text = format!(
@@ -145,9 +134,7 @@ fn hole(series: &Series, schedule: &Schedule) -> Option<Concern> {
 
 /// Warns of rows of a recording that an FMU of fixed steps cannot follow.
 fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<Concern> {
-    let unseen = Some(series)
-        .filter(|series| !series.each_row)
-        .and_then(|series| series.unseen(schedule))?;
+    let unseen = Some(series).filter(|series| !series.each_row).and_then(|series| series.unseen(schedule))?;
     let unit = scale.unit.as_deref().filter(|unit| *unit != "1");
     let unit = unit.unwrap_or_default();
     let most = scale.conversion.inverse().difference(unseen.most).abs();
@@ -198,10 +185,10 @@ pub fn slot_while_running(variable: &Variable) -> Result<Slot, String> {
     match variable.causality {
         Causality::Input => Ok(slot),
         Causality::Parameter if tunable => Ok(slot),
-        Causality::Parameter => Err(
-            "it is a fixed parameter, which cannot change while the simulation runs; set it once, before the start"
-                .to_owned(),
-        ),
+        Causality::Parameter => {
+            Err("it is a fixed parameter, which cannot change while the simulation runs; set it once, before the start"
+                .to_owned())
+        }
         _ => Err("it is no input, so it can only be set once, before the start".to_owned()),
     }
 }
@@ -210,50 +197,27 @@ pub fn slot_while_running(variable: &Variable) -> Result<Slot, String> {
 ///
 /// # Errors
 /// When the times do not grow, or the FMU does not allow a value.
-pub fn follow(
-    table: &Table,
-    time_column: &str,
-    slot: Slot,
-    conversion: Conversion,
-) -> Result<Series, String> {
+pub fn follow(table: &Table, time_column: &str, slot: Slot, conversion: Conversion) -> Result<Series, String> {
     let [mut times, mut values] = [Vec::new(), Vec::new()];
     for row in &table.rows {
         let (time, value) = (row[0], conversion.value(row[1]));
         let after = times.last().is_none_or(|&last| time >= last);
         if !(time.is_finite() && after) {
-            return Err(format!(
-                "{time_column} = {time} is not later than the time before"
-            ));
+            return Err(format!("{time_column} = {time} is not later than the time before"));
         }
         let is_whole = slot.handle.content == Content::Real || value.fract() == 0.0;
-        let whole = is_whole.then_some(()).ok_or_else(|| {
-            format!(
-                "{value} is no whole number, and the input takes no others; correct the recording"
-            )
-        });
-        slot.check(value)
-            .and(whole)
-            .map_err(|message| format!("{time_column} = {time}: {message}"))?;
+        let whole = is_whole
+            .then_some(())
+            .ok_or_else(|| format!("{value} is no whole number, and the input takes no others; correct the recording"));
+        slot.check(value).and(whole).map_err(|message| format!("{time_column} = {time}: {message}"))?;
         times.push(time);
         values.push(value);
     }
-    Ok(Series {
-        slot,
-        hold: false,
-        ramp: false,
-        each_row: false,
-        times,
-        values,
-    })
+    Ok(Series { slot, hold: false, ramp: false, each_row: false, times, values })
 }
 
 /// Whether an input can vary within a step.
-fn can_ramp(
-    recording: &RecordingText,
-    fmu: &Description,
-    variable: &Variable,
-    slot: &Slot,
-) -> Result<(), String> {
+fn can_ramp(recording: &RecordingText, fmu: &Description, variable: &Variable, slot: &Slot) -> Result<(), String> {
     let why = if recording.hold {
         "hold keeps the value between rows"
     } else if slot.handle.content != Content::Real {

@@ -39,8 +39,8 @@ pub use name::{Name, Pair, exactly_two};
 pub use reference::{DelayText, EstimateText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use text::{
-    CaseText, CriterionText, DerivedText, Extrapolate, LagText, NominalFrom, ParameterText,
-    RecordingText, Required, Setting, Shape, Simulation, VariantText, Varies,
+    CaseText, CriterionText, DerivedText, Extrapolate, LagText, NominalFrom, ParameterText, RecordingText, Required,
+    Setting, Shape, Simulation, VariantText, Varies,
 };
 pub use tolerance::ToleranceText;
 pub use window::Window;

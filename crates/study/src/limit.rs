@@ -9,11 +9,7 @@ use fmu_import::quantity::{Quantity, Scale, Sense};
 const ALL: f64 = 1e-9;
 
 /// The ideal value, how far away from it is accepted, and both in words.
-pub fn limit(
-    text: &CriterionText,
-    metric: Metric,
-    scale: &Scale<'_>,
-) -> Result<(f64, f64, String), String> {
+pub fn limit(text: &CriterionText, metric: Metric, scale: &Scale<'_>) -> Result<(f64, f64, String), String> {
     let label = metric.label();
     let tolerance = text.tolerance.as_ref().map(ToleranceText::of_curve);
     match (metric.kind(), tolerance.transpose()?, &text.least) {
@@ -23,24 +19,18 @@ pub fn limit(
         }
         (Kind::Relative, Some(stated), _) => {
             let tolerance = part(stated).filter(|tolerance| *tolerance > 0.0);
-            let tolerance = tolerance.ok_or_else(|| {
-                format!("the tolerance {stated} must be a positive share, such as \"5 %\"")
-            })?;
+            let tolerance =
+                tolerance.ok_or_else(|| format!("the tolerance {stated} must be a positive share, such as \"5 %\""))?;
             Ok((0.0, tolerance, format!("{label} at most {stated}")))
         }
         (_, _, Some(stated)) => {
             let least = part(stated).filter(|least| *least > 0.0 && *least <= 1.0);
-            let least = least.ok_or_else(|| {
-                format!("`least` = {stated} must be more than 0 and at most 1, such as \"90 %\"")
-            })?;
+            let least = least
+                .ok_or_else(|| format!("`least` = {stated} must be more than 0 and at most 1, such as \"90 %\""))?;
             if least == 1.0 && metric == Metric::Iso18571 {
                 return Err("only equal curves have a rating of 1; give `least` below 1".to_owned());
             }
-            Ok((
-                1.0,
-                (1.0 - least).max(ALL),
-                format!("{label} at least {stated}"),
-            ))
+            Ok((1.0, (1.0 - least).max(ALL), format!("{label} at least {stated}")))
         }
         _ => Err("the limit is missing".to_owned()),
     }
@@ -56,9 +46,7 @@ pub fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
     let tolerance = scale.number(stated, Sense::Difference)?;
     match tolerance > 0.0 && tolerance.is_finite() {
         true => Ok(tolerance),
-        false => Err(format!(
-            "the tolerance {stated} must be a positive, finite number"
-        )),
+        false => Err(format!("the tolerance {stated} must be a positive, finite number")),
     }
 }
 
@@ -85,8 +73,6 @@ pub fn gain(stated: &Quantity) -> Result<f64, String> {
             100.0 * part
         )),
         Some(part) => Ok(part),
-        None => Err(format!(
-            "the gain uncertainty {stated} must be a positive part of the value, such as \"0.5 %\""
-        )),
+        None => Err(format!("the gain uncertainty {stated} must be a positive part of the value, such as \"0.5 %\"")),
     }
 }

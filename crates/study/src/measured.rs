@@ -47,15 +47,10 @@ impl Binder<'_> {
     /// Reads the measured curve.
     pub(super) fn bind(&self) -> Result<MeasuredCurve, FileError> {
         let named = |message: String| self.study.error_of(self.name, message);
-        let Recorded {
-            curve,
-            expanded,
-            first,
-        } = self.read()?;
+        let Recorded { curve, expanded, first } = self.read()?;
         let delay = self.delay().map_err(named)?;
         if self.metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
-            let message =
-                "iso18571 finds the shift between the curves itself; give a known delay or none";
+            let message = "iso18571 finds the shift between the curves itself; give a known delay or none";
             return Err(named(message.to_owned()));
         }
         let band = self.band(&curve, expanded.as_deref()).map_err(named)?;
@@ -100,33 +95,21 @@ impl Binder<'_> {
     /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors, as do those whose
     /// errors are fully correlated.
     fn resampling(&self, errors: Option<CurveErrors>, first: u64) -> Result<Resampling, FileError> {
-        let (ideal, tolerance, _) = limit(self.text, self.metric, self.scale)
-            .map_err(|message| self.study.error_of(self.name, message))?;
+        let (ideal, tolerance, _) =
+            limit(self.text, self.metric, self.scale).map_err(|message| self.study.error_of(self.name, message))?;
         let (sensor, sign) = self.study.sensor(self.name, self.text);
         let name = digest(sensor.as_bytes());
         let name = u64::from_str_radix(&name[..16], 16).expect("a digest is hexadecimal digits");
-        Ok(Resampling {
-            errors,
-            sign,
-            seed: self.study.design.seed ^ name,
-            first,
-            ideal,
-            tolerance,
-        })
+        Ok(Resampling { errors, sign, seed: self.study.design.seed ^ name, first, ideal, tolerance })
     }
 
     /// The parts of the rows' errors (shared, gain, own), without noise and with it; none where no uncertainty is stated.
-    fn errors(
-        &self,
-        curve: &Curve,
-        expanded: Option<&[f64]>,
-    ) -> Result<Option<(CurveErrors, CurveErrors)>, FileError> {
+    fn errors(&self, curve: &Curve, expanded: Option<&[f64]>) -> Result<Option<(CurveErrors, CurveErrors)>, FileError> {
         let reference = self.reference;
         let named = |message: String| self.study.error_of(self.name, message);
         let is_rectangular = reference.uncertainty_distribution == Some(Distribution::Rectangular);
         let stray = reference.coverage.is_some()
-            && (is_rectangular
-                || !reference.has_uncertainty() && reference.gain_uncertainty.is_none());
+            && (is_rectangular || !reference.has_uncertainty() && reference.gain_uncertainty.is_none());
         first_wrong(&[
             (
                 stray && is_rectangular,
@@ -162,17 +145,17 @@ impl Binder<'_> {
         let stated = reference.coverage.as_ref();
         let coverage = stated.map_or(Uncertainty::USUAL, |coverage| *coverage.as_ref());
         if !(coverage > 0.0 && coverage.is_finite()) {
-            let message =
-                format!("the coverage factor {coverage} must be a positive, finite number");
+            let message = format!("the coverage factor {coverage} must be a positive, finite number");
             return Err(named(message));
         }
         let of_offset = match is_rectangular {
             true => Uncertainty::rectangular(1.0),
             false => Uncertainty::normal(1.0, coverage),
         };
-        let gain = reference.gain_uncertainty.as_ref().map(|stated| {
-            gain(stated.as_ref()).map_err(|message| self.study.error_at(stated, message))
-        });
+        let gain = reference
+            .gain_uncertainty
+            .as_ref()
+            .map(|stated| gain(stated.as_ref()).map_err(|message| self.study.error_at(stated, message)));
         let noise = reference.noise.as_ref();
         let noise = noise.map(|stated| self.widths(stated, curve.values()));
         let noise = noise.transpose().map_err(named)?;
@@ -188,10 +171,7 @@ impl Binder<'_> {
             rectangular: is_rectangular,
         };
         let with = rows.map(|row| without.own[row].hypot(noise(row)));
-        let with = CurveErrors {
-            own: with.collect(),
-            ..without.clone()
-        };
+        let with = CurveErrors { own: with.collect(), ..without.clone() };
         Ok(Some((without, with)))
     }
 
@@ -235,15 +215,9 @@ impl Binder<'_> {
         let curve = Curve::new(cells(0).collect(), values).map_err(|fault| {
             let (row, remedy) = match fault.row() {
                 Some(row) => (format!(" row {}:", row + 1), "correct or remove the row"),
-                None => (
-                    String::new(),
-                    "record a curve, or state the value as `nominal`",
-                ),
+                None => (String::new(), "record a curve, or state the value as `nominal`"),
             };
-            at_file(format!(
-                "{}:{row} {fault} (columns `{time}` and `{column}`); {remedy}",
-                path.display()
-            ))
+            at_file(format!("{}:{row} {fault} (columns `{time}` and `{column}`); {remedy}", path.display()))
         })?;
         let expanded = match (&reference.uncertainty, &reference.uncertainty_column) {
             (Some(_), Some(_)) => {
@@ -266,11 +240,7 @@ impl Binder<'_> {
             return Err(self.error_in_file(message));
         }
         let Some([from, to]) = self.window else {
-            return Ok(Recorded {
-                curve,
-                expanded,
-                first: 0,
-            });
+            return Ok(Recorded { curve, expanded, first: 0 });
         };
         let rounding = 1e-9 * (from.abs() + to.abs());
         let window = [from - rounding, to + rounding];
@@ -283,27 +253,18 @@ impl Binder<'_> {
                 rows.len()
             ))
         })?;
-        Ok(Recorded {
-            curve: cut,
-            first: rows.start as u64,
-            expanded: expanded.map(|widths| widths[rows].to_vec()),
-        })
+        Ok(Recorded { curve: cut, first: rows.start as u64, expanded: expanded.map(|widths| widths[rows].to_vec()) })
     }
 
     /// A width at each value: a constant, or a part of the value.
     fn widths(&self, stated: &Quantity, values: &[f64]) -> Result<Vec<f64>, String> {
         let widths: Vec<f64> = match stated.unit.as_deref() {
-            Some("%") => values
-                .iter()
-                .map(|value| 0.01 * stated.number * value.abs())
-                .collect(),
+            Some("%") => values.iter().map(|value| 0.01 * stated.number * value.abs()).collect(),
             _ => vec![self.scale.number(stated, Sense::Difference)?; values.len()],
         };
         match stated.number > 0.0 && stated.number.is_finite() {
             true => Ok(widths),
-            false => Err(format!(
-                "the width {stated} must be a positive, finite number"
-            )),
+            false => Err(format!("the width {stated} must be a positive, finite number")),
         }
     }
 
@@ -322,11 +283,7 @@ impl Binder<'_> {
     }
 
     /// The curve at even times, where the metric needs them, with the errors of its values where they are known there.
-    fn even(
-        &self,
-        curve: &Curve,
-        errors: Option<&CurveErrors>,
-    ) -> Result<(Curve, Option<CurveErrors>), FileError> {
+    fn even(&self, curve: &Curve, errors: Option<&CurveErrors>) -> Result<(Curve, Option<CurveErrors>), FileError> {
         if !self.metric.needs_even_times() {
             return Ok((curve.clone(), errors.cloned()));
         }
@@ -349,11 +306,7 @@ impl Binder<'_> {
             Some(widths.evenly().values().to_vec())
         };
         let errors = errors.filter(known).and_then(|errors| {
-            Some(CurveErrors {
-                shared: evenly(&errors.shared)?,
-                own: evenly(&errors.own)?,
-                ..errors.clone()
-            })
+            Some(CurveErrors { shared: evenly(&errors.shared)?, own: evenly(&errors.own)?, ..errors.clone() })
         });
         Ok((curve.evenly(), errors))
     }
@@ -363,13 +316,10 @@ impl Binder<'_> {
             return Ok(1.0);
         }
         let (by, what) = match &self.text.normalise {
-            Some(Normalise::Value(value)) => {
-                (self.scale.number(value, Sense::Difference)?, "value")
+            Some(Normalise::Value(value)) => (self.scale.number(value, Sense::Difference)?, "value"),
+            Some(Normalise::Own(OwnNormaliser::Mean)) => {
+                ((values.iter().sum::<f64>() / values.len() as f64).abs(), "mean")
             }
-            Some(Normalise::Own(OwnNormaliser::Mean)) => (
-                (values.iter().sum::<f64>() / values.len() as f64).abs(),
-                "mean",
-            ),
             Some(Normalise::Own(OwnNormaliser::Range)) | None => {
                 let least = values.iter().copied().fold(f64::INFINITY, f64::min);
                 let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -379,9 +329,7 @@ impl Binder<'_> {
         if by > 0.0 && by.is_finite() {
             Ok(by)
         } else {
-            Err(format!(
-                "nrmse divides by the {what} of the reference, which is {by}; choose another `normalise`"
-            ))
+            Err(format!("nrmse divides by the {what} of the reference, which is {by}; choose another `normalise`"))
         }
     }
 
@@ -428,12 +376,7 @@ impl Study {
         let mut tied: Vec<(&str, f64)> = vec![(name.as_ref(), 1.0)];
         let mut next = 0;
         while let Some(&(from, sign)) = tied.get(next) {
-            for Pair {
-                between: [a, b],
-                coefficient,
-                ..
-            } in &pairs
-            {
+            for Pair { between: [a, b], coefficient, .. } in &pairs {
                 for [a, b] in [[a, b], [b, a]].map(|pair| pair.map(|name| name.as_ref().as_str())) {
                     if a == from && tied.iter().all(|(other, _)| *other != b) {
                         tied.push((b, sign * coefficient.signum()));
@@ -444,23 +387,14 @@ impl Study {
         }
         match &tied[..] {
             [_] => {
-                let file = text
-                    .reference
-                    .as_ref()
-                    .map(|reference| reference.file.as_ref().display());
-                let column = text
-                    .reference
-                    .as_ref()
-                    .and_then(|reference| reference.column.as_ref());
+                let file = text.reference.as_ref().map(|reference| reference.file.as_ref().display());
+                let column = text.reference.as_ref().and_then(|reference| reference.column.as_ref());
                 let column = column.unwrap_or_else(|| text.variable.as_ref());
                 let file = file.map_or_else(String::new, |file| file.to_string());
                 (format!("{file}\0{column}"), 1.0)
             }
             several => {
-                let (first, sign) = several
-                    .iter()
-                    .min_by_key(|(name, _)| *name)
-                    .expect("one is there");
+                let (first, sign) = several.iter().min_by_key(|(name, _)| *name).expect("one is there");
                 ((*first).to_owned(), *sign)
             }
         }

@@ -24,14 +24,10 @@ pub struct Pair {
 ///
 /// # Errors
 /// When there are fewer or more.
-pub fn exactly_two<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
-    text: D,
-) -> Result<[T; 2], D::Error> {
+pub fn exactly_two<'de, D: Deserializer<'de>, T: Deserialize<'de>>(text: D) -> Result<[T; 2], D::Error> {
     let entries = Vec::deserialize(text)?;
     entries.try_into().map_err(|entries: Vec<T>| {
         let count = entries.len();
-        D::Error::custom(format!(
-            "a list of two is needed here, and this one has {count}"
-        ))
+        D::Error::custom(format!("a list of two is needed here, and this one has {count}"))
     })
 }

@@ -87,25 +87,14 @@ mod tests {
 
     #[test]
     fn a_variable_is_set_once_whatever_its_name() {
-        let varied = |name: &str| {
-            format!("[parameters.{name}]\ndistribution = \"uniform\"\nmin = 0\nmax = 1\n")
-        };
+        let varied = |name: &str| format!("[parameters.{name}]\ndistribution = \"uniform\"\nmin = 0\nmax = 1\n");
         let recorded = |name: &str| format!("[inputs.{name}]\nfile = \"r.csv\"\n");
         let both = format!("{}{}", varied("a"), varied("b"));
-        assert_eq!(
-            error(&both).unwrap(),
-            "s.toml:6:13: b is another name of a, which is under [parameters]; keep one"
-        );
+        assert_eq!(error(&both).unwrap(), "s.toml:6:13: b is another name of a, which is under [parameters]; keep one");
         let text = format!("{}[fixed]\nc = true\nb = true\n", varied("a"));
-        assert_eq!(
-            error(&text).unwrap(),
-            "s.toml:8:1: b is another name of a, which is under [parameters]; keep one"
-        );
+        assert_eq!(error(&text).unwrap(), "s.toml:8:1: b is another name of a, which is under [parameters]; keep one");
         let text = format!("{}{}", varied("c"), recorded("c"));
-        assert_eq!(
-            error(&text).unwrap(),
-            "s.toml:6:9: c is under [parameters] and [inputs]; keep one"
-        );
+        assert_eq!(error(&text).unwrap(), "s.toml:6:9: c is under [parameters] and [inputs]; keep one");
         let text = format!("{}{}[fixed]\nd = \"x\"\n", varied("b"), recorded("c"));
         assert_eq!(error(&text), None);
     }

@@ -47,12 +47,10 @@ impl Plan {
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, FileError> {
         points::check(study)?;
-        let mut from_case_to_case = study
-            .parameters
-            .values()
-            .filter_map(|text| text.varies.as_ref());
+        let mut from_case_to_case = study.parameters.values().filter_map(|text| text.varies.as_ref());
         if let Some(varies) = from_case_to_case.next() {
-            let message = "only identify gives each case its own value; remove `varies`, and the cases have one value in common";
+            let message =
+                "only identify gives each case its own value; remove `varies`, and the cases have one value in common";
             return Err(study.error_at(varies, message));
         }
         let binder = Binder { study, fmu };
@@ -66,30 +64,21 @@ impl Plan {
             let (further, task, doubts) = binder.task(case, varied.clone())?;
             outputs.extend(further);
             let stated = case.iter().flat_map(|case| &case.concerns);
-            let remedy = "Look at the recordings that `synchronise` doubts, and measure again where a sensor was at fault.";
+            let remedy =
+                "Look at the recordings that `synchronise` doubts, and measure again where a sensor was at fault.";
             let stated = stated.map(|text| Concern::new(Code::Doubtful, text).remedied(remedy));
             of_inputs.extend(doubts.into_iter().chain(stated).map(|doubt| match case {
-                Some(case) => Concern {
-                    text: format!("case {}: {}", case.name.as_ref(), doubt.text),
-                    ..doubt
-                },
+                Some(case) => Concern { text: format!("case {}: {}", case.name.as_ref(), doubt.text), ..doubt },
                 None => doubt,
             }));
-            cases.push(Case {
-                name: case.map(|case| case.name.as_ref().clone()),
-                task,
-            });
+            cases.push(Case { name: case.map(|case| case.name.as_ref().clone()), task });
         }
         Ok(Self {
             cases,
             slots: varied,
             inputs,
             outputs,
-            levels: study
-                .parameters
-                .values()
-                .map(|p| p.levels.as_ref().map(|levels| *levels.as_ref()))
-                .collect(),
+            levels: study.parameters.values().map(|p| p.levels.as_ref().map(|levels| *levels.as_ref())).collect(),
             correlation: points::correlation(study)?,
             joints,
             of_inputs,
@@ -98,10 +87,7 @@ impl Plan {
 
     /// Leaves out the draws of measured curves, which nothing but the risk of a verdict needs.
     pub fn forget_resampling(&mut self) {
-        let observed = self
-            .cases
-            .iter_mut()
-            .flat_map(|case| &mut case.task.observed);
+        let observed = self.cases.iter_mut().flat_map(|case| &mut case.task.observed);
         for curve in observed.filter_map(|probe| probe.curve.as_mut()) {
             Arc::make_mut(curve).resampling = None;
         }
@@ -123,9 +109,7 @@ impl Plan {
 
     /// The parameters that vary, by their places among the inputs.
     pub fn varied(&self) -> Vec<usize> {
-        (0..self.inputs.len())
-            .filter(|&k| self.inputs[k].distribution.varies())
-            .collect()
+        (0..self.inputs.len()).filter(|&k| self.inputs[k].distribution.varies()).collect()
     }
 
     /// The parameters that have a tolerance, by their places among the inputs: those that vary, and come from no sample, which
@@ -198,10 +182,7 @@ impl Plan {
     /// The names of parameters that are drawn together with others from a sample.
     pub fn together(&self) -> Vec<&str> {
         let bound = self.joints.iter().filter(|joint| joint.binds());
-        bound
-            .flat_map(Joint::inputs)
-            .map(|&k| self.inputs[k].name.as_str())
-            .collect()
+        bound.flat_map(Joint::inputs).map(|&k| self.inputs[k].name.as_str()).collect()
     }
 
     /// Whether the parameters' joint density is known: that of what a sample was drawn from is not.
@@ -212,12 +193,11 @@ impl Plan {
     /// The logarithm of the parameters' joint density at a point, without that of samples.
     pub fn ln_prior(&self, parameters: &[f64]) -> f64 {
         let pairs = self.inputs.iter().zip(parameters);
-        let alone: f64 = pairs
-            .map(|(input, &x)| input.distribution.ln_density(x))
-            .sum();
-        let correlated = self.correlation.as_ref().map_or(0.0, |correlation| {
-            correlation.ln_density(parameters, &self.distributions())
-        });
+        let alone: f64 = pairs.map(|(input, &x)| input.distribution.ln_density(x)).sum();
+        let correlated = self
+            .correlation
+            .as_ref()
+            .map_or(0.0, |correlation| correlation.ln_density(parameters, &self.distributions()));
         alone + correlated
     }
 
@@ -264,10 +244,7 @@ impl Plan {
 
     /// Concerns about parameters from samples of so few points.
     pub fn concerns_of_samples(&self, points: u64) -> Vec<Concern> {
-        let few = self
-            .joints
-            .iter()
-            .filter(|joint| (joint.count() as u64) < points);
+        let few = self.joints.iter().filter(|joint| (joint.count() as u64) < points);
         let concern = |joint: &Joint| {
             let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
             let names = names.collect::<Vec<_>>().join(", ");
@@ -301,11 +278,7 @@ impl Plan {
 
     /// A point's parameters in the FMU's units.
     pub fn to_fmu(&self, parameters: &[f64], into: &mut Vec<f64>) {
-        assert_eq!(
-            parameters.len(),
-            self.inputs.len(),
-            "a value for each parameter"
-        );
+        assert_eq!(parameters.len(), self.inputs.len(), "a value for each parameter");
         into.clear();
         let pairs = self.inputs.iter().zip(parameters);
         into.extend(pairs.map(|(input, &value)| input.conversion.value(value)));
@@ -313,22 +286,15 @@ impl Plan {
 
     /// The FMU's results in the study's units.
     pub fn to_study(&self, values: &mut [f64]) {
-        assert_eq!(
-            values.len(),
-            self.outputs.len(),
-            "a value for each criterion"
-        );
+        assert_eq!(values.len(), self.outputs.len(), "a value for each criterion");
         for (value, (conversion, probe)) in values
             .iter_mut()
             .zip(self.outputs.iter().zip(self.probes()))
             // A curve's number is in the study's unit already.
             .filter(|(_, (_, probe))| probe.curve.is_none())
         {
-            *value = if probe.statistic.is_difference() {
-                conversion.difference(*value)
-            } else {
-                conversion.value(*value)
-            };
+            *value =
+                if probe.statistic.is_difference() { conversion.difference(*value) } else { conversion.value(*value) };
         }
     }
 }

@@ -68,11 +68,7 @@ pub fn pairs(
 ) -> Result<Pairs, FileError> {
     let mut pairs = Pairs::new();
     for entry in entries {
-        let Pair {
-            between: [a, b],
-            coefficient,
-            ..
-        } = entry.as_ref();
+        let Pair { between: [a, b], coefficient, .. } = entry.as_ref();
         let (a, b) = (place(a)?, place(b)?);
         let known = |&(x, y, _): &(usize, usize, f64)| (x, y) == (a, b) || (y, x) == (a, b);
         let wrong = if a == b {
@@ -102,9 +98,7 @@ pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, FileErro
         })?;
         let wrong = match parameter.distribution {
             Shape::Fixed => "does not vary",
-            Shape::Sample => {
-                "comes from a sample, which has its correlations already; remove the pair"
-            }
+            Shape::Sample => "comes from a sample, which has its correlations already; remove the pair",
             _ => return Ok(index),
         };
         Err(study.error_at(name, format!("{} {wrong}", name.as_ref())))
@@ -114,16 +108,11 @@ pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, FileErro
         &study.correlations,
         place,
         "a parameter is not correlated with itself; name two",
-        (
-            |coefficient: f64| coefficient.abs() < 1.0,
-            "the coefficient must be more than -1 and less than 1",
-        ),
+        (|coefficient: f64| coefficient.abs() < 1.0, "the coefficient must be more than -1 and less than 1"),
     )?;
     let Some(first) = study.correlations.first() else {
         return Ok(None);
     };
     let correlation = Correlation::new(study.parameters.len(), &pairs);
-    correlation
-        .map(Some)
-        .map_err(|message| study.error_at(first, message))
+    correlation.map(Some).map_err(|message| study.error_at(first, message))
 }

@@ -89,10 +89,7 @@ impl ReferenceText {
 
 /// By what `nrmse` divides the rmse.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "`normalise` is \"range\", \"mean\" or a value such as \"0.2 N.m\""
-)]
+#[serde(untagged, expecting = "`normalise` is \"range\", \"mean\" or a value such as \"0.2 N.m\"")]
 pub enum Normalise {
     /// A number that the reference itself gives.
     Own(OwnNormaliser),

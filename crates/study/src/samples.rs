@@ -42,15 +42,11 @@ pub(super) fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, Fil
         }
         let file = text.file.as_ref();
         let file = file.expect("a sample without a file has no distribution");
-        let (_, members) = files
-            .entry(study.one_path(file.as_ref()))
-            .or_insert_with(|| (file, Vec::new()));
+        let (_, members) = files.entry(study.one_path(file.as_ref())).or_insert_with(|| (file, Vec::new()));
         members.push(Member { index, name, text });
     }
     let files = files.into_values();
-    files
-        .map(|(file, members)| together(study, file, &members, inputs))
-        .collect()
+    files.map(|(file, members)| together(study, file, &members, inputs)).collect()
 }
 
 fn together(
@@ -76,9 +72,7 @@ fn together(
         let unit = inputs[member.index].unit.as_deref().unwrap_or("1");
         if let Some(stated) = stated.get(&names[0]).filter(|stated| *stated != unit) {
             let path = path.display();
-            let message = format!(
-                "{path} has it in {stated}, the study in {unit}; write unit = \"{stated}\""
-            );
+            let message = format!("{path} has it in {stated}, the study in {unit}; write unit = \"{stated}\"");
             return Err(study.error_of(member.name, message));
         }
     }
@@ -99,15 +93,10 @@ fn stated_units(path: &std::path::Path) -> HashMap<String, String> {
     const MOST: u64 = 1 << 20;
     let file = files::open(path).map(|file| BufReader::new(file.take(MOST)));
     let read = file.and_then(|mut file| file.read_line(&mut first));
-    let Some(comment) = read
-        .ok()
-        .and(first.trim_start_matches('\u{feff}').strip_prefix("# "))
-    else {
+    let Some(comment) = read.ok().and(first.trim_start_matches('\u{feff}').strip_prefix("# ")) else {
         return HashMap::new();
     };
     let pairs = comment.trim_end().split(", ");
     let pairs = pairs.filter_map(|pair| pair.rsplit_once(" in "));
-    pairs
-        .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
-        .collect()
+    pairs.map(|(name, unit)| (name.to_owned(), unit.to_owned())).collect()
 }

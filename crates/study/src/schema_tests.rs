@@ -30,12 +30,7 @@ fn expected(text: &str) -> BTreeSet<String> {
 }
 
 fn keys(schema: &Value) -> BTreeSet<String> {
-    schema["properties"]
-        .as_object()
-        .unwrap()
-        .keys()
-        .cloned()
-        .collect()
+    schema["properties"].as_object().unwrap().keys().cloned().collect()
 }
 
 #[test]
@@ -74,19 +69,10 @@ fn the_schema_has_exactly_the_words_that_the_reader_takes() {
     let defs = &schema()["$defs"];
     let places = [
         (&defs["design"]["properties"]["method"], "[design]\nmethod"),
-        (
-            &defs["parameter"]["properties"]["distribution"],
-            "[parameters.x]\ndistribution",
-        ),
+        (&defs["parameter"]["properties"]["distribution"], "[parameters.x]\ndistribution"),
         (&defs["statistic"], "[criteria.x]\nstatistic"),
-        (
-            &defs["criterion"]["properties"]["metric"],
-            "[criteria.x]\nmetric",
-        ),
-        (
-            &defs["free"]["properties"]["scale"],
-            "[identify.free.x]\nscale",
-        ),
+        (&defs["criterion"]["properties"]["metric"], "[criteria.x]\nmetric"),
+        (&defs["free"]["properties"]["scale"], "[identify.free.x]\nscale"),
     ];
     for (schema, place) in places {
         let words = schema["enum"].as_array().unwrap().iter();
@@ -106,10 +92,7 @@ fn registered() -> [(&'static str, Vec<String>); 4] {
         ("/$defs/design/properties/method/enum", designs.collect()),
         ("/$defs/statistic/enum", statistics.collect()),
         ("/$defs/criterion/properties/metric/enum", metrics.collect()),
-        (
-            "/$defs/sensitivity/properties/method/enum",
-            sensitivity.collect(),
-        ),
+        ("/$defs/sensitivity/properties/method/enum", sensitivity.collect()),
     ]
 }
 
@@ -159,9 +142,7 @@ fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> 
         wrong.push(format!("{at} is no {}", schema["type"]));
     }
     let words = schema["enum"].as_array();
-    if words.is_some_and(|words| !words.contains(value))
-        || schema.get("const").is_some_and(|word| word != value)
-    {
+    if words.is_some_and(|words| !words.contains(value)) || schema.get("const").is_some_and(|word| word != value) {
         wrong.push(format!("{at} is {value}"));
     }
     for bound in ["minimum", "exclusiveMinimum"] {
@@ -207,10 +188,7 @@ fn every_shipped_study_is_valid() {
     let mut count = 0;
     for entry in fs::read_dir(studies()).unwrap() {
         let path = entry.unwrap().path();
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "toml")
-        {
+        if path.extension().is_some_and(|extension| extension == "toml") {
             let text = fs::read_to_string(&path).unwrap();
             assert_eq!(faults_of(&text), [""; 0], "{}", path.display());
             count += 1;
@@ -225,26 +203,11 @@ fn the_schema_refuses_what_the_reader_refuses() {
         ("title = \"no FMU\"", "study lacks \"fmu\""),
         ("fmu = 3", "study.fmu is no"),
         ("fmu = \"a\"\n[design]\npionts = 3", "study.design.pionts"),
-        (
-            "fmu = \"a\"\n[design]\nmethod = \"sobel\"",
-            "study.design.method",
-        ),
-        (
-            "fmu = \"a\"\n[parameters.x]\ndistribution = \"normal\"\nmean = 1",
-            "study.parameters.x lacks \"deviation\"",
-        ),
-        (
-            "fmu = \"a\"\n[parameters.x]\ndistribution = \"fixed\"\nvalue = 1\nmax = 2",
-            "study.parameters.x.max",
-        ),
-        (
-            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1",
-            "study.criteria.x lacks \"tolerance\"",
-        ),
-        (
-            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nat-most = 1\nnominal = 1",
-            "study.criteria.x.nominal",
-        ),
+        ("fmu = \"a\"\n[design]\nmethod = \"sobel\"", "study.design.method"),
+        ("fmu = \"a\"\n[parameters.x]\ndistribution = \"normal\"\nmean = 1", "study.parameters.x lacks \"deviation\""),
+        ("fmu = \"a\"\n[parameters.x]\ndistribution = \"fixed\"\nvalue = 1\nmax = 2", "study.parameters.x.max"),
+        ("fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1", "study.criteria.x lacks \"tolerance\""),
+        ("fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nat-most = 1\nnominal = 1", "study.criteria.x.nominal"),
         (
             "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1\ntolerance = { minus = 1 }",
             "study.criteria.x.tolerance lacks \"plus\"",
@@ -253,16 +216,10 @@ fn the_schema_refuses_what_the_reader_refuses() {
             "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nreference = { file = \"m.csv\" }\nmetric = \"rmse\"\nnominal = 1",
             "study.criteria.x.nominal",
         ),
-        (
-            "fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1\ntolerance = 1\nband = 1",
-            "study.criteria.x.band",
-        ),
+        ("fmu = \"a\"\n[criteria.x]\nvariable = \"y\"\nnominal = 1\ntolerance = 1\nband = 1", "study.criteria.x.band"),
     ];
     for (text, words) in mistakes {
         let faults = faults_of(text);
-        assert!(
-            faults.iter().any(|fault| fault.starts_with(words)),
-            "{text}: {faults:?}"
-        );
+        assert!(faults.iter().any(|fault| fault.starts_with(words)), "{text}: {faults:?}");
     }
 }

@@ -43,29 +43,16 @@ impl ParameterText {
             })
         };
         Ok(match self.distribution {
-            Shape::Normal => Distribution::Normal {
-                mean: need("mean")?,
-                deviation: need("deviation")?,
-            },
+            Shape::Normal => Distribution::Normal { mean: need("mean")?, deviation: need("deviation")? },
             Shape::TruncatedNormal => Distribution::TruncatedNormal {
                 mean: need("mean")?,
                 deviation: need("deviation")?,
                 min: maybe("min").transpose()?,
                 max: maybe("max").transpose()?,
             },
-            Shape::Uniform => Distribution::Uniform {
-                min: need("min")?,
-                max: need("max")?,
-            },
-            Shape::Triangular => Distribution::Triangular {
-                min: need("min")?,
-                mode: need("mode")?,
-                max: need("max")?,
-            },
-            Shape::Lognormal => Distribution::Lognormal {
-                mean: need("mean")?,
-                deviation: need("deviation")?,
-            },
+            Shape::Uniform => Distribution::Uniform { min: need("min")?, max: need("max")? },
+            Shape::Triangular => Distribution::Triangular { min: need("min")?, mode: need("mode")?, max: need("max")? },
+            Shape::Lognormal => Distribution::Lognormal { mean: need("mean")?, deviation: need("deviation")? },
             // Its values come when the file is read.
             Shape::Sample if self.file.is_some() => Distribution::sample(vec![0.0]),
             Shape::Sample => {
@@ -73,9 +60,7 @@ impl ParameterText {
                                such as the posterior.csv of identify";
                 return Err(message.to_owned());
             }
-            Shape::Fixed => Distribution::Fixed {
-                value: need("value")?,
-            },
+            Shape::Fixed => Distribution::Fixed { value: need("value")? },
         })
     }
 
@@ -95,13 +80,11 @@ impl ParameterText {
                 "the distribution {name} does not use `file`; write distribution = \"sample\", or remove it"
             ));
         }
-        let is_stray =
-            |(key, number): &(&str, &Option<Quantity>)| number.is_some() && !wanted.contains(key);
+        let is_stray = |(key, number): &(&str, &Option<Quantity>)| number.is_some() && !wanted.contains(key);
         match self.numbers().iter().find(|given| is_stray(given)) {
-            Some((key, _)) => Err(format!(
-                "the distribution {name} does not use `{key}`; it takes {}",
-                wanted.join(", ")
-            )),
+            Some((key, _)) => {
+                Err(format!("the distribution {name} does not use `{key}`; it takes {}", wanted.join(", ")))
+            }
             None => Ok(()),
         }
     }

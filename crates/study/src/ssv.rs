@@ -32,14 +32,9 @@ pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>,
 }
 
 /// The results of `take` on each entry.
-fn parse<T>(
-    path: &Path,
-    text: &str,
-    take: impl Fn(&str, Setting) -> Result<T, String>,
-) -> Result<Vec<T>, FileError> {
+fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, String>) -> Result<Vec<T>, FileError> {
     let text = text.trim_start_matches('\u{feff}');
-    let document = xml::parse(text)
-        .map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
+    let document = xml::parse(text).map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
     let at = |node: Node<'_, '_>, message: String| {
         FileError::new(path, message).at(document.text_pos_at(node.range().start).row)
     };
@@ -49,9 +44,7 @@ fn parse<T>(
         let message = format!("`{name}` is no SSP parameter set (`ParameterSet`)");
         return Err(at(root, message));
     }
-    let parameters = root
-        .descendants()
-        .filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
+    let parameters = root.descendants().filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
     let entry = |node: Node<'_, '_>| {
         let name = node.attribute("name").ok_or("a parameter without a name")?;
         let mut children = node.children();
@@ -95,14 +88,9 @@ mod tests {
     fn mistakes_have_their_line() {
         let error = |body: &str| set(body).unwrap_err().to_string();
         assert!(error("<Parameter/>").starts_with("p.ssv:2: a parameter without a name"));
-        assert!(
-            error("\n<Parameter name=\"a\"><Binary/></Parameter>")
-                .starts_with("p.ssv:3: `a` has no value")
-        );
+        assert!(error("\n<Parameter name=\"a\"><Binary/></Parameter>").starts_with("p.ssv:3: `a` has no value"));
         assert!(error("<Parameter").starts_with("p.ssv: "));
-        let other = parse(Path::new("p.ssv"), "<html/>", entry)
-            .unwrap_err()
-            .to_string();
+        let other = parse(Path::new("p.ssv"), "<html/>", entry).unwrap_err().to_string();
         assert!(other.contains("no SSP parameter set"), "{other}");
     }
 

@@ -65,10 +65,7 @@ impl LagText {
         let ends = [window::seconds(&self.min)?, window::seconds(&self.max)?];
         match ends[0] < ends[1] && ends.iter().all(|end| end.is_finite()) {
             true => Ok(ends),
-            false => Err(format!(
-                "the lags from {} to {} are no range",
-                self.min, self.max
-            )),
+            false => Err(format!("the lags from {} to {} are no range", self.min, self.max)),
         }
     }
 }
@@ -198,10 +195,7 @@ pub enum Extrapolate {
 
 /// A start value.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "a start value is a number, true or false, or a text such as \"14 N.s/m\""
-)]
+#[serde(untagged, expecting = "a start value is a number, true or false, or a text such as \"14 N.s/m\"")]
 pub enum Setting {
     /// Yes or no.
     Boolean(bool),
@@ -215,11 +209,7 @@ pub enum Setting {
 
 /// Measured value of one quantity with its tolerance.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    rename_all = "kebab-case",
-    expecting = "a section with variable, nominal and tolerance"
-)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case", expecting = "a section with variable, nominal and tolerance")]
 pub struct CriterionText {
     /// The FMU's variable.
     pub variable: Spanned<String>,
@@ -304,8 +294,7 @@ impl CriterionText {
             && self.statistic.unwrap_or_default() == other.statistic.unwrap_or_default()
             && self.window == other.window
             && (&self.percent, &self.at, &self.level) == (&other.percent, &other.at, &other.level)
-            && (&self.direction, &self.turns, &self.periods)
-                == (&other.direction, &other.turns, &other.periods)
+            && (&self.direction, &self.turns, &self.periods) == (&other.direction, &other.turns, &other.periods)
     }
 }
 
@@ -319,10 +308,7 @@ pub enum NominalFrom {
 
 /// A measured value that is the product of two others, so that its error follows from theirs.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "the factors, such as { from = \"torque\", by = \"drive.speed\" }"
-)]
+#[serde(deny_unknown_fields, expecting = "the factors, such as { from = \"torque\", by = \"drive.speed\" }")]
 pub struct DerivedText {
     /// The criterion with the first factor.
     pub from: Name,

@@ -52,26 +52,18 @@ fn settable(variable: &Variable) -> Result<(), String> {
     }
     let reason = match (variable.variability, variable.causality) {
         (Variability::Constant, _) => "a constant",
-        (_, Causality::StructuralParameter) => {
-            "the size of arrays, which is set under [fixed] or by --set"
-        }
+        (_, Causality::StructuralParameter) => "the size of arrays, which is set under [fixed] or by --set",
         _ if matches!(variable.kind, Kind::Clock(_)) => "a clock that ticks by itself",
         _ => "computed by the FMU",
     };
-    Err(format!(
-        "it is {reason}; only parameters, inputs and start values can be set"
-    ))
+    Err(format!("it is {reason}; only parameters, inputs and start values can be set"))
 }
 
 /// The size of arrays that a setting gives, with the value reference of its parameter; none where the variable is another.
 ///
 /// # Errors
 /// When it is no size.
-pub fn size_of(
-    fmu: &Description,
-    variable: &Variable,
-    setting: &Setting,
-) -> Result<Option<(u32, u64)>, String> {
+pub fn size_of(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Option<(u32, u64)>, String> {
     if variable.causality != Causality::StructuralParameter {
         return Ok(None);
     }
@@ -88,11 +80,7 @@ pub fn size_of(
 ///
 /// # Errors
 /// When the type, the unit or the number doesn't fit.
-pub fn value_of(
-    fmu: &Description,
-    variable: &Variable,
-    setting: &Setting,
-) -> Result<Value, String> {
+pub fn value_of(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Value, String> {
     let named = |message: String| format!("{}: {message}", variable.name);
     settable(variable).map_err(named)?;
     value(fmu, variable, setting).map_err(named)
@@ -128,10 +116,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
             _ => Err(format!("`{text}` is neither true nor false")),
         },
         Kind::String { .. } => match variable.place {
-            Some(Place {
-                storage: Storage::Binary,
-                ..
-            }) if bytes_of(&text).is_none() => {
+            Some(Place { storage: Storage::Binary, .. }) if bytes_of(&text).is_none() => {
                 Err(format!("`{text}` is not bytes as hexadecimal digits"))
             }
             _ => Ok(Value::String(text)),
@@ -141,8 +126,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
                 return Ok(Value::Integer(*number));
             }
             let number = whole().ok();
-            let known =
-                |number: &i128| items.is_empty() || items.iter().any(|(_, value)| value == number);
+            let known = |number: &i128| items.is_empty() || items.iter().any(|(_, value)| value == number);
             number.filter(known).map(Value::Integer).ok_or_else(|| {
                 let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
                 format!("`{text}` is none of {}", names.join(", "))
@@ -155,12 +139,8 @@ fn check_limits(variable: &Variable, number: f64) -> Result<(), String> {
     let unit = behind(variable.unit());
     match variable.kind.range() {
         _ if !number.is_finite() => Err(format!("{number} is not a finite number")),
-        (Some(min), _) if number < min => Err(format!(
-            "{number}{unit} is less than the smallest value {min}{unit}"
-        )),
-        (_, Some(max)) if number > max => Err(format!(
-            "{number}{unit} is more than the largest value {max}{unit}"
-        )),
+        (Some(min), _) if number < min => Err(format!("{number}{unit} is less than the smallest value {min}{unit}")),
+        (_, Some(max)) if number > max => Err(format!("{number}{unit} is more than the largest value {max}{unit}")),
         _ => Ok(()),
     }
 }

@@ -37,9 +37,7 @@ impl Window {
         let [from, to] = match self {
             Self::Last(length) => [stop - seconds(length)?, stop],
             Self::Between(Limits { from, to }) => {
-                let time = |limit: &Option<Quantity>, otherwise: f64| {
-                    limit.as_ref().map_or(Ok(otherwise), seconds)
-                };
+                let time = |limit: &Option<Quantity>, otherwise: f64| limit.as_ref().map_or(Ok(otherwise), seconds);
                 [time(from, start)?, time(to, stop)?]
             }
         };
@@ -47,9 +45,7 @@ impl Window {
         if from >= start && from <= to && to <= stop {
             return Ok([from, to]);
         }
-        Err(format!(
-            "the window from {from} s to {to} s must lie between start and stop, {start} s and {stop} s"
-        ))
+        Err(format!("the window from {from} s to {to} s must lie between start and stop, {start} s and {stop} s"))
     }
 }
 
@@ -69,9 +65,7 @@ mod tests {
             window: Window,
         }
         let text: Result<Text, _> = toml::from_str(&format!("window = {text}"));
-        text.map_err(|error| error.to_string())?
-            .window
-            .times([0.0, 150.0])
+        text.map_err(|error| error.to_string())?.window.times([0.0, 150.0])
     }
 
     #[test]

@@ -81,90 +81,45 @@ static VARIABLES: [Variable<Lag>; 11] = [
         .within(-1e6, 1e6)
         .about(1.0)
         .slope(|lag, rate| lag.slope = rate),
-    parameter(
-        "timeConstant",
-        &SECOND,
-        field!(Lag: constant),
-        "The lag's time constant",
-    )
-    .within(1e-3, 1e6)
-    .about(1.0),
-    tunable("gain", &ONE, field!(Lag: gain), "The lag's gain")
-        .within(-1e6, 1e6)
-        .about(1.0),
-    parameter(
-        "initialState",
-        &ONE,
-        field!(Lag: initial),
-        "The lag's output at the start",
-    )
-    .within(-1e6, 1e6)
-    .about(1.0),
-    output(
-        "output",
-        &ONE,
-        |lag: &Lag| lag.sign() * lag.state,
-        "The lag's output",
-    )
-    .within(-1e12, 1e12)
-    .about(1.0)
-    .derivative(Lag::derivative),
-    output(
-        "feed",
-        &ONE,
-        |lag: &Lag| lag.sign() * lag.gain * lag.input,
-        "The value that the output tends to",
-    )
-    .within(-1e12, 1e12)
-    .about(1.0)
-    .depends_on(&["input", "inverted"]),
+    parameter("timeConstant", &SECOND, field!(Lag: constant), "The lag's time constant").within(1e-3, 1e6).about(1.0),
+    tunable("gain", &ONE, field!(Lag: gain), "The lag's gain").within(-1e6, 1e6).about(1.0),
+    parameter("initialState", &ONE, field!(Lag: initial), "The lag's output at the start").within(-1e6, 1e6).about(1.0),
+    output("output", &ONE, |lag: &Lag| lag.sign() * lag.state, "The lag's output")
+        .within(-1e12, 1e12)
+        .about(1.0)
+        .derivative(Lag::derivative),
+    output("feed", &ONE, |lag: &Lag| lag.sign() * lag.gain * lag.input, "The value that the output tends to")
+        .within(-1e12, 1e12)
+        .about(1.0)
+        .depends_on(&["input", "inverted"]),
     variable(
         "trouble",
         Role::TunableParameter,
-        Kind::Enumeration {
-            access: field!(Lag: trouble),
-            of: &TROUBLE,
-        },
+        Kind::Enumeration { access: field!(Lag: trouble), of: &TROUBLE },
         "What goes wrong in the next step",
     ),
     variable(
         "inverted",
         Role::Input,
-        Kind::Boolean {
-            access: field!(Lag: inverted),
-        },
+        Kind::Boolean { access: field!(Lag: inverted) },
         "Whether the outputs change their sign",
     ),
     variable(
         "label",
         Role::Parameter,
-        Kind::String {
-            access: fmu_export::text!(Lag: label),
-        },
+        Kind::String { access: fmu_export::text!(Lag: label) },
         "A name with <&\"> in it",
     ),
     variable(
         "steps",
         Role::Output,
-        Kind::Integer {
-            access: Access {
-                get: |lag| lag.steps,
-                set: None,
-            },
-            min: Some(0),
-            max: None,
-        },
+        Kind::Integer { access: Access { get: |lag| lag.steps, set: None }, min: Some(0), max: None },
         "Number of steps done",
     ),
     variable(
         "report",
         Role::Output,
-        Kind::String {
-            access: Access {
-                get: Lag::report,
-                set: None,
-            },
-        },
+        Kind::String { access: Access { get: Lag::report, set: None } },
         "The time that the lag has reached, in words",
     ),
 ];
@@ -263,12 +218,7 @@ mod tests {
     /// A jump that is recorded as a line over a picosecond leaves the state where it was.
     #[test]
     fn a_steep_slope_in_a_short_step_costs_no_digits() {
-        let mut lag = Lag {
-            input: 1.0,
-            slope: -2e12,
-            state: 0.3,
-            ..Lag::default()
-        };
+        let mut lag = Lag { input: 1.0, slope: -2e12, state: 0.3, ..Lag::default() };
         lag.advance(0.0, 1e-12, &mut ()).unwrap();
         assert!((lag.state - 0.3).abs() < 1e-11, "{}", lag.state);
         assert!((lag.input + 1.0).abs() < 1e-12, "{}", lag.input);

@@ -6,8 +6,8 @@
 
 use fmu_export::declare::{input, output, parameter, tunable, variable};
 use fmu_export::model::{
-    Access, Continuous, Events, Exchange, Experiment, Fault, Info, Kind, Log, Model, Role, State,
-    Variable, check_ranges,
+    Access, Continuous, Events, Exchange, Experiment, Fault, Info, Kind, Log, Model, Role, State, Variable,
+    check_ranges,
 };
 use fmu_export::units::{KELVIN, KELVIN_DIFFERENCE, KELVIN_PER_SECOND, SECOND};
 use fmu_export::{field, info};
@@ -64,12 +64,7 @@ impl House {
     /// The temperature at which a zone's heater is switched next.
     fn threshold(&self, zone: usize) -> f64 {
         let setpoint = self.setpoint - if self.is_night { self.setback } else { 0.0 };
-        setpoint
-            + if self.heating[zone] {
-                self.band
-            } else {
-                -self.band
-            }
+        setpoint + if self.heating[zone] { self.band } else { -self.band }
     }
 
     /// What is left to that, K: an event indicator.
@@ -174,11 +169,8 @@ static VARIABLES: [Variable<House>; 22] = [
     output("switchTime", &SECOND, |h: &House| h.switch_time, "When one was switched last").clocked("switched"),
 ];
 
-static STATES: [State<House>; ZONES] = [
-    state::<0>("state.temperature[1]"),
-    state::<1>("state.temperature[2]"),
-    state::<2>("state.temperature[3]"),
-];
+static STATES: [State<House>; ZONES] =
+    [state::<0>("state.temperature[1]"), state::<1>("state.temperature[2]"), state::<2>("state.temperature[3]")];
 
 impl Model for House {
     #[rustfmt::skip]

@@ -28,13 +28,8 @@ fn a_heater_is_switched_off_within_a_step() {
         house.initialise(&Experiment::default(), &mut ()).unwrap();
         let step = 3000.0 / f64::from(steps);
         for number in 0..steps {
-            house
-                .advance(f64::from(number) * step, step, &mut ())
-                .unwrap();
+            house.advance(f64::from(number) * step, step, &mut ()).unwrap();
         }
-        assert!(
-            (temperature(&house) - expected).abs() < 1e-9,
-            "{steps} steps"
-        );
+        assert!((temperature(&house) - expected).abs() < 1e-9, "{steps} steps");
     }
 }

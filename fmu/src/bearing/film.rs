@@ -98,17 +98,13 @@ impl FilmModel {
     /// The model of an item's value.
     pub fn of(value: i32) -> Self {
         let mut all = Self::ALL.iter().copied();
-        all.find(|model| model.value() == value)
-            .expect("hosts can set no other value than those of the items")
+        all.find(|model| model.value() == value).expect("hosts can set no other value than those of the items")
     }
 }
 
 impl Default for Film {
     fn default() -> Self {
-        Self {
-            model: FilmModel::ALL[0],
-            running: Running::None,
-        }
+        Self { model: FilmModel::ALL[0], running: Running::None }
     }
 }
 
@@ -129,10 +125,7 @@ impl Film {
     pub fn mobility(bearing: &Bearing) -> Result<Self, Fault> {
         let mut film = mobility::MobilityFilm::default();
         film.prepare(bearing)?;
-        Ok(Self {
-            model: FilmModel::Mobility,
-            running: Running::Mobility(film),
-        })
+        Ok(Self { model: FilmModel::Mobility, running: Running::Mobility(film) })
     }
 
     /// Computes all that follows from the bearing's parameters alone.
@@ -156,11 +149,7 @@ impl Film {
     }
 
     /// [`drift`](Self::drift) at many instants of one clearance, m.
-    pub fn drift_at<'a>(
-        &'a self,
-        bearing: &'a Bearing,
-        clearance: f64,
-    ) -> impl Fn(&Situation, bool) -> Drift + 'a {
+    pub fn drift_at<'a>(&'a self, bearing: &'a Bearing, clearance: f64) -> impl Fn(&Situation, bool) -> Drift + 'a {
         let mobility = match &self.running {
             Running::Mobility(film) => Some(film.at_clearance(clearance)),
             _ => None,
@@ -228,11 +217,7 @@ mod tests {
     fn impossible_dimensions_are_refused() {
         let bearing = Bearing::default();
         for (width, diameter) in [(-0.02, 0.025), (0.0, 0.025), (f64::NAN, 0.025), (0.0, 0.0)] {
-            let impossible = Bearing {
-                width,
-                diameter,
-                ..bearing.clone()
-            };
+            let impossible = Bearing { width, diameter, ..bearing.clone() };
             let fault = Film::mobility(&impossible).map(|_| ()).unwrap_err();
             assert!(fault.to_string().contains("must be positive"), "{fault}");
         }

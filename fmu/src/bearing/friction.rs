@@ -50,17 +50,9 @@ impl Boundary {
         let moment = contact.normal * bearing.radius();
         let [[x, y], [vx, vy]] = [eccentricity, velocity];
         let length = (x * x + y * y).sqrt();
-        let along = if length > 0.0 {
-            clearance * (x * vy - y * vx) / length
-        } else {
-            0.0
-        };
+        let along = if length > 0.0 { clearance * (x * vy - y * vx) / length } else { 0.0 };
         let sliding = moment * speed + contact.force * along;
-        Self {
-            torque: coefficient * moment,
-            sliding,
-            heat: coefficient * sliding,
-        }
+        Self { torque: coefficient * moment, sliding, heat: coefficient * sliding }
     }
 }
 
@@ -75,26 +67,14 @@ mod tests {
         assert!((couette(&bearing, 0.0) / expected - 1.0).abs() < 1e-14);
     }
 
-    const TOUCH: Contact = Contact {
-        force: 90.0,
-        normal: 100.0,
-    };
+    const TOUCH: Contact = Contact { force: 90.0, normal: 100.0 };
 
     #[test]
     fn boundary_friction_opposes_either_direction() {
         let bearing = Bearing::default();
         let torque = |speed| {
             let friction = bearing.contact_friction(speed);
-            Boundary::of(
-                &bearing,
-                2e-5,
-                &TOUCH,
-                friction,
-                speed,
-                [0.9, 0.0],
-                [0.0; 2],
-            )
-            .torque
+            Boundary::of(&bearing, 2e-5, &TOUCH, friction, speed, [0.9, 0.0], [0.0; 2]).torque
         };
         assert!((torque(31.4) - bearing.surface.boundary_friction * 100.0 * 0.0125).abs() < 1e-12);
         assert_eq!(torque(-31.4), -torque(31.4));
@@ -105,12 +85,8 @@ mod tests {
     #[test]
     fn the_contact_s_own_motion_changes_the_heat() {
         let bearing = Bearing::default();
-        let heat =
-            |velocity| Boundary::of(&bearing, 2e-5, &TOUCH, 0.05, 31.4, [0.0, 0.9], velocity).heat;
+        let heat = |velocity| Boundary::of(&bearing, 2e-5, &TOUCH, 0.05, 31.4, [0.0, 0.9], velocity).heat;
         let change = heat([3.0, 0.0]) - heat([0.0; 2]);
-        assert!(
-            (change + 0.05 * 90.0 * 2e-5 * 3.0).abs() < 1e-12,
-            "{change}"
-        );
+        assert!((change + 0.05 * 90.0 * 2e-5 * 3.0).abs() < 1e-12, "{change}");
     }
 }

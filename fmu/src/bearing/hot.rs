@@ -84,8 +84,7 @@ impl Expansion {
     fn held(&self, bore: f64, warmer: f64) -> f64 {
         let [inner, outer] = [bore, bore + self.wall].map(|radius| radius * radius);
         let wall = outer - inner;
-        let yielding = ((outer + inner) / wall - POISSON) / self.bush_modulus
-            + (1.0 + POISSON) / self.housing_modulus;
+        let yielding = ((outer + inner) / wall - POISSON) / self.bush_modulus + (1.0 + POISSON) / self.housing_modulus;
         let pressure = (self.bush - self.housing) * warmer / yielding;
         bore * (self.bush * warmer - pressure / self.bush_modulus * 2.0 * outer / wall)
     }
@@ -99,18 +98,11 @@ mod tests {
 
     /// A bush of bronze in a housing of steel.
     fn bronze() -> Expansion {
-        Expansion {
-            bush: 18e-6,
-            bush_modulus: 110e9,
-            ..Expansion::default()
-        }
+        Expansion { bush: 18e-6, bush_modulus: 110e9, ..Expansion::default() }
     }
 
     fn growth(thermal_clearance: ThermalClearance, set: impl FnOnce(&mut Expansion)) -> f64 {
-        let mut expansion = Expansion {
-            thermal_clearance,
-            ..bronze()
-        };
+        let mut expansion = Expansion { thermal_clearance, ..bronze() };
         set(&mut expansion);
         expansion.growth(RADII, [353.15, 363.15])
     }
@@ -128,13 +120,8 @@ mod tests {
     #[test]
     fn one_material_at_one_temperature_keeps_its_shape() {
         for fit in [FreeBush, ConstrainedBush] {
-            let expansion = Expansion {
-                thermal_clearance: fit,
-                bush: 20e-6,
-                shaft: 20e-6,
-                housing: 20e-6,
-                ..Expansion::default()
-            };
+            let expansion =
+                Expansion { thermal_clearance: fit, bush: 20e-6, shaft: 20e-6, housing: 20e-6, ..Expansion::default() };
             let grown = expansion.growth(RADII, [393.15, 393.15]);
             assert!((grown - 20e-6 * 20e-6 * 100.0).abs() < 1e-15, "{grown}");
         }
@@ -145,9 +132,7 @@ mod tests {
         let free = growth(FreeBush, |_| ());
         let alike = growth(ConstrainedBush, |e| e.housing = e.bush);
         assert!((alike - free).abs() < 1e-18, "{alike} {free}");
-        let soft = growth(ConstrainedBush, |e| {
-            e.housing_modulus = 1e-9 * e.bush_modulus
-        });
+        let soft = growth(ConstrainedBush, |e| e.housing_modulus = 1e-9 * e.bush_modulus);
         assert!((soft - free).abs() < 1e-8 * free, "{soft} {free}");
     }
 
@@ -155,9 +140,7 @@ mod tests {
     /// displacement of `-b*d` moves the bore by `-a*d*2b^2/(b^2 + a^2 - nu*(b^2 - a^2))`.
     #[test]
     fn a_rigid_housing_sets_the_outer_radius() {
-        let rigid = growth(ConstrainedBush, |e| {
-            e.housing_modulus = 1e9 * e.bush_modulus
-        });
+        let rigid = growth(ConstrainedBush, |e| e.housing_modulus = 1e9 * e.bush_modulus);
         let (a2, b2) = (12.5_f64.powi(2), 15_f64.powi(2));
         let inwards = 6.5e-6 * 60.0 * 2.0 * b2 / (b2 + a2 - 0.3 * (b2 - a2));
         let expected = 0.0125 * (18e-6 * 60.0 - inwards) - 10.0464e-6;

@@ -158,20 +158,13 @@ pub trait JournalFilm {
         let place = Vector2::from(at.eccentricity);
         let load = Vector2::from(at.load);
         let velocity = |place: Vector2<f64>, load: Vector2<f64>| {
-            let at = Situation {
-                eccentricity: place.into(),
-                load: load.into(),
-                ..*at
-            };
+            let at = Situation { eccentricity: place.into(), load: load.into(), ..*at };
             Vector2::from(self.drift(bearing, &at, false).velocity)
         };
         let of_place = derivative(NUDGE, |by| velocity(place + by, load));
         let of_force = derivative(NUDGE * load.norm(), |by| velocity(place, load + by));
         let damping = of_force.try_inverse().unwrap_or_default() / at.clearance;
-        Coefficients {
-            stiffness: -damping * of_place,
-            damping,
-        }
+        Coefficients { stiffness: -damping * of_place, damping }
     }
 
     /// Columns of cells around the bearing, where the film has any.
@@ -197,8 +190,7 @@ pub trait JournalFilm {
 
 /// The derivative of a vector over a vector, by differences over a small step on both sides.
 fn derivative(step: f64, of: impl Fn(Vector2<f64>) -> Vector2<f64>) -> Matrix2<f64> {
-    let columns = [Vector2::x(), Vector2::y()]
-        .map(|towards| (of(towards * step) - of(towards * -step)) / (2.0 * step));
+    let columns = [Vector2::x(), Vector2::y()].map(|towards| (of(towards * step) - of(towards * -step)) / (2.0 * step));
     Matrix2::from_columns(&columns)
 }
 

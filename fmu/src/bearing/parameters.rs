@@ -139,8 +139,7 @@ impl Bearing {
     /// Rate of the mean wear depth, m/s, while the asperities turn `heat` watts into heat at a shaft speed, rad/s.
     pub fn wear_rate(&self, heat: f64, speed: f64) -> f64 {
         let area = std::f64::consts::PI * self.diameter * self.width;
-        self.wear
-            .rate(heat, self.contact_friction(speed).abs(), area)
+        self.wear.rate(heat, self.contact_friction(speed).abs(), area)
     }
 
     /// A clearance below this, m, counts as closed: the bearing seizes.

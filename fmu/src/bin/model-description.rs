@@ -11,26 +11,11 @@ fn main() -> ExitCode {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let packed = "../modelDescription";
     for (path, text) in [
-        (
-            format!("{packed}/modelDescription.xml"),
-            description::xml::<Stand>(Version::Two, Interface::CoSimulation),
-        ),
-        (
-            "descriptions/fmi3.xml".to_owned(),
-            description::xml::<Stand>(Version::Three, Interface::CoSimulation),
-        ),
-        (
-            "descriptions/me.xml".to_owned(),
-            description::xml::<Stand>(Version::Two, Interface::ModelExchange),
-        ),
-        (
-            "descriptions/me-fmi3.xml".to_owned(),
-            description::xml::<Stand>(Version::Three, Interface::ModelExchange),
-        ),
-        (
-            format!("{packed}/documentation/index.html"),
-            documentation::page(),
-        ),
+        (format!("{packed}/modelDescription.xml"), description::xml::<Stand>(Version::Two, Interface::CoSimulation)),
+        ("descriptions/fmi3.xml".to_owned(), description::xml::<Stand>(Version::Three, Interface::CoSimulation)),
+        ("descriptions/me.xml".to_owned(), description::xml::<Stand>(Version::Two, Interface::ModelExchange)),
+        ("descriptions/me-fmi3.xml".to_owned(), description::xml::<Stand>(Version::Three, Interface::ModelExchange)),
+        (format!("{packed}/documentation/index.html"), documentation::page()),
     ] {
         let path = here.join(path);
         if let Err(error) = std::fs::write(&path, text) {

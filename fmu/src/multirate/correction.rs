@@ -81,10 +81,7 @@ mod tests {
         for viscosity in [0.009, 0.015, 0.025] {
             let [fast, slow] = films(viscosity);
             let corrected = correction.apply(viscosity, &fast);
-            assert!(
-                (heat(&corrected) / heat(&slow) - 1.0).abs() < 1e-3,
-                "{viscosity}: {corrected:?} {slow:?}"
-            );
+            assert!((heat(&corrected) / heat(&slow) - 1.0).abs() < 1e-3, "{viscosity}: {corrected:?} {slow:?}");
             assert!((corrected.side_flow / slow.side_flow - 1.0).abs() < 1e-6);
         }
     }

@@ -91,12 +91,7 @@ impl Aim {
 
 impl<'a, M: TwoScales> Curve<'a, M> {
     /// A curve at a clearance, m, with its first orbit.
-    pub(super) fn new(
-        model: &'a M,
-        tolerance: f64,
-        clearance: f64,
-        from: &Departure,
-    ) -> Result<(Self, Orbit), NoLeap> {
+    pub(super) fn new(model: &'a M, tolerance: f64, clearance: f64, from: &Departure) -> Result<(Self, Orbit), NoLeap> {
         let viscosity = model.viscosity(from.temperatures.film);
         let end = Vector2::from(from.eccentricity);
         let (_, flows) = model.journal(clearance)(0.0, from.eccentricity, viscosity);
@@ -132,22 +127,11 @@ impl<'a, M: TwoScales> Curve<'a, M> {
 
     /// The same at another clearance, m, and `slack` times the tolerance, still without orbits.
     pub(super) fn at_clearance(&self, clearance: f64, slack: f64) -> Self {
-        Self {
-            clearance,
-            tolerance: slack * self.tolerance,
-            nodes: Vec::new(),
-            piece: None,
-            ..*self
-        }
+        Self { clearance, tolerance: slack * self.tolerance, nodes: Vec::new(), piece: None, ..*self }
     }
 
     /// The same at another clearance, m, with an orbit at a viscosity that begins near `guess`.
-    pub(super) fn with_orbit(
-        &self,
-        clearance: f64,
-        viscosity: f64,
-        guess: Vector2<f64>,
-    ) -> Result<Self, NoLeap> {
+    pub(super) fn with_orbit(&self, clearance: f64, viscosity: f64, guess: Vector2<f64>) -> Result<Self, NoLeap> {
         let mut curve = self.at_clearance(clearance, 1.0);
         let first = curve.orbit(viscosity, guess)?;
         curve.latest = viscosity.ln();
@@ -189,11 +173,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
                 return Ok(orbit);
             };
             let guess = Piece::new(&self.nodes, gap).at(missing).0.place();
-            let guess = if guess.norm() < 1.0 {
-                guess
-            } else {
-                piece.nearest.place()
-            };
+            let guess = if guess.norm() < 1.0 { guess } else { piece.nearest.place() };
             let orbit = self.search(missing.exp(), guess, Aim::Heat)?;
             let index = self.nodes.partition_point(|(node, _)| *node <= missing);
             self.nodes.insert(index, (missing, orbit));
@@ -263,22 +243,14 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// The same, with the turn that begins at the guess, by Broyden's method (Broyden 1965, Math. Comp. 19).
-    fn search_from(
-        &mut self,
-        viscosity: f64,
-        guess: Vector2<f64>,
-        turn: Orbit,
-        aim: Aim,
-    ) -> Result<Orbit, NoLeap> {
+    fn search_from(&mut self, viscosity: f64, guess: Vector2<f64>, turn: Orbit, aim: Aim) -> Result<Orbit, NoLeap> {
         const TURNS: usize = 60;
         let (mut start, mut turn) = (guess, turn);
         for _ in 0..TURNS {
             let miss = turn.place() - start;
             let farthest = start.norm().max(turn.place().norm());
             let bound = if farthest < 1.0 { 1.0 } else { farthest + 0.1 };
-            let step = self
-                .newton(miss)
-                .filter(|step| (start + step).norm() < bound);
+            let step = self.newton(miss).filter(|step| (start + step).norm() < bound);
             if aim.distance(start, turn.place()) < aim.close(self.tolerance) {
                 return Ok(step.map_or(turn, |step| Orbit(turn.0 + self.slope * step)));
             }
@@ -309,12 +281,8 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             let (velocity, flows) = journal(tau, *y, viscosity);
             (velocity, [flows.viscous, flows.boundary, flows.side_flow])
         };
-        let integrator = DormandPrince {
-            allowed: [PLACE_ERROR * self.tolerance; 2],
-            budget: Budget::of(steps),
-        };
-        let heat_error =
-            HEAT_ERROR * self.tolerance * self.heat * period / self.model.turns() as f64;
+        let integrator = DormandPrince { allowed: [PLACE_ERROR * self.tolerance; 2], budget: Budget::of(steps) };
+        let heat_error = HEAT_ERROR * self.tolerance * self.heat * period / self.model.turns() as f64;
         let along = [heat_error; 2];
         let mut y = start.into();
         let explicit = if self.stiff {
@@ -336,8 +304,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             None => {
                 let at = [viscosity, self.clearance];
                 let allowed = [PLACE_ERROR * self.tolerance, heat_error];
-                let (end, integrals, work) =
-                    stiff::turn(self.model, at, start.into(), allowed, self.left, self.step)?;
+                let (end, integrals, work) = stiff::turn(self.model, at, start.into(), allowed, self.left, self.step)?;
                 y = end;
                 (work, integrals)
             }
@@ -345,14 +312,6 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         self.left = self.left.saturating_sub(work.accepted + work.rejected);
         let [viscous, boundary, side_flow] = integrals.map(|integral| integral / period);
         self.heat = viscous + boundary;
-        Ok(Orbit::new(
-            y,
-            &Flows {
-                viscous,
-                boundary,
-                side_flow,
-                feed: 0.0,
-            },
-        ))
+        Ok(Orbit::new(y, &Flows { viscous, boundary, side_flow, feed: 0.0 }))
     }
 }

@@ -51,12 +51,7 @@ const USUAL: f64 = 1e-6;
 
 impl<'a, M: TwoScales> Curves<'a, M> {
     /// The curve at the clearance of the departure, with its first orbit.
-    pub(super) fn new(
-        model: &'a M,
-        tolerance: f64,
-        across: Across,
-        from: &Departure,
-    ) -> Result<(Self, Orbit), NoLeap> {
+    pub(super) fn new(model: &'a M, tolerance: f64, across: Across, from: &Departure) -> Result<(Self, Orbit), NoLeap> {
         let clearance = model.clearance(&from.temperatures, from.worn);
         let (curve, first) = Curve::new(model, tolerance, clearance, from)?;
         let curves = Self {
@@ -112,12 +107,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
     }
 
     /// The difference at the clearance with this number from the departure's orbit.
-    fn difference(
-        &mut self,
-        number: i32,
-        viscosity: f64,
-        departure: &Orbit,
-    ) -> Result<SVector<f64, 5>, NoLeap> {
+    fn difference(&mut self, number: i32, viscosity: f64, departure: &Orbit) -> Result<SVector<f64, 5>, NoLeap> {
         let place = self.differences.iter().position(|(n, _)| *n == number);
         let index = match place {
             Some(index) => index,
@@ -135,9 +125,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         let guess = || {
             let known = others.iter().chain(more.iter());
             let nearest = known.min_by_key(|(n, _)| n.abs_diff(number));
-            nearest.map_or(SVector::zeros(), |(n, near)| {
-                near.line(x) * (f64::from(number) / f64::from(*n))
-            })
+            nearest.map_or(SVector::zeros(), |(n, near)| near.line(x) * (f64::from(number) / f64::from(*n)))
         };
         differences.at(viscosity, departure, guess)
     }
@@ -149,9 +137,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         if curve.clearance() == clearance {
             return curve.place(viscosity);
         }
-        curve
-            .with_orbit(clearance, viscosity, near)?
-            .place(viscosity)
+        curve.with_orbit(clearance, viscosity, near)?.place(viscosity)
     }
 
     /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
@@ -166,10 +152,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
             Some(index) => index,
             None => {
                 let clearance = (self.middle + f64::from(number) * self.spacing).exp();
-                let nearest = self
-                    .curves
-                    .iter_mut()
-                    .min_by_key(|(known, _)| known.abs_diff(number));
+                let nearest = self.curves.iter_mut().min_by_key(|(known, _)| known.abs_diff(number));
                 let (_, neighbour) = nearest.expect("the departure's curve is there");
                 let guess = neighbour.at(viscosity)?.place();
                 let curve = neighbour.with_orbit(clearance, viscosity, guess)?;
@@ -184,10 +167,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
 
 /// Lagrange's weight of the node `j` of so many nodes at 0, 1, ..., at the place `x`.
 fn weight(x: f64, j: i32, through: i32) -> f64 {
-    (0..through)
-        .filter(|k| *k != j)
-        .map(|k| (x - f64::from(k)) / f64::from(j - k))
-        .product()
+    (0..through).filter(|k| *k != j).map(|k| (x - f64::from(k)) / f64::from(j - k)).product()
 }
 
 #[cfg(test)]
@@ -215,10 +195,8 @@ mod tests {
                 self.looks.set(self.looks.get() + 1);
                 let turning = (tau / 0.2 * std::f64::consts::TAU).sin();
                 let place = 0.5 * c.powf(0.3) * viscosity.powf(-0.1) + 0.1 * turning;
-                let flows = Flows {
-                    viscous: 20.0 * viscosity.powf(0.7) * c.powf(-1.5) * (1.0 + x * x),
-                    ..Flows::default()
-                };
+                let flows =
+                    Flows { viscous: 20.0 * viscosity.powf(0.7) * c.powf(-1.5) * (1.0 + x * x), ..Flows::default() };
                 ([20.0 * (place - x), -20.0 * y], flows)
             }
         }
@@ -265,17 +243,10 @@ mod tests {
             let from = Departure {
                 before: [0.0; 2],
                 eccentricity: [0.0; 2],
-                temperatures: Temperatures {
-                    film: 305.0,
-                    bush: 302.0,
-                    shaft: 300.0,
-                    oil: 300.0,
-                },
+                temperatures: Temperatures { film: 305.0, bush: 302.0, shaft: 300.0, oil: 300.0 },
                 worn: 0.0,
             };
-            let t = equilibrium(&model, 1e-6, across, &from)
-                .unwrap()
-                .temperatures;
+            let t = equilibrium(&model, 1e-6, across, &from).unwrap().temperatures;
             looks.push(model.looks.get());
             let rise = t.bush - 300.0;
             assert!((t.film - t.bush - rise).abs() < 1e-5, "{across:?} {t:?}");

@@ -21,10 +21,7 @@ const ASIDE: f64 = 5.0;
 impl<'a, M: TwoScales> Differences<'a, M> {
     /// The differences at a clearance, m, from the departure's curve.
     pub(super) fn new(departure: &Curve<'a, M>, clearance: f64) -> Self {
-        Self {
-            curve: departure.at_clearance(clearance, ASIDE),
-            nodes: Vec::new(),
-        }
+        Self { curve: departure.at_clearance(clearance, ASIDE), nodes: Vec::new() }
     }
 
     /// The difference at a viscosity from the departure's orbit there; `guess` tells it where none is known yet.
@@ -46,11 +43,7 @@ impl<'a, M: TwoScales> Differences<'a, M> {
             _ => guess(),
         };
         let near = Orbit(departure.0 + known).place();
-        let near = if near.norm() < 1.0 {
-            near
-        } else {
-            departure.place()
-        };
+        let near = if near.norm() < 1.0 { near } else { departure.place() };
         let difference = self.curve.orbit(viscosity, near)?.0 - departure.0;
         let index = self.nodes.partition_point(|(node, _)| *node <= x);
         self.nodes.insert(index, (x, difference));

@@ -10,9 +10,7 @@
 //! The equilibrium is stable if all eigenvalues of the linearised drift have negative real parts (Lyapunov's first method).
 
 use super::orbit::Orbit;
-use super::{
-    Across, Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, temperatures, vector,
-};
+use super::{Across, Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, temperatures, vector};
 use crate::solver::{Budget, Rodas3};
 use crate::thermal::Temperatures;
 use nalgebra::linalg::Schur;
@@ -100,10 +98,7 @@ pub fn equilibrium(
     from: &Departure,
 ) -> Result<Equilibrium, NoEquilibrium> {
     let mean = Averaged::new(model, None, tolerance, across, from)?;
-    let integrator = Rodas3 {
-        allowed: [WAY_ERROR; 4],
-        budget: Budget::of(100_000),
-    };
+    let integrator = Rodas3 { allowed: [WAY_ERROR; 4], budget: Budget::of(100_000) };
     let mut t = vector(&from.temperatures);
     let mut passed = 0.0;
     for _ in 0..LOOKS {
@@ -119,13 +114,9 @@ pub fn equilibrium(
                 return Ok(equilibrium);
             }
         } else if distance < ON_THE_RIDGE {
-            return Err(NoEquilibrium::Unstable {
-                film: t[0],
-                growth: -time_constant,
-            });
+            return Err(NoEquilibrium::Unstable { film: t[0], growth: -time_constant });
         }
-        let span =
-            (TIME_CONSTANTS * time_constant.abs()).clamp(LEAST_TURNS * model.period(), LONGEST);
+        let span = (TIME_CONSTANTS * time_constant.abs()).clamp(LEAST_TURNS * model.period(), LONGEST);
         integrator.integrate(
             // Where a trial step goes too far for an orbit, a shorter one follows.
             |t| Ok(mean.rates(t).unwrap_or(Vector4::repeat(f64::NAN))),
@@ -152,11 +143,7 @@ fn check(t: &Vector4, after: f64) -> Result<(), NoEquilibrium> {
     if t[hottest] < HOTTEST {
         return Ok(());
     }
-    Err(NoEquilibrium::Runaway {
-        node: NODES[hottest],
-        temperature: t[hottest],
-        after,
-    })
+    Err(NoEquilibrium::Runaway { node: NODES[hottest], temperature: t[hottest], after })
 }
 
 /// The change of the temperatures that Newton's method proposes, K.
@@ -166,10 +153,7 @@ fn newton(rates: &Vector4, drift: &Matrix4) -> Option<Vector4> {
 }
 
 /// Newton's method from temperatures near an equilibrium; `None` if there is none that is near and stable.
-fn finish<M: TwoScales>(
-    mean: &Averaged<'_, M>,
-    near: Vector4,
-) -> Result<Option<Equilibrium>, NoEquilibrium> {
+fn finish<M: TwoScales>(mean: &Averaged<'_, M>, near: Vector4) -> Result<Option<Equilibrium>, NoEquilibrium> {
     let mut t = near;
     for _ in 0..STEPS {
         let (rates, drift) = mean.linear(&t)?;
@@ -191,11 +175,7 @@ fn finish<M: TwoScales>(
 }
 
 /// The equilibrium at known temperatures.
-fn settled<M: TwoScales>(
-    mean: &Averaged<'_, M>,
-    t: &Vector4,
-    drift: Matrix4,
-) -> Result<Equilibrium, NoEquilibrium> {
+fn settled<M: TwoScales>(mean: &Averaged<'_, M>, t: &Vector4, drift: Matrix4) -> Result<Equilibrium, NoEquilibrium> {
     let here = mean.orbit(t, mean.worn)?;
     let clearance = mean.clearance(t, mean.worn);
     let mut shift = SMatrix::<f64, 2, 4>::zeros();
@@ -233,17 +213,11 @@ pub fn slowest_time_constant(drift: &Matrix4) -> f64 {
     /// A longer time constant than this, s, is none.
     const FOREVER: f64 = 1e12;
     let finite = drift.iter().all(|x| x.is_finite());
-    let Some(schur) = finite
-        .then(|| Schur::try_new(*drift, f64::EPSILON, MOST))
-        .flatten()
-    else {
+    let Some(schur) = finite.then(|| Schur::try_new(*drift, f64::EPSILON, MOST)).flatten() else {
         return 0.0;
     };
     let eigenvalues = schur.complex_eigenvalues();
-    let slowest = eigenvalues
-        .iter()
-        .map(|eigenvalue| eigenvalue.re)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let slowest = eigenvalues.iter().map(|eigenvalue| eigenvalue.re).fold(f64::NEG_INFINITY, f64::max);
     if slowest.abs() < 1.0 / FOREVER {
         return FOREVER;
     }
@@ -266,10 +240,7 @@ mod tests {
 
         fn journal(&self, _: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows) {
             move |_, [x, y], viscosity| {
-                let flows = Flows {
-                    viscous: (self.0)(300.0 - viscosity.ln() / 0.03),
-                    ..Flows::default()
-                };
+                let flows = Flows { viscous: (self.0)(300.0 - viscosity.ln() / 0.03), ..Flows::default() };
                 ([-10.0 * x, -10.0 * y], flows)
             }
         }
@@ -309,12 +280,7 @@ mod tests {
         Departure {
             before: [0.0; 2],
             eccentricity: [0.0; 2],
-            temperatures: Temperatures {
-                film,
-                bush: 300.0,
-                shaft: 300.0,
-                oil: 300.0,
-            },
+            temperatures: Temperatures { film, bush: 300.0, shaft: 300.0, oil: 300.0 },
             worn: 0.0,
         }
     }
@@ -324,17 +290,9 @@ mod tests {
 
     #[test]
     fn each_basin_has_its_equilibrium() {
-        for (begin, end) in [
-            (301.0, 310.0),
-            (339.8, 310.0),
-            (340.2, 370.0),
-            (400.0, 370.0),
-        ] {
+        for (begin, end) in [(301.0, 310.0), (339.8, 310.0), (340.2, 370.0), (400.0, 370.0)] {
             let equilibrium = equilibrium(&THREE, 1e-7, Across::Cubics, &from(begin)).unwrap();
-            assert!(
-                (equilibrium.temperatures.film - end).abs() < 1e-3,
-                "{begin}: {equilibrium:?}"
-            );
+            assert!((equilibrium.temperatures.film - end).abs() < 1e-3, "{begin}: {equilibrium:?}");
             // The derivative at either end is -30*60/1000 W/K over 10 J/K.
             let slowest = slowest_time_constant(&equilibrium.drift);
             assert!((slowest - 10.0 / 1.8).abs() < 0.01, "{slowest}");
@@ -347,24 +305,13 @@ mod tests {
         let Err(NoEquilibrium::Unstable { film, growth }) = result else {
             unreachable!("{result:?}");
         };
-        assert!(
-            (film - 340.0).abs() < 1e-3 && (growth - 10.0 / 0.9).abs() < 0.1,
-            "{growth}"
-        );
+        assert!((film - 340.0).abs() < 1e-3 && (growth - 10.0 / 0.9).abs() < 0.1, "{growth}");
     }
 
     #[test]
     fn a_runaway_is_refused() {
-        let result = equilibrium(
-            &Toy(|t| 1.1 * (t - 300.0) + 1.0),
-            1e-6,
-            Across::Cubics,
-            &from(300.0),
-        );
-        assert!(
-            matches!(result, Err(NoEquilibrium::Runaway { node: "film", .. })),
-            "{result:?}"
-        );
+        let result = equilibrium(&Toy(|t| 1.1 * (t - 300.0) + 1.0), 1e-6, Across::Cubics, &from(300.0));
+        assert!(matches!(result, Err(NoEquilibrium::Runaway { node: "film", .. })), "{result:?}");
     }
 
     #[test]

@@ -28,12 +28,7 @@ impl Orbit {
 
     pub(super) fn flows(&self) -> Flows {
         let viscous = self.0[2].exp();
-        Flows {
-            viscous,
-            boundary: self.0[3].exp() - PEDESTAL * viscous,
-            side_flow: self.0[4].exp() - LEAST,
-            feed: 0.0,
-        }
+        Flows { viscous, boundary: self.0[3].exp() - PEDESTAL * viscous, side_flow: self.0[4].exp() - LEAST, feed: 0.0 }
     }
 
     /// The parts of the whole heat by which a change of the two heats' logarithms changes it.
@@ -71,10 +66,7 @@ impl Piece {
         let bounds = [gap.saturating_sub(1), gap.min(nodes.len() - 1)];
         let middle = 0.5 * (nodes[bounds[0]].0 + nodes[bounds[1]].0);
         while count < 4 && (below > 0 || above < nodes.len()) {
-            let down = below > 0
-                && nodes
-                    .get(above)
-                    .is_none_or(|(x, _)| x - middle >= middle - nodes[below - 1].0);
+            let down = below > 0 && nodes.get(above).is_none_or(|(x, _)| x - middle >= middle - nodes[below - 1].0);
             let index = if down {
                 below -= 1;
                 below
@@ -91,14 +83,7 @@ impl Piece {
                 coefficients[i] = (coefficients[i] - coefficients[i - 1]) / (x[i] - x[i - order]);
             }
         }
-        Self {
-            gap,
-            count,
-            x,
-            coefficients,
-            nearest,
-            weights: nearest.weights(),
-        }
+        Self { gap, count, x, coefficients, nearest, weights: nearest.weights() }
     }
 
     /// Relative change of the heat or of the side flow, whichever is larger, by a small difference of orbits.
@@ -152,12 +137,7 @@ mod tests {
 
     #[test]
     fn flows_come_back() {
-        let flows = Flows {
-            viscous: 12.0,
-            boundary: 0.0,
-            side_flow: 3e-7,
-            feed: 0.0,
-        };
+        let flows = Flows { viscous: 12.0, boundary: 0.0, side_flow: 3e-7, feed: 0.0 };
         let back = Orbit::new([0.1, 0.2], &flows).flows();
         assert!((back.viscous - 12.0).abs() < 1e-12 && back.boundary.abs() < 1e-12);
         assert!((back.side_flow / 3e-7 - 1.0).abs() < 1e-9);

@@ -21,10 +21,8 @@ pub(super) fn turn<M: TwoScales>(
     first: f64,
 ) -> Result<([f64; 2], [f64; 3], Work), Failure> {
     let [place, heat] = allowed;
-    let integrator = Rodas3 {
-        allowed: [place, place, heat, heat, f64::INFINITY, f64::INFINITY],
-        budget: Budget::of(steps),
-    };
+    let integrator =
+        Rodas3 { allowed: [place, place, heat, heat, f64::INFINITY, f64::INFINITY], budget: Budget::of(steps) };
     let journal = model.journal(clearance);
     let rates = |x: &Course| {
         let (velocity, flows) = journal(x[5], [x[0], x[1]], viscosity);
@@ -37,17 +35,13 @@ pub(super) fn turn<M: TwoScales>(
         for column in [0, 1, 5] {
             let mut nudged = *x;
             nudged[column] += NUDGE;
-            jacobian.set_column(
-                column,
-                &((rates(&nudged) - here) / (nudged[column] - x[column])),
-            );
+            jacobian.set_column(column, &((rates(&nudged) - here) / (nudged[column] - x[column])));
         }
         Ok((here, jacobian))
     };
     let [x, y] = start;
     let mut course = Course::new(x, y, 0.0, 0.0, 0.0, 0.0);
-    let work =
-        integrator.integrate(|x| Ok(rates(x)), linear, &mut course, model.period(), first)?;
+    let work = integrator.integrate(|x| Ok(rates(x)), linear, &mut course, model.period(), first)?;
     let [x, y, viscous, boundary, side_flow, _] = course.into();
     Ok(([x, y], [viscous, boundary, side_flow], work))
 }

@@ -33,26 +33,18 @@ pub fn read(path: &Path) -> Result<Vec<Row>, Fault> {
         .map_err(|error| invalid(error.to_string()))?;
     let mut rows = Vec::new();
     for row in reader.deserialize() {
-        let row: Row =
-            row.map_err(|error| invalid(format!("{error} (the columns are {COLUMNS})")))?;
+        let row: Row = row.map_err(|error| invalid(format!("{error} (the columns are {COLUMNS})")))?;
         let plausible = (-100.0..400.0).contains(&row.temperature)
             && (1.0..1e7).contains(&row.kinematic_viscosity)
             && (100.0..5000.0).contains(&row.density);
         if !plausible {
-            return Err(invalid(format!(
-                "row {} is out of range: {row:?}",
-                rows.len() + 1
-            )));
+            return Err(invalid(format!("row {} is out of range: {row:?}", rows.len() + 1)));
         }
         rows.push(row);
     }
-    let distinct = rows
-        .iter()
-        .any(|row: &Row| (row.temperature - rows[0].temperature).abs() > 1.0);
+    let distinct = rows.iter().any(|row: &Row| (row.temperature - rows[0].temperature).abs() > 1.0);
     if !distinct {
-        return Err(invalid(
-            "at least two rows at different temperatures are needed".into(),
-        ));
+        return Err(invalid("at least two rows at different temperatures are needed".into()));
     }
     Ok(rows)
 }
@@ -60,13 +52,10 @@ pub fn read(path: &Path) -> Result<Vec<Row>, Fault> {
 /// Straight line `a + b*x` through points by least squares.
 pub fn line(points: impl Iterator<Item = (f64, f64)> + Clone) -> (f64, f64) {
     let n = points.clone().count() as f64;
-    let (sx, sy) = points
-        .clone()
-        .fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
+    let (sx, sy) = points.clone().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
     let (mx, my) = (sx / n, sy / n);
-    let (sxx, sxy) = points.fold((0.0, 0.0), |(sxx, sxy), (x, y)| {
-        (sxx + (x - mx) * (x - mx), sxy + (x - mx) * (y - my))
-    });
+    let (sxx, sxy) =
+        points.fold((0.0, 0.0), |(sxx, sxy), (x, y)| (sxx + (x - mx) * (x - mx), sxy + (x - mx) * (y - my)));
     let slope = sxy / sxx;
     (my - slope * mx, slope)
 }
@@ -84,9 +73,8 @@ mod tests {
 
     #[test]
     fn rows_are_read_with_comments() {
-        let file = file(
-            "# measured\ntemperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40, 863, 105\n100,826,14.2\n",
-        );
+        let file =
+            file("# measured\ntemperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40, 863, 105\n100,826,14.2\n");
         let rows = read(file.path()).unwrap();
         assert_eq!(rows.len(), 2);
         assert_eq!(rows[1].kinematic_viscosity, 14.2);
@@ -95,29 +83,14 @@ mod tests {
     #[test]
     fn errors_name_the_file_and_the_line() {
         for (text, expected) in [
-            (
-                "temperature_degC,density_kg_m3\n40,863\n",
-                "kinematic_viscosity_mm2_s",
-            ),
-            (
-                "temperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40,863,x\n",
-                "line: 2",
-            ),
-            (
-                "temperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40,863,NaN\n",
-                "out of range",
-            ),
-            (
-                "temperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40,863,105\n",
-                "two rows",
-            ),
+            ("temperature_degC,density_kg_m3\n40,863\n", "kinematic_viscosity_mm2_s"),
+            ("temperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40,863,x\n", "line: 2"),
+            ("temperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40,863,NaN\n", "out of range"),
+            ("temperature_degC,density_kg_m3,kinematic_viscosity_mm2_s\n40,863,105\n", "two rows"),
             ("", "two rows"),
         ] {
             let message = read(file(text).path()).unwrap_err().to_string();
-            assert!(
-                message.contains(expected) && message.contains("oil.propertiesFile"),
-                "{message}"
-            );
+            assert!(message.contains(expected) && message.contains("oil.propertiesFile"), "{message}");
         }
     }
 }

@@ -31,10 +31,7 @@ pub struct TurnMeans {
 impl TurnMeans {
     /// At the beginning of a turn, with known means over the one before.
     pub fn after(last: Sensed) -> Self {
-        Self {
-            last: Some(last.into()),
-            ..Self::default()
-        }
+        Self { last: Some(last.into()), ..Self::default() }
     }
 
     /// The means over the last whole turn, or since the count began. `None` when no time has passed since then.
@@ -66,8 +63,7 @@ impl TurnMeans {
             return;
         }
         // The speed counts as constant along the part, so that its angle tells the place on it.
-        let place =
-            |turns: f64| (((turns * TAU).copysign(total) - self.turned) / angle).clamp(0.0, 1.0);
+        let place = |turns: f64| (((turns * TAU).copysign(total) - self.turned) / angle).clamp(0.0, 1.0);
         let until = |share: f64| Each::from(passage.until(share));
         let end = place(whole);
         let (sums, span) = if whole > 1.0 {

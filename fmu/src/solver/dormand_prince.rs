@@ -16,42 +16,14 @@ const A: [[f64; 6]; 6] = [
     [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
     [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
-    [
-        19372.0 / 6561.0,
-        -25360.0 / 2187.0,
-        64448.0 / 6561.0,
-        -212.0 / 729.0,
-        0.0,
-        0.0,
-    ],
-    [
-        9017.0 / 3168.0,
-        -355.0 / 33.0,
-        46732.0 / 5247.0,
-        49.0 / 176.0,
-        -5103.0 / 18656.0,
-        0.0,
-    ],
-    [
-        35.0 / 384.0,
-        0.0,
-        500.0 / 1113.0,
-        125.0 / 192.0,
-        -2187.0 / 6784.0,
-        11.0 / 84.0,
-    ],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
 const C: [f64; 6] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 /// Fifth order minus fourth order weights.
-const E: [f64; 7] = [
-    71.0 / 57600.0,
-    0.0,
-    -71.0 / 16695.0,
-    71.0 / 1920.0,
-    -17253.0 / 339200.0,
-    22.0 / 525.0,
-    -1.0 / 40.0,
-];
+const E: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 
 impl<const N: usize> DormandPrince<N> {
     /// Takes `y` from 0 to `span` seconds. `step` is the first step to try and, afterwards, the step
@@ -64,8 +36,7 @@ impl<const N: usize> DormandPrince<N> {
         step: &mut f64,
     ) -> Result<Work, Failure> {
         let f = |t: f64, y: &[f64; N]| (f(t, y), []);
-        self.integrate_along(f, y, [], span, step)
-            .map(|(work, [])| work)
+        self.integrate_along(f, y, [], span, step).map(|(work, [])| work)
     }
 
     /// The same; `f` gives besides the rates what is to be integrated along the way, without feeding back into the solution, with
@@ -131,11 +102,7 @@ impl<const N: usize> DormandPrince<N> {
                 *step = if h < *step { next.max(*step) } else { next };
             } else {
                 work.rejected += 1;
-                let shrink = if error.is_finite() {
-                    0.9 * error.powf(-0.2)
-                } else {
-                    0.1
-                };
+                let shrink = if error.is_finite() { 0.9 * error.powf(-0.2) } else { 0.1 };
                 *step = h * shrink.clamp(0.1, 0.9);
                 if *step < 1e-14 * span.max(1e-3) {
                     let (step, passed) = (*step, t);
@@ -188,12 +155,7 @@ impl<const Q: usize> Passage<Q> {
     /// A step of `h` seconds from the integrands at its stages.
     fn new(from: f64, to: f64, h: f64, stages: &[[f64; Q]; 7]) -> Self {
         let means = weighted(&A[5], stages);
-        Self {
-            from,
-            to,
-            integrals: means.map(|mean| h * mean),
-            ends: [stages[0], stages[6]],
-        }
+        Self { from, to, integrals: means.map(|mean| h * mean), ends: [stages[0], stages[6]] }
     }
 
     /// A step of which only the ends are known, by the trapezoidal rule.
@@ -202,12 +164,7 @@ impl<const Q: usize> Passage<Q> {
         for (integral, end) in integrals.iter_mut().zip(ends[1]) {
             *integral = 0.5 * (to - from) * (*integral + end);
         }
-        Self {
-            from,
-            to,
-            integrals,
-            ends,
-        }
+        Self { from, to, integrals, ends }
     }
 
     /// The integrals over the first `share` (0..1) of the step, by the cubic that has the integrals' values and slopes at
@@ -248,18 +205,13 @@ fn weighted<const M: usize>(weights: &[f64], slopes: &[[f64; M]; 7]) -> [f64; M]
 mod tests {
     use super::*;
 
-    const INTEGRATOR: DormandPrince<2> = DormandPrince {
-        allowed: [1e-9; 2],
-        budget: Budget::of(100_000),
-    };
+    const INTEGRATOR: DormandPrince<2> = DormandPrince { allowed: [1e-9; 2], budget: Budget::of(100_000) };
 
     #[test]
     fn an_oscillator_keeps_its_phase() {
         let mut y = [1.0, 0.0];
         let mut step = 1e-3;
-        INTEGRATOR
-            .integrate(|_, y| [y[1], -y[0]], &mut y, 10.0, &mut step)
-            .unwrap();
+        INTEGRATOR.integrate(|_, y| [y[1], -y[0]], &mut y, 10.0, &mut step).unwrap();
         assert!((y[0] - 10f64.cos()).abs() < 1e-7 && (y[1] + 10f64.sin()).abs() < 1e-7);
     }
 
@@ -267,15 +219,8 @@ mod tests {
     fn integrals_along_the_way_are_as_good_as_the_solution() {
         let (mut y, mut step) = ([1.0, 0.0], 1e-3);
         let along = [1e-9];
-        let (_, [square]) = INTEGRATOR
-            .integrate_along(
-                |_, y| ([y[1], -y[0]], [y[0] * y[0]]),
-                &mut y,
-                along,
-                3.0,
-                &mut step,
-            )
-            .unwrap();
+        let (_, [square]) =
+            INTEGRATOR.integrate_along(|_, y| ([y[1], -y[0]], [y[0] * y[0]]), &mut y, along, 3.0, &mut step).unwrap();
         let exact = 0.5 * (3.0 + 3f64.sin() * 3f64.cos());
         assert!((square - exact).abs() < 1e-7, "{square} {exact}");
     }
@@ -343,28 +288,14 @@ mod tests {
     fn a_stiff_fall_is_followed_in_short_steps() {
         let mut y = [1.0, 0.0];
         let mut step = 1.0;
-        let work = INTEGRATOR
-            .integrate(
-                |t, y| [-2000.0 * (y[0] - t.cos()), 0.0],
-                &mut y,
-                1.0,
-                &mut step,
-            )
-            .unwrap();
+        let work = INTEGRATOR.integrate(|t, y| [-2000.0 * (y[0] - t.cos()), 0.0], &mut y, 1.0, &mut step).unwrap();
         assert!(work.accepted > 500);
         assert!((y[0] - 1f64.cos()).abs() < 1e-3);
     }
 
     #[test]
     fn what_stands_still_is_given_up_early_and_what_moves_on_is_not() {
-        let integrator = DormandPrince {
-            budget: Budget {
-                at_once: 1000,
-                per_second: 100.0,
-                most: 2e6,
-            },
-            ..INTEGRATOR
-        };
+        let integrator = DormandPrince { budget: Budget { at_once: 1000, per_second: 100.0, most: 2e6 }, ..INTEGRATOR };
         let run = |rate: f64, span: f64| {
             let rates = |t: f64, y: &[f64; 2]| [-rate * (y[0] - t.cos()), 0.0];
             integrator.integrate(rates, &mut [1.0, 0.0], span, &mut 1e-3)
@@ -390,10 +321,7 @@ mod tests {
     /// Follows `dy/dt = t^4`, with half of what is allowed as the error of a step of one second. Returns where the steps
     /// ended that were tried, the work, and the next step.
     fn quartic(span: f64, mut step: f64) -> (Vec<f64>, Work, f64) {
-        let integrator = DormandPrince {
-            allowed: [2.0 * quartic_error(1.0)],
-            budget: Budget::of(10_000),
-        };
+        let integrator = DormandPrince { allowed: [2.0 * quartic_error(1.0)], budget: Budget::of(10_000) };
         let mut times = Vec::new();
         let rates = |t: f64, _: &[f64; 1]| {
             times.push(t);

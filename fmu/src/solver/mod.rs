@@ -67,11 +67,7 @@ pub struct Budget {
 impl Budget {
     /// A fixed number of steps, whatever time they cover.
     pub const fn of(steps: usize) -> Self {
-        Self {
-            at_once: steps,
-            per_second: 0.0,
-            most: f64::INFINITY,
-        }
+        Self { at_once: steps, per_second: 0.0, most: f64::INFINITY }
     }
 
     /// Whether the work is within it after `passed` seconds of a span.
@@ -85,11 +81,7 @@ impl Budget {
             return Err(Failure::SpanTooLong { needed, passed });
         }
         if taken > self.at_once as f64 + self.per_second * passed {
-            return Err(Failure::TooManySteps {
-                steps,
-                passed,
-                span,
-            });
+            return Err(Failure::TooManySteps { steps, passed, span });
         }
         Ok(())
     }
@@ -106,10 +98,7 @@ pub struct Work {
 
 /// The largest error relative to its tolerance. NaN counts as larger than any number.
 fn worst(errors: impl Iterator<Item = f64>) -> f64 {
-    errors.map(f64::abs).fold(
-        0.0,
-        |worst, e| if e > worst || e.is_nan() { e } else { worst },
-    )
+    errors.map(f64::abs).fold(0.0, |worst, e| if e > worst || e.is_nan() { e } else { worst })
 }
 
 #[cfg(test)]
@@ -117,11 +106,7 @@ mod tests {
     use super::*;
 
     /// Ten steps at once, two more a second, a thousand in all.
-    const BUDGET: Budget = Budget {
-        at_once: 10,
-        per_second: 2.0,
-        most: 1000.0,
-    };
+    const BUDGET: Budget = Budget { at_once: 10, per_second: 2.0, most: 1000.0 };
 
     fn after(accepted: usize, rejected: usize, passed: f64, span: f64) -> Result<(), Failure> {
         BUDGET.check(Work { accepted, rejected }, passed, span)
@@ -131,11 +116,7 @@ mod tests {
     fn every_failure_tells_how_far_it_came() {
         let (passed, step, steps, span, needed) = (3.0, 1.0, 7, 9.0, 1e9);
         assert_eq!(Failure::StepTooSmall { step, passed }.passed(), passed);
-        let slow = Failure::TooManySteps {
-            steps,
-            passed,
-            span,
-        };
+        let slow = Failure::TooManySteps { steps, passed, span };
         assert_eq!(slow.passed(), passed);
         assert_eq!(Failure::SpanTooLong { needed, passed }.passed(), passed);
     }
@@ -144,11 +125,7 @@ mod tests {
     fn all_of_a_budget_may_be_used_and_no_step_more() {
         assert_eq!(after(13, 1, 2.0, 10.0), Ok(()));
         let (steps, passed, span) = (15, 2.0, 10.0);
-        let failure = Failure::TooManySteps {
-            steps,
-            passed,
-            span,
-        };
+        let failure = Failure::TooManySteps { steps, passed, span };
         assert_eq!(after(13, 2, passed, span), Err(failure));
     }
 
@@ -157,10 +134,7 @@ mod tests {
     fn a_span_that_is_too_long_is_foreseen_after_the_sample() {
         assert_eq!(after(4, 0, 1.0, 1e6), Ok(()));
         assert_eq!(after(5, 0, 1.0, 200.0), Ok(()));
-        let failure = Failure::SpanTooLong {
-            needed: 1005.0,
-            passed: 1.0,
-        };
+        let failure = Failure::SpanTooLong { needed: 1005.0, passed: 1.0 };
         assert_eq!(after(5, 0, 1.0, 201.0), Err(failure));
     }
 

@@ -37,8 +37,7 @@ where
             let system = SMatrix::<f64, N, N>::identity() * (2.0 / h) - jacobian;
             let lu = system.lu();
             let solve = |right: SVector<f64, N>| {
-                lu.solve(&right)
-                    .ok_or_else(|| E::from(Failure::StepTooSmall { step: h, passed: t }))
+                lu.solve(&right).ok_or_else(|| E::from(Failure::StepTooSmall { step: h, passed: t }))
             };
             let u1 = solve(rates)?;
             let u2 = solve(rates + u1 * (4.0 / h))?;
@@ -57,11 +56,7 @@ where
             } else {
                 work.rejected += 1;
             }
-            let factor = if error.is_finite() {
-                0.9 * error.max(1e-12).powf(-1.0 / 3.0)
-            } else {
-                0.1
-            };
+            let factor = if error.is_finite() { 0.9 * error.max(1e-12).powf(-1.0 / 3.0) } else { 0.1 };
             step = h * factor.clamp(0.1, 6.0);
             // The last step may be a sliver that rounding left; what it suggests for a further one does not matter.
             if t < span && step < 1e-14 * span {
@@ -88,25 +83,14 @@ mod tests {
     /// Robertson's problem at t = 40: reference of Hairer & Wanner (1996), section IV.10.
     #[test]
     fn a_stiff_problem_takes_few_steps() {
-        let integrator = Rodas3 {
-            allowed: [1e-6, 1e-9, 1e-6],
-            budget: Budget::of(10_000),
-        };
+        let integrator = Rodas3 { allowed: [1e-6, 1e-9, 1e-6], budget: Budget::of(10_000) };
         let mut y = vector![1.0, 0.0, 0.0];
         let linear = |y: &SVector<f64, 3>| {
             let (d, e) = (1e4 * y[2], 1e4 * y[1]);
             let jacobian = matrix![-0.04, d, e; 0.04, -d - 6e7 * y[1], -e; 0.0, 6e7 * y[1], 0.0];
             Ok((robertson(y), jacobian))
         };
-        let work = integrator
-            .integrate(
-                |y| Ok::<_, Failure>(robertson(y)),
-                linear,
-                &mut y,
-                40.0,
-                1e-4,
-            )
-            .unwrap();
+        let work = integrator.integrate(|y| Ok::<_, Failure>(robertson(y)), linear, &mut y, 40.0, 1e-4).unwrap();
         assert!((y[0] - 0.7158271).abs() < 2e-4, "{y}");
         assert!(work.accepted < 500, "{work:?}");
     }
@@ -115,10 +99,7 @@ mod tests {
     /// left is a step shorter than any other, and the last one.
     #[test]
     fn a_sliver_at_the_end_is_no_failure() {
-        let still = Rodas3 {
-            allowed: [1.0],
-            budget: Budget::of(100),
-        };
+        let still = Rodas3 { allowed: [1.0], budget: Budget::of(100) };
         let mut runner = TestRunner::deterministic();
         let parts = [7.0, 43.0, 259.0, 1555.0];
         for number in 0..4000 {
@@ -134,15 +115,8 @@ mod tests {
 
     /// Where the accepted steps of `dy/dt = -y` began, found by a clock as a second unknown, and the work. The error of a
     /// step of one second is `start * 2/243`; a step over which rates are no number is one that cannot be made.
-    fn falling(
-        start: f64,
-        first: f64,
-        is_number: impl Fn(f64) -> bool,
-    ) -> Result<(Vec<f64>, Work), Failure> {
-        let integrator = Rodas3 {
-            allowed: [2.0 / 243.0, f64::INFINITY],
-            budget: Budget::of(1000),
-        };
+    fn falling(start: f64, first: f64, is_number: impl Fn(f64) -> bool) -> Result<(Vec<f64>, Work), Failure> {
+        let integrator = Rodas3 { allowed: [2.0 / 243.0, f64::INFINITY], budget: Budget::of(1000) };
         let mut begun = Vec::new();
         let rates = |y: &SVector<f64, 2>| {
             let fall = if is_number(y[1]) { -y[0] } else { f64::NAN };
@@ -191,10 +165,7 @@ mod tests {
     #[test]
     fn the_order_is_three() {
         // Fixed steps: everything allowed, the span cut by hand.
-        let integrator = Rodas3 {
-            allowed: [f64::INFINITY],
-            budget: Budget::of(10),
-        };
+        let integrator = Rodas3 { allowed: [f64::INFINITY], budget: Budget::of(10) };
         let run = |n: usize| {
             let mut y = vector![1.0];
             for _ in 0..n {

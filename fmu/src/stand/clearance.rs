@@ -47,7 +47,6 @@ impl Stand {
                     .to_owned(),
             ));
         }
-        self.check_clearance()
-            .map_err(|why| Fault::Invalid(why.to_string()))
+        self.check_clearance().map_err(|why| Fault::Invalid(why.to_string()))
     }
 }

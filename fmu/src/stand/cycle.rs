@@ -46,11 +46,7 @@ impl Stand {
     /// Whether a step should leap: it has enough cycles of constant inputs.
     pub(super) fn is_long(&self, span: f64) -> bool {
         let steady = (self.inputs.all().iter()).all(|input| input.slope == 0.0);
-        let fewest = if self.film.is_transient() {
-            FEWEST_OF_A_FILM
-        } else {
-            FEWEST
-        };
+        let fewest = if self.film.is_transient() { FEWEST_OF_A_FILM } else { FEWEST };
         self.solver.multirate && steady && span > fewest * self.cycle()
     }
 
@@ -89,9 +85,7 @@ impl Stand {
         if swing <= SWING {
             return Ok(());
         }
-        Err(NoLeap::Untold(format!(
-            "the fluctuation of the speed swings the temperatures by {swing:.1e} K"
-        )))
+        Err(NoLeap::Untold(format!("the fluctuation of the speed swings the temperatures by {swing:.1e} K")))
     }
 
     /// How far the fluctuation swings the temperatures of film, bush or shaft, K, roughly: as far as if the friction heat rose with

@@ -28,21 +28,14 @@ impl Stand {
         match self.leap_over_most(span) {
             Ok(scout) => log.log(
                 EVENTS,
-                format_args!(
-                    "{} turns of the film at {} temperatures led the leap",
-                    scout.turns,
-                    scout.known.len()
-                ),
+                format_args!("{} turns of the film at {} temperatures led the leap", scout.turns, scout.known.len()),
             ),
             Err(NoLeap::Closed(at)) => {
                 self.state.temperatures = at;
                 self.check_clearance()?;
             }
             Err(reason) => {
-                log.log(
-                    EVENTS,
-                    format_args!("no leap, all turns are resolved: {reason}"),
-                );
+                log.log(EVENTS, format_args!("no leap, all turns are resolved: {reason}"));
                 self.state = before;
                 self.film.clone_from(&film);
             }
@@ -104,9 +97,7 @@ impl Stand {
             self.film = film;
         }
         let film = self.film.transient();
-        let eccentricity = film
-            .expect("only a transient film leads a leap")
-            .eccentricity();
+        let eccentricity = film.expect("only a transient film leads a leap").eccentricity();
         self.arrive(turns as f64 * cycle, eccentricity, end);
         self.state.means.restart();
         Ok(scout)

@@ -53,20 +53,8 @@ impl Inputs {
     }
 
     fn each_of(&mut self) -> [&mut Input; INPUTS] {
-        let Self {
-            speed,
-            external_force,
-            external_force_x,
-            external_force_y,
-            ambient_temperature,
-        } = self;
-        [
-            speed,
-            external_force,
-            external_force_x,
-            external_force_y,
-            ambient_temperature,
-        ]
+        let Self { speed, external_force, external_force_x, external_force_y, ambient_temperature } = self;
+        [speed, external_force, external_force_x, external_force_y, ambient_temperature]
     }
 }
 

@@ -93,14 +93,8 @@ impl Stand {
             rates
         };
         let mut means = self.state.means;
-        let done = integrator.integrate_observed(
-            course,
-            &mut y,
-            [],
-            span,
-            &mut next_step,
-            self.counting_turns(&mut means),
-        );
+        let done =
+            integrator.integrate_observed(course, &mut y, [], span, &mut next_step, self.counting_turns(&mut means));
         let arrived = done.is_ok() && last.0 == span;
         if let Err(failure) = done {
             means = self.state.means;
@@ -130,10 +124,7 @@ impl Stand {
     }
 
     /// Takes the parts of the way from the present state over into the means.
-    fn counting_turns<'a>(
-        &'a self,
-        means: &'a mut TurnMeans,
-    ) -> impl FnMut(&Passage<SENSORS>) + 'a {
+    fn counting_turns<'a>(&'a self, means: &'a mut TurnMeans) -> impl FnMut(&Passage<SENSORS>) + 'a {
         let command = self.command();
         let mut before = 0.0;
         move |passage| {
@@ -178,26 +169,18 @@ impl Stand {
                 viscosity,
             };
             let viscosity = |temperature: f64| self.fluid.viscosity(temperature);
-            let exchange = self
-                .has_warm_film()
-                .then(|| self.exchange(interval.clearance, &viscosity));
+            let exchange = self.has_warm_film().then(|| self.exchange(interval.clearance, &viscosity));
             let film = self.film.transient();
             let film = film.expect("only a transient film takes steps of its own");
-            let Passed {
-                flows,
-                steps: taken,
-                warm,
-            } = film.advance(&self.bearing, &interval, exchange.as_ref())?;
+            let Passed { flows, steps: taken, warm } = film.advance(&self.bearing, &interval, exchange.as_ref())?;
             let eccentricity = film.eccentricity();
-            spare = (spare + FILM_STEPS_PER_STEP)
-                .checked_sub(taken)
-                .ok_or_else(|| {
-                    let passed = done as f64 * step;
-                    Fault::Failed(format!(
-                        "the Reynolds film's internal step collapsed after {passed:.1e} of {span:?} s; {}",
-                        self.advice()
-                    ))
-                })?;
+            spare = (spare + FILM_STEPS_PER_STEP).checked_sub(taken).ok_or_else(|| {
+                let passed = done as f64 * step;
+                Fault::Failed(format!(
+                    "the Reynolds film's internal step collapsed after {passed:.1e} of {span:?} s; {}",
+                    self.advice()
+                ))
+            })?;
             mean.add(&flows, self.state.temperatures.film, 1.0 / steps);
             let temperatures = match warm {
                 Some((given, film)) => self.warm_beside(step, &flows, &given, film)?,
@@ -245,10 +228,8 @@ impl Stand {
 
     /// The temperatures after `span` seconds under constant flows.
     fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Fault> {
-        let integrator = DormandPrince {
-            allowed: [100.0 * self.solver.tolerance; 4],
-            budget: Budget::of(WARMING_STEPS),
-        };
+        let integrator =
+            DormandPrince { allowed: [100.0 * self.solver.tolerance; 4], budget: Budget::of(WARMING_STEPS) };
         let mut t = self.state.temperatures.array();
         let worn = self.state.worn;
         let rates = |tau: f64, t: &[f64; 4]| {
@@ -284,12 +265,7 @@ impl Stand {
 
     /// What a film with a temperature around the bearing exchanges heat with.
     fn exchange<'a>(&self, clearance: f64, viscosity: &'a dyn Fn(f64) -> f64) -> HeatExchange<'a> {
-        let Temperatures {
-            film,
-            bush,
-            shaft,
-            oil,
-        } = self.state.temperatures;
+        let Temperatures { film, bush, shaft, oil } = self.state.temperatures;
         HeatExchange {
             bush,
             shaft,
@@ -305,23 +281,14 @@ impl Stand {
 
     /// The temperatures after `span` seconds beside a film that gave this heat away and is now as warm as this, K. The surfaces
     /// change far more slowly than a step, so that its heat stays as it was at their temperatures before.
-    fn warm_beside(
-        &self,
-        span: f64,
-        flows: &Flows,
-        given: &HeatGiven,
-        film: f64,
-    ) -> Result<Temperatures, Fault> {
+    fn warm_beside(&self, span: f64, flows: &Flows, given: &HeatGiven, film: f64) -> Result<Temperatures, Fault> {
         let before = self.state.temperatures;
         let clearance = self.clearance(&before, self.state.worn);
         let heat = self.heat_of(0.0, &before, clearance, flows);
         let given = [given.bush, given.shaft, given.bath];
         let rates = self.thermal.rates_beside(&before, &heat, given);
         let later = multirate::vector(&before) + multirate::vector(&rates) * span;
-        Ok(Temperatures {
-            film,
-            ..multirate::temperatures(&later)
-        })
+        Ok(Temperatures { film, ..multirate::temperatures(&later) })
     }
 
     /// Ends a part of the step: takes the unknowns over, and moves time, angle and inputs on by `span` seconds.
@@ -356,10 +323,7 @@ impl Stand {
                 continue;
             }
             let cycles = left - CYCLES_AT_THE_END;
-            let from = Departure {
-                before: start,
-                ..self.state.departure()
-            };
+            let from = Departure { before: start, ..self.state.departure() };
             let steady = self.check_swing();
             match steady.and_then(|()| multirate::leap(self, self.solver.tolerance, cycles, from)) {
                 Ok(landing) => {
@@ -375,10 +339,7 @@ impl Stand {
                 }
                 Err(reason) => {
                     let turns = cycles * self.turns_of_a_cycle();
-                    log.log(
-                        EVENTS,
-                        format_args!("no leap over {turns} turns, they are resolved: {reason}"),
-                    );
+                    log.log(EVENTS, format_args!("no leap over {turns} turns, they are resolved: {reason}"));
                 }
             }
             break;
@@ -418,12 +379,7 @@ impl TwoScales for Stand {
         self.seizure(temperatures, worn).is_some()
     }
 
-    fn thermal_rates(
-        &self,
-        temperatures: &Temperatures,
-        clearance: f64,
-        flows: &Flows,
-    ) -> Temperatures {
+    fn thermal_rates(&self, temperatures: &Temperatures, clearance: f64, flows: &Flows) -> Temperatures {
         self.thermal_rates(0.0, temperatures, clearance, flows)
     }
 

@@ -35,10 +35,7 @@ impl Stand {
             let coefficients = self.film.coefficients(&self.bearing, &at);
             let load = at.load_magnitude();
             let threshold = coefficients.whirl_threshold(load / GRAVITY, at.speed);
-            Resting {
-                coefficients,
-                threshold: threshold.min(NEVER),
-            }
+            Resting { coefficients, threshold: threshold.min(NEVER) }
         })
     }
 
@@ -54,8 +51,6 @@ impl Stand {
             let (.., load) = self.driven(quarters * quarter);
             (Vector2::from(load) - Vector2::from(at.load)).norm() < RESTS * magnitude
         };
-        Vector2::from(velocity).norm() < RESTS * at.speed.abs()
-            && is_constant(1.0)
-            && is_constant(2.0)
+        Vector2::from(velocity).norm() < RESTS * at.speed.abs() && is_constant(1.0) && is_constant(2.0)
     }
 }

@@ -136,9 +136,7 @@ impl Scout {
             };
             let moved = film.end_turn();
             ahead.state.eccentricity = film.eccentricity();
-            let change = before.map_or(f64::INFINITY, |before| {
-                ahead.surprise(&before, &turn.flows, &temperatures)
-            });
+            let change = before.map_or(f64::INFINITY, |before| ahead.surprise(&before, &turn.flows, &temperatures));
             if change < close && moved < NEAR {
                 return Ok(turn.flows);
             }
@@ -174,10 +172,7 @@ impl Scout {
         };
         let now = self.ahead.state.temperatures;
         let excess = |turn: &Turn| -> Result<Flows, NoLeap> {
-            let at = Temperatures {
-                film: turn.film,
-                ..now
-            };
+            let at = Temperatures { film: turn.film, ..now };
             let viscosity = self.ahead.fluid.viscosity(turn.film);
             let expected = self.correction.apply(viscosity, &self.mobility_flows(&at)?);
             Ok(turn.flows.minus(&expected))
@@ -208,12 +203,7 @@ impl Scout {
     /// Turns before `end`, `turns` after the departure, that have to be resolved because the film is behind its orbit: as the orbit
     /// moves, the film follows it as slowly as it came near it in its first approach. What is left of the heat that it is off
     /// shrinks with each of them.
-    pub(super) fn landing(
-        &self,
-        first: Option<Approach>,
-        turns: usize,
-        end: &Temperatures,
-    ) -> Result<usize, NoLeap> {
+    pub(super) fn landing(&self, first: Option<Approach>, turns: usize, end: &Temperatures) -> Result<usize, NoLeap> {
         let Some(approach) = first else {
             return Ok(0);
         };
@@ -242,19 +232,14 @@ impl Scout {
                 return Ok(*way.last().expect("a way has an end"));
             }
         }
-        Err(NoLeap::Untold(format!(
-            "after {PLACES} temperatures the film's heat is still not known between them"
-        )))
+        Err(NoLeap::Untold(format!("after {PLACES} temperatures the film's heat is still not known between them")))
     }
 
     /// The temperatures on the way over so many turns. The heat of the approach comes in two portions, so that its sum, its
     /// middle and its spread are right (Gauss-Laguerre quadrature).
     fn way(&self, turns: usize, from: &Departure) -> Result<Vec<Temperatures>, NoLeap> {
         const ROOT: f64 = std::f64::consts::SQRT_2;
-        const PORTIONS: [(f64, f64); 2] = [
-            (2.0 - ROOT, 0.25 * (2.0 + ROOT)),
-            (2.0 + ROOT, 0.25 * (2.0 - ROOT)),
-        ];
+        const PORTIONS: [(f64, f64); 2] = [(2.0 - ROOT, 0.25 * (2.0 + ROOT)), (2.0 + ROOT, 0.25 * (2.0 - ROOT))];
         let (mut from, mut done, mut way) = (*from, 0, Vec::new());
         for (time, portion) in self.approach.iter().flat_map(|_| PORTIONS) {
             let Some(approach) = &self.approach else {
@@ -273,9 +258,7 @@ impl Scout {
     /// Temperatures after heat and flows of one turn, W and m3/s, that come at once and in addition.
     fn warmed(&self, t: &Temperatures, flows: &Flows) -> Temperatures {
         let clearance = self.mobility.clearance(t, self.ahead.state.worn);
-        let rates = |flows: &Flows| {
-            multirate::vector(&self.mobility.thermal_rates(0.0, t, clearance, flows))
-        };
+        let rates = |flows: &Flows| multirate::vector(&self.mobility.thermal_rates(0.0, t, clearance, flows));
         let added = rates(flows) - rates(&Flows::default());
         multirate::temperatures(&(multirate::vector(t) + added * self.mobility.cycle()))
     }
@@ -304,9 +287,7 @@ impl Scout {
             self.correction.distance(viscosity)
         };
         let places = way.windows(2).flat_map(between);
-        places
-            .filter(|t| distance(t) > CLOSEST)
-            .max_by(|one, other| distance(one).total_cmp(&distance(other)))
+        places.filter(|t| distance(t) > CLOSEST).max_by(|one, other| distance(one).total_cmp(&distance(other)))
     }
 }
 

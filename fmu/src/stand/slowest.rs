@@ -33,19 +33,13 @@ impl Stand {
         if self.thermal.isothermal {
             return 0.0;
         }
-        let grains: [f64; 4] = multirate::vector(&self.state.temperatures)
-            .map(|t| (t / GRAIN).round())
-            .into();
+        let grains: [f64; 4] = multirate::vector(&self.state.temperatures).map(|t| (t / GRAIN).round()).into();
         let wear = (self.state.worn / WEAR_GRAIN).round();
         let inputs = self.inputs.all().map(|input| input.value.to_bits());
         let key = (grains.map(|grain| grain as i64), wear as i64, inputs);
         let temperatures = multirate::temperatures(&(Vector4::from(grains) * GRAIN));
         let from = Departure::at([0.0; 2], temperatures, wear * WEAR_GRAIN);
-        let mut remembered = self
-            .slowest
-            .0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut remembered = self.slowest.0.lock().unwrap_or_else(PoisonError::into_inner);
         let averaged = match *remembered {
             Some((known, value)) if known == key => value,
             _ => {

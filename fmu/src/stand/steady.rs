@@ -20,9 +20,7 @@ mod newton;
 
 use super::{EVENTS, Stand, State, Unknowns, unknowns};
 use crate::drive::MOST_TURNS;
-use crate::multirate::{
-    self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector,
-};
+use crate::multirate::{self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector};
 use crate::sensors::{Sensed, TurnMeans};
 use crate::solver::{Budget, DormandPrince, Failure};
 use crate::thermal::Initialization;
@@ -107,14 +105,9 @@ impl Stand {
     }
 
     /// Returns the linearised heat balance, and the number of turns that refined its equilibrium.
-    fn settle_across(
-        &mut self,
-        across: Across,
-        from: &Departure,
-    ) -> Result<(Matrix4, usize), Fault> {
+    fn settle_across(&mut self, across: Across, from: &Departure) -> Result<(Matrix4, usize), Fault> {
         let fast = self.clone().with_a_fast_film()?;
-        let equilibrium = multirate::equilibrium(&fast, AVERAGED, across, from)
-            .map_err(|why| self.refuse(&why))?;
+        let equilibrium = multirate::equilibrium(&fast, AVERAGED, across, from).map_err(|why| self.refuse(&why))?;
         let turns = if self.film.is_transient() {
             self.refine_transient(&fast, &equilibrium)?
         } else {
@@ -157,9 +150,9 @@ impl Stand {
                 Some(seizure) => refusal(seizure),
                 None => refusal(why),
             },
-            NoEquilibrium::Unstable { .. } => refusal(format_args!(
-                "{why}: set thermal.initialBearingTemperature away from it"
-            )),
+            NoEquilibrium::Unstable { .. } => {
+                refusal(format_args!("{why}: set thermal.initialBearingTemperature away from it"))
+            }
             other => refusal(format_args!("{other}; {}", self.advice())),
         }
     }
@@ -202,10 +195,7 @@ impl Stand {
             step *= (next / slack).powf(0.2);
             slack = next;
         }
-        Err(refusal(format_args!(
-            "journal and temperatures have found no periodic orbit; {}",
-            self.advice()
-        )))
+        Err(refusal(format_args!("journal and temperatures have found no periodic orbit; {}", self.advice())))
     }
 
     /// The same for a film that takes steps of its own. Its oil and its journal settle by themselves from turn to turn;
@@ -217,11 +207,7 @@ impl Stand {
         let (mut share, mut last) = (1.0_f64, None::<Vector4>);
         for turn in 1..=FILM_TURNS {
             let start = self.state.eccentricity;
-            self.state = State {
-                temperatures: multirate::temperatures(&t),
-                eccentricity: start,
-                ..begin
-            };
+            self.state = State { temperatures: multirate::temperatures(&t), eccentricity: start, ..begin };
             self.resolve(self.cycle()).map_err(refusal)?;
             let end = self.state.eccentricity;
             let moved = (end[0] - start[0]).hypot(end[1] - start[1]);
@@ -273,16 +259,10 @@ impl Stand {
     }
 
     /// The unknowns a turn later, with errors that are `slack` times as large, and the sensors' means over it.
-    fn steady_turn(
-        &self,
-        start: &Unknowns,
-        slack: f64,
-        step: &mut f64,
-    ) -> Result<(Unknowns, Sensed), Failure> {
+    fn steady_turn(&self, start: &Unknowns, slack: f64, step: &mut f64) -> Result<(Unknowns, Sensed), Failure> {
         const T: f64 = TEMPERATURE_ERROR;
         let integrator = DormandPrince {
-            allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T, f64::INFINITY]
-                .map(|error| slack * error),
+            allowed: [PLACE_ERROR, PLACE_ERROR, T, T, T, T, f64::INFINITY].map(|error| slack * error),
             budget: Budget::of(STEPS * self.turns_of_a_cycle()),
         };
         let mut y = *start;

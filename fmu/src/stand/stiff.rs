@@ -103,9 +103,7 @@ mod tests {
         stand.inputs.speed.slope = 20.0;
         stand.inputs.external_force.slope = -300.0;
         let allowed = SCALES.map(|scale| 1e-8 * scale);
-        let implicit = stand
-            .resolve_stiffly(0.3, &allowed, |_| ())
-            .unwrap_or_default();
+        let implicit = stand.resolve_stiffly(0.3, &allowed, |_| ()).unwrap_or_default();
         stand.solver.tolerance = 1e-9;
         assert!(stand.resolve(0.3).is_ok());
         let explicit = unknowns(&stand.state);

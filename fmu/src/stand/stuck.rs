@@ -19,12 +19,7 @@ fn advise(cause: Option<Cause>) -> String {
     let Some(cause) = cause else {
         return "check the parameters that are far from their defaults".to_owned();
     };
-    let Cause {
-        name,
-        value,
-        default,
-        unit,
-    } = cause;
+    let Cause { name, value, default, unit } = cause;
     let unit = match unit {
         "1" => String::new(),
         unit => format!(" {unit}"),
@@ -47,10 +42,7 @@ impl Stand {
     pub(super) fn check_oil(&self) -> Result<(), Fault> {
         /// More viscous than pitch, Pa.s.
         const SOLID: f64 = 1e6;
-        let [cold, hot] = [
-            self.oil.kinematic_viscosity_40,
-            self.oil.kinematic_viscosity_100,
-        ];
+        let [cold, hot] = [self.oil.kinematic_viscosity_40, self.oil.kinematic_viscosity_100];
         if self.oil.properties_file.is_empty() && hot > cold {
             return Err(Fault::Invalid(format!(
                 "oil.kinematicViscosity100 = {hot:?} m2/s: it must not be greater than oil.kinematicViscosity40, \
@@ -58,10 +50,9 @@ impl Stand {
             )));
         }
         let initial = self.thermal.initial();
-        for (what, start, rise) in [
-            ("film", initial.film, "thermal.initialFilmRise"),
-            ("shaft", initial.shaft, "thermal.initialShaftRise"),
-        ] {
+        for (what, start, rise) in
+            [("film", initial.film, "thermal.initialFilmRise"), ("shaft", initial.shaft, "thermal.initialShaftRise")]
+        {
             if start <= 0.0 {
                 return Err(Fault::Invalid(format!(
                     "the {what} would start at {start:?} K, which is not above absolute zero: raise \
@@ -88,25 +79,16 @@ impl Stand {
         if let Failure::SpanTooLong { .. } = failure {
             return Fault::Failed(failure.to_string());
         }
-        let at = Place {
-            tau: failure.passed(),
-            y: *y,
-            among,
-        };
+        let at = Place { tau: failure.passed(), y: *y, among };
         let fastest = self.fastest(&at);
         let pace = fastest.map_or(f64::INFINITY, |(_, pace)| pace);
         let reason = match fastest {
-            Some((name, _)) => format!(
-                "{name} settles within {:.1e} s, faster than in any bearing",
-                1.0 / pace
-            ),
+            Some((name, _)) => format!("{name} settles within {:.1e} s, faster than in any bearing", 1.0 / pace),
             None => "the state's rates are not finite".to_owned(),
         };
         let (film, viscosity) = (y[2], self.fluid.viscosity(y[2]));
         let advice = advise(self.cause(&at, pace).or_else(|| self.oddest()));
-        Fault::Failed(format!(
-            "{failure}: {reason} (film at {film:.1} K with {viscosity:.2e} Pa.s); {advice}"
-        ))
+        Fault::Failed(format!("{failure}: {reason} (film at {film:.1} K with {viscosity:.2e} Pa.s); {advice}"))
     }
 
     /// The unknown that settles fastest after a small disturbance, and its rate, 1/s; none if that is not finite.

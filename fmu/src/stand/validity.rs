@@ -57,10 +57,7 @@ impl Stand {
             }
             if let Some(passed) = passed(self) {
                 self.state.validity |= bit;
-                log.log(
-                    VALIDITY,
-                    format_args!("at {:?} s: {passed}", self.state.time),
-                );
+                log.log(VALIDITY, format_args!("at {:?} s: {passed}", self.state.time));
             }
         }
     }
@@ -81,19 +78,15 @@ impl Stand {
         let fed = supply.feeds().then_some(supply.temperature);
         let all = self.state.temperatures.array().into_iter();
         let all = all.chain(self.film.hottest()).chain(fed);
-        let mut beyond =
-            all.filter_map(|temperature| Some((temperature, self.fluid.beyond(temperature)?)));
+        let mut beyond = all.filter_map(|temperature| Some((temperature, self.fluid.beyond(temperature)?)));
         let (temperature, why) = beyond.next()?;
-        Some(format!(
-            "a temperature of {temperature:.1} K is beyond the oil's data: {why}"
-        ))
+        Some(format!("a temperature of {temperature:.1} K is beyond the oil's data: {why}"))
     }
 
     fn overpressed(&self) -> Option<String> {
         let (pressure, limit) = (self.readings.max_film_pressure, self.bearing.pressure_limit);
-        (pressure > limit).then(|| {
-            format!("a film pressure of {pressure:.3e} Pa is beyond bearing.pressureLimit, {limit:.3e} Pa")
-        })
+        (pressure > limit)
+            .then(|| format!("a film pressure of {pressure:.3e} Pa is beyond bearing.pressureLimit, {limit:.3e} Pa"))
     }
 
     fn beyond_contact(&self) -> Option<String> {
@@ -128,11 +121,6 @@ impl Stand {
 
     fn lifted(&self) -> Option<String> {
         let force = self.load.least_force(self.readings.shaft_speed);
-        (force < 0.0).then(|| {
-            format!(
-                "the lever would have to pull with {:.0} N, so it lifts off once a turn",
-                -force
-            )
-        })
+        (force < 0.0).then(|| format!("the lever would have to pull with {:.0} N, so it lifts off once a turn", -force))
     }
 }

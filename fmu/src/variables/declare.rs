@@ -50,10 +50,7 @@ macro_rules! choice {
 /// An output with its time derivative.
 macro_rules! output {
     ($field:ident) => {
-        Kind::Real(Quantity {
-            derivative: Some(|s| s.rates().$field),
-            ..computed(|s| s.readings().$field)
-        })
+        Kind::Real(Quantity { derivative: Some(|s| s.rates().$field), ..computed(|s| s.readings().$field) })
     };
 }
 

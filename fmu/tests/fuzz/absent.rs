@@ -24,14 +24,8 @@ macro_rules! refused {
 pub fn act(host: &mut Host, component: Component) {
     let r = std::ptr::without_provenance::<ValueReference>(4);
     let real = std::ptr::without_provenance_mut::<f64>(8);
-    let (size, long) = (
-        std::ptr::without_provenance_mut::<usize>(8),
-        std::ptr::without_provenance_mut::<u64>(8),
-    );
-    let (flag, kind) = (
-        std::ptr::without_provenance_mut::<u8>(1),
-        std::ptr::without_provenance_mut::<i32>(4),
-    );
+    let (size, long) = (std::ptr::without_provenance_mut::<usize>(8), std::ptr::without_provenance_mut::<u64>(8));
+    let (flag, kind) = (std::ptr::without_provenance_mut::<u8>(1), std::ptr::without_provenance_mut::<i32>(4));
     refused! { host, component:
         fmi3EnterStepMode();
         fmi3EvaluateDiscreteStates();

@@ -141,11 +141,7 @@ fn count(host: &mut Host, component: Component) {
 
 /// A step of the explicit Euler method, as hosts of Model Exchange take it, or a far too long one.
 fn integrate(host: &mut Host, component: Component) {
-    let Functions {
-        get_states: (states, get_states),
-        get_rates: (rates, get_rates),
-        ..
-    } = host.interface.exchange;
+    let Functions { get_states: (states, get_states), get_rates: (rates, get_rates), .. } = host.interface.exchange;
     let mut x = [0.0; STATES];
     let mut dx = [0.0; STATES];
     // SAFETY of both: as many places as states.
@@ -164,11 +160,7 @@ fn integrate(host: &mut Host, component: Component) {
         assert!(finite, "at {x:?} the rates are {dx:?}");
     }
     let random = &mut host.random;
-    let step = if random.once_in(10) {
-        random.magnitude(1e-9, 1e9)
-    } else {
-        random.magnitude(1e-9, 1e-5)
-    };
+    let step = if random.once_in(10) { random.magnitude(1e-9, 1e9) } else { random.magnitude(1e-9, 1e-5) };
     for (x, dx) in x.iter_mut().zip(dx) {
         *x += step * dx;
     }

@@ -86,13 +86,8 @@ impl Log {
     /// The pointers are what the boundary has passed to a logger of the host.
     pub unsafe fn hear(environment: *mut c_void, status: Status, category: Text, message: Text) {
         // SAFETY: the environment is the host's log; the boundary sends C strings.
-        let (log, category, message) = unsafe {
-            (
-                &*environment.cast::<Self>(),
-                CStr::from_ptr(category),
-                CStr::from_ptr(message),
-            )
-        };
+        let (log, category, message) =
+            unsafe { (&*environment.cast::<Self>(), CStr::from_ptr(category), CStr::from_ptr(message)) };
         assert!(message.to_str().is_ok(), "messages are UTF-8");
         let named = |name: &str| name.starts_with("log") || name == "validity";
         assert!(category.to_str().is_ok_and(named));
@@ -190,11 +185,7 @@ impl Host {
     /// An instance; now and then NULL or something else.
     fn component(&mut self) -> Component {
         if self.instances.is_empty() || self.random.once_in(100) {
-            return if self.random.once_in(2) {
-                null_mut()
-            } else {
-                self.foreign()
-            };
+            return if self.random.once_in(2) { null_mut() } else { self.foreign() };
         }
         self.random.one(&self.instances)
     }
@@ -386,9 +377,7 @@ impl Host {
 /// The value reference of a variable.
 pub fn reference_of(name: &str) -> ValueReference {
     let index = Stand::variables().iter().position(|v| v.name == name);
-    index
-        .and_then(|index| index.try_into().ok())
-        .unwrap_or(ValueReference::MAX)
+    index.and_then(|index| index.try_into().ok()).unwrap_or(ValueReference::MAX)
 }
 
 /// A place, or NULL.

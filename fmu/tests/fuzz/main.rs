@@ -53,12 +53,7 @@ fn from_environment(name: &str, otherwise: u64) -> u64 {
 fn ten_million(interface: &'static Interface, kinds: Kinds) {
     let seed = from_environment("FUZZ_SEED", 2);
     println!("calls chosen by FUZZ_SEED={seed}");
-    run(
-        interface,
-        kinds,
-        from_environment("FUZZ_CALLS", 10_000_000),
-        seed,
-    );
+    run(interface, kinds, from_environment("FUZZ_CALLS", 10_000_000), seed);
 }
 
 #[test]

@@ -39,13 +39,7 @@ impl Random {
 
     /// A number that nobody should pass.
     pub fn hostile(&mut self) -> f64 {
-        let ends = [
-            f64::NAN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::MAX,
-            f64::MIN,
-        ];
+        let ends = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN];
         let small = [0.0, -0.0, f64::MIN_POSITIVE, 5e-324, -5e-324, -1.0];
         match self.below(4) {
             0 => f64::from_bits(self.bits()),

@@ -16,8 +16,7 @@ pub struct Functions {
     pub free: Named<unsafe extern "C" fn(Component, *mut FmuState) -> Status>,
     pub size: Named<unsafe extern "C" fn(Component, FmuState, *mut usize) -> Status>,
     pub serialize: Named<unsafe extern "C" fn(Component, FmuState, *mut u8, usize) -> Status>,
-    pub deserialize:
-        Named<unsafe extern "C" fn(Component, *const u8, usize, *mut FmuState) -> Status>,
+    pub deserialize: Named<unsafe extern "C" fn(Component, *const u8, usize, *mut FmuState) -> Status>,
 }
 
 /// Does something with saved states.
@@ -41,11 +40,7 @@ fn any(host: &mut Host) -> FmuState {
 }
 
 fn save(host: &mut Host, component: Component) {
-    let old = if host.states.len() < MOST {
-        null_mut()
-    } else {
-        any(host)
-    };
+    let old = if host.states.len() < MOST { null_mut() } else { any(host) };
     let mut state = old;
     let status = get(host, component, &mut state);
     assert!(old.is_null() || state == old, "a state is used again");
@@ -114,9 +109,7 @@ pub fn bytes_of(host: &mut Host, component: Component) -> Vec<u8> {
 fn bytes(host: &mut Host, component: Component, state: FmuState) -> Vec<u8> {
     let ((name, function), mut n) = (host.interface.states.size, 0);
     // SAFETY: the instance and the state are alive.
-    host.call(name, component, |c| unsafe {
-        function(c, state, &raw mut n)
-    });
+    host.call(name, component, |c| unsafe { function(c, state, &raw mut n) });
     let ((name, function), mut bytes) = (host.interface.states.serialize, vec![0; n]);
     let into = bytes.as_mut_ptr();
     // SAFETY: there is room for the bytes.
@@ -128,9 +121,7 @@ fn bytes(host: &mut Host, component: Component, state: FmuState) -> Vec<u8> {
 fn strange(host: &mut Host, component: Component) {
     static OTHER: [u64; 64] = [0; 64];
     let instance = host.instances.first().copied().unwrap_or(null_mut());
-    let mut state = host
-        .random
-        .one(&[null_mut(), instance, (&raw const OTHER).cast_mut().cast()]);
+    let mut state = host.random.one(&[null_mut(), instance, (&raw const OTHER).cast_mut().cast()]);
     let functions = &host.interface.states;
     let ((frees, free), (sizes, size), mut n) = (functions.free, functions.size, 0);
     // SAFETY of all: NULL, or readable memory that is no state.

@@ -38,10 +38,7 @@ pub static INTERFACE: Interface = Interface {
         (20, exchange::act),
     ],
     instantiate,
-    instantiates: [
-        "fmi3InstantiateCoSimulation",
-        "fmi3InstantiateModelExchange",
-    ],
+    instantiates: ["fmi3InstantiateCoSimulation", "fmi3InstantiateModelExchange"],
     enter,
     set_integers: |host, component, references, values| {
         let function = |c, from, n, value| set_int32s(c, from, n, value, n);
@@ -70,19 +67,11 @@ pub static INTERFACE: Interface = Interface {
         get_nominals: named!(fmi3GetNominalsOfContinuousStates),
         get_indicators: named!(fmi3GetEventIndicators),
         tell,
-        count: Some([
-            named!(fmi3GetNumberOfContinuousStates),
-            named!(fmi3GetNumberOfEventIndicators),
-        ]),
+        count: Some([named!(fmi3GetNumberOfContinuousStates), named!(fmi3GetNumberOfEventIndicators)]),
     },
 };
 
-unsafe extern "C" fn logger(
-    environment: ComponentEnvironment,
-    status: Status,
-    category: Text,
-    message: Text,
-) {
+unsafe extern "C" fn logger(environment: ComponentEnvironment, status: Status, category: Text, message: Text) {
     // SAFETY: the boundary sends C strings, and the environment that it was given.
     unsafe { Log::hear(environment, status, category, message) }
 }
@@ -139,9 +128,7 @@ unsafe extern "C" fn update(
                 fmi3FreeInstance(c);
                 let (mut a, mut b, mut d) = (9, 9, 9);
                 let places = (&raw mut a, &raw mut b, &raw mut d);
-                let status = fmi3DoStep(
-                    c, time, 1e-3, TRUE, places.0, places.1, places.2, &mut value,
-                );
+                let status = fmi3DoStep(c, time, 1e-3, TRUE, places.0, places.1, places.2, &mut value);
                 (status, Status::Error)
             }
             7 => {
@@ -181,13 +168,9 @@ fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
         0 => c"\xff %n",
         _ => c"stand",
     };
-    let folder = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../modelDescription/resources/"
-    );
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription/resources/");
     let folder = CString::new(folder).unwrap_or_default();
-    let resources =
-        [folder.as_c_str(), c"", c"nowhere", c"/\xff/"][host.random.one(&[0, 0, 0, 0, 1, 2, 3])];
+    let resources = [folder.as_c_str(), c"", c"nowhere", c"/\xff/"][host.random.one(&[0, 0, 0, 0, 1, 2, 3])];
     let (name, resources) = (name.as_ptr(), resources.as_ptr());
     let environment = host.environment();
     let log = (!host.random.once_in(10)).then_some(logger as LogMessageCallback);
@@ -197,23 +180,12 @@ fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
     let watches = host.random.once_in(2);
     let announced = announced();
     // Without a callback nobody looks at the variables.
-    let (variables, n, update) = if watches {
-        (announced.as_ptr(), announced.len(), Some(update as _))
-    } else {
-        (null(), 9, None)
-    };
+    let (variables, n, update) =
+        if watches { (announced.as_ptr(), announced.len(), Some(update as _)) } else { (null(), 9, None) };
     // SAFETY: NULL or what the standard asks for.
     unsafe {
         if exchange {
-            return fmi3InstantiateModelExchange(
-                name,
-                token,
-                resources,
-                visible,
-                logging,
-                environment,
-                log,
-            );
+            return fmi3InstantiateModelExchange(name, token, resources, visible, logging, environment, log);
         }
         fmi3InstantiateCoSimulation(
             name,
@@ -250,11 +222,7 @@ fn step(host: &mut Host, component: Component) {
         unsafe { fmi3GetFloat64(c, &TIME, 1, &raw mut time, 1) }
     });
     let [from, step] = crate::values::step(host, time);
-    let missing = if host.random.once_in(100) {
-        host.random.below(4)
-    } else {
-        9
-    };
+    let missing = if host.random.once_in(100) { host.random.below(4) } else { 9 };
     let (mut event, mut end, mut early, mut reached) = (9, 9, 9, f64::NAN);
     let status = host.call("fmi3DoStep", component, |c| {
         // SAFETY: as for `enter`; the places are ours, or NULL.
@@ -287,8 +255,7 @@ fn tell(host: &mut Host, component: Component, discrete: bool, missing: usize) -
     let mut next = 0.0;
     let place = |at: usize, flag| hidden(flag, missing == at);
     let [a, b, c, d, e] = &mut flags;
-    let [a, b, c, d, e] =
-        [(0, a), (1, b), (2, c), (3, d), (4, e)].map(|(at, flag)| place(at, flag));
+    let [a, b, c, d, e] = [(0, a), (1, b), (2, c), (3, d), (4, e)].map(|(at, flag)| place(at, flag));
     let next = hidden(&mut next, missing == 5);
     let prior = host.random.bits() as u8;
     // SAFETY of both: as for `enter`; the places are ours, or NULL.
@@ -310,9 +277,7 @@ fn logging(host: &mut Host, component: Component) {
     let (chosen, n) = categories(host);
     let on = host.random.bits() as u8;
     // SAFETY: up to two texts that end with NUL.
-    host.call("fmi3SetDebugLogging", component, |c| unsafe {
-        fmi3SetDebugLogging(c, on, n, chosen.as_ptr())
-    });
+    host.call("fmi3SetDebugLogging", component, |c| unsafe { fmi3SetDebugLogging(c, on, n, chosen.as_ptr()) });
 }
 
 /// Defines accesses without their `unsafe`.
@@ -376,24 +341,14 @@ getters! {
 
 type Expected<T> = (Fits, T, fn(&T) -> bool);
 
-const INT32S: Expected<i32> = (
-    |v| matches!(v.kind, Kind::Integer { .. }),
-    i32::MIN,
-    |value| *value != i32::MIN,
-);
-const INT64S: Expected<i64> = (
-    |v| matches!(v.kind, Kind::Enumeration { .. }),
-    i64::MIN,
-    |value| *value != i64::MIN,
-);
+const INT32S: Expected<i32> = (|v| matches!(v.kind, Kind::Integer { .. }), i32::MIN, |value| *value != i32::MIN);
+const INT64S: Expected<i64> = (|v| matches!(v.kind, Kind::Enumeration { .. }), i64::MIN, |value| *value != i64::MIN);
 const BOOLEANS: Expected<u8> = (boolean, 9, |value| [0, 1].contains(value));
 
 fn set_float64(host: &mut Host, component: Component) {
     let counted = n_values(host);
     let name = "fmi3SetFloat64";
-    set_reals(host, component, name, |c, from, n, value| {
-        counted(n, &|m| set_float64s(c, from, n, value, m))
-    });
+    set_reals(host, component, name, |c, from, n, value| counted(n, &|m| set_float64s(c, from, n, value, m)));
 }
 
 fn set_int32(host: &mut Host, component: Component) {
@@ -401,34 +356,18 @@ fn set_int32(host: &mut Host, component: Component) {
     let value = |host: &mut Host, reference: &_| integer_for(host, *reference);
     let values: Vec<_> = references.iter().map(|r| value(host, r)).collect();
     let (both, counted) = ((&*references, &*values), n_values(host));
-    set(
-        host,
-        component,
-        "fmi3SetInt32",
-        both,
-        |c, from, n, value| counted(n, &|m| set_int32s(c, from, n, value, m)),
-    );
+    set(host, component, "fmi3SetInt32", both, |c, from, n, value| counted(n, &|m| set_int32s(c, from, n, value, m)));
 }
 
 fn set_int64(host: &mut Host, component: Component) {
     let references = references(host, |v| settable(v) && INT64S.0(v));
     let value = |host: &mut Host| {
         let far = [i64::MIN, i64::MAX, 1 << 32, (1 << 32) + 1];
-        if host.random.once_in(10) {
-            host.random.one(&far)
-        } else {
-            host.random.integer().into()
-        }
+        if host.random.once_in(10) { host.random.one(&far) } else { host.random.integer().into() }
     };
     let values: Vec<_> = references.iter().map(|_| value(host)).collect();
     let (both, counted) = ((&*references, &*values), n_values(host));
-    set(
-        host,
-        component,
-        "fmi3SetInt64",
-        both,
-        |c, from, n, value| counted(n, &|m| set_int64s(c, from, n, value, m)),
-    );
+    set(host, component, "fmi3SetInt64", both, |c, from, n, value| counted(n, &|m| set_int64s(c, from, n, value, m)));
 }
 
 fn set_boolean(host: &mut Host, component: Component) {
@@ -436,20 +375,14 @@ fn set_boolean(host: &mut Host, component: Component) {
     let value = |host: &mut Host| host.random.bits() as u8 % 3;
     let values: Vec<_> = references.iter().map(|_| value(host)).collect();
     let (both, counted) = ((&*references, &*values), n_values(host));
-    set(
-        host,
-        component,
-        "fmi3SetBoolean",
-        both,
-        |c, from, n, value| counted(n, &|m| set_booleans(c, from, n, value, m)),
-    );
+    set(host, component, "fmi3SetBoolean", both, |c, from, n, value| {
+        counted(n, &|m| set_booleans(c, from, n, value, m))
+    });
 }
 
 fn set_string(host: &mut Host, component: Component) {
     let counted = n_values(host);
-    set_texts(host, component, "fmi3SetString", |c, from, n, value| {
-        counted(n, &|m| set_strings(c, from, n, value, m))
-    });
+    set_texts(host, component, "fmi3SetString", |c, from, n, value| counted(n, &|m| set_strings(c, from, n, value, m)));
 }
 
 fn get_output_rates(host: &mut Host, component: Component) {
@@ -457,44 +390,26 @@ fn get_output_rates(host: &mut Host, component: Component) {
     let name = "fmi3GetOutputDerivatives";
     get_rates(host, component, name, |c, from, n, orders, into| {
         // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
-        counted(n, &|m| unsafe {
-            fmi3GetOutputDerivatives(c, from, n, orders, into, m)
-        })
+        counted(n, &|m| unsafe { fmi3GetOutputDerivatives(c, from, n, orders, into, m) })
     });
 }
 
 fn directional(host: &mut Host, component: Component) {
     let (name, kinds): (_, (Fits, Fits)) = ("fmi3GetDirectionalDerivative", (input, real_output));
     let counted = n_values(host);
-    derivative(
-        host,
-        component,
-        name,
-        kinds,
-        |c, (known, seed), (unknown, n, into)| {
-            let (known, k, seed) = (known.as_ptr(), known.len(), seed.as_ptr());
-            // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
-            counted(n, &|m| unsafe {
-                fmi3GetDirectionalDerivative(c, unknown, n, known, k, seed, k, into, m)
-            })
-        },
-    );
+    derivative(host, component, name, kinds, |c, (known, seed), (unknown, n, into)| {
+        let (known, k, seed) = (known.as_ptr(), known.len(), seed.as_ptr());
+        // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
+        counted(n, &|m| unsafe { fmi3GetDirectionalDerivative(c, unknown, n, known, k, seed, k, into, m) })
+    });
 }
 
 fn adjoint(host: &mut Host, component: Component) {
     let (name, kinds): (_, (Fits, Fits)) = ("fmi3GetAdjointDerivative", (real_output, input));
     let counted = n_values(host);
-    derivative(
-        host,
-        component,
-        name,
-        kinds,
-        |c, (unknown, seed), (known, n, into)| {
-            let (unknown, u, seed) = (unknown.as_ptr(), unknown.len(), seed.as_ptr());
-            // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
-            counted(n, &|m| unsafe {
-                fmi3GetAdjointDerivative(c, unknown, u, known, n, seed, u, into, m)
-            })
-        },
-    );
+    derivative(host, component, name, kinds, |c, (unknown, seed), (known, n, into)| {
+        let (unknown, u, seed) = (unknown.as_ptr(), unknown.len(), seed.as_ptr());
+        // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
+        counted(n, &|m| unsafe { fmi3GetAdjointDerivative(c, unknown, u, known, n, seed, u, into, m) })
+    });
 }

@@ -32,10 +32,7 @@ pub static INTERFACE: Interface = Interface {
         (20, exchange::act),
     ],
     instantiate,
-    instantiates: [
-        "fmi2Instantiate (Co-Simulation)",
-        "fmi2Instantiate (Model Exchange)",
-    ],
+    instantiates: ["fmi2Instantiate (Co-Simulation)", "fmi2Instantiate (Model Exchange)"],
     enter,
     set_integers: |host, component, references, values| {
         let both = (references, values);
@@ -72,12 +69,7 @@ unsafe extern "C" fn serialize(c: Component, state: FmuState, to: *mut u8, n: us
     unsafe { fmi2SerializeFMUstate(c, state, to.cast(), n) }
 }
 
-unsafe extern "C" fn deserialize(
-    c: Component,
-    from: *const u8,
-    n: usize,
-    state: *mut FmuState,
-) -> Status {
+unsafe extern "C" fn deserialize(c: Component, from: *const u8, n: usize, state: *mut FmuState) -> Status {
     // SAFETY: the test passes what `fmi2DeSerializeFMUstate` asks for.
     unsafe { fmi2DeSerializeFMUstate(c, from.cast(), n, state) }
 }
@@ -104,8 +96,7 @@ unsafe extern "C" fn logger(
 fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
     let callbacks = CallbackFunctions {
         // SAFETY: the same calling convention for both on the platforms that run tests.
-        logger: (!host.random.once_in(10))
-            .then(|| unsafe { std::mem::transmute::<Fixed, CallbackLogger>(logger) }),
+        logger: (!host.random.once_in(10)).then(|| unsafe { std::mem::transmute::<Fixed, CallbackLogger>(logger) }),
         allocate_memory: None,
         free_memory: None,
         step_finished: None,
@@ -130,44 +121,20 @@ fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
         0 => c"\xff %n",
         _ => c"stand",
     };
-    let resources = concat!(
-        "file://",
-        env!("CARGO_MANIFEST_DIR"),
-        "/../modelDescription/resources\0"
-    );
-    let resources = [
-        resources.as_ptr().cast(),
-        c"".as_ptr(),
-        c"file:///nowhere%".as_ptr(),
-        c"http://localhost/%ff".as_ptr(),
-    ][host.random.one(&[0, 0, 0, 0, 1, 2, 3])];
-    let callbacks = if spoil(3) {
-        null()
-    } else {
-        &raw const callbacks
-    };
+    let resources = concat!("file://", env!("CARGO_MANIFEST_DIR"), "/../modelDescription/resources\0");
+    let resources =
+        [resources.as_ptr().cast(), c"".as_ptr(), c"file:///nowhere%".as_ptr(), c"http://localhost/%ff".as_ptr()]
+            [host.random.one(&[0, 0, 0, 0, 1, 2, 3])];
+    let callbacks = if spoil(3) { null() } else { &raw const callbacks };
     let guid = if spoil(4) { null() } else { guid.as_ptr() };
     let logging = host.random.integer();
     // SAFETY: NULL or what the standard asks for.
-    unsafe {
-        fmi2Instantiate(
-            name.as_ptr(),
-            kind,
-            guid,
-            resources,
-            callbacks,
-            FALSE,
-            logging,
-        )
-    }
+    unsafe { fmi2Instantiate(name.as_ptr(), kind, guid, resources, callbacks, FALSE, logging) }
 }
 
 /// Enters the initialization mode, with an experiment.
 fn enter(host: &mut Host, component: Component) {
-    let (with_tolerance, with_stop) = (
-        host.random.below(2) as i32,
-        i32::from(host.random.once_in(10)),
-    );
+    let (with_tolerance, with_stop) = (host.random.below(2) as i32, i32::from(host.random.once_in(10)));
     let [tolerance, start, stop] = experiment(host);
     // SAFETY: an instance that is alive, NULL, or readable memory.
     host.call("fmi2SetupExperiment", component, |c| unsafe {
@@ -212,10 +179,7 @@ fn tell(host: &mut Host, component: Component, discrete: bool, missing: usize) -
         return (status, flags.map(|flag| flag != FALSE).into());
     }
     let (mut event, mut end) = (9, 9);
-    let places = (
-        hidden(&mut event, missing == 0),
-        hidden(&mut end, missing == 1),
-    );
+    let places = (hidden(&mut event, missing == 0), hidden(&mut end, missing == 1));
     let prior = host.random.integer();
     let status = host.call("fmi2CompletedIntegratorStep", component, |c| {
         // SAFETY: as for `enter`; the places are ours, or NULL.
@@ -258,9 +222,7 @@ fn logging(host: &mut Host, component: Component) {
     let (chosen, n) = categories(host);
     let on = host.random.integer();
     // SAFETY: up to two texts that end with NUL.
-    host.call("fmi2SetDebugLogging", component, |c| unsafe {
-        fmi2SetDebugLogging(c, on, n, chosen.as_ptr())
-    });
+    host.call("fmi2SetDebugLogging", component, |c| unsafe { fmi2SetDebugLogging(c, on, n, chosen.as_ptr()) });
 }
 
 /// Defines accesses that may be called as they are.
@@ -325,9 +287,7 @@ fn set_string(host: &mut Host, component: Component) {
 
 fn set_slopes(host: &mut Host, component: Component) {
     let references = references(host, input);
-    let orders: Vec<_> = (references.iter())
-        .map(|_| host.random.one(&[1, 1, 1, 1, 1, 0, 2]))
-        .collect();
+    let orders: Vec<_> = (references.iter()).map(|_| host.random.one(&[1, 1, 1, 1, 1, 0, 2])).collect();
     let values = direction(host, &references);
     let both = (&*references, &*values);
     let name = "fmi2SetRealInputDerivatives";
@@ -347,15 +307,9 @@ fn get_output_rates(host: &mut Host, component: Component) {
 
 fn directional(host: &mut Host, component: Component) {
     let (name, kinds): (_, (Fits, Fits)) = ("fmi2GetDirectionalDerivative", (input, real_output));
-    derivative(
-        host,
-        component,
-        name,
-        kinds,
-        |c, (known, seed), (unknown, n, into)| {
-            let (known, m) = (known.as_ptr(), known.len());
-            // SAFETY: right, NULL, or a count that no memory has.
-            unsafe { fmi2GetDirectionalDerivative(c, unknown, n, known, m, seed.as_ptr(), into) }
-        },
-    );
+    derivative(host, component, name, kinds, |c, (known, seed), (unknown, n, into)| {
+        let (known, m) = (known.as_ptr(), known.len());
+        // SAFETY: right, NULL, or a count that no memory has.
+        unsafe { fmi2GetDirectionalDerivative(c, unknown, n, known, m, seed.as_ptr(), into) }
+    });
 }

@@ -39,13 +39,7 @@ fn random_like(any: usize) -> u32 {
 }
 
 /// Pointers and count as they are passed: right, NULL, or a count that cannot be.
-pub fn passed<A, B>(
-    host: &mut Host,
-    first: *const A,
-    second: B,
-    null: B,
-    n: usize,
-) -> (*const A, B, usize) {
+pub fn passed<A, B>(host: &mut Host, first: *const A, second: B, null: B, n: usize) -> (*const A, B, usize) {
     match host.random.below(200) {
         0 => (std::ptr::null(), second, n),
         1 => (first, null, n),
@@ -75,11 +69,8 @@ pub fn get<T: Copy + Debug>(
 }
 
 /// Expectations on real values.
-pub const REALS: (Fits, f64, fn(&f64) -> bool) = (
-    |v| matches!(v.kind, Kind::Real(_)),
-    f64::NAN,
-    |value| value.is_finite(),
-);
+pub const REALS: (Fits, f64, fn(&f64) -> bool) =
+    (|v| matches!(v.kind, Kind::Real(_)), f64::NAN, |value| value.is_finite());
 
 /// Expectations on texts.
 pub const TEXTS: (Fits, Text, fn(&Text) -> bool) = (
@@ -149,16 +140,8 @@ pub fn set_reals(
 /// A value near the start value, from anywhere in the variable's range, or from nowhere in it.
 fn real_for(host: &mut Host, reference: ValueReference) -> f64 {
     let random = &mut host.random;
-    let Some(Variable {
-        kind:
-            Kind::Real(Quantity {
-                access,
-                min: Some(min),
-                max: Some(max),
-                ..
-            }),
-        ..
-    }) = Stand::variables().get(reference as usize)
+    let Some(Variable { kind: Kind::Real(Quantity { access, min: Some(min), max: Some(max), .. }), .. }) =
+        Stand::variables().get(reference as usize)
     else {
         return random.hostile();
     };
@@ -176,10 +159,7 @@ fn real_for(host: &mut Host, reference: ValueReference) -> f64 {
 pub fn integer_for(host: &mut Host, reference: ValueReference) -> i32 {
     let odd = host.random.one(&[0, 1, 4, -1, i32::MIN]);
     match Stand::variables().get(reference as usize) {
-        Some(Variable {
-            kind: Kind::Integer { min: Some(min), .. },
-            ..
-        }) => min.wrapping_add(odd),
+        Some(Variable { kind: Kind::Integer { min: Some(min), .. }, .. }) => min.wrapping_add(odd),
         _ => host.random.integer(),
     }
 }
@@ -191,19 +171,9 @@ pub fn set_texts(
     name: &'static str,
     function: impl Fn(Component, *const ValueReference, usize, *const Text) -> Status,
 ) {
-    let references = references(host, |v| {
-        settable(v) && matches!(v.kind, Kind::String { .. })
-    });
-    let texts = [
-        c"",
-        c"sae-15w-40.csv",
-        c"sae-5w-30.csv",
-        c"none.csv",
-        c"../../../",
-        c"%s%n%x",
-        c"\xff\xfe",
-        c"r\xc3\xa9s",
-    ];
+    let references = references(host, |v| settable(v) && matches!(v.kind, Kind::String { .. }));
+    let texts =
+        [c"", c"sae-15w-40.csv", c"sae-5w-30.csv", c"none.csv", c"../../../", c"%s%n%x", c"\xff\xfe", c"r\xc3\xa9s"];
     let long = CString::new(vec![b'x'; 5000]).unwrap_or_default();
     let value = |host: &mut Host| match host.random.below(20) {
         0 => null(),
@@ -232,11 +202,7 @@ pub fn get_rates(
 /// Components of a direction or a seed, as many as references.
 pub fn direction(host: &mut Host, references: &[ValueReference]) -> Vec<f64> {
     let component = |host: &mut Host| {
-        if host.random.once_in(20) {
-            host.random.hostile()
-        } else {
-            host.random.unit()
-        }
+        if host.random.once_in(20) { host.random.hostile() } else { host.random.unit() }
     };
     references.iter().map(|_| component(host)).collect()
 }
@@ -248,11 +214,7 @@ pub fn derivative(
     component: Component,
     name: &'static str,
     (seeded, asked): (Fits, Fits),
-    function: impl Fn(
-        Component,
-        (&[ValueReference], &[f64]),
-        (*const ValueReference, usize, *mut f64),
-    ) -> Status,
+    function: impl Fn(Component, (&[ValueReference], &[f64]), (*const ValueReference, usize, *mut f64)) -> Status,
 ) {
     let seeded = references(host, seeded);
     let seed = direction(host, &seeded);
@@ -273,13 +235,7 @@ pub fn input(variable: &Variable<Stand>) -> bool {
 
 /// Categories for the choice of messages, right and wrong.
 pub fn categories(host: &mut Host) -> ([Text; 2], usize) {
-    let names = [
-        c"logAll",
-        c"logStatusError",
-        c"logEvents",
-        c"logNothing",
-        c"\xff",
-    ];
+    let names = [c"logAll", c"logStatusError", c"logEvents", c"logNothing", c"\xff"];
     let one = |host: &mut Host| host.random.one(&names).as_ptr();
     ([one(host), one(host)], host.random.below(3))
 }

@@ -8,10 +8,7 @@ use plain_bearing_stand::stand::Stand;
 fn the_committed_descriptions_are_fresh() {
     for (path, text) in [
         (
-            concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/../modelDescription/modelDescription.xml"
-            ),
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription/modelDescription.xml"),
             description::xml::<Stand>(Version::Two, Interface::CoSimulation),
         ),
         (
@@ -45,10 +42,7 @@ fn the_declaration_is_sound() {
 fn every_real_variable_has_a_range_and_a_nominal_value() {
     for variable in Stand::variables() {
         assert!(!variable.description.is_empty(), "{}", variable.name);
-        if let Kind::Real(Quantity {
-            min, max, nominal, ..
-        }) = &variable.kind
-        {
+        if let Kind::Real(Quantity { min, max, nominal, .. }) = &variable.kind {
             let complete = min.is_some() && max.is_some() && nominal.is_some();
             assert!(complete, "{}", variable.name);
         }

@@ -6,12 +6,7 @@ use plain_bearing_stand::bearing::ThermalClearance;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 
-const NO_FILES: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
 /// A row is recorded this often, s: ten times in a turn of the load. Integrals of periodic signals by the trapezoidal rule
 /// converge exponentially.
@@ -28,9 +23,7 @@ fn stored(stand: &Stand, from: &Readings, to: &Readings) -> f64 {
     thermal.film_capacity * (to.film_temperature - from.film_temperature)
         + thermal.bush_capacity * (to.bearing_temperature - from.bearing_temperature)
         + thermal.shaft_capacity * (to.shaft_temperature - from.shaft_temperature)
-        + 0.5
-            * (from.oil_bath_capacity + to.oil_bath_capacity)
-            * (to.oil_temperature - from.oil_temperature)
+        + 0.5 * (from.oil_bath_capacity + to.oil_bath_capacity) * (to.oil_temperature - from.oil_temperature)
 }
 
 /// The rig from 22 degC over 5,000 s, with a bronze bush in an aluminium housing, and wear.

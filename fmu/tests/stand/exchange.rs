@@ -34,15 +34,9 @@ fn rates(stand: &mut Stand, time: f64, y: &[f64]) -> Vec<f64> {
 fn integrate(stand: &mut Stand, end: f64, h: f64) {
     let steps = (end / h).round() as usize;
     let ahead = |y: &[f64], h: f64, slope: &[f64]| -> Vec<f64> {
-        y.iter()
-            .zip(slope)
-            .map(|(y, slope)| y + h * slope)
-            .collect()
+        y.iter().zip(slope).map(|(y, slope)| y + h * slope).collect()
     };
-    let mut y: Vec<f64> = Stand::states()
-        .iter()
-        .map(|state| (state.get)(stand))
-        .collect();
+    let mut y: Vec<f64> = Stand::states().iter().map(|state| (state.get)(stand)).collect();
     for step in 0..steps {
         let time = step as f64 * h;
         let a = rates(stand, time, &y);
@@ -61,9 +55,7 @@ fn integrate(stand: &mut Stand, end: f64, h: f64) {
 fn another_solver_comes_to_the_same() {
     let (mut stepped, mut other) = (started(1e-12), started(1e-12));
     for step in 0..5 {
-        stepped
-            .advance(f64::from(step) * 0.1, 0.1, &mut ())
-            .unwrap();
+        stepped.advance(f64::from(step) * 0.1, 0.1, &mut ()).unwrap();
     }
     integrate(&mut other, 0.5, 1e-5);
     for variable in Stand::variables() {
@@ -72,11 +64,7 @@ fn another_solver_comes_to_the_same() {
             continue;
         }
         let (a, b) = (read(&stepped, variable.name), read(&other, variable.name));
-        assert!(
-            (a - b).abs() <= 1e-6 * a.abs() + 1e-15,
-            "{}: {a} {b}",
-            variable.name
-        );
+        assert!((a - b).abs() <= 1e-6 * a.abs() + 1e-15, "{}: {a} {b}", variable.name);
     }
 }
 
@@ -85,10 +73,7 @@ fn another_solver_comes_to_the_same() {
 fn rates_do_not_remember() {
     let mut stand = started(1e-6);
     stand.advance(0.0, 0.1, &mut ()).unwrap();
-    let y: Vec<f64> = Stand::states()
-        .iter()
-        .map(|state| (state.get)(&stand))
-        .collect();
+    let y: Vec<f64> = Stand::states().iter().map(|state| (state.get)(&stand)).collect();
     let first = rates(&mut stand, 0.1, &y);
     for change in [-30.0, 0.1, 0.24, 40.0] {
         let mut away = y.clone();
@@ -102,24 +87,17 @@ fn rates_do_not_remember() {
 fn what_cannot_be_integrated_is_refused() {
     let mut stand = started(1e-6);
     assert!(stand.allow().is_ok());
-    let mut y: Vec<f64> = Stand::states()
-        .iter()
-        .map(|state| (state.get)(&stand))
-        .collect();
+    let mut y: Vec<f64> = Stand::states().iter().map(|state| (state.get)(&stand)).collect();
     y[3] = 0.0;
     stand.set_time(0.0);
     for (state, value) in Stand::states().iter().zip(&y) {
         (state.set)(&mut stand, *value);
     }
     let refused = Continuous::rates(&stand, &mut vec![0.0; y.len()]);
-    assert!(
-        matches!(refused, Err(Fault::Failed(why)) if why.contains("film temperature 0.000000e0 K"))
-    );
+    assert!(matches!(refused, Err(Fault::Failed(why)) if why.contains("film temperature 0.000000e0 K")));
     let mut stand = Stand::default();
     stand.film.model = FilmModel::Reynolds;
     stand.initialise(&Experiment::default(), &mut ()).unwrap();
     let refused = stand.allow();
-    assert!(
-        matches!(refused, Err(Fault::Invalid(why)) if why.starts_with("bearing.film = Reynolds:"))
-    );
+    assert!(matches!(refused, Err(Fault::Invalid(why)) if why.starts_with("bearing.film = Reynolds:")));
 }

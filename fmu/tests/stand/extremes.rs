@@ -8,12 +8,7 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 use std::f64::consts::SQRT_2;
 
-const EXPERIMENT: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const EXPERIMENT: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
 fn set(stand: &mut Stand, name: &str, value: f64) {
     let variable = Stand::variables().iter().find(|v| v.name == name).unwrap();
@@ -40,12 +35,9 @@ fn run(settings: &[(&str, f64)], steps: &[f64]) -> Result<Stand, Fault> {
 /// A variable that can be set, and its range.
 fn settable(variable: &Variable<Stand>) -> Option<(&'static str, f64, f64)> {
     match &variable.kind {
-        Kind::Real(Quantity {
-            access,
-            min: Some(min),
-            max: Some(max),
-            ..
-        }) if access.set.is_some() => Some((variable.name, *min, *max)),
+        Kind::Real(Quantity { access, min: Some(min), max: Some(max), .. }) if access.set.is_some() => {
+            Some((variable.name, *min, *max))
+        }
         _ => None,
     }
 }
@@ -80,10 +72,7 @@ fn is_made_or_refused(settings: &[(&'static str, f64)]) -> Result<(), TestCaseEr
     match run(settings, &[1e-3, 0.1]) {
         Ok(stand) => {
             for variable in Stand::variables() {
-                if let Kind::Real(Quantity {
-                    access, min, max, ..
-                }) = &variable.kind
-                {
+                if let Kind::Real(Quantity { access, min, max, .. }) = &variable.kind {
                     let value = (access.get)(&stand);
                     let (least, most) = (min.unwrap_or(f64::MIN), max.unwrap_or(f64::MAX));
                     // Written so that what is no number fails, too.
@@ -120,10 +109,7 @@ proptest! {
 #[test]
 fn what_makes_a_step_impossible_is_named() {
     let cases: [(&[(&str, f64)], &str); 6] = [
-        (
-            &[("load.preload", 1e5), ("thermal.filmCapacity", 1e-3)],
-            "the film's temperature settles within",
-        ),
+        (&[("load.preload", 1e5), ("thermal.filmCapacity", 1e-3)], "the film's temperature settles within"),
         (
             &[("load.preload", 1e5), ("thermal.filmCapacity", 1e-3)],
             "check load.preload: it is 100000.0 N, by default 48.0 N",
@@ -132,19 +118,10 @@ fn what_makes_a_step_impossible_is_named() {
             &[("bearing.width", 1e-4), ("bearing.asperityDensity", 1.0)],
             "check bearing.width: it is 0.0001 m, by default 0.019 m",
         ),
+        (&[("oil.kinematicViscosity100", 2e-4)], "must not be greater than oil.kinematicViscosity40"),
+        (&[("thermal.initialFilmRise", -300.0)], "raise thermal.initialBearingTemperature or thermal.initialFilmRise"),
         (
-            &[("oil.kinematicViscosity100", 2e-4)],
-            "must not be greater than oil.kinematicViscosity40",
-        ),
-        (
-            &[("thermal.initialFilmRise", -300.0)],
-            "raise thermal.initialBearingTemperature or thermal.initialFilmRise",
-        ),
-        (
-            &[
-                ("thermal.initialBearingTemperature", 290.0),
-                ("thermal.initialShaftRise", -300.0),
-            ],
+            &[("thermal.initialBearingTemperature", 290.0), ("thermal.initialShaftRise", -300.0)],
             "the shaft would start at -10.0 K, which is not above absolute zero: raise",
         ),
     ];
@@ -161,10 +138,7 @@ fn what_makes_a_step_impossible_is_named() {
 #[test]
 fn stiffness_alone_refuses_no_step() {
     let usual = run(&[], &[0.1]).unwrap().readings().film_temperature;
-    let massless = [
-        ("thermal.filmCapacity", 1e-3),
-        ("thermal.filmBushConductance", 1e4),
-    ];
+    let massless = [("thermal.filmCapacity", 1e-3), ("thermal.filmBushConductance", 1e4)];
     let film = run(&massless, &[0.1]).unwrap().readings().film_temperature;
     // So closely tied to the bush, it has the bush's temperature.
     assert!((film - 355.15).abs() < 0.01 && film != usual, "{film}");
@@ -186,10 +160,7 @@ fn what_no_surface_bears_is_refused_with_a_name() {
     let hard = [("bearing.diameter", 1e-4), ("load.leverRatio", 300.0)];
     let fault = run(&hard, &[0.1]).unwrap_err().to_string();
     let why = "faster than in any bearing";
-    assert!(
-        fault.contains(why) && fault.contains("bearing.diameter"),
-        "{fault}"
-    );
+    assert!(fault.contains(why) && fault.contains("bearing.diameter"), "{fault}");
 }
 
 #[test]
@@ -202,10 +173,7 @@ fn no_step_takes_an_input_out_of_its_range() {
         panic!("the step was made");
     };
     assert!(message.contains("take drive.speed to 10031.4"), "{message}");
-    assert!(
-        message.contains("set a smaller input derivative"),
-        "{message}"
-    );
+    assert!(message.contains("set a smaller input derivative"), "{message}");
     assert_eq!(stand.save().unwrap(), before);
     // A shorter step does; and a ramp may end at the bound.
     stand.advance(0.0, 1e-4, &mut ()).unwrap();
@@ -215,17 +183,12 @@ fn no_step_takes_an_input_out_of_its_range() {
 }
 
 /// A fluctuation with no common period with the turns, so that every one of them is resolved.
-const RESOLVED: [(&str, f64); 2] = [
-    ("drive.fluctuationAmplitude", 0.02),
-    ("drive.fluctuationFrequency", 0.5 * SQRT_2),
-];
+const RESOLVED: [(&str, f64); 2] = [("drive.fluctuationAmplitude", 0.02), ("drive.fluctuationFrequency", 0.5 * SQRT_2)];
 
 #[test]
 fn a_thousand_seconds_are_one_step() {
     let stand = run(&RESOLVED, &[1000.0]).unwrap();
-    assert!(
-        (stand.readings().shaft_angle / (1000.0 * stand.inputs.speed.value) - 1.0).abs() < 1e-3
-    );
+    assert!((stand.readings().shaft_angle / (1000.0 * stand.inputs.speed.value) - 1.0).abs() < 1e-3);
 }
 
 #[test]
@@ -233,10 +196,7 @@ fn a_step_of_years_is_refused() {
     let Err(Fault::Failed(message)) = run(&RESOLVED, &[1e9]) else {
         panic!("the step was made");
     };
-    assert!(
-        message.contains("take shorter communication steps"),
-        "{message}"
-    );
+    assert!(message.contains("take shorter communication steps"), "{message}");
 }
 
 /// Far from zero, the phase of the fluctuation would be no number.
@@ -244,10 +204,7 @@ fn a_step_of_years_is_refused() {
 fn times_that_no_clock_reaches_are_refused() {
     let mut stand = Stand::default();
     set(&mut stand, "drive.fluctuationAmplitude", 0.02);
-    let far = |start| Experiment {
-        start,
-        ..EXPERIMENT
-    };
+    let far = |start| Experiment { start, ..EXPERIMENT };
     for start in [1.1e12, -1e300, f64::MAX] {
         let Err(Fault::Invalid(message)) = stand.initialise(&far(start), &mut ()) else {
             panic!("a start at {start} s was accepted");
@@ -302,10 +259,9 @@ fn thirty_extreme_bearings_are_right_or_flagged_or_refused() {
         );
         for film in &films {
             match film {
-                Ok((film, validity)) => print!(
-                    " {:.4} {:.4e} N.m, validity {validity};",
-                    film.eccentricity_ratio, film.friction_torque
-                ),
+                Ok((film, validity)) => {
+                    print!(" {:.4} {:.4e} N.m, validity {validity};", film.eccentricity_ratio, film.friction_torque)
+                }
                 Err(fault) => print!(" refused: {fault};"),
             }
         }

@@ -57,11 +57,7 @@ fn a_groove_all_around_is_one() {
 fn feeds_feed_and_cool() {
     let plain = after(&mut fed(Feeding::None), 2.0);
     assert_eq!(plain.feed_flow, 0.0);
-    for feed in [
-        Feeding::AxialGrooves,
-        Feeding::Hole,
-        Feeding::CircumferentialGroove,
-    ] {
+    for feed in [Feeding::AxialGrooves, Feeding::Hole, Feeding::CircumferentialGroove] {
         let of = |pressure: f64| {
             let mut stand = fed(feed);
             stand.bearing.supply.pressure = pressure;
@@ -72,10 +68,7 @@ fn feeds_feed_and_cool() {
             "{feed:?}: {:e} {:e} m3/s, {} {} K",
             low.feed_flow, high.feed_flow, low.film_temperature, high.film_temperature
         );
-        assert!(
-            0.0 < low.feed_flow && low.feed_flow < high.feed_flow,
-            "{feed:?}"
-        );
+        assert!(0.0 < low.feed_flow && low.feed_flow < high.feed_flow, "{feed:?}");
         assert!(high.film_temperature < low.film_temperature, "{feed:?}");
         assert!(low.film_temperature < plain.film_temperature, "{feed:?}");
     }

@@ -6,12 +6,7 @@ use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use std::fmt;
 
-const NO_FILES: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
 #[derive(Default)]
 struct Messages(String);
@@ -25,15 +20,9 @@ impl Log for Messages {
 impl Messages {
     /// The number that stands before these words.
     fn number(&self, words: &str) -> usize {
-        let before = self
-            .0
-            .split(words)
-            .next()
-            .filter(|text| text.len() < self.0.len());
+        let before = self.0.split(words).next().filter(|text| text.len() < self.0.len());
         let number = before.and_then(|text| text.split_whitespace().last());
-        number
-            .and_then(|number| number.parse().ok())
-            .unwrap_or_else(|| panic!("{}", self.0))
+        number.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("{}", self.0))
     }
 }
 
@@ -61,10 +50,7 @@ fn run(set: impl Fn(&mut Stand), multirate: bool, span: f64) -> (Readings, Messa
     set(&mut stand);
     stand.film.model = FilmModel::Reynolds;
     // Half as many columns take half the time, and leaps do not know of them.
-    (
-        stand.bearing.resolution.columns,
-        stand.bearing.resolution.rows,
-    ) = (48, 6);
+    (stand.bearing.resolution.columns, stand.bearing.resolution.rows) = (48, 6);
     stand.solver.multirate = multirate;
     let mut log = Messages::default();
     stand.initialise(&NO_FILES, &mut log).unwrap();
@@ -78,19 +64,11 @@ fn check(set: impl Fn(&mut Stand), span: f64) -> usize {
     let (resolved, _) = run(&set, false, span);
     for (value, expected, bound) in [
         (leapt.oil_temperature, resolved.oil_temperature, 0.005),
-        (
-            leapt.bearing_temperature,
-            resolved.bearing_temperature,
-            0.006,
-        ),
+        (leapt.bearing_temperature, resolved.bearing_temperature, 0.006),
         (leapt.load_force, resolved.load_force, 0.5),
         (leapt.friction_power, resolved.friction_power, 0.03),
     ] {
-        assert!(
-            (value - expected).abs() < bound,
-            "{value} {expected}: {}",
-            log.0
-        );
+        assert!((value - expected).abs() < bound, "{value} {expected}: {}", log.0);
     }
     log.number(" turns of the film")
 }
@@ -130,11 +108,7 @@ fn a_film_far_from_its_orbit_does_not_leap() {
         stand.bearing.diameter = 0.025_044;
     };
     let (leapt, log) = run(narrow, true, 50.0);
-    assert!(
-        log.0.contains("no leap, all turns are resolved"),
-        "{}",
-        log.0
-    );
+    assert!(log.0.contains("no leap, all turns are resolved"), "{}", log.0);
     let (resolved, _) = run(narrow, false, 50.0);
     assert_eq!(leapt.friction_power, resolved.friction_power);
 }

@@ -36,10 +36,7 @@ fn run(case: impl Fn(&mut Stand), multirate: bool, stop: f64) -> (Stand, String)
 fn check_over_a_fluctuation(case: impl Fn(&mut Stand), stop: f64) {
     let (leaped, said) = run(&case, true, stop);
     let (resolved, _) = run(&case, false, stop);
-    assert!(
-        said.contains("in a leap") && !said.contains("no leap"),
-        "{said}"
-    );
+    assert!(said.contains("in a leap") && !said.contains("no leap"), "{said}");
     // The means over the last turn, of which the ten have different ones.
     for (mean, expected) in leaped.means().into_iter().zip(resolved.means()) {
         assert!((mean / expected - 1.0).abs() < 1e-4, "{mean} {expected}");

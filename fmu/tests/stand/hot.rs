@@ -6,12 +6,7 @@ use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use plain_bearing_stand::thermal::Initialization;
 
-const NO_FILES: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 const TURN: f64 = 0.2;
 
 fn start(set: impl FnOnce(&mut Stand)) -> Stand {
@@ -22,12 +17,7 @@ fn start(set: impl FnOnce(&mut Stand)) -> Stand {
 }
 
 fn temperatures(r: &Readings) -> [f64; 4] {
-    [
-        r.film_temperature,
-        r.bearing_temperature,
-        r.shaft_temperature,
-        r.oil_temperature,
-    ]
+    [r.film_temperature, r.bearing_temperature, r.shaft_temperature, r.oil_temperature]
 }
 
 /// Masses of a tenth, so that the slowest time constant is some minutes.
@@ -49,9 +39,7 @@ fn means(stand: &mut Stand, begin: f64) -> [f64; 4] {
     let step = TURN / PARTS as f64;
     let mut sums = [0.0; 4];
     for i in 0..PARTS {
-        stand
-            .advance(begin + i as f64 * step, step, &mut ())
-            .unwrap();
+        stand.advance(begin + i as f64 * step, step, &mut ()).unwrap();
         for (sum, value) in sums.iter_mut().zip(temperatures(stand.readings())) {
             *sum += value / PARTS as f64;
         }
@@ -102,10 +90,7 @@ fn both_films_see_the_hot_clearance() {
             ("velocity", |r| r.journal_velocity),
         ] {
             let (value, expected) = (get(&expanded), get(&measured));
-            assert!(
-                (value / expected - 1.0).abs() < 1e-5,
-                "{film:?} {name}: {value} {expected}"
-            );
+            assert!((value / expected - 1.0).abs() < 1e-5, "{film:?} {name}: {value} {expected}");
         }
     }
 }
@@ -115,10 +100,7 @@ fn both_films_see_the_hot_clearance() {
 #[test]
 #[ignore = "takes minutes: scripts/test --long"]
 fn the_steady_start_is_where_resolved_turns_end() {
-    for fit in [
-        ThermalClearance::FreeBush,
-        ThermalClearance::ConstrainedBush,
-    ] {
+    for fit in [ThermalClearance::FreeBush, ThermalClearance::ConstrainedBush] {
         let set = |stand: &mut Stand| {
             light(stand);
             bronze(stand);
@@ -147,10 +129,7 @@ fn the_steady_start_is_where_resolved_turns_end() {
         assert!(moved > 1e-6, "{moved}");
         let (reached, expected) = (means(&mut steady, 0.0), means(&mut given, time));
         for (mean, expected) in reached.into_iter().zip(expected) {
-            assert!(
-                (mean - expected).abs() < 1e-3,
-                "{fit:?}: {mean} K, {expected} K"
-            );
+            assert!((mean - expected).abs() < 1e-3, "{fit:?}: {mean} K, {expected} K");
         }
     }
 }
@@ -180,11 +159,9 @@ fn the_reynolds_film_starts_steadily_too() {
 /// (Table 2).
 #[test]
 fn a_leap_ends_where_the_resolved_turns_end() {
-    for (fit, coefficient) in [
-        (ThermalClearance::FreeBush, 0.0),
-        (ThermalClearance::Off, 1e-13),
-        (ThermalClearance::ConstrainedBush, 1e-13),
-    ] {
+    for (fit, coefficient) in
+        [(ThermalClearance::FreeBush, 0.0), (ThermalClearance::Off, 1e-13), (ThermalClearance::ConstrainedBush, 1e-13)]
+    {
         let end = |multirate| {
             let mut stand = start(|stand| {
                 bronze(stand);
@@ -215,10 +192,7 @@ fn a_leap_ends_where_the_resolved_turns_end() {
         assert!(apart(|r| r.oil_temperature) < 0.005, "{fit:?}");
         assert!(apart(|r| r.friction_power) < 0.03, "{fit:?}");
         assert!(apart(|r| r.hot_radial_clearance) < 1e-9, "{fit:?}");
-        assert!(
-            apart(|r| r.wear_depth) <= 1e-4 * resolved.wear_depth,
-            "{fit:?}"
-        );
+        assert!(apart(|r| r.wear_depth) <= 1e-4 * resolved.wear_depth, "{fit:?}");
     }
 }
 
@@ -243,10 +217,7 @@ fn the_worn_volume_follows_force_and_distance() {
         let expected = 1e-13 * work / 0.05 / area;
         let worn = stand.readings().wear_depth;
         // The journal's own motion along the bush adds to the shaft's sliding, and takes from it.
-        assert!(
-            (worn / expected - 1.0).abs() < 2e-3,
-            "{film:?} {worn} {expected}"
-        );
+        assert!((worn / expected - 1.0).abs() < 2e-3, "{film:?} {worn} {expected}");
         assert!((stand.readings().hot_radial_clearance - 2e-5 - worn).abs() < 1e-18);
     }
 }
@@ -278,13 +249,8 @@ fn seizing(stand: &mut Stand) {
 
 fn names_the_seizure(fault: &Fault) {
     let text = fault.to_string();
-    for part in [
-        "seizes",
-        "the bush at ",
-        "the shaft at ",
-        "raise bearing.radialClearance",
-        "bearing.thermalClearance",
-    ] {
+    for part in ["seizes", "the bush at ", "the shaft at ", "raise bearing.radialClearance", "bearing.thermalClearance"]
+    {
         assert!(text.contains(part), "{text}");
     }
 }
@@ -296,11 +262,7 @@ fn a_clearance_that_closes_is_an_error_with_its_temperatures() {
     seizing(&mut hot);
     hot.thermal.initial_bearing = 400.0;
     names_the_seizure(&hot.initialise(&NO_FILES, &mut ()).unwrap_err());
-    for (film, multirate) in [
-        (FilmModel::Mobility, false),
-        (FilmModel::Mobility, true),
-        (FilmModel::Reynolds, false),
-    ] {
+    for (film, multirate) in [(FilmModel::Mobility, false), (FilmModel::Mobility, true), (FilmModel::Reynolds, false)] {
         let mut stand = start(|stand| {
             seizing(stand);
             stand.film.model = film;
@@ -310,11 +272,7 @@ fn a_clearance_that_closes_is_an_error_with_its_temperatures() {
         let mut failure = None;
         for i in 0..200 {
             let before = *stand.readings();
-            let step = if film == FilmModel::Reynolds {
-                0.2
-            } else {
-                5.0
-            };
+            let step = if film == FilmModel::Reynolds { 0.2 } else { 5.0 };
             match stand.advance(f64::from(i) * step, step, &mut ()) {
                 Ok(()) => {
                     let readings = stand.readings();
@@ -343,10 +301,7 @@ fn wear_needs_friction_to_follow_from() {
     stand.bearing.wear.coefficient = 1e-16;
     stand.bearing.surface.boundary_friction = 0.0;
     let fault = stand.initialise(&NO_FILES, &mut ()).unwrap_err();
-    assert!(
-        fault.to_string().contains("bearing.boundaryFriction"),
-        "{fault}"
-    );
+    assert!(fault.to_string().contains("bearing.boundaryFriction"), "{fault}");
 }
 
 #[test]

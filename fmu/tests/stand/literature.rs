@@ -45,15 +45,9 @@ fn the_settled_journal_is_raimondi_and_boyds() {
     for [e, sommerfeld, attitude, tabulated] in RAIMONDI_BOYD {
         let r = settled(sommerfeld, 20.0, |_| ());
         let ratio = r.eccentricity_ratio / e;
-        assert!(
-            (ratio - 1.0).abs() < 0.02,
-            "eccentricity ratio at {e}: {ratio} of the tabulated"
-        );
+        assert!((ratio - 1.0).abs() < 0.02, "eccentricity ratio at {e}: {ratio} of the tabulated");
         let ratio = friction(&r) / tabulated;
-        assert!(
-            (ratio - 1.0).abs() < 0.02,
-            "friction at {e}: {ratio} of the tabulated"
-        );
+        assert!((ratio - 1.0).abs() < 0.02, "friction at {e}: {ratio} of the tabulated");
         let ahead = r.attitude_angle.to_degrees() - attitude;
         assert!((-1.0..5.0).contains(&ahead), "attitude at {e}: {ahead}");
     }
@@ -75,17 +69,9 @@ fn the_reynolds_films_beside_raimondi_and_boyd() {
         let [free, conserving] = [film(false), film(true)];
         let cell = |r: &Readings| {
             let degrees = r.attitude_angle.to_degrees();
-            format!(
-                "{:.3} {degrees:.1} {:.3}",
-                r.eccentricity_ratio,
-                friction(r)
-            )
+            format!("{:.3} {degrees:.1} {:.3}", r.eccentricity_ratio, friction(r))
         };
-        println!(
-            "| {e} {attitude} {tabulated} | {} | {} |",
-            cell(&free),
-            cell(&conserving)
-        );
+        println!("| {e} {attitude} {tabulated} | {} | {} |", cell(&free), cell(&conserving));
         let mobility = settled(sommerfeld, 20.0, |_| ());
         let compared: [Comparison; 3] = [
             ("eccentricity ratio", |r| r.eccentricity_ratio, 2e-3),

@@ -49,25 +49,18 @@ fn lives() -> impl Strategy<Value = Life> {
     let speed = || prop_oneof![1 => Just(0.0), 4 => -300.0..300.0];
     let direction = || prop_oneof![1 => Just(0.0), 1 => -3.2..3.2];
     let loads = (pressure(), pressure(), direction(), direction());
-    let interval =
-        (loads, speed(), speed(), -5.0..0.0_f64).prop_map(|((p, q, a, b), v, w, t)| Interval {
-            pressure: [p, q],
-            direction: [a, b],
-            speed: [v, w],
-            step: 10_f64.powf(t),
-        });
+    let interval = (loads, speed(), speed(), -5.0..0.0_f64).prop_map(|((p, q, a, b), v, w, t)| Interval {
+        pressure: [p, q],
+        direction: [a, b],
+        speed: [v, w],
+        step: 10_f64.powf(t),
+    });
     let roughness = prop_oneof![Just(0.0), 0.01..0.3];
     let intervals = prop::collection::vec(interval, 1..4);
-    let bearing = (
-        -2.0..-0.6_f64,
-        0.2..1.6,
-        -3.7..-2.4_f64,
-        roughness,
-        -1.0..2.0_f64,
-    );
+    let bearing = (-2.0..-0.6_f64, 0.2..1.6, -3.7..-2.4_f64, roughness, -1.0..2.0_f64);
     let options = prop::array::uniform3(prop::bool::ANY);
-    (bearing, -2.0..2.0, options, intervals).prop_map(
-        |((d, width, c, roughness, eta), preload, options, intervals)| Life {
+    (bearing, -2.0..2.0, options, intervals).prop_map(|((d, width, c, roughness, eta), preload, options, intervals)| {
+        Life {
             diameter: 10_f64.powf(d),
             width,
             clearance: 10_f64.powf(c),
@@ -76,8 +69,8 @@ fn lives() -> impl Strategy<Value = Life> {
             preload,
             options,
             intervals,
-        },
-    )
+        }
+    })
 }
 
 fn born(life: &Life, film: FilmModel) -> Stand {
@@ -120,22 +113,14 @@ fn is_sane(readings: &Readings, least: f64, most: f64) -> Result<(), TestCaseErr
         prop_assert!(value.is_finite(), "{name} {value}");
     }
     let pressure = readings.max_film_pressure;
-    prop_assert!(
-        pressure.is_finite() && pressure >= least,
-        "pressure {pressure}"
-    );
+    prop_assert!(pressure.is_finite() && pressure >= least, "pressure {pressure}");
     prop_assert!(readings.min_film_thickness > 0.0);
     Ok(())
 }
 
 /// Energy balance: work of shaft and load, less the energy stored in the asperities, equals the dissipation.
 fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
-    let Readings {
-        eccentricity_ratio,
-        attitude_angle: at,
-        shaft_speed: speed,
-        ..
-    } = *stand.readings();
+    let Readings { eccentricity_ratio, attitude_angle: at, shaft_speed: speed, .. } = *stand.readings();
     let inputs = &stand.inputs;
     let load = [stand.readings().load_force, inputs.external_force_y.value];
     let e = [eccentricity_ratio * at.cos(), eccentricity_ratio * at.sin()];
@@ -151,20 +136,12 @@ fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
     let c = bearing.radial_clearance;
     let pushed = c * (load[0] * motion.velocity[0] + load[1] * motion.velocity[1]);
     let work = motion.torque * speed + pushed;
-    let outward =
-        (e[0] * motion.velocity[0] + e[1] * motion.velocity[1]) / eccentricity_ratio.max(1e-300);
+    let outward = (e[0] * motion.velocity[0] + e[1] * motion.velocity[1]) / eccentricity_ratio.max(1e-300);
     let stored = c * motion.contact.force * outward;
     let heat = motion.flows.viscous + motion.flows.boundary;
     let size = heat.abs() + pushed.abs() + stored.abs() + (motion.torque * speed).abs();
-    prop_assert!(
-        (work - stored - heat).abs() <= 1e-9 * size,
-        "work {work} W, stored {stored} W, heat {heat} W"
-    );
-    prop_assert!(
-        motion.flows.viscous >= -1e-9 * size && motion.flows.boundary >= 0.0,
-        "{:?}",
-        motion.flows
-    );
+    prop_assert!((work - stored - heat).abs() <= 1e-9 * size, "work {work} W, stored {stored} W, heat {heat} W");
+    prop_assert!(motion.flows.viscous >= -1e-9 * size && motion.flows.boundary >= 0.0, "{:?}", motion.flows);
     Ok(())
 }
 
@@ -187,25 +164,14 @@ fn is_too_stiff(fault: &Fault) -> bool {
 fn live(life: &Life, film: FilmModel) -> Result<Outcome, TestCaseError> {
     let mut stand = born(life, film);
     let fail = |fault: &dyn std::fmt::Debug| TestCaseError::fail(format!("{fault:?}"));
-    stand
-        .initialise(&Experiment::default(), &mut ())
-        .map_err(|fault| fail(&fault))?;
+    stand.initialise(&Experiment::default(), &mut ()).map_err(|fault| fail(&fault))?;
     let area = stand.bearing.width * stand.bearing.diameter;
-    let least = if film == FilmModel::Reynolds {
-        -1.001 * stand.bearing.resolution.side_pressure
-    } else {
-        0.0
-    };
+    let least = if film == FilmModel::Reynolds { -1.001 * stand.bearing.resolution.side_pressure } else { 0.0 };
     // The mean planes of rough surfaces may cross.
     let most = 1.0 + 3.0 * life.roughness;
     let mut time = 0.0;
     for interval in &life.intervals {
-        let Interval {
-            pressure: [p, q],
-            direction: [a, b],
-            speed: [v, w],
-            step,
-        } = *interval;
+        let Interval { pressure: [p, q], direction: [a, b], speed: [v, w], step } = *interval;
         let inputs = &mut stand.inputs;
         inputs.external_force_x.value = p * area * a.cos();
         inputs.external_force_x.slope = (q * b.cos() - p * a.cos()) * area / step;
@@ -245,9 +211,7 @@ fn chosen_by(rng_seed: RngSeed, cases: u32, lived: impl Fn(Life) -> Result<(), T
         failure_persistence: None,
         ..ProptestConfig::default()
     });
-    runner
-        .run(&lives(), lived)
-        .unwrap_or_else(|failure| panic!("PROPTEST_RNG_SEED={rng_seed}: {failure}"));
+    runner.run(&lives(), lived).unwrap_or_else(|failure| panic!("PROPTEST_RNG_SEED={rng_seed}: {failure}"));
 }
 
 fn with_the_mobility_method(seed: RngSeed, cases: u32) {
@@ -302,12 +266,7 @@ fn a_thousand_lives_with_the_reynolds_film() {
 /// once did not converge.
 #[test]
 fn thickening_oil_is_squeezed_out() {
-    let resting = Interval {
-        pressure: [0.0; 2],
-        direction: [0.0; 2],
-        speed: [0.0; 2],
-        step: 1.0,
-    };
+    let resting = Interval { pressure: [0.0; 2], direction: [0.0; 2], speed: [0.0; 2], step: 1.0 };
     let life = Life {
         diameter: 0.010215,
         width: 0.2,

@@ -7,12 +7,7 @@ use plain_bearing_stand::stand::Stand;
 use plain_bearing_stand::thermal::Initialization;
 use std::f64::consts::TAU;
 
-const NO_FILES: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
 /// The time of a turn at the default speed, s.
 const TURN: f64 = 0.2;
@@ -29,9 +24,7 @@ fn sampled(stand: &mut Stand, begin: f64, span: f64, parts: usize) -> Sensed {
     let step = span / parts as f64;
     let mut sums = stand.readings().sensed();
     for i in 0..parts {
-        stand
-            .advance(begin + i as f64 * step, step, &mut ())
-            .unwrap();
+        stand.advance(begin + i as f64 * step, step, &mut ()).unwrap();
         let weight = match i {
             _ if i + 1 == parts => 1.0,
             i if i % 2 == 0 => 4.0,
@@ -75,10 +68,7 @@ fn the_means_are_those_of_the_readings() {
 fn the_reynolds_film_s_means_are_those_of_its_readings() {
     let coarse = |stand: &mut Stand| {
         stand.film.model = FilmModel::Reynolds;
-        (
-            stand.bearing.resolution.columns,
-            stand.bearing.resolution.rows,
-        ) = (48, 6);
+        (stand.bearing.resolution.columns, stand.bearing.resolution.rows) = (48, 6);
     };
     let mut stand = start(coarse);
     stand.advance(0.0, 2.0 * TURN, &mut ()).unwrap();
@@ -109,10 +99,7 @@ fn a_steady_start_knows_its_turn() {
         let mut stand = start(|stand| {
             stand.thermal.initialization = Initialization::SteadyState;
             stand.film.model = film;
-            (
-                stand.bearing.resolution.columns,
-                stand.bearing.resolution.rows,
-            ) = (48, 6);
+            (stand.bearing.resolution.columns, stand.bearing.resolution.rows) = (48, 6);
         });
         let known = stand.means();
         let mut next = stand.clone();

@@ -43,25 +43,18 @@ fn friction(film: FilmModel, [roughness, clearance]: [f64; 2], load: f64) -> f64
 /// the finest surfaces differ most, where friction is least.
 #[test]
 fn friction_rises_with_the_load_to_the_dry_limit() {
-    let pairs = [0.5e-6, 1e-6, 3e-6]
-        .map(|roughness| [20e-6, 40e-6].map(|clearance| [roughness, clearance]));
+    let pairs = [0.5e-6, 1e-6, 3e-6].map(|roughness| [20e-6, 40e-6].map(|clearance| [roughness, clearance]));
     for surfaces in pairs.concat() {
         let mut curve = Vec::new();
         for load in [5.0, 20.0, 50.0, 100.0, 1000.0, 5000.0, 15_000.0, 20_000.0] {
             let [mobility, reynolds] = FILMS.map(|film| friction(film, surfaces, load));
-            assert!(
-                (mobility / reynolds - 1.0).abs() < 0.025,
-                "{surfaces:?} {load}: {mobility} {reynolds}"
-            );
+            assert!((mobility / reynolds - 1.0).abs() < 0.025, "{surfaces:?} {load}: {mobility} {reynolds}");
             curve.push(mobility);
         }
         let least = curve.iter().copied().fold(f64::INFINITY, f64::min);
         let lowest = curve.iter().position(|&friction| friction == least);
         let (down, up) = curve.split_at(lowest.unwrap_or(0));
-        assert!(
-            down.is_sorted_by(|a, b| a > b) && up.is_sorted_by(|a, b| a < b),
-            "{surfaces:?}: {curve:?}"
-        );
+        assert!(down.is_sorted_by(|a, b| a > b) && up.is_sorted_by(|a, b| a < b), "{surfaces:?}: {curve:?}");
         // The pressure's integral around the bush is a little larger than the load.
         let last = curve[curve.len() - 1];
         assert!((0.049..0.054).contains(&last), "{surfaces:?}: {last}");

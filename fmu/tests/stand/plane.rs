@@ -21,12 +21,7 @@ fn bare(film: FilmModel) -> Stand {
 }
 
 /// The journal's path, as eccentricity-ratio vectors, under the load of the function of time, N, which is linear within steps.
-fn path(
-    stand: &mut Stand,
-    steps: usize,
-    step: f64,
-    load: impl Fn(f64) -> Vector2<f64>,
-) -> Vec<Vector2<f64>> {
+fn path(stand: &mut Stand, steps: usize, step: f64, load: impl Fn(f64) -> Vector2<f64>) -> Vec<Vector2<f64>> {
     stand.initialise(&Experiment::default(), &mut ()).unwrap();
     let advance = |k: usize| {
         let time = k as f64 * step;
@@ -72,18 +67,11 @@ fn no_direction_is_special() {
             let back = Rotation2::new(-angle);
             let off = (back * place(&other) - place(&along)).norm();
             let friction = [&along, &other].map(|stand| stand.readings().friction_coefficient);
-            let [here, there] =
-                [&along, &other].map(|stand| stand.resting().coefficients.stiffness);
+            let [here, there] = [&along, &other].map(|stand| stand.resting().coefficients.stiffness);
             let there = back.matrix() * there * back.inverse().matrix();
-            let (rubs, gives) = (
-                friction[1] / friction[0] - 1.0,
-                (there - here).norm() / here.norm(),
-            );
+            let (rubs, gives) = (friction[1] / friction[0] - 1.0, (there - here).norm() / here.norm());
             println!("{film:?} at {angle}: {off:.1e} {rubs:.1e} {gives:.1e}");
-            assert!(
-                off < close && rubs.abs() < close && gives < 100.0 * close,
-                "{film:?} at {angle}"
-            );
+            assert!(off < close && rubs.abs() < close && gives < 100.0 * close, "{film:?} at {angle}");
         }
     }
 }
@@ -98,30 +86,20 @@ fn a_turning_load_is_one_at_rest_at_another_speed() {
             let step = TAU / SPEED / 200.0;
             let steps = 4000;
             let end = steps as f64 * step;
-            let turning = path(&mut bare(film), steps, step, |time| {
-                turned(ratio * SPEED * time) * 500.0
-            });
+            let turning = path(&mut bare(film), steps, step, |time| turned(ratio * SPEED * time) * 500.0);
             let seen_from_load = Rotation2::new(-ratio * SPEED * end) * turning[steps - 1];
             let mut still = bare(film);
             still.inputs.speed.value = seen * SPEED;
             let resting = path(&mut still, 1, 5.0, |_| Vector2::new(500.0, 0.0))[0];
-            assert!(
-                (seen_from_load - resting).norm() < 1e-3,
-                "{film:?} at {ratio}: {seen_from_load} {resting}"
-            );
+            assert!((seen_from_load - resting).norm() < 1e-3, "{film:?} at {ratio}: {seen_from_load} {resting}");
         }
         let step = TAU / SPEED / 200.0;
-        let half = path(&mut bare(film), 400, step, |time| {
-            turned(0.5 * SPEED * time) * 500.0
-        });
+        let half = path(&mut bare(film), 400, step, |time| turned(0.5 * SPEED * time) * 500.0);
         let mut still = bare(film);
         still.inputs.speed.value = 0.0;
         let squeezed = path(&mut still, 400, step, |_| Vector2::new(500.0, 0.0));
         for (turning, squeezed) in half.iter().zip(&squeezed) {
-            assert!(
-                (turning.norm() - squeezed.norm()).abs() < 1e-3,
-                "{film:?}: {turning} {squeezed}"
-            );
+            assert!((turning.norm() - squeezed.norm()).abs() < 1e-3, "{film:?}: {turning} {squeezed}");
         }
     }
 }
@@ -154,10 +132,7 @@ impl Squeezed {
 
     /// The film's force on the journal, N, at an eccentricity-ratio vector and its rate, 1/s.
     fn force(&mut self, e: Vector2<f64>, rate: Vector2<f64>) -> Vector2<f64> {
-        let (across, along) = (
-            self.radius * TAU / COLUMNS as f64,
-            0.5 * self.width / ROWS as f64,
-        );
+        let (across, along) = (self.radius * TAU / COLUMNS as f64, 0.5 * self.width / ROWS as f64);
         let gap = |column: f64| {
             let n = turned(TAU * column / COLUMNS as f64);
             self.clearance * (1.0 - e.dot(&n))
@@ -168,8 +143,7 @@ impl Squeezed {
                 let k = k as f64;
                 let [before, here, after] = [-0.5, 0.0, 0.5].map(|by| gap(k + by));
                 let n = turned(TAU * k / COLUMNS as f64);
-                let wedge =
-                    6.0 * self.viscosity * self.speed * self.radius * (after - before) / across;
+                let wedge = 6.0 * self.viscosity * self.speed * self.radius * (after - before) / across;
                 let squeeze = -12.0 * self.viscosity * self.clearance * rate.dot(&n);
                 [
                     cube(before) / across.powi(2),
@@ -188,19 +162,9 @@ impl Squeezed {
                 for row in 0..ROWS {
                     let here = self.pressure[k];
                     // Row 0 touches the middle of the bearing, the last one its end, half a cell away.
-                    let (inner, inward) = if row == 0 {
-                        (0.0, 0.0)
-                    } else {
-                        (here[row - 1], 1.0)
-                    };
-                    let (outer, outward) = if row + 1 == ROWS {
-                        (0.0, 2.0)
-                    } else {
-                        (here[row + 1], 1.0)
-                    };
-                    let flows = west * left[row]
-                        + east * right[row]
-                        + side * (inward * inner + outward * outer);
+                    let (inner, inward) = if row == 0 { (0.0, 0.0) } else { (here[row - 1], 1.0) };
+                    let (outer, outward) = if row + 1 == ROWS { (0.0, 2.0) } else { (here[row + 1], 1.0) };
+                    let flows = west * left[row] + east * right[row] + side * (inward * inner + outward * outer);
                     let balance = west + east + side * (inward + outward);
                     let new = here[row] + OVER * ((flows - source) / balance - here[row]);
                     let new = new.max(0.0);
@@ -221,12 +185,7 @@ impl Squeezed {
     }
 
     /// The rate at which the film's force holds a load, by Newton's method from a guess.
-    fn rate(
-        &mut self,
-        e: Vector2<f64>,
-        load: Vector2<f64>,
-        mut rate: Vector2<f64>,
-    ) -> Vector2<f64> {
+    fn rate(&mut self, e: Vector2<f64>, load: Vector2<f64>, mut rate: Vector2<f64>) -> Vector2<f64> {
         for _ in 0..30 {
             let miss = self.force(e, rate) + load;
             if miss.norm() < 1e-4 * load.norm() {
@@ -242,12 +201,7 @@ impl Squeezed {
     }
 
     /// The journal's path from the middle, by Heun's method in steps that halve those of the load.
-    fn path(
-        &mut self,
-        steps: usize,
-        step: f64,
-        load: impl Fn(f64) -> Vector2<f64>,
-    ) -> Vec<Vector2<f64>> {
+    fn path(&mut self, steps: usize, step: f64, load: impl Fn(f64) -> Vector2<f64>) -> Vec<Vector2<f64>> {
         let (mut e, mut rate) = (Vector2::zeros(), Vector2::zeros());
         let half = 0.5 * step;
         let mut now = |k: usize| {
@@ -268,10 +222,7 @@ type Load<'a> = &'a dyn Fn(f64) -> Vector2<f64>;
 
 /// How far two paths are apart, at most.
 fn apart(one: &[Vector2<f64>], other: &[Vector2<f64>]) -> f64 {
-    one.iter()
-        .zip(other)
-        .map(|(a, b)| (a - b).norm())
-        .fold(0.0, f64::max)
+    one.iter().zip(other).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
 /// A load that turns in an ellipse, one that reverses, and one that hits.
@@ -283,9 +234,7 @@ fn both_films_follow_a_film_solved_in_another_way() {
             let angle = 0.7 * SPEED * time;
             Vector2::new(600.0 * angle.cos(), 250.0 * angle.sin())
         }),
-        ("reversing", &|time| {
-            Vector2::new(400.0 * (SPEED * time).cos(), 100.0)
-        }),
+        ("reversing", &|time| Vector2::new(400.0 * (SPEED * time).cos(), 100.0)),
         ("impact", &|time| {
             let hit = (PI * (time - turn) / (0.1 * turn)).sin();
             let within = (turn..1.1 * turn).contains(&time);
@@ -300,9 +249,6 @@ fn both_films_follow_a_film_solved_in_another_way() {
         let other = Squeezed::of(&stand).path(steps, step, load);
         let [mobility, reynolds] = [mobility, reynolds].map(|film| apart(&film, &other));
         println!("{name}: mobility {mobility:.4}, Reynolds {reynolds:.4}");
-        assert!(
-            mobility < 0.01 && reynolds < 0.01,
-            "{name}: {mobility} {reynolds}"
-        );
+        assert!(mobility < 0.01 && reynolds < 0.01, "{name}: {mobility} {reynolds}");
     }
 }

@@ -36,10 +36,7 @@ fn both_films_have_the_same_coefficients() {
                 stand.bearing.resolution.mass_conserving = false;
                 // The narrowest place between rough surfaces takes more columns than a smooth film.
                 if roughness > 0.0 {
-                    (
-                        stand.bearing.resolution.columns,
-                        stand.bearing.resolution.rows,
-                    ) = (192, 16);
+                    (stand.bearing.resolution.columns, stand.bearing.resolution.rows) = (192, 16);
                 }
             })
         };
@@ -47,20 +44,13 @@ fn both_films_have_the_same_coefficients() {
             let all = of(film, load).resting().coefficients;
             let [more, less] = [1.001, 0.999].map(|part| place(&of(film, part * load)));
             let push = all.stiffness * (more - less) / (0.002 * load);
-            assert!(
-                (push - Vector2::x()).norm() < 1e-3,
-                "{film:?} at {load} N: {push}"
-            );
+            assert!((push - Vector2::x()).norm() < 1e-3, "{film:?} at {load} N: {push}");
             all
         });
-        for (one, other, bound) in [
-            (mobility.stiffness, reynolds.stiffness, 0.01),
-            (mobility.damping, reynolds.damping, 0.02),
-        ] {
-            assert!(
-                (one - other).norm() < bound * other.norm(),
-                "{load} N: {one} {other}"
-            );
+        for (one, other, bound) in
+            [(mobility.stiffness, reynolds.stiffness, 0.01), (mobility.damping, reynolds.damping, 0.02)]
+        {
+            assert!((one - other).norm() < bound * other.norm(), "{load} N: {one} {other}");
         }
     }
 }

@@ -7,12 +7,7 @@ use plain_bearing_stand::stand::Stand;
 use plain_bearing_stand::thermal::Initialization;
 use std::f64::consts::TAU;
 
-const NO_FILES: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
 fn start(mut stand: Stand, initialization: Initialization) -> Stand {
     stand.thermal.initialization = initialization;
@@ -22,12 +17,7 @@ fn start(mut stand: Stand, initialization: Initialization) -> Stand {
 
 /// The temperatures of film, bush, shaft and oil, K.
 fn temperatures(r: &Readings) -> [f64; 4] {
-    [
-        r.film_temperature,
-        r.bearing_temperature,
-        r.shaft_temperature,
-        r.oil_temperature,
-    ]
+    [r.film_temperature, r.bearing_temperature, r.shaft_temperature, r.oil_temperature]
 }
 
 /// The time after which speed and load repeat themselves.
@@ -37,18 +27,12 @@ fn period(stand: &Stand) -> f64 {
 }
 
 /// Means over the period that follows.
-fn means<const N: usize>(
-    stand: &mut Stand,
-    begin: f64,
-    get: impl Fn(&Readings) -> [f64; N],
-) -> [f64; N] {
+fn means<const N: usize>(stand: &mut Stand, begin: f64, get: impl Fn(&Readings) -> [f64; N]) -> [f64; N] {
     const PARTS: usize = 400;
     let step = period(stand) / PARTS as f64;
     let mut sums = [0.0; N];
     for i in 0..PARTS {
-        stand
-            .advance(begin + i as f64 * step, step, &mut ())
-            .unwrap();
+        stand.advance(begin + i as f64 * step, step, &mut ()).unwrap();
         for (sum, value) in sums.iter_mut().zip(get(stand.readings())) {
             *sum += value / PARTS as f64;
         }
@@ -118,10 +102,7 @@ fn check_against_resolved_turns(number: usize, stand: Stand) {
     let expected = means(&mut given, time, temperatures);
     let reached = means(&mut steady, 0.0, temperatures);
     for (mean, expected) in reached.into_iter().zip(expected) {
-        assert!(
-            (mean - expected).abs() < 1e-5,
-            "set {number}: {mean} K, {expected} K"
-        );
+        assert!((mean - expected).abs() < 1e-5, "set {number}: {mean} K, {expected} K");
     }
 }
 
@@ -183,15 +164,9 @@ fn deviations_decay_with_the_slowest_time_constant() {
         given.advance(f64::from(i) * span, span, &mut ()).unwrap();
         deviations.push(given.readings().bearing_temperature - steady.bearing_temperature);
     }
-    println!(
-        "{time_constant} {deviations:?} {}",
-        span / (deviations[2] / deviations[3]).ln()
-    );
+    println!("{time_constant} {deviations:?} {}", span / (deviations[2] / deviations[3]).ln());
     let slowest = span / (deviations[2] / deviations[3]).ln();
-    assert!(
-        (slowest / time_constant - 1.0).abs() < 0.02,
-        "{slowest} {time_constant}"
-    );
+    assert!((slowest / time_constant - 1.0).abs() < 0.02, "{slowest} {time_constant}");
 }
 
 /// It follows from the state, and not from when it was read before: a stand brought back to a saved state reads the same.
@@ -232,14 +207,8 @@ fn of_several_equilibria_the_given_temperatures_choose() {
         assert!((steady - expected).abs() < 0.02, "{steady} {expected}");
         temperatures.push(steady);
     }
-    assert!(
-        temperatures[0] < 310.0 && temperatures[1] > 380.0,
-        "{temperatures:?}"
-    );
-    assert!(
-        (temperatures[1] - temperatures[2]).abs() < 1e-5,
-        "{temperatures:?}"
-    );
+    assert!(temperatures[0] < 310.0 && temperatures[1] > 380.0, "{temperatures:?}");
+    assert!((temperatures[1] - temperatures[2]).abs() < 1e-5, "{temperatures:?}");
 }
 
 #[test]
@@ -247,10 +216,7 @@ fn isothermal_temperatures_stay_and_the_journal_is_on_its_orbit() {
     let mut stand = Stand::default();
     stand.thermal.isothermal = true;
     let mut stand = start(stand, Initialization::SteadyState);
-    assert_eq!(
-        temperatures(stand.readings()),
-        [355.15, 355.15, 355.15, 321.15]
-    );
+    assert_eq!(temperatures(stand.readings()), [355.15, 355.15, 355.15, 321.15]);
     assert_eq!(stand.slowest_time_constant(), 0.0);
     let before = stand.readings().eccentricity_ratio;
     stand.advance(0.0, period(&stand), &mut ()).unwrap();
@@ -312,16 +278,10 @@ fn a_refusal_names_its_cause() {
         stand.bearing.radial_clearance = 3e-4;
     };
     let why = refusal(thin);
-    assert!(
-        why.contains("check oil.viscosityScale: it is 0.001"),
-        "{why}"
-    );
+    assert!(why.contains("check oil.viscosityScale: it is 0.001"), "{why}");
     let insulated = |stand: &mut Stand| stand.thermal.oil_ambient = 1e-3;
     let why = refusal(insulated);
-    assert!(
-        why.contains("still warming") && why.contains("thermal.oilAmbientConductance"),
-        "{why}"
-    );
+    assert!(why.contains("still warming") && why.contains("thermal.oilAmbientConductance"), "{why}");
 }
 
 /// The longest time constant of the start values' conductances (58, 58, 0.126, 0.127 and 0.532 W/K) and capacities (2, 200
@@ -331,8 +291,7 @@ const NETWORK: f64 = 2734.36;
 /// The slowest time constant in a state that is not steady, and where friction grows faster than the losses.
 #[test]
 fn the_time_constant_of_any_state() {
-    let time_constant =
-        |celsius| start(bistable(celsius), Initialization::Given).slowest_time_constant();
+    let time_constant = |celsius| start(bistable(celsius), Initialization::Given).slowest_time_constant();
     assert!(time_constant(31.0) > 1000.0);
     assert!(time_constant(65.0) < -1000.0);
     let mut still = Stand::default();
@@ -361,16 +320,10 @@ fn check_the_turn_of_a_reynolds_film(number: usize, mut stand: Stand) {
         stand.thermal.shaft_capacity,
         stand.thermal.oil_volume * stand.oil.density_15 * heat_capacity,
     ];
-    let stored: f64 = (0..4)
-        .map(|i| (capacities[i] * (after[i] - before[i])).abs())
-        .sum();
+    let stored: f64 = (0..4).map(|i| (capacities[i] * (after[i] - before[i])).abs()).sum();
     let power = stand.readings().friction_power;
     assert!(power > 0.1, "set {number}: {power} W");
-    assert!(
-        stored / period < 1e-6 * power,
-        "set {number}: {} of {power} W",
-        stored / period
-    );
+    assert!(stored / period < 1e-6 * power, "set {number}: {} of {power} W", stored / period);
 }
 
 #[test]

@@ -8,12 +8,7 @@ use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use std::f64::consts::{PI, TAU};
 
-const NO_FILES: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
 /// The rig at 82 degC under its mean load, 743.5 N, which is constant here.
 fn rig() -> Stand {
@@ -73,11 +68,7 @@ fn rough_film(ratio: f64) -> [f64; 3] {
         let x = (f64::from(k) + 0.5) * dx;
         x * (-0.5 * (x - ratio).powi(2)).exp()
     };
-    let mean = if ratio > 7.0 {
-        ratio
-    } else {
-        (0..2 * n).map(open).sum::<f64>() * dx / TAU.sqrt()
-    };
+    let mean = if ratio > 7.0 { ratio } else { (0..2 * n).map(open).sum::<f64>() * dx / TAU.sqrt() };
     let t = ((ratio - 5.0) / 2.0).clamp(0.0, 1.0);
     let counts = 1.0 - t * t * (3.0 - 2.0 * t);
     let flow = 1.0 - counts * (1.0 - pressure_flow_factor(ratio));
@@ -145,9 +136,7 @@ impl Film {
         let mut sums = [0.0; 3];
         for (i, column) in self.pressure.iter().enumerate() {
             let theta = i as f64 * step - PI;
-            let mean = |p: &[f64; ROWS + 1]| {
-                (0.5 * (p[0] + p[ROWS]) + p[1..ROWS].iter().sum::<f64>()) / ROWS as f64
-            };
+            let mean = |p: &[f64; ROWS + 1]| (0.5 * (p[0] + p[ROWS]) + p[1..ROWS].iter().sum::<f64>()) / ROWS as f64;
             let [before, after] = [COLUMNS - 1, 1].map(|d| mean(&self.pressure[(i + d) % COLUMNS]));
             let ratio = (1.0 - e * theta.cos()) / roughness;
             let [here, there] = [ratio - 1e-4, ratio + 1e-4].map(|ratio| rough_film(ratio)[0]);
@@ -164,11 +153,7 @@ impl Film {
 /// ratio. Friction pushes the journal back with the contact force times the friction coefficient.
 fn reference(stand: &Stand, load: f64, viscosity: f64, speed: f64) -> [f64; 2] {
     let bearing = &stand.bearing;
-    let (c, radius, width) = (
-        bearing.radial_clearance,
-        0.5 * bearing.diameter,
-        bearing.width,
-    );
+    let (c, radius, width) = (bearing.radial_clearance, 0.5 * bearing.diameter, bearing.width);
     let mu = bearing.surface.boundary_friction;
     let roughness = bearing.surface.roughness / c;
     let scale = 6.0 * viscosity * speed * (radius / c).powi(2);
@@ -177,28 +162,17 @@ fn reference(stand: &Stand, load: f64, viscosity: f64, speed: f64) -> [f64; 2] {
         film.solve(e, bearing.diameter / width, roughness);
         let [x, y, rise] = film.integrals(e, roughness);
         let [force, normal] = contact(stand, e);
-        let carried = [
-            scale * radius * width * x + force,
-            scale * radius * width * y + mu * force,
-        ];
-        let slides =
-            |k: i32| rough_film((1.0 - e * (TAU * f64::from(k) / 720.0).cos()) / roughness)[2];
+        let carried = [scale * radius * width * x + force, scale * radius * width * y + mu * force];
+        let slides = |k: i32| rough_film((1.0 - e * (TAU * f64::from(k) / 720.0).cos()) / roughness)[2];
         let slides = (0..720).map(slides).sum::<f64>() / roughness * TAU / 720.0;
         let shear = viscosity * speed * radius.powi(3) * width / c * slides;
         let torque = shear + 0.5 * scale * c * radius * width * rise + mu * normal * radius;
-        (
-            carried[0].hypot(carried[1]),
-            [torque, -carried[1].atan2(carried[0])],
-        )
+        (carried[0].hypot(carried[1]), [torque, -carried[1].atan2(carried[0])])
     };
     let (mut low, mut high) = (0.05, 0.999);
     for _ in 0..22 {
         let middle = 0.5 * (low + high);
-        (low, high) = if at(middle).0 < load {
-            (middle, high)
-        } else {
-            (low, middle)
-        };
+        (low, high) = if at(middle).0 < load { (middle, high) } else { (low, middle) };
     }
     at(0.5 * (low + high)).1
 }
@@ -222,12 +196,7 @@ fn follows_the_reference(speeds: &[f64]) {
     println!("| rpm | M, N.m | reference | mu | attitude, deg | reference |");
     for &speed in speeds {
         let resting = at_rest(rig(), rpm(speed));
-        let [torque, attitude] = reference(
-            &rig(),
-            resting.load_force,
-            resting.film_viscosity,
-            rpm(speed),
-        );
+        let [torque, attitude] = reference(&rig(), resting.load_force, resting.film_viscosity, rpm(speed));
         let [here, there] = [resting.attitude_angle, attitude].map(f64::to_degrees);
         println!(
             "| {speed} | {:.5} | {torque:.5} | {:.5} | {here:.2} | {there:.2} |",
@@ -247,12 +216,7 @@ fn the_reynolds_film_has_the_reference_s_friction() {
         // The reference counts the whole ring as full.
         stand.bearing.resolution.mass_conserving = false;
         let resting = at_rest(stand, rpm(speed));
-        let [torque, attitude] = reference(
-            &rig(),
-            resting.load_force,
-            resting.film_viscosity,
-            rpm(speed),
-        );
+        let [torque, attitude] = reference(&rig(), resting.load_force, resting.film_viscosity, rpm(speed));
         let apart = (resting.friction_torque / torque - 1.0).abs();
         assert!(apart < 0.01, "{speed} rpm: {resting:?}, expected {torque}");
         let ahead = (resting.attitude_angle - attitude).to_degrees();
@@ -280,10 +244,7 @@ fn a_dry_journal_climbs_to_the_angle_of_friction() {
         let apart = (resting.attitude_angle - climb).to_degrees();
         assert!(apart.abs() < 0.01, "{film:?} {friction}: {apart} deg");
         let pressed = 1.0 / 1f64.hypot(friction);
-        assert!(
-            (resting.contact_share - pressed).abs() < 1e-4,
-            "{resting:?}"
-        );
+        assert!((resting.contact_share - pressed).abs() < 1e-4, "{resting:?}");
     }
 }
 
@@ -300,10 +261,7 @@ fn breakaway_is_the_limit_for_a_speed_towards_zero() {
         let resting = at_rest(stand.clone(), slowly);
         let [_, normal] = contact(&stand, resting.eccentricity_ratio);
         let level = stand.bearing.surface.boundary_friction * stand.bearing.radius();
-        assert!(
-            (resting.friction_torque / (level * normal) - 1.0).abs() < 2e-3,
-            "{resting:?}"
-        );
+        assert!((resting.friction_torque / (level * normal) - 1.0).abs() < 2e-3, "{resting:?}");
         let ratio = resting.friction_torque / (level * resting.load_force);
         assert!((ratio - narrow).abs() < 0.005, "{roughness}: {ratio}");
     }
@@ -334,10 +292,7 @@ fn friction_changes_its_sign_with_the_speed() {
         let turned = *stand.readings();
         let straight = at_rest(rig(), -1.0);
         assert!((turned.friction_torque / straight.friction_torque - 1.0).abs() < 0.01);
-        assert!(
-            turned.friction_torque < 0.0 && turned.attitude_angle > 0.0,
-            "{turned:?}"
-        );
+        assert!(turned.friction_torque < 0.0 && turned.attitude_angle > 0.0, "{turned:?}");
     }
 }
 

@@ -63,11 +63,7 @@ fn each_limit_is_told_once() {
             4,
             "bearing.pressureLimit",
         ),
-        (
-            |stand| stand.inputs.speed.value = 5000.0 * std::f64::consts::TAU / 60.0,
-            8,
-            "the lever would have to pull",
-        ),
+        (|stand| stand.inputs.speed.value = 5000.0 * std::f64::consts::TAU / 60.0, 8, "the lever would have to pull"),
         (
             // Soft asperities under 32 MPa.
             |stand| {

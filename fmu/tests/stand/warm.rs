@@ -15,18 +15,9 @@ fn stand(energy: FilmEnergy) -> Stand {
 #[test]
 fn films_without_heat_of_their_own_refuse() {
     for (change, remedy) in [
-        (
-            (|stand| stand.film.model = FilmModel::Mobility) as fn(&mut Stand),
-            "bearing.film = Reynolds",
-        ),
-        (
-            |stand| stand.bearing.resolution.mass_conserving = false,
-            "bearing.massConserving = true",
-        ),
-        (
-            |stand| stand.thermal.isothermal = true,
-            "thermal.isothermal = false",
-        ),
+        ((|stand| stand.film.model = FilmModel::Mobility) as fn(&mut Stand), "bearing.film = Reynolds"),
+        (|stand| stand.bearing.resolution.mass_conserving = false, "bearing.massConserving = true"),
+        (|stand| stand.thermal.isothermal = true, "thermal.isothermal = false"),
     ] {
         let mut stand = stand(FilmEnergy::Circumferential);
         change(&mut stand);
@@ -34,10 +25,7 @@ fn films_without_heat_of_their_own_refuse() {
         let Err(Fault::Invalid(why)) = refused else {
             panic!("{refused:?}");
         };
-        assert!(
-            why.contains("bearing.filmEnergy") && why.contains(remedy),
-            "{why}"
-        );
+        assert!(why.contains("bearing.filmEnergy") && why.contains(remedy), "{why}");
     }
 }
 

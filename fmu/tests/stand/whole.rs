@@ -6,12 +6,7 @@ use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use proptest::prelude::*;
 
-const NO_FILES: Experiment<'static> = Experiment {
-    start: 0.0,
-    stop: None,
-    tolerance: None,
-    resources: None,
-};
+const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
 /// A stand at its start.
 fn start(set: impl FnOnce(&mut Stand)) -> Stand {
@@ -47,10 +42,7 @@ fn results_do_not_depend_on_the_communication_step() {
             ("e", |r| r.eccentricity_ratio),
         ] {
             let difference = relative(get(&other), get(&reference));
-            assert!(
-                difference < 1e-5,
-                "{name} at a step of {step} s differs by {difference:e}"
-            );
+            assert!(difference < 1e-5, "{name} at a step of {step} s differs by {difference:e}");
         }
     }
 }
@@ -93,10 +85,7 @@ fn a_leap_ends_where_the_resolved_turns_end() {
         assert!(apart(|r| r.bearing_temperature) < 0.00615, "case {number}");
         assert!(apart(|r| r.friction_power) < 0.03, "case {number}");
         assert!(apart(|r| r.eccentricity_ratio) < 2e-3, "case {number}");
-        assert!(
-            relative(leaped.load_force, resolved.load_force) < 1e-9,
-            "case {number}"
-        );
+        assert!(relative(leaped.load_force, resolved.load_force) < 1e-9, "case {number}");
     }
 }
 
@@ -115,19 +104,13 @@ fn a_leaps_error_follows_the_tolerance() {
     let exact = end(false, 1e-9);
     let error = |tolerance| (end(true, tolerance) - exact).abs();
     let (loose, tight) = (error(1e-5), error(1e-8));
-    assert!(
-        loose < 0.1 && tight < 2e-3 && tight < loose,
-        "{loose} {tight}"
-    );
+    assert!(loose < 0.1 && tight < 2e-3 && tight < loose, "{loose} {tight}");
 }
 
 /// Vrublevskyi & Skonieczna (2025), Table 3: the load of every row within 0.3 N.
 #[test]
 fn the_load_of_every_row_of_the_papers_table() {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../studies/paper/table3_solutions.csv"
-    );
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../studies/paper/table3_solutions.csv");
     let mut rows = 0;
     for row in csv::Reader::from_path(file).unwrap().deserialize() {
         let row: std::collections::HashMap<String, f64> = row.unwrap();
@@ -141,11 +124,7 @@ fn the_load_of_every_row_of_the_papers_table() {
             stand.load.eccentricity = row["eps_mm"] * 1e-3;
         });
         let force = run(&mut stand, 150.0, 150.0).load_force;
-        assert!(
-            (force - row["F_N_N"]).abs() < 0.3,
-            "point {}: {force} N",
-            row["point"]
-        );
+        assert!((force - row["F_N_N"]).abs() < 0.3, "point {}: {force} N", row["point"]);
         rows += 1;
     }
     assert_eq!(rows, 12);
@@ -183,11 +162,7 @@ fn friction_heat_is_the_drives_work() {
     });
     let readings = run(&mut stand, 5.0, 0.5);
     let work = readings.friction_torque * readings.shaft_speed;
-    assert!(
-        relative(stand.heat(), work) < 1e-5,
-        "{} W, {work} W",
-        stand.heat()
-    );
+    assert!(relative(stand.heat(), work) < 1e-5, "{} W, {work} W", stand.heat());
 }
 
 #[test]
@@ -223,9 +198,7 @@ fn rates_taken_over_from_the_last_step_are_those_computed_anew() {
         }
         let mut anew = stand.clone();
         for stand in [&mut stand, &mut anew] {
-            stand
-                .advance(f64::from(step) * 1e-3, 1e-3, &mut ())
-                .unwrap();
+            stand.advance(f64::from(step) * 1e-3, 1e-3, &mut ()).unwrap();
         }
         assert_eq!(stand.readings(), anew.readings(), "step {step}");
     }
@@ -269,10 +242,7 @@ fn rates_are_those_of_the_outputs() {
                 get(ahead.readings())
             });
             let expected = (end - begin) / 1e-5;
-            assert!(
-                (rate - expected).abs() < 1e-2 * expected.abs() + 1e-3,
-                "{rate} {expected}"
-            );
+            assert!((rate - expected).abs() < 1e-2 * expected.abs() + 1e-3, "{rate} {expected}");
         }
     }
 }
@@ -304,15 +274,7 @@ fn outputs_follow_at_once_only_the_inputs_that_they_name() {
         let mut stand = configured(&|_| ());
         run(&mut stand, time, 0.01);
         for input in Stand::variables().iter().filter(|v| v.role == Role::Input) {
-            let Kind::Real(Quantity {
-                access:
-                    Access {
-                        get,
-                        set: Some(set),
-                    },
-                ..
-            }) = input.kind
-            else {
+            let Kind::Real(Quantity { access: Access { get, set: Some(set) }, .. }) = input.kind else {
                 unreachable!("{} is no Real", input.name);
             };
             let other = 1.3 * get(&stand) + 7.0;
@@ -322,16 +284,9 @@ fn outputs_follow_at_once_only_the_inputs_that_they_name() {
                 set(&mut changed, &other);
                 changed.update().unwrap();
             }
-            for ((variable, before), (_, after)) in
-                readings(&stand).into_iter().zip(readings(&changed))
-            {
+            for ((variable, before), (_, after)) in readings(&stand).into_iter().zip(readings(&changed)) {
                 let named = variable.depends_on.contains(&input.name);
-                assert!(
-                    named || before == after,
-                    "{} follows {}",
-                    variable.name,
-                    input.name
-                );
+                assert!(named || before == after, "{} follows {}", variable.name, input.name);
             }
         }
     }
@@ -354,8 +309,7 @@ fn the_log_says_why_there_is_no_leap() {
     });
     let mut log = Messages(Vec::new());
     stand.advance(0.0, 4.0, &mut log).unwrap();
-    let said =
-        "logEvents: no leap over 18 turns, they are resolved: the fluctuation of the speed swings";
+    let said = "logEvents: no leap over 18 turns, they are resolved: the fluctuation of the speed swings";
     assert!(log.0.len() > 1 && log.0[1].starts_with(said), "{:?}", log.0);
 }
 
@@ -397,10 +351,7 @@ fn the_log_tells_what_is_done() {
     ];
     assert_eq!(log.0.len(), told.len(), "{:?}", log.0);
     for (message, told) in log.0.iter().zip(told) {
-        assert!(
-            message.starts_with(&format!("logEvents: {told}")),
-            "{message}"
-        );
+        assert!(message.starts_with(&format!("logEvents: {told}")), "{message}");
     }
 }
 
@@ -409,11 +360,7 @@ fn the_log_tells_what_is_done() {
 #[test]
 fn both_film_models_agree_over_the_cycle() {
     let mobility = run(&mut start(|_| ()), 0.4, 0.02);
-    let resolved = run(
-        &mut start(|stand| stand.film.model = FilmModel::Reynolds),
-        0.4,
-        0.02,
-    );
+    let resolved = run(&mut start(|stand| stand.film.model = FilmModel::Reynolds), 0.4, 0.02);
     assert!(relative(resolved.eccentricity_ratio, mobility.eccentricity_ratio) < 0.01);
     assert!(relative(resolved.friction_torque, mobility.friction_torque) < 0.03);
     assert!(relative(resolved.max_film_pressure, mobility.max_film_pressure) < 0.05);
@@ -423,15 +370,8 @@ fn both_film_models_agree_over_the_cycle() {
 fn form_error_and_tilt_reach_the_film() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("profile.csv");
-    let rows: String = (0..72)
-        .map(|i| {
-            format!(
-                "{},{},0\n",
-                5 * i,
-                4.0 * (2.0 * f64::from(5 * i).to_radians()).cos()
-            )
-        })
-        .collect();
+    let rows: String =
+        (0..72).map(|i| format!("{},{},0\n", 5 * i, 4.0 * (2.0 * f64::from(5 * i).to_radians()).cos())).collect();
     std::fs::write(&file, format!("angle,bush,journal\n{rows}")).unwrap();
     let film = |stand: &mut Stand| stand.film.model = FilmModel::Reynolds;
     let plain = run(&mut start(film), 0.05, 0.01);
@@ -488,10 +428,7 @@ fn impossible_parameters_are_named() {
     let Err(Fault::Invalid(message)) = stand.initialise(&NO_FILES, &mut ()) else {
         panic!("accepted");
     };
-    assert!(
-        message.starts_with("bearing.radialClearance = -1e-5 m"),
-        "{message}"
-    );
+    assert!(message.starts_with("bearing.radialClearance = -1e-5 m"), "{message}");
 }
 
 proptest! {
@@ -558,10 +495,7 @@ fn messages_write_numbers_shortly() {
     stand.inputs.speed.slope = 1e300;
     let fault = stand.advance(0.0, 1e-200, &mut ()).unwrap_err();
     let text = fault.to_string();
-    assert!(
-        text.contains("over 1e-200 s would take drive.speed to 1e100"),
-        "{text}"
-    );
+    assert!(text.contains("over 1e-200 s would take drive.speed to 1e100"), "{text}");
     assert!(text.len() < 250, "{text}");
 }
 

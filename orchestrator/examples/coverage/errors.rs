@@ -11,9 +11,7 @@ use sensitivity::sobol::{design, indices};
 use crate::{Case, G};
 
 pub fn print(repetitions: u64) -> Result<(), String> {
-    println!(
-        "\nErrors of Sobol indices over SALib's, {repetitions} repetitions: first order, total"
-    );
+    println!("\nErrors of Sobol indices over SALib's, {repetitions} repetitions: first order, total");
     let (first, total) = ishigami_indices();
     let (g_first, g_total) = sobol_g_indices(&G);
     let linear = |u: &[f64]| u.iter().zip(1_u8..).map(|(u, k)| f64::from(k) * u).sum();
@@ -32,17 +30,11 @@ pub fn print(repetitions: u64) -> Result<(), String> {
     let sizes = [64, 256, 1024, 4096];
     for case in &cases {
         for base in sizes {
-            let ours = errors(case, repetitions, FirstOrder::Combined, |seed| {
-                pairs(case.dimensions, base, seed)
-            })?;
-            let theirs = errors(case, repetitions, FirstOrder::Saltelli, |seed| {
-                cube(2 * case.dimensions, base, seed, 1)
-            })?;
+            let ours = errors(case, repetitions, FirstOrder::Combined, |seed| pairs(case.dimensions, base, seed))?;
+            let theirs =
+                errors(case, repetitions, FirstOrder::Saltelli, |seed| cube(2 * case.dimensions, base, seed, 1))?;
             let over = [0, 1].map(|k| ours[k] / theirs[k]);
-            println!(
-                "  {:<11} {base:>4} base points: {ours:.5?} over {theirs:.5?}: {over:.2?}",
-                case.name
-            );
+            println!("  {:<11} {base:>4} base points: {ours:.5?} over {theirs:.5?}: {over:.2?}", case.name);
             for (sum, ratio) in logarithms.iter_mut().zip(over) {
                 *sum += ratio.ln() / (cases.len() * sizes.len()) as f64;
             }
@@ -67,15 +59,9 @@ fn errors(
             let pairs = found.iter().zip(exact);
             pairs.map(|(e, x)| (e.value - x).powi(2)).sum()
         };
-        Ok([
-            squares(&found.first, &case.first),
-            squares(&found.total, &case.total),
-        ])
+        Ok([squares(&found.first, &case.first), squares(&found.total, &case.total)])
     };
-    let all: Vec<[f64; 2]> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
+    let all: Vec<[f64; 2]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let count = (repetitions as usize * case.dimensions) as f64;
     Ok([0, 1].map(|k| (all.iter().map(|e| e[k]).sum::<f64>() / count).sqrt()))
 }

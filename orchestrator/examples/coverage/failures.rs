@@ -19,27 +19,12 @@ struct Place {
 }
 
 const PLACES: [Place; 5] = [
-    Place {
-        name: "corner",
-        fails: |u, _, share| u[0].min(u[1]) > 1.0 - share.sqrt(),
-    },
-    Place {
-        name: "slab",
-        fails: |u, _, share| u[2] < share,
-    },
-    Place {
-        name: "middle",
-        fails: |u, _, share| u[..2].iter().all(|v| (v - 0.5).abs() < share.sqrt() / 2.0),
-    },
-    Place {
-        name: "anywhere",
-        fails: |u, _, share| (1e4 * u.iter().sum::<f64>()).fract() < share,
-    },
+    Place { name: "corner", fails: |u, _, share| u[0].min(u[1]) > 1.0 - share.sqrt() },
+    Place { name: "slab", fails: |u, _, share| u[2] < share },
+    Place { name: "middle", fails: |u, _, share| u[..2].iter().all(|v| (v - 0.5).abs() < share.sqrt() / 2.0) },
+    Place { name: "anywhere", fails: |u, _, share| (1e4 * u.iter().sum::<f64>()).fract() < share },
     // The values of the failed runs lie outside of the range of the others, which the bounds do not allow for.
-    Place {
-        name: "largest",
-        fails: |_, y, _| y > LARGE,
-    },
+    Place { name: "largest", fails: |_, y, _| y > LARGE },
 ];
 
 /// 5.1 % of Ishigami's function are larger.
@@ -47,13 +32,7 @@ const LARGE: f64 = 9.35;
 
 pub fn print(repetitions: u64) -> Result<(), String> {
     println!("\nFailed runs, Sobol indices: % of {repetitions} that hold (mean width)");
-    for (base, share) in [
-        (64, 0.05),
-        (256, 0.01),
-        (256, 0.05),
-        (1024, 0.01),
-        (1024, 0.05),
-    ] {
+    for (base, share) in [(64, 0.05), (256, 0.01), (256, 0.05), (1024, 0.01), (1024, 0.05)] {
         failing(base, share, repetitions)?;
     }
     let (first, total) = ishigami_indices();
@@ -63,10 +42,7 @@ pub fn print(repetitions: u64) -> Result<(), String> {
     let weights = [1.0, 2.0, 3.0].map(|w: f64| w * w / 14.0);
     let linear = |u: &[f64]| u[0] + 2.0 * u[1] + 3.0 * u[2];
     let linear = Case::new("linear", 3, linear, &weights, &weights);
-    for (base, case) in [256, 1024]
-        .into_iter()
-        .flat_map(|n| [(n, &ishigami), (n, &g), (n, &linear)])
-    {
+    for (base, case) in [256, 1024].into_iter().flat_map(|n| [(n, &ishigami), (n, &g), (n, &linear)]) {
         for share in [0.01, 0.05] {
             for place in PLACES {
                 if place.name != "largest" || (case.name == "Ishigami" && share > 0.02) {
@@ -84,11 +60,7 @@ pub fn print(repetitions: u64) -> Result<(), String> {
 fn values(case: &Case, place: Place, share: f64, rows: &[Vec<f64>]) -> Vec<f64> {
     let value = |u: &Vec<f64>| {
         let y = (case.function)(u);
-        if (place.fails)(u, y, share) {
-            f64::NAN
-        } else {
-            y
-        }
+        if (place.fails)(u, y, share) { f64::NAN } else { y }
     };
     rows.iter().map(value).collect()
 }
@@ -131,11 +103,7 @@ fn held(case: &Case, base: u64, place: Place, part: f64, repetitions: u64) -> Re
         let rows = design(&pairs);
         let outputs = values(case, place, part, &rows);
         let found = indices(&outputs, d, FirstOrder::default()).ok_or("too few points")?;
-        let Indices {
-            first_bounds,
-            total_bounds,
-            ..
-        } = &found;
+        let Indices { first_bounds, total_bounds, .. } = &found;
         let bounds = first_bounds.iter().chain(total_bounds).flatten();
         let bounds: Vec<[f64; 2]> = bounds.copied().collect();
         let all: Vec<_> = found.first.iter().chain(&found.total).collect();
@@ -157,10 +125,7 @@ fn held(case: &Case, base: u64, place: Place, part: f64, repetitions: u64) -> Re
             all.iter().map(|e| e.high - e.low).sum::<f64>() / all.len() as f64,
         ])
     };
-    let all: Vec<[f64; 5]> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
+    let all: Vec<[f64; 5]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let mean = |k: usize| all.iter().map(|r| r[k]).sum::<f64>() / repetitions as f64;
     println!(
         "  {:<10} {base:>4} base points, {:>2.0} % fail {:<9}: conditional {:>5.1} ({:.3}), bounds of all {:>5.1} ({:.3}); the \
@@ -193,11 +158,7 @@ fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
             both as f64 / 2.0
         };
         let idle = f64::from(u8::from(found.total[2].contains(0.0)));
-        let settled = Settled {
-            size: base,
-            estimator: FirstOrder::default(),
-            seed,
-        };
+        let settled = Settled { size: base, estimator: FirstOrder::default(), seed };
         let rows = shapley::design(&pairs(3, base, 5000 + seed)?, None, seed)?;
         let flags: Vec<f64> = rows.iter().map(fails).collect();
         let divided = shapley::effects(&flags, 3, &settled).ok_or("too few points")?;
@@ -210,10 +171,7 @@ fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
             held(&divided.effects, 0.5),
         ])
     };
-    let all: Vec<[f64; 5]> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
+    let all: Vec<[f64; 5]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let mean = |k: usize| percent(all.iter().map(|r| r[k]).sum::<f64>() / repetitions as f64);
     println!(
         "  `failed`, {base:>4} base points, {:>2.0} % fail in a corner of two of three parameters: first order {:>5.1}, total {:>5.1}, \
@@ -240,18 +198,13 @@ fn screening(case: &Case, repetitions: u64) -> Result<(), String> {
         };
         let outputs: Vec<f64> = rows.iter().map(value).collect();
         let found = morris::effects(&rows, &outputs).ok_or("too few")?;
-        let held = found.iter().zip(&exact).filter(|(e, x)| {
-            e.mu_star_bounds
-                .map_or(e.mu_star.contains(**x), |[low, high]| {
-                    low <= **x && **x <= high
-                })
-        });
+        let held = found
+            .iter()
+            .zip(&exact)
+            .filter(|(e, x)| e.mu_star_bounds.map_or(e.mu_star.contains(**x), |[low, high]| low <= **x && **x <= high));
         Ok(held.count() as f64 / d as f64)
     };
-    let all: Vec<f64> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
+    let all: Vec<f64> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
     println!(
         "  {:<10} Morris, 20 trajectories, 1/16 of the grid fails: bounds hold mu* in {:.1}",
         case.name,

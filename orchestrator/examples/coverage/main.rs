@@ -29,40 +29,21 @@ struct Case {
 }
 
 impl Case {
-    fn new(
-        name: &'static str,
-        dimensions: usize,
-        function: fn(&[f64]) -> f64,
-        first: &[f64],
-        total: &[f64],
-    ) -> Self {
-        Self {
-            name,
-            dimensions,
-            function,
-            first: first.to_vec(),
-            total: total.to_vec(),
-        }
+    fn new(name: &'static str, dimensions: usize, function: fn(&[f64]) -> f64, first: &[f64], total: &[f64]) -> Self {
+        Self { name, dimensions, function, first: first.to_vec(), total: total.to_vec() }
     }
 
     /// With the indices of two designs of 131,072 base points in place of exact ones.
-    fn estimated(
-        name: &'static str,
-        dimensions: usize,
-        function: fn(&[f64]) -> f64,
-    ) -> Result<Self, String> {
+    fn estimated(name: &'static str, dimensions: usize, function: fn(&[f64]) -> f64) -> Result<Self, String> {
         let of = |seed: u64| {
             let rows = design(&pairs(dimensions, 1 << 17, seed)?);
             let outputs: Vec<f64> = rows.iter().map(|u| function(u)).collect();
-            indices(&outputs, dimensions, FirstOrder::Combined)
-                .ok_or_else(|| "too few points".to_owned())
+            indices(&outputs, dimensions, FirstOrder::Combined).ok_or_else(|| "too few points".to_owned())
         };
         let [one, other] = [of(77)?, of(78)?];
         let mean = |a: &[Estimate], b: &[Estimate]| -> Vec<f64> {
             let pairs = a.iter().zip(b);
-            pairs
-                .map(|(a, b)| f64::midpoint(a.value, b.value))
-                .collect()
+            pairs.map(|(a, b)| f64::midpoint(a.value, b.value)).collect()
         };
         let first = mean(&one.first, &other.first);
         let total = mean(&one.total, &other.total);
@@ -86,8 +67,7 @@ fn borehole(u: &[f64]) -> f64 {
     let (well, logarithm) = (value(0), (value(1) / value(0)).ln());
     let (upper, lower) = (value(2), value(4));
     let leak = 2.0 * value(6) * upper / (logarithm * well * well * value(7));
-    2.0 * std::f64::consts::PI * upper * (value(3) - value(5))
-        / (logarithm * (1.0 + leak + upper / lower))
+    2.0 * std::f64::consts::PI * upper * (value(3) - value(5)) / (logarithm * (1.0 + leak + upper / lower))
 }
 
 fn waves(u: &[f64]) -> f64 {
@@ -156,28 +136,15 @@ fn indices_hold(repetitions: u64) -> Result<(), String> {
 }
 
 fn shares_hold(repetitions: u64) -> Result<(), String> {
-    println!(
-        "\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,"
-    );
+    println!("\nVerified share of a Sobol design with 16 replicates: % of {repetitions} intervals that hold it,");
     println!("and their mean width against Clopper and Pearson's");
-    for (points, share) in [
-        (512, 0.02),
-        (512, 0.2),
-        (4096, 0.02),
-        (4096, 0.2),
-        (4096, 0.5),
-    ] {
+    for (points, share) in [(512, 0.02), (512, 0.2), (4096, 0.02), (4096, 0.2), (4096, 0.5)] {
         share_held(points, share, repetitions)?;
     }
     Ok(())
 }
 
-fn indices_held(
-    case: &Case,
-    base: u64,
-    estimator: FirstOrder,
-    repetitions: u64,
-) -> Result<(), String> {
+fn indices_held(case: &Case, base: u64, estimator: FirstOrder, repetitions: u64) -> Result<(), String> {
     let d = case.dimensions;
     let one = |seed: u64| -> Result<Vec<f64>, String> {
         let pairs = pairs(d, base, 1000 + seed)?;
@@ -185,17 +152,11 @@ fn indices_held(
         let found = indices(&outputs, d, estimator).ok_or("too few points")?;
         let exact = case.first.iter().chain(&case.total);
         let all = found.first.iter().chain(&found.total).zip(exact);
-        Ok(all
-            .map(|(e, exact)| f64::from(u8::from(e.contains(*exact))))
-            .collect())
+        Ok(all.map(|(e, exact)| f64::from(u8::from(e.contains(*exact)))).collect())
     };
-    let held: Vec<Vec<f64>> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
-    let shares: Vec<f64> = (0..2 * d)
-        .map(|k| 100.0 * held.iter().map(|h| h[k]).sum::<f64>() / repetitions as f64)
-        .collect();
+    let held: Vec<Vec<f64>> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
+    let shares: Vec<f64> =
+        (0..2 * d).map(|k| 100.0 * held.iter().map(|h| h[k]).sum::<f64>() / repetitions as f64).collect();
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
     let least = shares.iter().copied().fold(100.0, f64::min);
     println!(
@@ -221,16 +182,9 @@ fn share_held(points: u64, share: f64, repetitions: u64) -> Result<(), String> {
         let hits: u64 = counts.iter().sum();
         let [from, to] = clopper_pearson(hits as f64, points as f64, 0.95);
         let [low, high] = randomised(&counts, points, 0.95);
-        Ok([
-            f64::from(u8::from(low <= share && share <= high)),
-            high - low,
-            to - from,
-        ])
+        Ok([f64::from(u8::from(low <= share && share <= high)), high - low, to - from])
     };
-    let all: Vec<[f64; 3]> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
+    let all: Vec<[f64; 3]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let sum = |k: usize| all.iter().map(|r| r[k]).sum::<f64>();
     println!(
         "  share {share}, {points} points: {:.1}, width {:.2} of Clopper and Pearson's",

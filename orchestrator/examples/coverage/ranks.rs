@@ -26,22 +26,10 @@ pub fn print(repetitions: u64) -> Result<(), String> {
         let many = found(case, &independent(case.dimensions, 400_000, 1)).ok_or("too few")?;
         for points in [50, 128, 512, 2048] {
             for (design, sample) in [
-                (
-                    "independent",
-                    independent as fn(usize, u64, u64) -> Vec<Vec<f64>>,
-                ),
-                ("net", |d, points, seed| {
-                    cube(d, points, seed, 1).unwrap_or_default()
-                }),
+                ("independent", independent as fn(usize, u64, u64) -> Vec<Vec<f64>>),
+                ("net", |d, points, seed| cube(d, points, seed, 1).unwrap_or_default()),
             ] {
-                held(
-                    case,
-                    &many,
-                    design,
-                    |seed| sample(case.dimensions, points, seed),
-                    points,
-                    repetitions,
-                )?;
+                held(case, &many, design, |seed| sample(case.dimensions, points, seed), points, repetitions)?;
             }
         }
     }

@@ -28,42 +28,15 @@ const LEVEL: f64 = 0.9;
 const CONFIRM: usize = 400;
 
 fn cases() -> Vec<Case> {
-    let case = |name, dimensions, criteria| Case {
-        name,
-        dimensions,
-        criteria,
-    };
+    let case = |name, dimensions, criteria| Case { name, dimensions, criteria };
     let root = |u: &[f64]| (u[0] - 0.5).hypot(u[1] - 0.5);
     vec![
-        case(
-            "corner of 9 %",
-            2,
-            vec![(|u| u[0], 0.85, 0.15), (|u| u[1], 0.85, 0.15)],
-        ),
-        case(
-            "curved band",
-            2,
-            vec![(|u| (8.0 * u[0]).sin() + u[1], 0.5, 0.4)],
-        ),
+        case("corner of 9 %", 2, vec![(|u| u[0], 0.85, 0.15), (|u| u[1], 0.85, 0.15)]),
+        case("curved band", 2, vec![(|u| (8.0 * u[0]).sin() + u[1], 0.5, 0.4)]),
         case("disc", 2, vec![(root, 0.0, 0.3)]),
-        case(
-            "kink",
-            2,
-            vec![(|u| (u[0] - 0.5).abs() + u[1].min(0.6), 0.5, 0.3)],
-        ),
-        case(
-            "jump",
-            2,
-            vec![(|u| u[0] + f64::from(u8::from(u[1] > 0.63)), 0.3, 0.4)],
-        ),
-        case(
-            "sums of 5",
-            5,
-            vec![
-                (|u| u.iter().sum(), 2.5, 0.5),
-                (|u| u[0] - u[1] + 0.5 * u[2], 0.25, 0.4),
-            ],
-        ),
+        case("kink", 2, vec![(|u| (u[0] - 0.5).abs() + u[1].min(0.6), 0.5, 0.3)]),
+        case("jump", 2, vec![(|u| u[0] + f64::from(u8::from(u[1] > 0.63)), 0.3, 0.4)]),
+        case("sums of 5", 5, vec![(|u| u.iter().sum(), 2.5, 0.5), (|u| u[0] - u[1] + 0.5 * u[2], 0.25, 0.4)]),
         case(
             "products of 7",
             7,
@@ -94,10 +67,7 @@ impl Case {
                 lower: nominal - tolerance,
                 upper: nominal + tolerance,
                 group: None,
-                ok: values
-                    .iter()
-                    .map(|v| (v - nominal).abs() <= tolerance)
-                    .collect(),
+                ok: values.iter().map(|v| (v - nominal).abs() <= tolerance).collect(),
                 values,
             }
         };
@@ -151,18 +121,8 @@ fn judged(
     let truth = part(&all) as f64 / all.len() as f64;
     let drawn = inside(usize::MAX, CONFIRM);
     let share = Fraction::wilson(part(&drawn), CONFIRM);
-    let confirmed = Confirmed {
-        points: CONFIRM,
-        verified: part(&drawn),
-        interval: [share.low, share.high],
-    };
-    Some(Judged {
-        share: all.len() as f64 / MANY as f64,
-        stated,
-        interval,
-        truth,
-        holds: confirmed.agrees([truth; 2]),
-    })
+    let confirmed = Confirmed { points: CONFIRM, verified: part(&drawn), interval: [share.low, share.high] };
+    Some(Judged { share: all.len() as f64 / MANY as f64, stated, interval, truth, holds: confirmed.agrees([truth; 2]) })
 }
 
 fn one(case: &Case, points: u64, seed: u64) -> Option<[Option<Judged>; 2]> {
@@ -195,16 +155,11 @@ pub fn print(repetitions: u64) -> Result<(), String> {
     );
     for case in cases() {
         for points in [128, 512] {
-            let all: Vec<[Option<Judged>; 2]> = (0..repetitions)
-                .into_par_iter()
-                .map(|seed| one(&case, points, seed).unwrap_or_default())
-                .collect();
+            let all: Vec<[Option<Judged>; 2]> =
+                (0..repetitions).into_par_iter().map(|seed| one(&case, points, seed).unwrap_or_default()).collect();
             for (k, shape) in ["box", "ellipsoid"].iter().enumerate() {
                 let found: Vec<Judged> = all.iter().filter_map(|own| own[k]).collect();
-                told(
-                    &format!("{:<14} {points:>4} points, {shape:<9}", case.name),
-                    &found,
-                );
+                told(&format!("{:<14} {points:>4} points, {shape:<9}", case.name), &found);
             }
         }
     }
@@ -216,18 +171,13 @@ fn told(of: &str, found: &[Judged]) {
         return println!("  {of}: none found");
     }
     let n = found.len() as f64;
-    let part = |of: &dyn Fn(&Judged) -> bool| {
-        percent(found.iter().filter(|own| of(own)).count() as f64 / n)
-    };
+    let part = |of: &dyn Fn(&Judged) -> bool| percent(found.iter().filter(|own| of(own)).count() as f64 / n);
     let shown = |own: &&Judged| own.interval[0] >= LEVEL;
     let least = |of: &mut dyn Iterator<Item = &Judged>| of.map(|own| own.truth).fold(1.0, f64::min);
     let excess = found.iter().map(|own| own.stated - own.truth).sum::<f64>() / n;
     println!(
         "  {of}: {n:>2} found, {:>4.1} %; {:+.2}; {:>5.1}, {:>5.1}; {:>2}, {:.1}, {:.1}; {:>5.1}",
-        percent(quantile(
-            &sorted(found.iter().map(|own| own.share).collect()),
-            0.5
-        )),
+        percent(quantile(&sorted(found.iter().map(|own| own.share).collect()), 0.5)),
         percent(excess),
         part(&|own| own.interval[0] <= own.truth && own.truth <= own.interval[1]),
         part(&|own| own.interval[0] <= own.truth),

@@ -18,13 +18,7 @@ pub fn print(repetitions: u64) -> Result<(), String> {
         Case::new("Ishigami", 3, ishigami, &[], &[]),
         Case::new("Sobol's g", 4, |u| sobol_g(u, &G), &[], &[]),
         Case::new("product", 3, product, &[], &[]),
-        Case::new(
-            "exponential",
-            4,
-            |u| (u.iter().sum::<f64>()).exp(),
-            &[],
-            &[],
-        ),
+        Case::new("exponential", 4, |u| (u.iter().sum::<f64>()).exp(), &[], &[]),
         Case::new("steeper", 4, steep, &[], &[]),
         Case::new("jump and x4", 4, jump, &[], &[]),
         Case::new("pass or fail", 4, corner, &[], &[]),
@@ -46,18 +40,13 @@ pub fn exact(case: &Case) -> Vec<f64> {
         (0..d).map(place).collect()
     };
     let value = |place: &[usize]| {
-        let u: Vec<f64> = place
-            .iter()
-            .map(|&k| k as f64 / (LEVELS - 1) as f64)
-            .collect();
+        let u: Vec<f64> = place.iter().map(|&k| k as f64 / (LEVELS - 1) as f64).collect();
         (case.function)(&u)
     };
     let jump = LEVELS / 2;
     let step = jump as f64 / (LEVELS - 1) as f64;
     let of = |parameter: usize| {
-        let low = (0..points)
-            .map(grid)
-            .filter(|place| place[parameter] < jump);
+        let low = (0..points).map(grid).filter(|place| place[parameter] < jump);
         let sizes = low.map(|mut place| {
             let before = value(&place);
             place[parameter] += jump;
@@ -82,15 +71,9 @@ fn held(case: &Case, trajectories: usize, repetitions: u64) -> Result<(), String
         });
         Ok(held.collect())
     };
-    let all: Vec<Vec<f64>> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
+    let all: Vec<Vec<f64>> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let mean = |k: usize| percent(all.iter().map(|r| r[k]).sum::<f64>() / repetitions as f64);
     let each: Vec<f64> = (0..case.dimensions).map(mean).collect();
-    println!(
-        "  {:<12} {trajectories:>3} trajectories: {each:.1?}",
-        case.name
-    );
+    println!("  {:<12} {trajectories:>3} trajectories: {each:.1?}", case.name);
     Ok(())
 }

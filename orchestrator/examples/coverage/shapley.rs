@@ -35,10 +35,7 @@ pub fn print(repetitions: u64) -> Result<(), String> {
 
 fn cases() -> Result<Vec<Case>, String> {
     let (first, total) = ishigami_indices();
-    let both = first
-        .iter()
-        .zip(total)
-        .map(|(first, total)| (first + total) / 2.0);
+    let both = first.iter().zip(total).map(|(first, total)| (first + total) / 2.0);
     let parts = G.map(|a| 1.0 / (3.0 * (1.0_f64 + a).powi(2)));
     let linear: Function = |u| scores(u).zip(1..).map(|(z, k)| z * f64::from(k)).sum();
     let product: Function = |u| {
@@ -51,24 +48,9 @@ fn cases() -> Result<Vec<Case>, String> {
     let asymmetric = [1.5, 0.5 + r * r].map(|part| part / (2.0 + r * r));
     let mut cases = vec![
         ("Ishigami", ishigami as Function, None, both.collect()),
-        (
-            "Sobol's g",
-            g,
-            None,
-            of_subsets(4, |set| product_of(&parts, set)),
-        ),
-        (
-            "linear",
-            linear,
-            None,
-            (1..=6).map(|k| f64::from(k * k) / 91.0).collect(),
-        ),
-        (
-            "x1 x2 + x1",
-            product,
-            Some(chain(2, r)),
-            asymmetric.to_vec(),
-        ),
+        ("Sobol's g", g, None, of_subsets(4, |set| product_of(&parts, set))),
+        ("linear", linear, None, (1..=6).map(|k| f64::from(k * k) / 91.0).collect()),
+        ("x1 x2 + x1", product, Some(chain(2, r)), asymmetric.to_vec()),
     ];
     for matrix in [three.clone(), six] {
         let exact = of_subsets(matrix.nrows(), |set| explained(&matrix, set));
@@ -76,25 +58,12 @@ fn cases() -> Result<Vec<Case>, String> {
     }
     let mut cases: Vec<Case> = cases
         .into_iter()
-        .map(|(name, function, correlation, exact)| Case {
-            name,
-            function,
-            correlation,
-            exact,
-        })
+        .map(|(name, function, correlation, exact)| Case { name, function, correlation, exact })
         .collect();
     // No closed form: nested averages over a grid-like net, another way than that of the method.
-    for (name, function, matrix) in [
-        ("Ishigami", ishigami as Function, three),
-        ("Sobol's g", g, four),
-    ] {
+    for (name, function, matrix) in [("Ishigami", ishigami as Function, three), ("Sobol's g", g, four)] {
         let exact = nested(function, &matrix)?;
-        cases.push(Case {
-            name,
-            function,
-            correlation: Some(matrix),
-            exact,
-        });
+        cases.push(Case { name, function, correlation: Some(matrix), exact });
     }
     Ok(cases)
 }
@@ -118,13 +87,9 @@ fn chain(parameters: usize, coefficient: f64) -> DMatrix<f64> {
 
 /// Shapley effects from what each set of parameters explains.
 fn of_subsets(parameters: usize, explained: impl Fn(&[usize]) -> f64) -> Vec<f64> {
-    let set =
-        |mask: usize| -> Vec<usize> { (0..parameters).filter(|k| mask >> k & 1 == 1).collect() };
-    let explained: Vec<f64> = (0..1 << parameters)
-        .map(|mask| explained(&set(mask)))
-        .collect();
-    let choose =
-        |k: usize| (0..k).fold(1.0, |c, j| c * (parameters - 1 - j) as f64 / (j + 1) as f64);
+    let set = |mask: usize| -> Vec<usize> { (0..parameters).filter(|k| mask >> k & 1 == 1).collect() };
+    let explained: Vec<f64> = (0..1 << parameters).map(|mask| explained(&set(mask))).collect();
+    let choose = |k: usize| (0..k).fold(1.0, |c, j| c * (parameters - 1 - j) as f64 / (j + 1) as f64);
     let effect = |k: usize| {
         let without = (0..1 << parameters).filter(|mask: &usize| mask >> k & 1 == 0);
         let gain = |mask: usize| {
@@ -193,42 +158,26 @@ fn nested(function: Function, matrix: &DMatrix<f64>) -> Result<Vec<f64>, String>
 fn held(case: &Case, base: u64, repetitions: u64) -> Result<(), String> {
     let d = case.exact.len();
     let one = |seed: u64| -> Result<[Vec<f64>; 3], String> {
-        let settled = Settled {
-            size: base,
-            estimator: FirstOrder::default(),
-            seed,
-        };
+        let settled = Settled { size: base, estimator: FirstOrder::default(), seed };
         let pairs = pairs(d, base, 7000 + seed)?;
         let rows = design(&pairs, case.correlation.as_ref(), seed)?;
         let outputs: Vec<f64> = rows.iter().map(|u| (case.function)(u)).collect();
-        let found = effects(&outputs, d, &settled)
-            .ok_or("too few points")?
-            .effects;
+        let found = effects(&outputs, d, &settled).ok_or("too few points")?.effects;
         let all = || found.iter().zip(&case.exact);
         Ok([
-            all()
-                .map(|(e, &x)| f64::from(u8::from(e.contains(x))))
-                .collect(),
+            all().map(|(e, &x)| f64::from(u8::from(e.contains(x)))).collect(),
             all().map(|(e, _)| e.high - e.low).collect(),
             all().map(|(e, x)| (e.value - x).powi(2)).collect(),
         ])
     };
-    let all: Vec<[Vec<f64>; 3]> = (0..repetitions)
-        .into_par_iter()
-        .map(one)
-        .collect::<Result<_, _>>()?;
-    let mean =
-        |what: usize, k: usize| all.iter().map(|r| r[what][k]).sum::<f64>() / repetitions as f64;
+    let all: Vec<[Vec<f64>; 3]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
+    let mean = |what: usize, k: usize| all.iter().map(|r| r[what][k]).sum::<f64>() / repetitions as f64;
     let held: Vec<f64> = (0..d).map(|k| percent(mean(0, k))).collect();
     let over = |what: usize| (0..d).map(|k| mean(what, k)).sum::<f64>() / d as f64;
     println!(
         "  {:<10} {} {base:>5} base points: {held:.1?}; width {:.3}, rms error {:.4}",
         case.name,
-        if case.correlation.is_some() {
-            "correlated "
-        } else {
-            "independent"
-        },
+        if case.correlation.is_some() { "correlated " } else { "independent" },
         over(1),
         over(2).sqrt()
     );

@@ -73,10 +73,8 @@ pub struct Init {
 
 /// Options of `simulate`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: orchestrator simulate dist/PlainBearingStand.fmu --stop 10 \
-    --set bearing.radialClearance=\"0.02 mm\" --output run.csv"
-)]
+#[command(after_help = "Example: orchestrator simulate dist/PlainBearingStand.fmu --stop 10 \
+    --set bearing.radialClearance=\"0.02 mm\" --output run.csv")]
 pub struct Simulate {
     /// The FMU
     pub fmu: PathBuf,
@@ -111,10 +109,8 @@ pub struct Simulate {
 
 /// Options of `synchronise`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: orchestrator synchronise measured.csv --settings measured.toml \
-    --output results/measured"
-)]
+#[command(after_help = "Example: orchestrator synchronise measured.csv --settings measured.toml \
+    --output results/measured")]
 pub struct Synchronise {
     /// The recording: tables with a column for each signal, one or more files
     #[arg(value_name = "MEASURED.csv", required = true)]

@@ -83,12 +83,7 @@ pub struct Verify {
 impl Verify {
     /// The search for the share of a rare event.
     pub fn rare(self, event: RareEvent) -> rare::Options {
-        rare::Options {
-            event,
-            points: self.points,
-            seed: self.seed,
-            work: self.work,
-        }
+        rare::Options { event, points: self.points, seed: self.seed, work: self.work }
     }
 }
 
@@ -167,12 +162,10 @@ pub struct Merge {
 
 /// Options of `compare`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Exit codes: 0 the same verdict, and no point changed sides (beyond the stated numerical \
+#[command(after_help = "Exit codes: 0 the same verdict, and no point changed sides (beyond the stated numerical \
     uncertainty), 1 a difference (with --strict also a changed value), 2 a mistake in the call or a \
     file.\n\nExample: orchestrator compare \
-    results/release-1 results/rig --output results/changes"
-)]
+    results/release-1 results/rig --output results/changes")]
 pub struct Compare {
     /// The folder of the earlier results of `verify` or `judge`
     #[arg(value_name = "OLD")]

@@ -13,12 +13,7 @@ const SET: &str = "best.ssv";
 const PROVENANCE: &str = "best.srmd";
 
 /// Writes `best.ssv` with all start values of the best point, and `best.srmd` with where they come from.
-pub(super) fn write(
-    folder: &Path,
-    plan: &Plan,
-    fmu: &Description,
-    summary: &Summary,
-) -> Result<(), Error> {
+pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result<(), Error> {
     let Some(best) = &summary.best_point else {
         for file in [SET, PROVENANCE] {
             // An earlier run may have left one.
@@ -42,10 +37,7 @@ pub(super) fn write(
         let variable = variable(fmu, reference, &value)?;
         Some((variable, value))
     });
-    let title = summary
-        .title
-        .as_deref()
-        .unwrap_or(&summary.provenance.study);
+    let title = summary.title.as_deref().unwrap_or(&summary.provenance.study);
     let name = format!("{title}: point {}", best.point);
     let set = ssv::write(&name, fmu, &named.collect::<Vec<_>>());
     let provenance = traceability::resource(&name, SET, &entries(summary, best.point, &set));

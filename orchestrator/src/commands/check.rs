@@ -41,18 +41,11 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
         CheckError::Scratch(error) => Error::from(error),
         CheckError::Io { path, source } => Error::io(&path)(source),
     })?;
-    for Entry {
-        rule,
-        variable,
-        reason,
-    } in known.iter().flat_map(|known| &known.ignore)
-    {
+    for Entry { rule, variable, reason } in known.iter().flat_map(|known| &known.ignore) {
         if findings.ignore(rule, variable.as_deref(), reason) == 0 {
             let variable = variable.as_ref();
             let of = variable.map_or_else(String::new, |name| format!(" of {name}"));
-            fmu_points::tell::line!(
-                "note: no finding of the rule {rule}{of} is left to ignore: remove the entry"
-            );
+            fmu_points::tell::line!("note: no finding of the rule {rule}{of} is left to ignore: remove the entry");
         }
     }
     output::print(&match options.format {
@@ -78,16 +71,13 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
 fn known(path: &Path) -> Result<Known, Error> {
     let text = fs::read_to_string(path).map_err(Error::io(path))?;
     let known: Known = toml::from_str(&text).map_err(|error| {
-        let line = error
-            .span()
-            .map_or(1, |span| text[..span.start].lines().count());
+        let line = error.span().map_or(1, |span| text[..span.start].lines().count());
         Error::content(path, format!("line {}: {}", line.max(1), error.message()))
     })?;
     for Entry { rule, reason, .. } in &known.ignore {
         if RULES.iter().all(|known| known.id != rule) {
             let suggestion = did_you_mean(nearest(rule, RULES.iter().map(|rule| rule.id)));
-            let message =
-                format!("there is no rule `{rule}`{suggestion}; --format json names them");
+            let message = format!("there is no rule `{rule}`{suggestion}; --format json names them");
             return Err(Error::content(path, message));
         }
         if reason.trim().is_empty() {
@@ -100,16 +90,10 @@ fn known(path: &Path) -> Result<Known, Error> {
 
 /// A test for the FMU as a whole, and one a finding.
 fn tests(findings: &Findings, enough: Severity) -> Vec<Test> {
-    let fmu = findings
-        .fmu
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let fmu = findings.fmu.file_stem().unwrap_or_default().to_string_lossy();
     let counting = |finding: &&Finding| finding.rule.severity >= enough;
     let count = findings.all.iter().filter(counting).count();
-    let whole = Outcome::of(count == 0, || {
-        format!("{count} findings of severity {} or worse", enough.word())
-    });
+    let whole = Outcome::of(count == 0, || format!("{count} findings of severity {} or worse", enough.word()));
     let found = findings.all.iter().map(|finding| {
         let (severity, text) = (finding.rule.severity, finding.hit.full());
         let text = format!("{}: {text} [{}]", severity.word(), finding.rule.source);
@@ -127,8 +111,5 @@ fn tests(findings: &Findings, enough: Severity) -> Vec<Test> {
         let name = format!("{}: {}", finding.rule.id, finding.hit.text);
         Test::new(&format!("{fmu}.check"), &name, outcome)
     });
-    [Test::new(&fmu, "check", whole)]
-        .into_iter()
-        .chain(each)
-        .collect()
+    [Test::new(&fmu, "check", whole)].into_iter().chain(each).collect()
 }

@@ -16,11 +16,7 @@ pub(super) fn run(options: &cli::Compare) -> Result<ExitCode, Error> {
     if let Some(file) = &options.gate.junit {
         junit::write(file, "compare", &comparison.tests(options.gate.strict), 0.0)?;
     }
-    output::print(&format!(
-        "{}\n{}",
-        comparison.headline(),
-        comparison.document().as_text()
-    ));
+    output::print(&format!("{}\n{}", comparison.headline(), comparison.document().as_text()));
     let fails = !comparison.same || (options.gate.strict && !comparison.warnings.is_empty());
     Ok(match fails {
         true => ExitCode::FAILURE,

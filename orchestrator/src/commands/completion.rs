@@ -9,12 +9,7 @@ use crate::cli::{Cli, Completion};
 
 pub(super) fn run(options: &Completion) -> ExitCode {
     let mut script = Vec::new();
-    clap_complete::generate(
-        options.shell,
-        &mut Cli::command(),
-        "orchestrator",
-        &mut script,
-    );
+    clap_complete::generate(options.shell, &mut Cli::command(), "orchestrator", &mut script);
     output::print(&String::from_utf8_lossy(&script));
     ExitCode::SUCCESS
 }

@@ -21,11 +21,7 @@ const MANY: usize = 1024;
 const LONG: f64 = 0.5;
 
 /// The estimate for people, or why there is none.
-pub(super) fn of(
-    verification: &mut Verification,
-    means: &Means,
-    jobs: usize,
-) -> Result<String, Error> {
+pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String, Error> {
     let scratch = stop::scratch().map_err(Error::from)?;
     let place = match means.place(jobs)? {
         Place::Processes(limits, isolation) => {
@@ -78,23 +74,13 @@ pub(super) fn of(
 
 fn text(point: f64, points: u64, jobs: usize) -> String {
     let all = point * points as f64 / jobs as f64;
-    format!(
-        "about {} in all: a point takes {}, {jobs} at a time\n",
-        span(all),
-        span(point)
-    )
+    format!("about {} in all: a point takes {}, {jobs} at a time\n", span(all), span(point))
 }
 
 /// A time in the unit that people would use.
 fn span(seconds: f64) -> String {
-    const UNITS: [(f64, &str); 6] = [
-        (1e-6, "us"),
-        (1e-3, "ms"),
-        (1.0, "s"),
-        (60.0, "min"),
-        (3600.0, "h"),
-        (86400.0, "days"),
-    ];
+    const UNITS: [(f64, &str); 6] =
+        [(1e-6, "us"), (1e-3, "ms"), (1.0, "s"), (60.0, "min"), (3600.0, "h"), (86400.0, "days")];
     // Two of a unit are the least, so that the number tells enough.
     let fitting = UNITS.iter().rfind(|(size, _)| seconds >= 2.0 * size);
     let (size, unit) = fitting.unwrap_or(&UNITS[0]);
@@ -109,10 +95,7 @@ mod tests {
 
     #[test]
     fn times_are_readable() {
-        assert_eq!(
-            text(6.2e-5, 1_000_000, 2),
-            "about 31 s in all: a point takes 62 us, 2 at a time\n"
-        );
+        assert_eq!(text(6.2e-5, 1_000_000, 2), "about 31 s in all: a point takes 62 us, 2 at a time\n");
         assert_eq!(span(1.5), "1500 ms");
         assert_eq!(span(1200.0), "20 min");
         assert_eq!(span(7.5e4), "21 h");

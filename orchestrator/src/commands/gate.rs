@@ -51,11 +51,7 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
     let conclusion = summary.conclusion.as_ref();
     let whole = conclusion.map_or_else(
         || Outcome::Failed("there is no verdict".to_owned()),
-        |Conclusion {
-             verdict,
-             verdict_words,
-             ..
-         }| match verdict {
+        |Conclusion { verdict, verdict_words, .. }| match verdict {
             Decision::Verified => Outcome::Passed,
             Decision::NotVerified => Outcome::Failed(verdict_words.clone()),
             Decision::Inconclusive => Outcome::Undecided(verdict_words.clone()),
@@ -103,10 +99,5 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
         Test::new(&format!("{study}.warnings"), &name, outcome)
     });
     let verdict = Test::new(&study, "verdict", whole);
-    [verdict]
-        .into_iter()
-        .chain(criteria)
-        .chain(cases)
-        .chain(doubts)
-        .collect()
+    [verdict].into_iter().chain(criteria).chain(cases).chain(doubts).collect()
 }

@@ -35,9 +35,7 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
         Some(table) => table.columns.iter().map(|c| c.variable).collect(),
         None => measurable(fmu),
     };
-    let wanted = table
-        .as_ref()
-        .map_or(write::CRITERIA, |table| table.columns.len());
+    let wanted = table.as_ref().map_or(write::CRITERIA, |table| table.columns.len());
     let kept = options.step.is_some();
     let (signals, of_step) = run::settled(&isolated, &mut schedule, &variables, (wanted, kept))
         .map_err(|error| run::advice(error, options, fmu, step))?;
@@ -71,15 +69,9 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
 }
 
 /// As the user asks, else as long as the measured curves, else as the FMU suggests.
-fn schedule(
-    options: &Init,
-    fmu: &Description,
-    table: Option<&Measured<'_>>,
-) -> Result<Schedule, Error> {
+fn schedule(options: &Init, fmu: &Description, table: Option<&Measured<'_>>) -> Result<Schedule, Error> {
     const STEPS: f64 = 500.0;
-    let [first, last] = table
-        .and_then(|table| table.span)
-        .map_or([None; 2], |span| span.map(Some));
+    let [first, last] = table.and_then(|table| table.span).map_or([None; 2], |span| span.map(Some));
     let suggested = Schedule::suggested(fmu);
     let start = first.map(|first| first.min(suggested.start));
     let stop = options.stop.or(last);
@@ -118,15 +110,10 @@ fn is_number(variable: &Variable) -> bool {
 }
 
 /// The parameters that can vary about their start values: `parameter`s, or where there are none inputs.
-fn parameters<'a>(
-    fmu: &'a Description,
-    path: &Path,
-) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
+fn parameters<'a>(fmu: &'a Description, path: &Path) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
     for causality in [Causality::Parameter, Causality::Input] {
         let all = fmu.with(causality);
-        let all: Vec<_> = all
-            .filter_map(|v| Some((v, Shown::about_start(fmu, v)?)))
-            .collect();
+        let all: Vec<_> = all.filter_map(|v| Some((v, Shown::about_start(fmu, v)?))).collect();
         if !all.is_empty() {
             return Ok(all);
         }
@@ -138,9 +125,7 @@ fn parameters<'a>(
 /// A file's path as seen from the folder of the study, or from here where the study goes to standard output.
 fn relative(file: &Path, study: Option<&Path>) -> PathBuf {
     let folder = |path: &Path| {
-        let parent = path
-            .parent()
-            .filter(|parent| !parent.as_os_str().is_empty());
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
         parent.unwrap_or(Path::new(".")).canonicalize()
     };
     let from = folder(study.unwrap_or(Path::new("study.toml")));

@@ -23,11 +23,7 @@ pub(super) fn run(options: &Inspect) -> Result<ExitCode, Error> {
         let mut value = json!(fmu);
         value["platforms"] = json!(platforms);
         value["terminals"] = json!(terminals);
-        value["variables"] = fmu
-            .variables
-            .values()
-            .map(|variable| json!(variable))
-            .collect();
+        value["variables"] = fmu.variables.values().map(|variable| json!(variable)).collect();
         output::print(&format!("{value:#}\n"));
     } else {
         output::print(&text(fmu, &platforms, &terminals));
@@ -59,13 +55,7 @@ fn terminals(package: &mut Package) -> Terminals {
 fn text(fmu: &Description, platforms: &[String], terminals: &Terminals) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
-    let _ = writeln!(
-        text,
-        "{} (FMI {} for {})",
-        fmu.model_name,
-        fmu.fmi_version,
-        fmu.interface.name()
-    );
+    let _ = writeln!(text, "{} (FMI {} for {})", fmu.model_name, fmu.fmi_version, fmu.interface.name());
     if let Some(description) = &fmu.description {
         let _ = writeln!(text, "{}", one_line(description));
     }
@@ -83,9 +73,7 @@ fn text(fmu: &Description, platforms: &[String], terminals: &Terminals) -> Strin
     let terminals = terminals.map(|(name, members)| format!("{name} ({})", members.join(", ")));
     row("terminals", &terminals.collect::<Vec<_>>().join("; "));
     let unusable = fmu.unusable.iter();
-    let unusable: Vec<String> = unusable
-        .map(|(name, why)| format!("{name} ({why})"))
-        .collect();
+    let unusable: Vec<String> = unusable.map(|(name, why)| format!("{name} ({why})")).collect();
     row("not usable", &unusable.join("; "));
     let remarks: Vec<String> = fmu.remarks.iter().map(ToString::to_string).collect();
     row("remarks", &remarks.join("; "));
@@ -107,24 +95,14 @@ fn text(fmu: &Description, platforms: &[String], terminals: &Terminals) -> Strin
 
 fn experiment(fmu: &Description) -> String {
     let experiment = &fmu.default_experiment;
-    let times = [
-        ("start", experiment.start),
-        ("stop", experiment.stop),
-        ("step", experiment.step),
-    ];
-    let times = times
-        .iter()
-        .filter_map(|(name, time)| Some(format!("{name} {} s", (*time)?)));
+    let times = [("start", experiment.start), ("stop", experiment.stop), ("step", experiment.step)];
+    let times = times.iter().filter_map(|(name, time)| Some(format!("{name} {} s", (*time)?)));
     times.collect::<Vec<_>>().join(", ")
 }
 
 fn capabilities(fmu: &Description) -> String {
     let flags = json!(fmu.capabilities);
-    let set = flags
-        .as_object()
-        .into_iter()
-        .flatten()
-        .filter(|(_, flag)| flag.as_bool() == Some(true));
+    let set = flags.as_object().into_iter().flatten().filter(|(_, flag)| flag.as_bool() == Some(true));
     let names: Vec<String> = set.map(|(name, _)| name.replace('_', " ")).collect();
     names.join(", ")
 }
@@ -134,24 +112,15 @@ fn section(text: &mut String, fmu: &Description, title: &str, causality: Causali
     if variables.is_empty() {
         return;
     }
-    let longest = variables
-        .iter()
-        .map(|variable| variable.name.chars().count())
-        .max();
+    let longest = variables.iter().map(|variable| variable.name.chars().count()).max();
     let width = longest.unwrap_or(0).min(48);
-    let values: Vec<String> = variables
-        .iter()
-        .map(|variable| value(fmu, variable))
-        .collect();
+    let values: Vec<String> = variables.iter().map(|variable| value(fmu, variable)).collect();
     let longest = values.iter().map(|value| value.chars().count()).max();
     let widest = longest.unwrap_or(0).clamp(24, 36);
     let _ = writeln!(text, "\n{title}");
     for (variable, value) in variables.iter().zip(values) {
         let description = variable.description.as_deref().unwrap_or("");
-        let line = format!(
-            "  {:width$}  {value:<widest$}  {description}",
-            variable.name
-        );
+        let line = format!("  {:width$}  {value:<widest$}  {description}", variable.name);
         let _ = writeln!(text, "{}", one_line(line.trim_end()));
     }
 }
@@ -167,34 +136,21 @@ fn value(fmu: &Description, variable: &Variable) -> String {
                 parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
             };
             let text = with(*start, unit.as_deref());
-            let shown = variable
-                .display_unit()
-                .filter(|shown| unit.as_deref() != Some(shown));
+            let shown = variable.display_unit().filter(|shown| unit.as_deref() != Some(shown));
             let conversion = shown.and_then(|shown| fmu.conversion(shown, variable).ok());
             match conversion.map(Conversion::inverse) {
-                Some(way) => format!(
-                    "{text} ({})",
-                    with(start.map(|start| way.value(start)), shown)
-                ),
+                Some(way) => format!("{text} ({})", with(start.map(|start| way.value(start)), shown)),
                 None => text,
             }
         }
         Kind::Integer { start, .. } => start.map_or("Integer".to_owned(), |v| v.to_string()),
         Kind::Clock(timing) => {
-            let period = timing
-                .interval
-                .map(|interval| format!(" {} s", number(interval)));
+            let period = timing.interval.map(|interval| format!(" {} s", number(interval)));
             let by = serde_json::json!(timing.by);
-            format!(
-                "{} clock{}",
-                by.as_str().unwrap_or_default(),
-                period.unwrap_or_default()
-            )
+            format!("{} clock{}", by.as_str().unwrap_or_default(), period.unwrap_or_default())
         }
         Kind::Boolean { start } => start.map_or("Boolean".to_owned(), |v| v.to_string()),
-        Kind::String { start } => start
-            .as_ref()
-            .map_or("String".to_owned(), |v| format!("{v:?}")),
+        Kind::String { start } => start.as_ref().map_or("String".to_owned(), |v| format!("{v:?}")),
         Kind::Enumeration { start, items } => {
             let item = items.iter().find(|(_, value)| Some(*value) == *start);
             item.map_or("Enumeration".to_owned(), |(name, _)| name.clone())

@@ -23,10 +23,7 @@ pub(super) struct Columns {
 
 impl Columns {
     pub(super) fn of(variables: Vec<Variable>) -> Self {
-        Self {
-            handles: variables.iter().map(Variable::handle).collect(),
-            variables,
-        }
+        Self { handles: variables.iter().map(Variable::handle).collect(), variables }
     }
 
     /// The outputs, or where there are none the local variables, of which `aloud` tells the user.
@@ -54,10 +51,7 @@ impl Columns {
     pub(super) fn summary(&self, row: &[String]) -> String {
         let lines = self.variables.iter().zip(row).map(|(variable, value)| {
             let unit = variable.unit().unwrap_or("");
-            format!("{} = {value} {unit}", variable.name)
-                .trim_end()
-                .to_owned()
-                + "\n"
+            format!("{} = {value} {unit}", variable.name).trim_end().to_owned() + "\n"
         });
         lines.collect()
     }
@@ -85,12 +79,7 @@ pub(super) struct Isolated {
 impl Isolated {
     pub(super) fn new(package: &mut Package) -> Result<Self, Error> {
         let scratch = stop::scratch().map_err(Error::from)?;
-        Ok(Self {
-            fmu: package.unpack(scratch.path())?,
-            name: package.path().to_owned(),
-            scratch,
-            apart: false,
-        })
+        Ok(Self { fmu: package.unpack(scratch.path())?, name: package.path().to_owned(), scratch, apart: false })
     }
 
     /// The same with the working directory of the points of a study.
@@ -123,13 +112,9 @@ impl Isolated {
     ) -> Result<Vec<String>, Error> {
         let failed = |error: csv::Error| Error::io(path)(error.into());
         let mut csv = csv::Writer::from_writer(BufWriter::new(into));
-        let names = columns
-            .variables
-            .iter()
-            .map(|variable| csv_file::cell(&variable.name));
+        let names = columns.variables.iter().map(|variable| csv_file::cell(&variable.name));
         let head = std::iter::once("time".into()).chain(names);
-        csv.write_record(head.map(Cow::into_owned))
-            .map_err(failed)?;
+        csv.write_record(head.map(Cow::into_owned)).map_err(failed)?;
         let mut last = Vec::new();
         let mut recording = self.recorder().of(task);
         let recorded = recording.record(values, &columns.handles, None, |time, values| {
@@ -152,10 +137,7 @@ impl Isolated {
         (until, echo): (Option<Instant>, bool),
         mut take: impl FnMut(f64, &[Value]),
     ) -> Result<(), Error> {
-        let recorder = Recorder {
-            echo,
-            ..self.recorder()
-        };
+        let recorder = Recorder { echo, ..self.recorder() };
         let mut recording = recorder.of(task);
         recording.record(&[], variables, until, |time, values| {
             take(time, values);
@@ -165,10 +147,7 @@ impl Isolated {
 
     /// Simulates a point as `verify` does.
     pub(super) fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
-        let silent = Recorder {
-            echo: false,
-            ..self.recorder()
-        };
+        let silent = Recorder { echo: false, ..self.recorder() };
         silent.run(cases, job)
     }
 }

@@ -43,12 +43,8 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let mut survey = Survey::new(&judge, None, false);
     let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();
-    let _lock = folder
-        .map(|folder| take(options, &study, folder))
-        .transpose()?;
-    let mut files = folder
-        .map(|folder| FileSet::new(folder, &[], &judge))
-        .transpose()?;
+    let _lock = folder.map(|folder| take(options, &study, folder)).transpose()?;
+    let mut files = folder.map(|folder| FileSet::new(folder, &[], &judge)).transpose()?;
     for (row, &label) in rows.rows.iter_mut().zip(&rows.labels) {
         for (value, conversion) in row.iter_mut().zip(&conversions) {
             *value = conversion.value(*value);
@@ -74,10 +70,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
             files.write(label, &[], &outcome, &verdict)?;
         }
     }
-    let provenance = Provenance {
-        method: "table".to_owned(),
-        ..provenance(&study)
-    };
+    let provenance = Provenance { method: "table".to_owned(), ..provenance(&study) };
     let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
     survey.complete(&mut summary);
     let repeated = concerns::repeated(repeated, tally.points);
@@ -98,11 +91,8 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
 
 /// Takes the folder for the results. It keeps the request, unless it holds that of a run of the same study.
 fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, Error> {
-    let request = Request {
-        study: options.study.clone(),
-        points_from: Some(options.table.clone()),
-        ..Request::default()
-    };
+    let request =
+        Request { study: options.study.clone(), points_from: Some(options.table.clone()), ..Request::default() };
     let earlier = match options.force {
         true => Earlier::Replaced,
         false => Earlier::Complete,
@@ -121,9 +111,7 @@ fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, Erro
 fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
     let is_shared = |column: &String| {
         let all = study.criteria.values();
-        all.filter(|other| other.column.as_ref() == Some(column))
-            .count()
-            > 1
+        all.filter(|other| other.column.as_ref() == Some(column)).count() > 1
     };
     let names = study.criteria.iter().map(|(name, criterion)| {
         let in_case = criterion.case.is_some();
@@ -140,11 +128,7 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
 }
 
 /// From each column's unit to the criterion's.
-fn conversions(
-    study: &Study,
-    judge: &Judge,
-    fmu: Option<&Description>,
-) -> Result<Vec<Conversion>, Error> {
+fn conversions(study: &Study, judge: &Judge, fmu: Option<&Description>) -> Result<Vec<Conversion>, Error> {
     let pairs = study.criteria.iter().zip(&judge.criteria);
     let conversion = |(name, text): (&study::Name, &study::CriterionText), unit| {
         let Some(column_unit) = text.column_unit.as_deref() else {
@@ -162,7 +146,5 @@ fn conversions(
         });
         conversion.map_err(|message| study.error_at(name, message).into())
     };
-    pairs
-        .map(|(entry, criterion)| conversion(entry, criterion.unit.as_deref()))
-        .collect()
+    pairs.map(|(entry, criterion)| conversion(entry, criterion.unit.as_deref())).collect()
 }

@@ -20,11 +20,7 @@ use fmu_points::Limits;
 pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
     let folders = options.folders.iter().map(|folder| shard_in(folder));
     let folders: Vec<PathBuf> = folders.collect::<Result<_, _>>()?;
-    let shards = Shards {
-        folders: &folders,
-        output: &options.output,
-        force: options.force,
-    };
+    let shards = Shards { folders: &folders, output: &options.output, force: options.force };
     let [first, ..] = &folders[..] else {
         return Err(Error::Missing(options.output.clone()));
     };
@@ -55,29 +51,19 @@ fn shard_in(folder: &Path) -> Result<PathBuf, Error> {
     }
 }
 
-fn join_verification(
-    options: &Merge,
-    shards: &Shards<'_>,
-    request: Request,
-) -> Result<ExitCode, Error> {
+fn join_verification(options: &Merge, shards: &Shards<'_>, request: Request) -> Result<ExitCode, Error> {
     let start = Instant::now();
     let output = &options.output;
     let mut verification = Verification::open(request)?;
     let named = shards.check(&verification.header)?;
     let mut looked = verification.looked(output, shards.folders)?;
-    let place = Place {
-        output,
-        analysis: None,
-        earlier: shards.earlier(output.join("summary.json").exists()),
-    };
+    let place = Place { output, analysis: None, earlier: shards.earlier(output.join("summary.json").exists()) };
     let mut taken = place.take(verification.parts(), &verification.header, || Ok(()))?;
     shards.fill(&mut taken.journal)?;
     let run = Run::since(start, 0, 0);
     let summary = verification.conclude(output, Some(run), None, &mut looked);
     let summary = summary.map_err(|error| match error {
-        Error::Incomplete {
-            missing, points, ..
-        } => shards.incomplete([missing, points], &named, "verify STUDY"),
+        Error::Incomplete { missing, points, .. } => shards.incomplete([missing, points], &named, "verify STUDY"),
         error => error,
     })?;
     // Shards that grow and are joined again know of it, where they can be written to.
@@ -96,17 +82,8 @@ fn join_verification(
     let wish = Wish {
         most: MOST_EXTRA_RUNS,
         validation: false,
-        limits: Limits {
-            time: Duration::from_secs(3600),
-            memory: 16 << 30,
-        },
+        limits: Limits { time: Duration::from_secs(3600), memory: 16 << 30 },
         jobs,
     };
-    verify::conclude(
-        &mut verification,
-        output,
-        summary,
-        &wish,
-        (&options.gate, options.verbose),
-    )
+    verify::conclude(&mut verification, output, summary, &wish, (&options.gate, options.verbose))
 }

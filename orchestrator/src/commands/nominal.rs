@@ -23,10 +23,7 @@ pub(super) fn files(case: usize) -> [String; 2] {
 /// Simulates the nominal run of each case.
 pub(super) fn run(session: &mut Session) -> Result<Vec<Trajectories>, Error> {
     let cases = session.plan.cases.clone();
-    cases
-        .iter()
-        .map(|case| Ok(thinned([once(session, case, 0)?, once(session, case, 1)?])))
-        .collect()
+    cases.iter().map(|case| Ok(thinned([once(session, case, 0)?, once(session, case, 1)?]))).collect()
 }
 
 /// How many rows of a trajectory travel: what the comparison of a smoke test needs.
@@ -34,17 +31,9 @@ const MOST_ROWS: usize = 2_000;
 
 /// Evenly chosen rows of the first trajectory, its last among them, and those of the second at the same times.
 fn thinned([coarse, finer]: Trajectories) -> Trajectories {
-    let rows = |text: &[u8]| -> Vec<Vec<u8>> {
-        text.split_inclusive(|&byte| byte == b'\n')
-            .map(<[u8]>::to_vec)
-            .collect()
-    };
-    let time = |row: &[u8]| -> Vec<u8> {
-        row.split(|&byte| byte == b',')
-            .next()
-            .unwrap_or(row)
-            .to_vec()
-    };
+    let rows =
+        |text: &[u8]| -> Vec<Vec<u8>> { text.split_inclusive(|&byte| byte == b'\n').map(<[u8]>::to_vec).collect() };
+    let time = |row: &[u8]| -> Vec<u8> { row.split(|&byte| byte == b',').next().unwrap_or(row).to_vec() };
     let all = rows(&coarse);
     let (last, step) = (all.len() - 1, all.len().div_ceil(MOST_ROWS).max(1));
     let kept: Vec<Vec<u8>> = all
@@ -63,9 +52,7 @@ fn thinned([coarse, finer]: Trajectories) -> Trajectories {
 /// One simulation, with steps halved so many times, as csv.
 pub(super) fn once(session: &mut Session, case: &Case, halved: i32) -> Result<Vec<u8>, Error> {
     let inputs = session.plan.inputs.iter();
-    let medians: Vec<f64> = inputs
-        .map(|input| input.distribution.quantile(0.5))
-        .collect();
+    let medians: Vec<f64> = inputs.map(|input| input.distribution.quantile(0.5)).collect();
     let mut values = Vec::new();
     session.plan.to_fmu(&medians, &mut values);
     let case = [refined_case(case, Refined::Step, halved)];
@@ -73,13 +60,7 @@ pub(super) fn once(session: &mut Session, case: &Case, halved: i32) -> Result<Ve
     let run = run.in_a_study(&session.package, &case);
     let columns = Columns::usual(session.package.description(), false);
     let mut csv = Vec::new();
-    run.trajectory(
-        &case[0].task,
-        &values,
-        &columns,
-        &mut csv,
-        Path::new("the nominal run"),
-    )?;
+    run.trajectory(&case[0].task, &values, &columns, &mut csv, Path::new("the nominal run"))?;
     Ok(csv)
 }
 
@@ -100,10 +81,7 @@ impl Rows {
     /// The cells of a column by their times; none where there is no such column.
     fn column(&self, name: &str) -> Option<HashMap<&str, &str>> {
         let place = self.head.iter().position(|head| head == name)?;
-        let cells = self
-            .rows
-            .iter()
-            .filter_map(|row| Some((row.get(0)?, row.get(place)?)));
+        let cells = self.rows.iter().filter_map(|row| Some((row.get(0)?, row.get(place)?)));
         Some(cells.collect())
     }
 }
@@ -119,19 +97,12 @@ pub(super) fn difference(carried: &Trajectories, now: &[u8]) -> Result<Option<St
         let Some(cells) = now.column(name) else {
             return Ok(Some(format!("{name} is no output any more")));
         };
-        let (wanted, halved) = (
-            coarse.column(name).unwrap_or_default(),
-            finer.column(name).unwrap_or_default(),
-        );
+        let (wanted, halved) = (coarse.column(name).unwrap_or_default(), finer.column(name).unwrap_or_default());
         let away = |time: &str, cell: &str, others: &HashMap<&str, &str>| -> Option<f64> {
             let (one, other): (f64, f64) = (cell.parse().ok()?, others.get(time)?.parse().ok()?);
             Some((one - other).abs())
         };
-        let allowed = 2.0
-            * wanted
-                .iter()
-                .filter_map(|(time, cell)| away(time, cell, &halved))
-                .fold(0.0, f64::max);
+        let allowed = 2.0 * wanted.iter().filter_map(|(time, cell)| away(time, cell, &halved)).fold(0.0, f64::max);
         for row in &coarse.rows {
             let time = row.get(0).unwrap_or_default();
             let (Some(then), Some(now)) = (wanted.get(time), cells.get(time)) else {
@@ -144,9 +115,7 @@ pub(super) fn difference(carried: &Trajectories, now: &[u8]) -> Result<Option<St
             };
             if !same {
                 let allowed = number(allowed, 2);
-                return Ok(Some(format!(
-                    "{name} was {then} at {time} s and is {now}, where {allowed} is numerical"
-                )));
+                return Ok(Some(format!("{name} was {then} at {time} s and is {now}, where {allowed} is numerical")));
             }
         }
     }
@@ -175,33 +144,21 @@ mod tests {
         // Each of them counts in the comparison with the whole run.
         let carried = [coarse.into_bytes(), finer.into_bytes()];
         assert_eq!(difference(&carried, &long[0]).unwrap(), None);
-        let other = String::from_utf8(long[0].clone())
-            .unwrap()
-            .replace("\n15001,", "\n15001,9");
+        let other = String::from_utf8(long[0].clone()).unwrap().replace("\n15001,", "\n15001,9");
         assert!(difference(&carried, other.as_bytes()).unwrap().is_some());
     }
 
     #[test]
     fn what_half_the_steps_change_is_no_difference() {
-        let carried = [
-            "time,x,s\n0,1,a\n1,2,a\n",
-            "time,x,s\n0,1,a\n0.5,1.6,a\n1,2.1,a\n",
-        ];
+        let carried = ["time,x,s\n0,1,a\n1,2,a\n", "time,x,s\n0,1,a\n0.5,1.6,a\n1,2.1,a\n"];
         let carried = carried.map(|text| text.as_bytes().to_vec());
         let found = |now: &str| difference(&carried, now.as_bytes()).unwrap();
         assert_eq!(found("time,s,x\n0,a,1\n1,a,2.19\n"), None);
         let told = found("time,s,x\n0,a,1\n1,a,2.21\n").unwrap();
         assert_eq!(told, "x was 2 at 1 s and is 2.21, where 0.2 is numerical");
-        assert_eq!(
-            found("time,x\n0,1\n1,2\n").unwrap(),
-            "s is no output any more"
-        );
+        assert_eq!(found("time,x\n0,1\n1,2\n").unwrap(), "s is no output any more");
         assert_eq!(found("time,x,s\n0,1,a\n").unwrap(), "x has no value at 1 s");
         assert_eq!(found("time,x,s\n0,1,a\n1,2,b\n"), None);
-        assert!(
-            found("time,x,s\n0,1,a\n1,,a\n")
-                .unwrap()
-                .starts_with("x was 2")
-        );
+        assert!(found("time,x,s\n0,1,a\n1,,a\n").unwrap().starts_with("x was 2"));
     }
 }

@@ -32,9 +32,9 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
                 let text = error.to_string();
                 match text.split_once(';') {
                     // Its options are those of `verify`.
-                    Some((what, remedy)) if remedy.contains("--force") => Error::Refused(format!(
-                        "{what}; verify the study into another folder, and name that by --from"
-                    )),
+                    Some((what, remedy)) if remedy.contains("--force") => {
+                        Error::Refused(format!("{what}; verify the study into another folder, and name that by --from"))
+                    }
                     _ => error,
                 }
             })?;
@@ -43,9 +43,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     };
     let summary = table::summary(&results)?;
     let mut package = study.open_fmu(options.fmu.as_deref())?;
-    let fits = |digest: Option<&String>, wanted: &str, what: &str| match digest.map(String::as_str)
-        == Some(wanted)
-    {
+    let fits = |digest: Option<&String>, wanted: &str, what: &str| match digest.map(String::as_str) == Some(wanted) {
         true => Ok(()),
         false => Err(Error::Refused(format!(
             "{} holds results of another {what}; verify {} again, or leave out --from",
@@ -54,11 +52,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
         ))),
     };
     let from = &summary.provenance;
-    fits(
-        Some(&from.study_sha256),
-        &study.digest(),
-        "study, or of its earlier text",
-    )?;
+    fits(Some(&from.study_sha256), &study.digest(), "study, or of its earlier text")?;
     // Another FMU may be the same model that carries a study already.
     let mut own = study.open_fmu(None)?;
     let same = digests(&mut own)? == digests(&mut package)?;
@@ -66,29 +60,15 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     if from.fmu_sha256.as_deref() != Some(&package.digest()?) {
         fits(from.fmu_sha256.as_ref(), &verified.digest()?, "FMU")?;
     }
-    let request = Request {
-        study: options.study.clone(),
-        fmu: Some(package.path().to_owned()),
-        ..Request::default()
-    };
+    let request = Request { study: options.study.clone(), fmu: Some(package.path().to_owned()), ..Request::default() };
     let runs = nominal::run(&mut Session::open(request)?);
     let runs = runs.unwrap_or_else(|error| {
-        left_out(
-            "no run with every parameter at its median is packed",
-            &error,
-        );
+        left_out("no run with every parameter at its median is packed", &error);
         Vec::new()
     });
     let runs = runs.into_iter().enumerate();
     let runs = runs.flat_map(|(case, runs)| nominal::files(case).into_iter().zip(runs));
-    let name = pack(
-        &mut package,
-        &study,
-        &results,
-        &summary,
-        runs.collect(),
-        &options.output,
-    )?;
+    let name = pack(&mut package, &study, &results, &summary, runs.collect(), &options.output)?;
     output::print(&format!(
         "{} carries the study {name}: orchestrator verify {} runs it and compares\n",
         options.output.display(),
@@ -99,12 +79,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
 
 /// The options of the study's own run.
 fn verification(options: &Pack, folder: &Path) -> Verify {
-    let mut line = vec![
-        "orchestrator".into(),
-        "verify".into(),
-        options.study.clone(),
-        "--validation".into(),
-    ];
+    let mut line = vec!["orchestrator".into(), "verify".into(), options.study.clone(), "--validation".into()];
     line.extend(["--output".into(), folder.to_owned()]);
     if let Some(fmu) = &options.fmu {
         line.extend(["--fmu".into(), fmu.clone()]);
@@ -117,9 +92,7 @@ fn verification(options: &Pack, folder: &Path) -> Verify {
 
 /// Whether a file is an FMU rather than a study: an archive.
 pub(super) fn is_fmu(path: &Path) -> bool {
-    let is_named = path
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
+    let is_named = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
     is_named && !fs::metadata(path).is_ok_and(|entry| entry.is_dir())
 }
 
@@ -130,11 +103,7 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     let (carried, others) = choose(&mut package, options.carried.as_deref())?;
     let name = &carried.name;
     // Two FMUs may carry studies of one name, and `pack` has the study's own results in a folder of this name.
-    let usual = || {
-        Path::new("results")
-            .join(fmu.file_name().unwrap_or_default())
-            .join(name)
-    };
+    let usual = || Path::new("results").join(fmu.file_name().unwrap_or_default()).join(name);
     let folder = options.work.output.clone().unwrap_or_else(usual);
     let place = folder.join(CARRIED);
     unpack(&mut package, name, &place)?;
@@ -164,39 +133,20 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     let mut comparison = compare(&results, &folder)?;
     comparison.as_packed = changed.is_empty() && altered.is_empty();
     let mut tests = vec![
-        Test::new(
-            "compare",
-            "smoke test",
-            Outcome::of(smoke.is_none(), || smoke.clone().unwrap_or_default()),
-        ),
-        Test::new(
-            "compare",
-            "the FMU is the one that was verified",
-            unchanged(&changed, options.gate.strict),
-        ),
-        Test::new(
-            "compare",
-            "what the FMU carries is as it was packed",
-            unchanged(&altered, options.gate.strict),
-        ),
+        Test::new("compare", "smoke test", Outcome::of(smoke.is_none(), || smoke.clone().unwrap_or_default())),
+        Test::new("compare", "the FMU is the one that was verified", unchanged(&changed, options.gate.strict)),
+        Test::new("compare", "what the FMU carries is as it was packed", unchanged(&altered, options.gate.strict)),
     ];
     tests.extend(comparison.tests(true));
     if let Some(difference) = smoke {
-        comparison.add(format!(
-            "The run with every parameter at its median differs: {difference}"
-        ));
+        comparison.add(format!("The run with every parameter at its median differs: {difference}"));
     }
     write(&comparison, &folder)?;
     let met = comparison.same && comparison.warnings.is_empty();
-    let mut text = format!(
-        "\nThe study {name}, which the FMU carries, against its result: {}\n",
-        comparison.headline()
-    );
+    let mut text =
+        format!("\nThe study {name}, which the FMU carries, against its result: {}\n", comparison.headline());
     if met {
-        text += &format!(
-            "The carried result is met again: {}.\n",
-            comparison.verdict()
-        );
+        text += &format!("The carried result is met again: {}.\n", comparison.verdict());
     }
     for what in &changed {
         text += &format!("warning: not the FMU that was verified: {what}\n");
@@ -205,10 +155,7 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
         text += &format!("warning: changed after it was packed: {what}\n");
     }
     if !others.is_empty() {
-        text += &format!(
-            "It also carries {}: --study NAME runs another one.\n",
-            others.join(", ")
-        );
+        text += &format!("It also carries {}: --study NAME runs another one.\n", others.join(", "));
     }
     output::print(&(text + &comparison.document().as_text()));
     if let Some(file) = file {
@@ -235,11 +182,8 @@ fn unchanged(changed: &[String], strict: bool) -> Outcome {
 
 /// How the nominal run differs from the one that the FMU carries, if it does.
 fn smoke_test(options: &Verify, results: &Path) -> Result<Option<String>, Error> {
-    let request = Request {
-        study: options.work.study.clone(),
-        fmu: options.work.means.fmu.clone(),
-        ..Request::default()
-    };
+    let request =
+        Request { study: options.work.study.clone(), fmu: options.work.means.fmu.clone(), ..Request::default() };
     let mut session = Session::open(request)?;
     for (number, case) in session.plan.cases.clone().iter().enumerate() {
         let files = nominal::files(number).map(|file| results.join(file));

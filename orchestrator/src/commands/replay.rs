@@ -74,11 +74,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
         };
         let value = value.map_or("no value".to_owned(), number);
         let unit = criterion.unit.as_deref().unwrap_or("");
-        let sign = if verdict.passed[number_of] {
-            "ok"
-        } else {
-            "not met"
-        };
+        let sign = if verdict.passed[number_of] { "ok" } else { "not met" };
         text += &format!("  {} = {value} {unit}: {sign}\n", criterion.name);
     }
     let accepted = accepted(&options.folder, &session.judge, values);
@@ -90,21 +86,14 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     }
     text += &files;
     output::print(&text);
-    Ok(if accepted.unwrap_or_else(|| verdict.verified()) {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    })
+    Ok(if accepted.unwrap_or_else(|| verdict.verified()) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// The cases whose trajectories are written, each with its file.
 fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Error> {
     let point = options.point;
     let wrong = |option, message: String| Err(Error::option(option, message));
-    let names: Vec<&str> = cases
-        .iter()
-        .filter_map(|case| case.name.as_deref())
-        .collect();
+    let names: Vec<&str> = cases.iter().filter_map(|case| case.name.as_deref()).collect();
     let chosen = match &options.case {
         None => None,
         Some(_) if names.is_empty() => {
@@ -130,10 +119,7 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
     let numbers = chosen.map_or(0..cases.len(), |case| case..case + 1);
     let file = |case| {
         let given = options.output.clone();
-        (
-            case,
-            given.unwrap_or_else(|| options.folder.join(usual(case))),
-        )
+        (case, given.unwrap_or_else(|| options.folder.join(usual(case))))
     };
     Ok(numbers.map(file).collect())
 }

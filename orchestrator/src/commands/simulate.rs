@@ -24,25 +24,18 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     let from = match &options.set_from {
         Some(path) => {
             let named = ssv::read(path, fmu)?.into_iter();
-            named
-                .map(|(_, reference, value)| (reference, value))
-                .collect()
+            named.map(|(_, reference, value)| (reference, value)).collect()
         }
         None => Vec::new(),
     };
     // The command line overrides the file.
     let kept = |(reference, value): &(u32, Value)| {
-        !set.iter()
-            .any(|(other, new)| other == reference && new.content() == value.content())
+        !set.iter().any(|(other, new)| other == reference && new.content() == value.content())
     };
     let schedule = schedule(fmu, options.start, options.stop, options.step)?;
     let task = Task {
         sizes: fmu.sizes.clone(),
-        fixed: from
-            .into_iter()
-            .filter(kept)
-            .chain(set.iter().cloned())
-            .collect(),
+        fixed: from.into_iter().filter(kept).chain(set.iter().cloned()).collect(),
         inputs: match &options.input {
             Some(path) => recorded::inputs(path, options.extrapolate.is_some(), fmu, &schedule)?,
             None => Vec::new(),
@@ -57,11 +50,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     let ours = options.step.is_none() && fmu.default_experiment.step.is_none();
     let step = ours.then_some(task.schedule.step);
     let run = Isolated::new(&mut package)?;
-    match options
-        .output
-        .as_deref()
-        .filter(|path| *path != Path::new("-"))
-    {
+    match options.output.as_deref().filter(|path| *path != Path::new("-")) {
         None => {
             let out = io::stdout().lock();
             match run.trajectory(&task, &[], &columns, out, "standard output".as_ref()) {
@@ -73,9 +62,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
         }
         Some(path) => {
             let file = File::create(path).map_err(Error::io(path))?;
-            let last = run
-                .trajectory(&task, &[], &columns, file, path)
-                .map_err(|error| of_step(error, step))?;
+            let last = run.trajectory(&task, &[], &columns, file, path).map_err(|error| of_step(error, step))?;
             output::print(&columns.summary(&last));
         }
     }
@@ -149,9 +136,7 @@ fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Variable, Settin
 /// The error with advice where the FMU refused a step that nobody has asked for.
 pub(super) fn of_step(error: Error, step: Option<f64>) -> Error {
     match (error, step) {
-        (Error::Simulation(failure @ Failure::Discard(_)), Some(step)) => {
-            Error::Step { failure, step }
-        }
+        (Error::Simulation(failure @ Failure::Discard(_)), Some(step)) => Error::Step { failure, step },
         (other, _) => other,
     }
 }

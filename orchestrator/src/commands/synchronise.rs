@@ -24,8 +24,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     let files = settings.files(&options.measured)?;
     let recorded = files.recording()?;
     let first = &options.measured[0];
-    let mut result =
-        synchronise(&recorded).map_err(|error| FileError::new(first, error.to_string()))?;
+    let mut result = synchronise(&recorded).map_err(|error| FileError::new(first, error.to_string()))?;
     result.warnings.extend(files.notes());
     if options.case.is_some() {
         let notes = files.too_tight(&recorded, &result);
@@ -34,11 +33,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     let folder = &options.output;
     make_folder(folder)?;
     let mut text = criteria::to_toml(&result, options.amplitudes);
-    if recorded
-        .bearing
-        .as_ref()
-        .is_some_and(|bearing| bearing.power.is_none())
-    {
+    if recorded.bearing.as_ref().is_some_and(|bearing| bearing.power.is_none()) {
         text += NO_POWER;
     }
     write_text(&folder.join("criteria.toml"), &text)?;
@@ -68,8 +63,7 @@ fn case(
         return Err(FileError::new(&options.settings, NO_DRIVE).into());
     }
     let case = Case::new(recorded, result, &drives);
-    case.check()
-        .map_err(|error| FileError::new(&options.settings, error.to_string()))?;
+    case.check().map_err(|error| FileError::new(&options.settings, error.to_string()))?;
     let frame = Frame {
         name,
         held_out: options.held_out,
@@ -86,8 +80,7 @@ fn case(
 }
 
 fn table(result: &Synchronised) -> String {
-    let mut text =
-        String::from("time_s,load_N,torque_before_Nm,torque_Nm,friction_before,friction,power_W\n");
+    let mut text = String::from("time_s,load_N,torque_before_Nm,torque_Nm,friction_before,friction,power_W\n");
     for (k, time) in result.time.iter().enumerate() {
         text += &format!(
             "{time:.6},{:.5e},{:.5e},{:.5e},{:.5e},{:.5e},{:.5e}\n",

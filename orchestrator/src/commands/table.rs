@@ -17,18 +17,11 @@ use study::concern::Concern;
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
 pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
     let answer = Answer::new(summary);
-    let place = folder.map_or_else(String::new, |place| {
-        format!("results in {}", place.display())
-    });
+    let place = folder.map_or_else(String::new, |place| format!("results in {}", place.display()));
     if verbose || folder.is_none() {
         let line = |label: &str, sentence: &str| format!("{label:<9}{sentence}\n");
         let all = [answer.decides.len(), answer.next.len()];
-        let parts = [
-            screen(&answer, all, line),
-            remarks(summary),
-            counts(summary),
-            best(summary),
-        ];
+        let parts = [screen(&answer, all, line), remarks(summary), counts(summary), best(summary)];
         return format!("{}\n{place}\n", parts.join("\n"));
     }
     // Of what does not fit, the less important is left out: first of what decides, down to its warnings, then of what to do next,
@@ -40,10 +33,7 @@ pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> S
     let without_remarks = (least..=decides).rev().map(|kept| [kept, next]);
     let without_advice = (1..next).rev().map(|kept| [least, kept]);
     let without_warnings = (2..least).rev().map(|kept| [kept, next.min(1)]);
-    let kept: Vec<[usize; 2]> = without_remarks
-        .chain(without_advice)
-        .chain(without_warnings)
-        .collect();
+    let kept: Vec<[usize; 2]> = without_remarks.chain(without_advice).chain(without_warnings).collect();
     let mut text = String::new();
     for rows in (1..=MOST_ROWS).rev() {
         let rows = least_met(summary, rows);
@@ -52,10 +42,7 @@ pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> S
                 0 => String::new(),
                 left => format!(" tells {left} more"),
             };
-            text = format!(
-                "{}\n{rows}{place} (report.html; here: --verbose{more})\n",
-                screen(&answer, kept, clipped)
-            );
+            text = format!("{}\n{rows}{place} (report.html; here: --verbose{more})\n", screen(&answer, kept, clipped));
             if height(&text) <= LINES {
                 return text;
             }
@@ -84,18 +71,12 @@ const LINES: usize = 24;
 /// How many lines a terminal of 80 columns takes for a text.
 fn height(text: &str) -> usize {
     const WIDTH: usize = 80;
-    let lines = text
-        .lines()
-        .map(|line| line.chars().count().div_ceil(WIDTH).max(1));
+    let lines = text.lines().map(|line| line.chars().count().div_ceil(WIDTH).max(1));
     lines.sum()
 }
 
 /// The first screen with so many sentences on what decides and on what to do next.
-fn screen(
-    answer: &Answer,
-    [decides, next]: [usize; 2],
-    line: impl Fn(&str, &str) -> String,
-) -> String {
+fn screen(answer: &Answer, [decides, next]: [usize; 2], line: impl Fn(&str, &str) -> String) -> String {
     let one = std::slice::from_ref;
     let parts = [
         ("Asked", one(&answer.asked)),
@@ -106,9 +87,7 @@ fn screen(
     let lines = |(label, sentences): (&str, &[String])| -> String {
         let labels = std::iter::once(label).chain(std::iter::repeat(""));
         let pairs = labels.zip(sentences);
-        pairs
-            .map(|(label, sentence)| line(label, sentence))
-            .collect()
+        pairs.map(|(label, sentence)| line(label, sentence)).collect()
     };
     let parts: String = parts.into_iter().map(lines).collect();
     format!("{} {}\n{parts}", answer.sign.mark(), answer.title)
@@ -127,15 +106,8 @@ fn least_met(summary: &Summary, most: usize) -> String {
         false => heads(summary),
     };
     for k in &shown {
-        let (name, entry) = summary
-            .criteria
-            .get_index(*k)
-            .expect("a criterion's number");
-        line(
-            &mut text,
-            &format!("{name}  {}", entry.criterion.wanted()),
-            &entry.count,
-        );
+        let (name, entry) = summary.criteria.get_index(*k).expect("a criterion's number");
+        line(&mut text, &format!("{name}  {}", entry.criterion.wanted()), &entry.count);
     }
     let left = summary.criteria.len() - shown.len();
     if left > 0 {
@@ -166,10 +138,8 @@ fn counts(summary: &Summary) -> String {
     }
     text.push('\n');
     text += &heads(summary);
-    let criteria = summary
-        .criteria
-        .iter()
-        .map(|(name, entry)| (format!("{name}  {}", entry.criterion.wanted()), entry.count));
+    let criteria =
+        summary.criteria.iter().map(|(name, entry)| (format!("{name}  {}", entry.criterion.wanted()), entry.count));
     for (condition, count) in criteria {
         line(&mut text, &condition, &count);
     }
@@ -178,11 +148,8 @@ fn counts(summary: &Summary) -> String {
         let held_out = if case.held_out { ", held out" } else { "" };
         line(&mut text, &format!("case {name}{held_out}"), &case.count);
     }
-    let all = Count {
-        passed: summary.verified,
-        fraction: summary.verified_fraction,
-        interval: summary.verified_interval,
-    };
+    let all =
+        Count { passed: summary.verified, fraction: summary.verified_fraction, interval: summary.verified_interval };
     // Where a share is required, points within the tolerances need neither be accepted nor verify the model.
     let conclusion = summary.conclusion.as_ref();
     let met = match conclusion.and_then(|conclusion| conclusion.required.as_ref()) {
@@ -215,10 +182,7 @@ fn most_probable(summary: &Summary) -> String {
         _ if summary.has_own_values() => String::new(),
         Some(point) => {
             let verified = if point.verified { "" } else { "not " };
-            format!(
-                "most probable point: {} ({verified}verified)\n",
-                point.point
-            )
+            format!("most probable point: {} ({verified}verified)\n", point.point)
         }
         None if summary.has_samples() => {
             "most probable point: unknown, since the density of a sample of parameters is unknown\n".to_owned()
@@ -227,8 +191,7 @@ fn most_probable(summary: &Summary) -> String {
             "most probable point: unknown, since the table has no parameters\n".to_owned()
         }
         None => {
-            "most probable point: unknown, since not every measured value has an uncertainty of its own\n"
-                .to_owned()
+            "most probable point: unknown, since not every measured value has an uncertainty of its own\n".to_owned()
         }
     }
 }
@@ -240,11 +203,7 @@ fn remarks(summary: &Summary) -> String {
     let doubt = |concern: &Concern| format!("{}: {concern}", concern.severity.name());
     let doubts = summary.concerns.iter().map(doubt);
     let remarks = conduct.chain(asides).chain(summary.left_out_remark());
-    remarks
-        .chain(doubts)
-        .chain(further(summary))
-        .map(|remark| format!("{remark}\n"))
-        .collect()
+    remarks.chain(doubts).chain(further(summary)).map(|remark| format!("{remark}\n")).collect()
 }
 
 /// The best point for people.
@@ -261,18 +220,11 @@ fn best(summary: &Summary) -> String {
         format!("{name} {value:.5}{unit}")
     };
     let parameters = summary.parameters.iter().map(|parameter| {
-        let value = best
-            .parameters
-            .get(&parameter.name)
-            .copied()
-            .unwrap_or(f64::NAN);
+        let value = best.parameters.get(&parameter.name).copied().unwrap_or(f64::NAN);
         with_unit(&parameter.name, value, parameter.unit.as_deref())
     });
     let values = best.values.iter().map(|(name, &value)| {
-        let unit = summary
-            .criteria
-            .get(name)
-            .and_then(|entry| entry.criterion.unit.as_deref());
+        let unit = summary.criteria.get(name).and_then(|entry| entry.criterion.unit.as_deref());
         with_unit(name, value, unit)
     });
     let kind = match best.verified {
@@ -280,10 +232,5 @@ fn best(summary: &Summary) -> String {
         false => "nearest point".to_owned(),
     };
     let parts: Vec<String> = values.chain(parameters).collect();
-    format!(
-        "\n{kind}: {}\n  {}\n{}",
-        best.point,
-        parts.join("\n  "),
-        most_probable(summary)
-    )
+    format!("\n{kind}: {}\n  {}\n{}", best.point, parts.join("\n  "), most_probable(summary))
 }

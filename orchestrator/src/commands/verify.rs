@@ -51,17 +51,11 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         output::print(&cost::of(&mut verification, means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
-    let place = Place {
-        output: &folder,
-        analysis: None,
-        earlier: options.work.parts.earlier(),
-    };
+    let place = Place { output: &folder, analysis: None, earlier: options.work.parts.earlier() };
     let header = verification.header.clone();
-    let taken = place.take(verification.parts(), &header, || {
-        match place.earlier == Earlier::Resumed {
-            true => extend(&verification, &folder),
-            false => Ok(()),
-        }
+    let taken = place.take(verification.parts(), &header, || match place.earlier == Earlier::Resumed {
+        true => extend(&verification, &folder),
+        false => Ok(()),
     })?;
     let work = Work {
         means,
@@ -76,53 +70,28 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         let (done, computed) = (pipeline.done(), pipeline.computed());
         let halt = pipeline.interrupted();
         hosts = pipeline.answered();
-        Ok((
-            done,
-            computed,
-            (done < of.expected() && !enough).then_some(halt),
-        ))
+        Ok((done, computed, (done < of.expected() && !enough).then_some(halt)))
     })?;
     let (done, computed, halt) = computed;
     if let Some(halt) = halt {
         return Err(halt.into());
     }
     if verification.session.request.shard.is_some() {
-        output::print(&format!(
-            "{done} points in {}; `orchestrator merge` joins the shards\n",
-            folder.display()
-        ));
+        output::print(&format!("{done} points in {}; `orchestrator merge` joins the shards\n", folder.display()));
         return Ok(ExitCode::SUCCESS);
     }
-    let run = Run {
-        hosts,
-        ..Run::since(begun, computed, jobs)
-    };
+    let run = Run { hosts, ..Run::since(begun, computed, jobs) };
     let summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked)?;
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
     let jobs = means.jobs_here().min(jobs);
-    let wish = Wish {
-        most: options.extra_runs,
-        validation: options.validation,
-        limits: means.limits(jobs)?,
-        jobs,
-    };
-    conclude(
-        &mut verification,
-        &folder,
-        summary,
-        &wish,
-        (&options.gate, options.verbose),
-    )
+    let wish = Wish { most: options.extra_runs, validation: options.validation, limits: means.limits(jobs)?, jobs };
+    conclude(&mut verification, &folder, summary, &wish, (&options.gate, options.verbose))
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
-fn check(
-    options: &Verify,
-    verification: &Verification,
-    looked: &Looked,
-) -> Result<Option<Ending>, Error> {
+fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>, Error> {
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
         let message = "the design has as many points as the levels make; change `levels`";
@@ -130,9 +99,7 @@ fn check(
     }
     let ending = options.until;
     let ending = ending.map(|until| verification.ending(until, &looked.history));
-    ending
-        .transpose()
-        .map_err(|message| Error::option("until", message))
+    ending.transpose().map_err(|message| Error::option("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
@@ -199,12 +166,8 @@ fn plan(verification: &Verification, folder: &Path) -> String {
         )
     };
     let cases: Vec<String> = session.plan.cases.iter().map(simulated).collect();
-    let mut text = format!(
-        "{} of {} into {}\n",
-        counted(verification.expected(), "point"),
-        cases.join(", "),
-        folder.display()
-    );
+    let mut text =
+        format!("{} of {} into {}\n", counted(verification.expected(), "point"), cases.join(", "), folder.display());
     for input in &session.plan.inputs {
         let unit = input.unit.as_deref().unwrap_or("");
         let [low, high] = [0.025, 0.975].map(|u| input.distribution.quantile(u));
@@ -232,9 +195,7 @@ fn set(session: &Session) -> String {
     let mut recorded: IndexMap<&str, [f64; 2]> = IndexMap::new();
     let cases = session.plan.cases.iter();
     for series in cases.flat_map(|case| &case.task.inputs) {
-        let [low, high] = recorded
-            .entry(&series.slot.name)
-            .or_insert([f64::INFINITY, f64::NEG_INFINITY]);
+        let [low, high] = recorded.entry(&series.slot.name).or_insert([f64::INFINITY, f64::NEG_INFINITY]);
         for value in &series.values {
             (*low, *high) = (low.min(*value), high.max(*value));
         }
@@ -268,11 +229,7 @@ fn request(options: &Verify) -> Result<Request, Error> {
 }
 
 /// Runs all points that are not finished; says whether no further ones are needed.
-fn compute(
-    verification: &Verification,
-    pipeline: &mut Pipeline<'_>,
-    ending: Option<&Ending>,
-) -> Result<bool, Error> {
+fn compute(verification: &Verification, pipeline: &mut Pipeline<'_>, ending: Option<&Ending>) -> Result<bool, Error> {
     let judge = &verification.session.judge;
     let job = |index| verification.job(index);
     pipeline.doubt(&job)?;
@@ -308,11 +265,7 @@ fn compute(
                     Step::Void(_) => void = true,
                 }
             }
-            if enough || void {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+            if enough || void { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })?;
         if !void {
             return Ok(enough);

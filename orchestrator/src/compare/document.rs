@@ -18,11 +18,7 @@ impl Comparison {
         told.table(self.counts());
         told.heading(format!("Changes at {} points", count(self.pairs as usize)));
         told.table(self.changes());
-        for (name, change) in self
-            .criteria
-            .iter()
-            .filter(|(_, change)| !change.regions.is_empty())
-        {
+        for (name, change) in self.criteria.iter().filter(|(_, change)| !change.regions.is_empty()) {
             told.say(format!("Where {name} changed most:"));
             told.table(regions(name, change));
         }
@@ -32,14 +28,9 @@ impl Comparison {
 
     /// The answer in one sentence.
     pub fn headline(&self) -> String {
-        let explained = self
-            .criteria
-            .values()
-            .any(|change| change.changed > change.beyond);
+        let explained = self.criteria.values().any(|change| change.changed > change.beyond);
         match (self.same, self.warnings.is_empty()) {
-            (true, true) if explained => {
-                "No difference beyond the numerical uncertainty".to_owned()
-            }
+            (true, true) if explained => "No difference beyond the numerical uncertainty".to_owned(),
             (true, true) => "No difference".to_owned(),
             (true, false) => "The same verdict, and a change".to_owned(),
             (false, _) => "The results differ".to_owned(),
@@ -48,8 +39,7 @@ impl Comparison {
 
     fn counts(&self) -> Table {
         let sides = [&self.old, &self.new];
-        let row =
-            |name: &str, cells: [String; 2]| [[name.to_owned()].to_vec(), cells.to_vec()].concat();
+        let row = |name: &str, cells: [String; 2]| [[name.to_owned()].to_vec(), cells.to_vec()].concat();
         let number = |value: u64| count(value as usize);
         let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
@@ -64,20 +54,11 @@ impl Comparison {
                 row("verdict", sides.map(|side| said(side.verdict))),
                 row("points", sides.map(|side| number(side.points))),
                 row("without a result", sides.map(|side| number(side.failed))),
-                row(
-                    "within all tolerances",
-                    sides.map(|side| number(side.verified)),
-                ),
-                row(
-                    "accepted",
-                    sides.map(|side| side.accepted.map_or_else(|| "–".to_owned(), number)),
-                ),
+                row("within all tolerances", sides.map(|side| number(side.verified))),
+                row("accepted", sides.map(|side| side.accepted.map_or_else(|| "–".to_owned(), number))),
                 row("model version", sides.map(|side| text(&side.fmu_version))),
                 row("FMU, SHA-256", [short(&self.old.fmu_sha256), new_fmu]),
-                row(
-                    "study, SHA-256",
-                    sides.map(|side| short(&Some(side.study_sha256.clone()))),
-                ),
+                row("study, SHA-256", sides.map(|side| short(&Some(side.study_sha256.clone())))),
                 row("program", sides.map(|side| side.orchestrator.clone())),
             ],
             ..Table::default()
@@ -86,21 +67,15 @@ impl Comparison {
 
     fn changes(&self) -> Table {
         let row = |(name, change): (&String, &Change)| {
-            let share =
-                |of: Option<f64>| of.map_or_else(|| "–".to_owned(), |of| number(100.0 * of, 3));
+            let share = |of: Option<f64>| of.map_or_else(|| "–".to_owned(), |of| number(100.0 * of, 3));
             let largest = change.largest;
             vec![
                 with_unit(name, change.unit.as_deref().unwrap_or_default()),
                 count(change.changed as usize),
                 count(change.beyond as usize),
-                change
-                    .numerical_uncertainty
-                    .map_or_else(|| "not stated".to_owned(), |u| number(u, 3)),
+                change.numerical_uncertainty.map_or_else(|| "not stated".to_owned(), |u| number(u, 3)),
                 number(change.mean, 3),
-                largest.map_or_else(
-                    || "–".to_owned(),
-                    |largest| number(largest.new - largest.old, 3),
-                ),
+                largest.map_or_else(|| "–".to_owned(), |largest| number(largest.new - largest.old, 3)),
                 share(largest.map(|largest| largest.of_tolerance)),
                 largest.map_or_else(|| "–".to_owned(), |largest| largest.point.to_string()),
                 count(change.flipped.count as usize),
@@ -139,12 +114,7 @@ fn regions(name: &str, change: &Change) -> Table {
     });
     Table {
         name: format!("Where {name} changed most"),
-        columns: vec![
-            words("Parameter"),
-            numbers("Most changed"),
-            numbers("Others"),
-            numbers("Distance"),
-        ],
+        columns: vec![words("Parameter"), numbers("Most changed"), numbers("Others"), numbers("Distance")],
         rows: rows.collect(),
         ..Table::default()
     }

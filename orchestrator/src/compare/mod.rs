@@ -197,11 +197,7 @@ pub struct Comparison {
 /// Whether two numbers differ by no more than rounding; `scale` is a length that matters.
 pub fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
     let size = old.abs().max(new.abs());
-    let size = if scale.is_finite() {
-        size.max(scale)
-    } else {
-        size
-    };
+    let size = if scale.is_finite() { size.max(scale) } else { size };
     old.to_bits() == new.to_bits() || (new - old).abs() <= ROUNDING * size
 }
 
@@ -218,8 +214,7 @@ pub fn compare(old: &Path, new: &Path) -> Result<Comparison, Error> {
 fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -> Comparison {
     let pairs = Pairs::new(&before.1, &now.1);
     let [only_old, only_new, other_parameters] =
-        [&pairs.only_old, &pairs.only_new, &pairs.other_parameters]
-            .map(|points| points.iter().copied().collect());
+        [&pairs.only_old, &pairs.only_new, &pairs.other_parameters].map(|points| points.iter().copied().collect());
     let mut told = Comparison {
         old: Side::new(old, &before.0),
         new: Side::new(new, &now.0),
@@ -244,23 +239,14 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         let Some((l, _, is)) = now.0.criteria.get_full(name) else {
             continue;
         };
-        if was.criterion.unit != is.criterion.unit
-            || was.criterion.source() != is.criterion.source()
-        {
+        if was.criterion.unit != is.criterion.unit || was.criterion.source() != is.criterion.source() {
             continue;
         }
         let uncertainty = uncertainty(name, [&before.0, &now.0]);
         let columns = [&before.1.criteria[k], &now.1.criteria[l]];
-        let values: Vec<[f64; 2]> = pairs
-            .both
-            .iter()
-            .map(|[i, j]| [columns[0].values[*i], columns[1].values[*j]])
-            .collect();
-        let ok: Vec<[bool; 2]> = pairs
-            .both
-            .iter()
-            .map(|[i, j]| [columns[0].ok[*i], columns[1].ok[*j]])
-            .collect();
+        let values: Vec<[f64; 2]> =
+            pairs.both.iter().map(|[i, j]| [columns[0].values[*i], columns[1].values[*j]]).collect();
+        let ok: Vec<[bool; 2]> = pairs.both.iter().map(|[i, j]| [columns[0].ok[*i], columns[1].ok[*j]]).collect();
         let judged = Judged {
             criterion: &was.criterion,
             uncertainty,
@@ -274,8 +260,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         let change = judged.change(&before.1, &pairs, &values, &ok, &mut really);
         told.criteria.insert(name.clone(), change);
     }
-    let same_criteria = told.criteria.len() == before.0.criteria.len()
-        && told.criteria.len() == now.0.criteria.len();
+    let same_criteria = told.criteria.len() == before.0.criteria.len() && told.criteria.len() == now.0.criteria.len();
     let contradictory = pairs.both.iter().enumerate().filter(|(pair, [i, j])| {
         let is_other = before.1.verified[*i] != now.1.verified[*j];
         without_reason[*pair] || (same_criteria && is_other && !with_reason[*pair])
@@ -307,11 +292,7 @@ fn miscounted(summary: &Summary, table: &PointTable) -> Vec<String> {
     let mut counts = vec![
         ("points".to_owned(), summary.points, table.len() as u64),
         ("points without a result".to_owned(), summary.failed, failed),
-        (
-            "points within all tolerances".to_owned(),
-            summary.verified,
-            count(&table.verified),
-        ),
+        ("points within all tolerances".to_owned(), summary.verified, count(&table.verified)),
     ];
     let criteria = summary.criteria.iter().zip(&table.criteria);
     counts.extend(criteria.map(|((name, entry), column)| {
@@ -360,10 +341,7 @@ impl Judged<'_> {
         let changed: Vec<usize> = both.iter().copied().filter(is_changed).collect();
         let exceeds = |pair: &usize| difference(*pair).abs() > self.uncertainty.unwrap_or(0.0);
         let beyond: Vec<usize> = changed.iter().copied().filter(exceeds).collect();
-        let flipped = both
-            .iter()
-            .copied()
-            .filter(|&pair| ok[pair][0] != ok[pair][1]);
+        let flipped = both.iter().copied().filter(|&pair| ok[pair][0] != ok[pair][1]);
         let is_real = |pair: &usize| self.other_limits || (is_changed(pair) && exceeds(pair));
         let (flipped, within): (Vec<usize>, Vec<usize>) = flipped.partition(is_real);
         flipped.iter().for_each(|&pair| really[pair] = true);
@@ -385,11 +363,7 @@ impl Judged<'_> {
             numerical_uncertainty: self.uncertainty,
             changed: changed.len() as u64,
             beyond: beyond.len() as u64,
-            mean: if differences.is_empty() {
-                0.0
-            } else {
-                mean(&differences)
-            },
+            mean: if differences.is_empty() { 0.0 } else { mean(&differences) },
             largest,
             regions: regions(table, pairs, &both, &beyond, &flipped, &differences),
             flipped: ids(&flipped),
@@ -421,15 +395,9 @@ fn regions(
             both.iter().map(|pair| flipped.contains(pair)).collect()
         }
         _ => {
-            let sizes: Vec<f64> = differences
-                .iter()
-                .map(|difference| difference.abs())
-                .collect();
+            let sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
             let limit = quantile(&sorted(sizes.clone()), 0.9);
-            sizes
-                .iter()
-                .map(|size| *size >= limit && *size > 0.0)
-                .collect()
+            sizes.iter().map(|size| *size >= limit && *size > 0.0).collect()
         }
     };
     let count = chosen.iter().filter(|chosen| **chosen).count();
@@ -439,19 +407,12 @@ fn regions(
     let columns: Vec<Vec<f64>> = table
         .parameters
         .iter()
-        .map(|parameter| {
-            both.iter()
-                .map(|&pair| parameter.values[pairs.both[pair][0]])
-                .collect()
-        })
+        .map(|parameter| both.iter().map(|&pair| parameter.values[pairs.both[pair][0]]).collect())
         .collect();
     let borrowed: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let splits = regional::split(&borrowed, &chosen).unwrap_or_default();
     let inner = |values: &[f64], wanted: bool| {
-        let of_side = values
-            .iter()
-            .zip(&chosen)
-            .filter(|(_, chosen)| **chosen == wanted);
+        let of_side = values.iter().zip(&chosen).filter(|(_, chosen)| **chosen == wanted);
         let of_side = sorted(of_side.map(|(value, _)| *value).collect());
         [0.05, 0.95].map(|part| quantile(&of_side, part))
     };
@@ -471,11 +432,7 @@ fn regions(
 }
 
 fn points(count: u64) -> String {
-    format!(
-        "{} point{}",
-        grouped(count),
-        if count == 1 { "" } else { "s" }
-    )
+    format!("{} point{}", grouped(count), if count == 1 { "" } else { "s" })
 }
 
 fn said(verdict: Option<Decision>) -> String {
@@ -531,26 +488,17 @@ impl Comparison {
             (&self.lost, "without a result that had one"),
             (&self.gained, "with a result that had none"),
             (&self.flipped, "on the other side of the tolerances"),
-            (
-                &self.contradictory,
-                "with another answer at the same values",
-            ),
+            (&self.contradictory, "with another answer at the same values"),
         ];
         for (found, what) in kinds.into_iter().filter(|(found, _)| found.count > 0) {
             let first: Vec<String> = found.first.iter().take(5).map(u64::to_string).collect();
             let more = if found.count > 5 { ", ..." } else { "" };
-            differences.push(format!(
-                "{} {what}: {}{more}",
-                points(found.count),
-                first.join(", ")
-            ));
+            differences.push(format!("{} {what}: {}{more}", points(found.count), first.join(", ")));
         }
         for (these, others, side) in [(before, now, "old"), (now, before, "new")] {
             let is_missing = |name: &&String| !others.criteria.contains_key(*name);
             let missing = these.criteria.keys().filter(is_missing);
-            differences.extend(
-                missing.map(|name| format!("The criterion {name} is only in the {side} result")),
-            );
+            differences.extend(missing.map(|name| format!("The criterion {name} is only in the {side} result")));
         }
         for (name, was) in &before.criteria {
             let Some(is) = now.criteria.get(name) else {
@@ -563,13 +511,11 @@ impl Comparison {
             };
             let (old, new) = (in_words(was), in_words(is));
             if old != new {
-                differences.push(format!(
-                    "The criterion {name} was the {old} and is the {new}: its values are not compared"
-                ));
+                differences
+                    .push(format!("The criterion {name} was the {old} and is the {new}: its values are not compared"));
             } else if was.criterion.limits != is.criterion.limits {
                 let [old, new] = [was, is].map(|count| count.criterion.wanted());
-                self.warnings
-                    .push(format!("The criterion {name} was `{old}` and is `{new}`"));
+                self.warnings.push(format!("The criterion {name} was `{old}` and is `{new}`"));
             }
         }
         for name in self.criteria.keys() {
@@ -583,10 +529,7 @@ impl Comparison {
                 number(old, 4)
             ));
         }
-        let changed = self
-            .criteria
-            .iter()
-            .filter_map(|(name, change)| change.told(name));
+        let changed = self.criteria.iter().filter_map(|(name, change)| change.told(name));
         self.warnings.extend(changed);
         self.same = differences.is_empty();
         self.differences = differences;
@@ -612,10 +555,7 @@ impl Comparison {
             };
             Test::new(class, name, outcome)
         });
-        let first = [
-            Test::new(class, "verdict", verdict),
-            Test::new(class, "points", whole),
-        ];
+        let first = [Test::new(class, "verdict", verdict), Test::new(class, "points", whole)];
         first.into_iter().chain(criteria).collect()
     }
 }
@@ -635,11 +575,7 @@ mod tests {
             (1.0, 2.0, f64::INFINITY, false),
             (f64::MAX, f64::MAX, 1.0, true),
         ] {
-            assert_eq!(
-                is_rounding(old, new, scale),
-                expected,
-                "{old} {new} {scale}"
-            );
+            assert_eq!(is_rounding(old, new, scale), expected, "{old} {new} {scale}");
         }
     }
 }

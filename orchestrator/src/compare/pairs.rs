@@ -21,19 +21,13 @@ impl Pairs {
     pub(super) fn new(old: &PointTable, new: &PointTable) -> Self {
         let named = |table: &PointTable| -> HashMap<(String, String), usize> {
             let columns = table.parameters.iter().enumerate();
-            columns
-                .map(|(k, column)| ((column.name.clone(), column.unit.clone()), k))
-                .collect()
+            columns.map(|(k, column)| ((column.name.clone(), column.unit.clone()), k)).collect()
         };
         let (theirs, ours) = (named(old), named(new));
         // What `judge` has read says nothing of parameters: there the number alone tells a point.
         let is_judged = theirs.is_empty() || ours.is_empty();
-        let same_columns = is_judged
-            || theirs.len() == ours.len() && theirs.keys().all(|name| ours.contains_key(name));
-        let columns: Vec<[usize; 2]> = theirs
-            .iter()
-            .filter_map(|(name, k)| Some([*k, *ours.get(name)?]))
-            .collect();
+        let same_columns = is_judged || theirs.len() == ours.len() && theirs.keys().all(|name| ours.contains_key(name));
+        let columns: Vec<[usize; 2]> = theirs.iter().filter_map(|(name, k)| Some([*k, *ours.get(name)?])).collect();
         let rows: HashMap<u64, usize> = new.ids.iter().copied().zip(0..).collect();
         let mut pairs = Self::default();
         for (i, id) in old.ids.iter().copied().enumerate() {
@@ -51,12 +45,7 @@ impl Pairs {
             }
         }
         let known: HashMap<u64, usize> = old.ids.iter().copied().zip(0..).collect();
-        pairs.only_new = new
-            .ids
-            .iter()
-            .copied()
-            .filter(|id| !known.contains_key(id))
-            .collect();
+        pairs.only_new = new.ids.iter().copied().filter(|id| !known.contains_key(id)).collect();
         pairs
     }
 }

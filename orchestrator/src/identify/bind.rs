@@ -5,8 +5,7 @@ use super::late::Reading;
 use crate::judge::sense;
 use calibration::discrepancy::Unknown;
 use calibration::problem::{
-    Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind,
-    Source, Spacing,
+    Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind, Source, Spacing,
 };
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
@@ -16,9 +15,7 @@ use fmu_import::units::Conversion;
 use fmu_points::task::{Case as Simulation, Probe, Slot};
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::identification::{
-    DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText,
-};
+use study::identification::{DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText};
 use study::limit::gain;
 use study::plan::{Plan, find, slot_of};
 use study::{Name, Study};
@@ -71,18 +68,8 @@ impl Bound {
     ///
     /// # Errors
     /// When a name, a unit, a number or a column does not fit.
-    pub fn new(
-        study: &Study,
-        settings: &Identification,
-        fmu: &Description,
-    ) -> Result<Self, FileError> {
-        Binder {
-            study,
-            settings,
-            fmu,
-            table: Columns::read(study, settings)?,
-        }
-        .bind()
+    pub fn new(study: &Study, settings: &Identification, fmu: &Description) -> Result<Self, FileError> {
+        Binder { study, settings, fmu, table: Columns::read(study, settings)? }.bind()
     }
 
     /// Lets a variable take a value of each query.
@@ -130,12 +117,7 @@ pub(super) struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    pub(super) fn new(
-        study: &Study,
-        fmu: &'a Description,
-        name: &Name,
-        unit: Option<&str>,
-    ) -> Result<Self, FileError> {
+    pub(super) fn new(study: &Study, fmu: &'a Description, name: &Name, unit: Option<&str>) -> Result<Self, FileError> {
         let variable = find(fmu, name.as_ref()).map_err(|m| study.error_at(name, m))?;
         let input = || {
             let slot = slot_of(variable)?;
@@ -194,8 +176,7 @@ impl Binder<'_> {
             return Err(self.study.error(message));
         }
         if settings.free.is_empty() || settings.measured.is_empty() {
-            let message =
-                "identify needs at least one [identify.free.NAME] and one [identify.measured.NAME]";
+            let message = "identify needs at least one [identify.free.NAME] and one [identify.measured.NAME]";
             return Err(self.study.error(message));
         }
         check_difference(self.study, settings)?;
@@ -208,13 +189,8 @@ impl Binder<'_> {
             ..Bound::default()
         };
         let labels = self.table.labels.iter();
-        bound.problem.cases = labels
-            .map(|label| Case {
-                label: label.to_string(),
-                latents: Vec::new(),
-                measured: Vec::new(),
-            })
-            .collect();
+        bound.problem.cases =
+            labels.map(|label| Case { label: label.to_string(), latents: Vec::new(), measured: Vec::new() }).collect();
         self.bind_known(&mut bound)?;
         self.bind_free(&mut bound)?;
         self.bind_latent(&mut bound)?;
@@ -277,17 +253,13 @@ impl Binder<'_> {
             let cases = bound.problem.cases.iter_mut().zip(&self.table.labels);
             for ((case, label), middle) in cases.zip(middles) {
                 let exception = text.except.iter().find(|e| e.case.as_ref() == label);
-                let interval =
-                    interval(middle, text, exception, &input.scale).map_err(self.at(name))?;
+                let interval = interval(middle, text, exception, &input.scale).map_err(self.at(name))?;
                 for end in [interval.min, interval.max] {
                     input.check(end).map_err(self.at(name))?;
                 }
                 case.latents.push(interval);
             }
-            bound.problem.latents.push(Latent {
-                name: name.as_ref().clone(),
-                unit: input.scale.unit.clone(),
-            });
+            bound.problem.latents.push(Latent { name: name.as_ref().clone(), unit: input.scale.unit.clone() });
             bound.inputs.push(input.scale.conversion);
             bound.vary(input.slot);
         }
@@ -301,19 +273,14 @@ impl Binder<'_> {
             let values = self.values(text.column.as_deref(), text.value.as_ref(), (&scale, sense));
             let values = values.map_err(self.at(name))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {
-                let deviation = |what, number| {
-                    deviation(what, number, text, value, &scale).map_err(self.at(name))
-                };
+                let deviation = |what, number| deviation(what, number, text, value, &scale).map_err(self.at(name));
                 let mut accuracy = deviation("accuracy", &text.accuracy)?;
                 if let Some(DiscrepancyText::Known(known)) = &text.discrepancy {
                     accuracy = accuracy.hypot(deviation("discrepancy", known)?);
                 }
                 case.measured.push(Measured { value, accuracy });
             }
-            bound.problem.quantities.push(Quantity {
-                name: name.as_ref().clone(),
-                unit: scale.unit.clone(),
-            });
+            bound.problem.quantities.push(Quantity { name: name.as_ref().clone(), unit: scale.unit.clone() });
             self.bind_shared(bound, name, text, &scale)?;
             if matches!(text.discrepancy, Some(DiscrepancyText::Unknown(_))) {
                 let quantity = bound.problem.quantities.len() - 1;
@@ -321,11 +288,7 @@ impl Binder<'_> {
                 bound.discrepancies.push(unknown);
             }
             let back = scale.conversion.inverse();
-            bound.outputs.push(if text.statistic.is_difference() {
-                back.of_differences()
-            } else {
-                back
-            });
+            bound.outputs.push(if text.statistic.is_difference() { back.of_differences() } else { back });
             bound.readings.push(Reading::Value(bound.readings.len()));
             bound.observe(probe);
         }
@@ -351,12 +314,9 @@ impl Binder<'_> {
             let expanded = match kind {
                 SharedKind::Gain => Some(gain(stated).map_err(self.at(name))?),
                 _ if stated.unit.as_deref() == Some("%") => None,
-                _ => Some(
-                    scale
-                        .number(stated, Sense::Difference)
-                        .map_err(self.at(name))?,
-                )
-                .filter(|number| *number > 0.0),
+                _ => {
+                    Some(scale.number(stated, Sense::Difference).map_err(self.at(name))?).filter(|number| *number > 0.0)
+                }
             };
             let expanded = expanded.ok_or_else(|| {
                 self.at(name)(format!(
@@ -381,10 +341,7 @@ impl Binder<'_> {
                 limit: expanded,
                 sources: vec![(problem.sources.len(), standard)],
             });
-            problem.sources.push(Source {
-                effects: effects.collect(),
-                rectangular: false,
-            });
+            problem.sources.push(Source { effects: effects.collect(), rectangular: false });
         }
         Ok(())
     }
@@ -426,22 +383,14 @@ impl Binder<'_> {
 /// When its numbers or their units do not fit.
 fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
     let number = |quantity: &Text, sense| scale.number(quantity, sense);
-    let prior = match (
-        text.scale,
-        &text.mean,
-        &text.deviation,
-        &text.median,
-        text.factor,
-    ) {
+    let prior = match (text.scale, &text.mean, &text.deviation, &text.median, text.factor) {
         (_, None, None, None, None) => None,
-        (Spacing::Linear, Some(mean), Some(deviation), None, None) => Some(Prior {
-            centre: number(mean, Sense::Value)?,
-            spread: number(deviation, Sense::Difference)?,
-        }),
-        (Spacing::Log, None, None, Some(median), Some(factor)) => Some(Prior {
-            centre: number(median, Sense::Value)?,
-            spread: factor,
-        }),
+        (Spacing::Linear, Some(mean), Some(deviation), None, None) => {
+            Some(Prior { centre: number(mean, Sense::Value)?, spread: number(deviation, Sense::Difference)? })
+        }
+        (Spacing::Log, None, None, Some(median), Some(factor)) => {
+            Some(Prior { centre: number(median, Sense::Value)?, spread: factor })
+        }
         (Spacing::Linear, ..) => {
             return Err("a prior on a linear scale has `mean` and `deviation`".to_owned());
         }
@@ -473,9 +422,7 @@ fn interval(
         if distance > 0.0 {
             Ok(distance)
         } else {
-            Err(format!(
-                "an interval's end must be more than {distance} away from its middle"
-            ))
+            Err(format!("an interval's end must be more than {distance} away from its middle"))
         }
     };
     Ok(Interval {
@@ -485,13 +432,7 @@ fn interval(
 }
 
 /// A standard deviation of measured values: the `what` of the study's text.
-fn deviation(
-    what: &str,
-    number: &Text,
-    text: &MeasuredText,
-    value: f64,
-    scale: &Scale<'_>,
-) -> Result<f64, String> {
+fn deviation(what: &str, number: &Text, text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
     let deviation = match number.unit.as_deref() {
         Some("%") => {
             let written = text.value.clone().unwrap_or(value.into());

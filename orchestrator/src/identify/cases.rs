@@ -20,23 +20,14 @@ impl Columns {
         let latent = latent.map(|(name, latent)| (name, latent.column.as_ref()));
         let measured = settings.measured.iter();
         let measured = measured.map(|(name, text)| (name, text.column.as_ref()));
-        let named: Vec<(&Name, &String)> = known
-            .chain(latent)
-            .chain(measured)
-            .filter_map(|(name, column)| Some((name, column?)))
-            .collect();
+        let named: Vec<(&Name, &String)> =
+            known.chain(latent).chain(measured).filter_map(|(name, column)| Some((name, column?))).collect();
         let Some(path) = &settings.cases else {
             if let Some((name, column)) = named.first() {
-                let message = format!(
-                    "column `{column}` of which table? `cases` is missing under [identify]"
-                );
+                let message = format!("column `{column}` of which table? `cases` is missing under [identify]");
                 return Err(study.error_at(name, message));
             }
-            return Ok(Self {
-                names: Vec::new(),
-                rows: vec![Vec::new()],
-                labels: vec![1],
-            });
+            return Ok(Self { names: Vec::new(), rows: vec![Vec::new()], labels: vec![1] });
         };
         let wanted = named.iter();
         let wanted = wanted.map(|(name, column)| number_tables::column(column, name.as_ref()));
@@ -44,11 +35,7 @@ impl Columns {
         let table = Table::read_points(&study.path_of(path.as_ref()), &wanted)
             .map_err(|error| study.error_at(path, error.to_string()))?;
         let names = named.into_iter().map(|(_, column)| column.clone());
-        Ok(Self {
-            names: names.collect(),
-            rows: table.rows,
-            labels: table.labels,
-        })
+        Ok(Self { names: names.collect(), rows: table.rows, labels: table.labels })
     }
 
     /// How many cases there are.

@@ -13,8 +13,8 @@ use super::offsets;
 use crate::judge::{Criterion, Judge};
 use calibration::digits::rounded;
 use calibration::problem::{
-    Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity,
-    SharedKind, Source, Spacing,
+    Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind, Source,
+    Spacing,
 };
 use calibration::text::digits;
 use conformity::uncertainty::{self, Law, Uncertainty};
@@ -40,16 +40,11 @@ const CHANGED: &str = "The uncertainty of such a curve is one error that all its
 ///
 /// # Errors
 /// When a criterion or a parameter does not say what identification needs, with its place and the remedy.
-pub fn bind(
-    study: &Study,
-    settings: &Identification,
-    fmu: &Description,
-) -> Result<Bound, FileError> {
+pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Result<Bound, FileError> {
     check(study, settings)?;
     let mut fitted = study.fitted();
     if let (Some(first), true) = (study.cases.first(), fitted.cases.is_empty()) {
-        let message =
-            "every case is held out, so there is nothing to fit; remove `held-out` from one";
+        let message = "every case is held out, so there is nothing to fit; remove `held-out` from one";
         return Err(study.error_at(&first.name, message));
     }
     for text in fitted.parameters.values_mut() {
@@ -73,13 +68,7 @@ pub fn bind(
         latents: Vec::new(),
         measured: Vec::new(),
     });
-    Unknowns {
-        study,
-        settings,
-        fmu,
-        plan: &plan,
-    }
-    .bind(&mut bound)?;
+    Unknowns { study, settings, fmu, plan: &plan }.bind(&mut bound)?;
     offsets::add(&fitted, fmu, &mut bound)?;
     let mut assumed = std::mem::take(&mut bound.notes);
     let criteria = fitted.criteria.iter().zip(&judge.criteria);
@@ -87,9 +76,7 @@ pub fn bind(
     let tied = Tied::new(&judge);
     let mut shared = Shared::default();
     let mut lags = Lags::default();
-    for (number, (((name, text), criterion), ((case, probe), conversion))) in
-        criteria.zip(probes).enumerate()
-    {
+    for (number, (((name, text), criterion), ((case, probe), conversion))) in criteria.zip(probes).enumerate() {
         let first = bound.problem.quantities.len();
         if let Some(curve) = &probe.curve {
             bound.curves.push(BoundCurve {
@@ -102,44 +89,31 @@ pub fn bind(
         let data = match &probe.curve {
             Some(curve) => {
                 let sensor = fitted.sensor(name, text);
-                let curve = Recorded {
-                    name,
-                    unit: &criterion.unit,
-                    curve,
-                    first,
-                };
+                let curve = Recorded { name, unit: &criterion.unit, curve, first };
                 let own = curve.own(&mut bound.notes);
                 bound.problem.estimates.extend(curve.estimate(text));
                 shared.add(&curve, sensor);
                 let schedule = &bound.simulations[case].task.schedule.clone();
                 let lags = lags.of(&fitted, name, text, curve.curve, &mut bound)?;
-                let data = own.and_then(|own| {
-                    curve.samples((probe, schedule), &own, lags, bound.outputs.len())
-                });
-                let (data, (probes, readings)) =
-                    data.map_err(|message| study.error_of(name, message))?;
+                let data = own.and_then(|own| curve.samples((probe, schedule), &own, lags, bound.outputs.len()));
+                let (data, (probes, readings)) = data.map_err(|message| study.error_of(name, message))?;
                 bound.readings.extend(readings);
                 // They come in the criterion's unit.
-                bound
-                    .outputs
-                    .extend(probes.iter().map(|_| Conversion::IDENTITY));
+                bound.outputs.extend(probes.iter().map(|_| Conversion::IDENTITY));
                 bound.simulations[case].task.observed.extend(probes);
                 data
             }
             None => {
                 let uncertainty = criterion.uncertainty;
-                let uncertainty =
-                    uncertainty.ok_or_else(|| without_uncertainty(study, name, text))?;
-                let (accuracy, law) =
-                    tied.value(number, first, criterion, &uncertainty, &mut shared);
-                bound.problem.not_normal.extend(law.map(|law| NotNormal {
-                    case: 0,
-                    quantity: first,
-                    law,
-                }));
+                let uncertainty = uncertainty.ok_or_else(|| without_uncertainty(study, name, text))?;
+                let (accuracy, law) = tied.value(number, first, criterion, &uncertainty, &mut shared);
+                bound.problem.not_normal.extend(law.map(|law| NotNormal { case: 0, quantity: first, law }));
                 let value = criterion.measured().value.ok_or_else(|| {
-                    study.error_of(name, "a limit that stands alone is no measured value to fit; add `measured`, or put the criterion \
-                                          into a case that is held out")
+                    study.error_of(
+                        name,
+                        "a limit that stands alone is no measured value to fit; add `measured`, or put the criterion \
+                                          into a case that is held out",
+                    )
                 })?;
                 let difference = probe.statistic.is_difference();
                 bound.readings.push(Reading::Value(bound.outputs.len()));
@@ -215,8 +189,7 @@ fn rectangular(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
     let names = all.zip(plan.placed_probes());
     let names = names.filter(|((_, criterion), (_, probe))| {
         let value = criterion.uncertainty;
-        of_curve(probe)
-            || value.is_some_and(|u| u.distribution == uncertainty::Distribution::Rectangular)
+        of_curve(probe) || value.is_some_and(|u| u.distribution == uncertainty::Distribution::Rectangular)
     });
     let names: Vec<&str> = names.map(|((name, _), _)| name.as_ref().as_str()).collect();
     (!names.is_empty()).then(|| {
@@ -286,10 +259,7 @@ impl Lags {
 fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
     let advice = "the criteria of the study are the data of identify; remove";
     if let Some(table) = &settings.cases {
-        return Err(study.error_at(
-            table,
-            format!("{advice} `cases` from [identify], or the criteria"),
-        ));
+        return Err(study.error_at(table, format!("{advice} `cases` from [identify], or the criteria")));
     }
     let measured = settings.measured.keys().map(|name| (name, "measured"));
     let known = settings.known.keys().map(|name| (name, "known"));
@@ -333,25 +303,17 @@ impl Recorded<'_> {
                            (one that is resampled to even times has none)";
             return Err(message.to_owned());
         };
-        let combined =
-            |(row, shared): (usize, &f64)| shared.hypot(errors.gain * self.curve.values[row]);
+        let combined = |(row, shared): (usize, &f64)| shared.hypot(errors.gain * self.curve.values[row]);
         let combined: Vec<f64> = errors.shared.iter().enumerate().map(combined).collect();
         let is_stated = self.states_noise();
         let scatter = scatter::scatter(&self.curve.values);
-        let own = errors
-            .own
-            .iter()
-            .zip(&combined)
-            .map(|(own, combined)| match is_stated {
-                true => *own,
-                false => scatter.map_or(*combined, |scatter| scatter.max(LEAST * combined)),
-            });
+        let own = errors.own.iter().zip(&combined).map(|(own, combined)| match is_stated {
+            true => *own,
+            false => scatter.map_or(*combined, |scatter| scatter.max(LEAST * combined)),
+        });
         let own: Vec<f64> = own.collect();
         if let Some(row) = own.iter().position(|own| *own <= 0.0) {
-            return Err(format!(
-                "the uncertainty at {} s is {}; it must be positive",
-                self.curve.times[row], own[row]
-            ));
+            return Err(format!("the uncertainty at {} s is {}; it must be positive", self.curve.times[row], own[row]));
         }
         if !is_stated {
             notes.push(self.assumed(scatter, &own));
@@ -366,11 +328,7 @@ impl Recorded<'_> {
         let known = match &reference.noise_estimate {
             Some(stated) => *stated.as_ref(),
             None if self.states_noise() => return None,
-            None => EstimateText {
-                freedom: scatter::freedom(rows)?,
-                correlation: 0.0,
-                rows: 1.0,
-            },
+            None => EstimateText { freedom: scatter::freedom(rows)?, correlation: 0.0, rows: 1.0 },
         };
         Some(Estimate {
             quantities: self.first..self.first + rows,
@@ -405,10 +363,7 @@ impl Recorded<'_> {
         let data = rows.zip(own).map(|((time, &value), &accuracy)| {
             // Without the rounding of times that were shifted by a delay.
             let time = (time * 1e9).round() / 1e9;
-            (
-                format!("{} at {time} s", self.name.as_ref()),
-                Measured { value, accuracy },
-            )
+            (format!("{} at {time} s", self.name.as_ref()), Measured { value, accuracy })
         });
         let read = match lags.0.is_empty() {
             false => late(probe, self.curve, schedule, lags, first)?,
@@ -462,10 +417,7 @@ impl Shared {
         };
         let [of_offset, of_gain] = errors.coverage;
         let first = errors.shared.first().copied().unwrap_or(0.0);
-        let even = errors
-            .shared
-            .iter()
-            .all(|shared| (shared - first).abs() <= 1e-9 * first);
+        let even = errors.shared.iter().all(|shared| (shared - first).abs() <= 1e-9 * first);
         let (kind, one) = match even {
             true => (SharedKind::Offset, first),
             false => (SharedKind::Scaled, of_offset.recip()),
@@ -482,16 +434,9 @@ impl Shared {
             _ => None,
         };
         let offset = errors.shared.clone();
-        let gain = recorded
-            .curve
-            .values
-            .iter()
-            .map(|value| errors.gain * value)
-            .collect();
-        let parts = [
-            (kind, offset, one, of_offset * one),
-            (SharedKind::Gain, gain, errors.gain, of_gain * errors.gain),
-        ];
+        let gain = recorded.curve.values.iter().map(|value| errors.gain * value).collect();
+        let parts =
+            [(kind, offset, one, of_offset * one), (SharedKind::Gain, gain, errors.gain, of_gain * errors.gain)];
         for (kind, changes, one, limit) in parts {
             let changes: Vec<f64> = changes;
             if changes.iter().all(|change| *change == 0.0) {
@@ -543,11 +488,7 @@ impl Tied {
         }
         let factor = factor(&matrix);
         let repeats = |criterion: &Criterion| criterion.uncertainty?.repeats;
-        Self {
-            means: judge.criteria.iter().filter_map(repeats).count(),
-            numbers,
-            factor,
-        }
+        Self { means: judge.criteria.iter().filter_map(repeats).count(), numbers, factor }
     }
 
     /// The independent standard uncertainty of a value, number `quantity` of the problem, and its distribution where that is not
@@ -570,19 +511,10 @@ impl Tied {
         // A correlation is that of the whole errors, as for the verdict.
         let standard = law.among(self.means).as_normal();
         let mut sources = Vec::new();
-        for (column, part) in self.factor[place]
-            .iter()
-            .enumerate()
-            .filter(|(_, part)| **part != 0.0)
-        {
+        for (column, part) in self.factor[place].iter().enumerate().filter(|(_, part)| **part != 0.0) {
             let source = shared.source(format!("\0{column}"), SharedKind::Offset);
             let change = standard * part;
-            shared.sources[source].effects.push(Effect {
-                case: 0,
-                quantity,
-                change,
-                part: None,
-            });
+            shared.sources[source].effects.push(Effect { case: 0, quantity, change, part: None });
             sources.push((source, change));
         }
         shared.tell(Channel {
@@ -626,12 +558,7 @@ struct Unknowns<'a> {
 
 impl Unknowns<'_> {
     fn bind(&self, bound: &mut Bound) -> Result<(), FileError> {
-        let named = self
-            .study
-            .parameters
-            .keys()
-            .zip(&self.plan.inputs)
-            .zip(&self.plan.slots);
+        let named = self.study.parameters.keys().zip(&self.plan.inputs).zip(&self.plan.slots);
         for ((name, input), slot) in named.clone() {
             let is_free = self.settings.free.contains_key(name.as_ref().as_str());
             if let (Distribution::Fixed { value }, false) = (&input.distribution, is_free) {
@@ -686,10 +613,7 @@ impl Unknowns<'_> {
         }
         let first = bound.problem.free.len();
         for (number, case) in cases.iter().enumerate() {
-            let of_case = Free {
-                name: format!("{case}{SEPARATOR}{}", free.name),
-                ..free.clone()
-            };
+            let of_case = Free { name: format!("{case}{SEPARATOR}{}", free.name), ..free.clone() };
             bound.add_free(self.study, name, of_case, slot.clone(), conversion)?;
             for (other, simulation) in bound.simulations.iter_mut().enumerate() {
                 if let Some(slot) = simulation.task.varied.last_mut() {
@@ -697,10 +621,10 @@ impl Unknowns<'_> {
                 }
             }
         }
-        bound.problem.populations.push(Population {
-            name: free.name,
-            members: (first..bound.problem.free.len()).collect(),
-        });
+        bound
+            .problem
+            .populations
+            .push(Population { name: free.name, members: (first..bound.problem.free.len()).collect() });
         Ok(())
     }
 
@@ -710,8 +634,7 @@ impl Unknowns<'_> {
         let is_free = |name: &Name| self.settings.free.contains_key(name.as_ref().as_str());
         for (_, study) in self.study.by_case() {
             let others = study.set();
-            let others =
-                others.filter(|(name, section)| *section != "[parameters]" || !is_free(name));
+            let others = others.filter(|(name, section)| *section != "[parameters]" || !is_free(name));
             let names = free().map(|name| (name, "[identify.free]"));
             self.study.once(self.fmu, others.chain(names))?;
         }
@@ -725,15 +648,8 @@ fn prior(input: &plan::Input, slot: &Slot) -> Result<Free, String> {
     let known = |centre, spread| Some(Prior { centre, spread });
     let ([low, high], prior) = match *input.distribution.continuous() {
         Distribution::Uniform { min, max } => ([min, max], None),
-        Distribution::Normal { mean, deviation } => {
-            (reach(mean, deviation), known(mean, deviation))
-        }
-        Distribution::TruncatedNormal {
-            mean,
-            deviation,
-            min,
-            max,
-        } => {
+        Distribution::Normal { mean, deviation } => (reach(mean, deviation), known(mean, deviation)),
+        Distribution::TruncatedNormal { mean, deviation, min, max } => {
             let [low, high] = reach(mean, deviation);
             let ends = [min.unwrap_or(low), max.unwrap_or(high)];
             (ends, known(mean, deviation))

@@ -72,10 +72,7 @@ pub(super) fn late(
         Delay::Within(_) => 0.0,
     };
     let times: Vec<f64> = curve.times.iter().map(|time| time - known).collect();
-    let least = times
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .fold(f64::INFINITY, f64::min);
+    let least = times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let (Some(begin), Some(end)) = (times.first(), times.last()) else {
         return Err("the curve has no rows".to_owned());
     };
@@ -97,16 +94,9 @@ pub(super) fn late(
         let time = (from + number as f64 * step).clamp(schedule.start, schedule.stop);
         probe.at_row(curve, time)
     });
-    let readings = times.iter().map(|&time| {
-        Reading::Late(Late {
-            first,
-            start: from,
-            step,
-            count,
-            time,
-            lags: Arc::clone(&lags),
-        })
-    });
+    let readings = times
+        .iter()
+        .map(|&time| Reading::Late(Late { first, start: from, step, count, time, lags: Arc::clone(&lags) }));
     Ok((probes.collect(), readings.collect()))
 }
 
@@ -117,14 +107,8 @@ mod tests {
     #[test]
     fn a_late_value_lies_on_the_curve_between_the_readings() {
         let readings: Vec<f64> = (0..200).map(|k| (0.1 * f64::from(k)).sin()).collect();
-        let reading = Reading::Late(Late {
-            first: 0,
-            start: 1.0,
-            step: 0.01,
-            count: 200,
-            time: 2.0,
-            lags: Arc::new(vec![1]),
-        });
+        let reading =
+            Reading::Late(Late { first: 0, start: 1.0, step: 0.01, count: 200, time: 2.0, lags: Arc::new(vec![1]) });
         for lag in [0.0_f64, 0.0123, -0.207, 0.61] {
             let exact = (10.0 * (1.0 - lag)).sin();
             let value = reading.value(&readings, &[7.0, lag]);

@@ -17,9 +17,7 @@ impl Model for Bound {
     fn outcome(&self, answer: Answer) -> Outcome {
         answer.map(|results| {
             let predicted = results.iter().zip(&self.outputs);
-            predicted
-                .map(|(&value, conversion)| conversion.value(value))
-                .collect()
+            predicted.map(|(&value, conversion)| conversion.value(value)).collect()
         })
     }
 
@@ -38,11 +36,7 @@ pub struct FmuModel<'a, 'b> {
 impl<'a, 'b> FmuModel<'a, 'b> {
     /// A model that asks a pipeline.
     pub fn new(bound: &'a Bound, pipeline: &'a mut Pipeline<'b>) -> Self {
-        Self {
-            bound,
-            pipeline: RefCell::new(pipeline),
-            halted: RefCell::new(None),
-        }
+        Self { bound, pipeline: RefCell::new(pipeline), halted: RefCell::new(None) }
     }
 
     /// Says how far the search has got.
@@ -88,9 +82,7 @@ impl<'a, 'b> FmuModel<'a, 'b> {
         let predicted = |(query, outcome): (&Query, Outcome)| {
             let readings = outcome.map_err(|failure| failure.to_string())?;
             let values = self.bound.readings.iter();
-            Ok(values
-                .map(|reading| reading.value(&readings, &query.free))
-                .collect())
+            Ok(values.map(|reading| reading.value(&readings, &query.free)).collect())
         };
         Ok(queries.iter().zip(outcomes).map(predicted).collect())
     }
@@ -120,9 +112,7 @@ impl Simulate for Finer<'_, '_, '_> {
         let pipeline = model.pipeline.borrow();
         match pipeline.apart(&cases, &model.points(queries)).transpose() {
             Some(outcomes) => model.predicted(queries, outcomes),
-            None => Err(NoPrediction::Here(
-                "the FMU gives other results each time".to_owned(),
-            )),
+            None => Err(NoPrediction::Here("the FMU gives other results each time".to_owned())),
         }
     }
 }

@@ -38,16 +38,13 @@ pub(super) fn add(study: &Study, fmu: &Description, bound: &mut Bound) -> Result
                 exact.push(key);
                 continue;
             }
-            let (scale, standard) = standard(key, recording, fmu, &series.slot)
-                .map_err(|message| study.error_of(name, message))?;
+            let (scale, standard) =
+                standard(key, recording, fmu, &series.slot).map_err(|message| study.error_of(name, message))?;
             let offset = offsets.entry((key, standard.to_bits()));
             let offset = offset.or_insert_with(|| Offset {
                 name,
                 scale,
-                slot: Slot {
-                    shifts: true,
-                    ..series.slot.clone()
-                },
+                slot: Slot { shifts: true, ..series.slot.clone() },
                 cases: Vec::new(),
             });
             offset.cases.push(case);
@@ -68,10 +65,7 @@ pub(super) fn add(study: &Study, fmu: &Description, bound: &mut Bound) -> Result
             scale: Spacing::Linear,
             min: -REACH * spread,
             max: REACH * spread,
-            prior: Some(Prior {
-                centre: 0.0,
-                spread,
-            }),
+            prior: Some(Prior { centre: 0.0, spread }),
         };
         let conversion = offset.scale.conversion.of_differences();
         bound.add_free(study, offset.name, free, offset.slot, conversion)?;
@@ -102,18 +96,14 @@ fn standard<'a>(
         return Err("only a real input has a zero error; remove `uncertainty`".to_owned());
     }
     let scale = Scale::new(recording.unit.as_deref(), fmu, find(fmu, key)?)?;
-    let stated = recording
-        .uncertainty
-        .as_ref()
-        .expect("inputs without one were left out");
+    let stated = recording.uncertainty.as_ref().expect("inputs without one were left out");
     let expanded = match stated.unit.as_deref() {
         Some("%") => None,
         _ => Some(scale.number(stated, Sense::Difference)?),
     };
     let expanded = expanded.filter(|number| *number > 0.0 && number.is_finite());
-    let expanded = expanded.ok_or_else(|| {
-        format!("the uncertainty {stated} must be a positive number in the input's unit")
-    })?;
+    let expanded =
+        expanded.ok_or_else(|| format!("the uncertainty {stated} must be a positive number in the input's unit"))?;
     Ok((scale, expanded / Uncertainty::USUAL))
 }
 

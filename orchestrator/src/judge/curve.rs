@@ -21,9 +21,7 @@ pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
     ];
     let stray = keys.iter().find(|(_, there)| *there);
     stray.map_or(Ok(()), |(key, _)| {
-        Err(format!(
-            "`{key}` belongs to a measured curve; add `reference`, or remove `{key}`"
-        ))
+        Err(format!("`{key}` belongs to a measured curve; add `reference`, or remove `{key}`"))
     })
 }
 
@@ -42,10 +40,7 @@ pub(super) fn criterion(
     check_keys(text, metric).map_err(at)?;
     text.detail().map_err(at)?;
     if let (Some(_), Some(DelayText::Within(_))) = (&text.lag, &text.delay) {
-        return Err(at(
-            "`lag` adds to a known `delay`; this one is found itself: remove one of them"
-                .to_owned(),
-        ));
+        return Err(at("`lag` adds to a known `delay`; this one is found itself: remove one of them".to_owned()));
     }
     let (nominal, tolerance, stated) = limit(text, metric, scale).map_err(at)?;
     let reference = text.reference.as_ref();
@@ -57,9 +52,7 @@ pub(super) fn criterion(
         unit: scale.unit.clone().filter(|_| metric.kind() == Kind::Error),
         limits: Limits::within(nominal, tolerance),
         stated_tolerance: stated,
-        row_correlation: reference
-            .filter(|reference| reference.is_uncertain())
-            .map(ReferenceText::row_correlation),
+        row_correlation: reference.filter(|reference| reference.is_uncertain()).map(ReferenceText::row_correlation),
         group: text.group.clone(),
         ..Criterion::default()
     })
@@ -68,25 +61,13 @@ pub(super) fn criterion(
 fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
     let is_error = metric.kind() != Kind::Rating;
     first_wrong(&[
+        (text.nominal.is_some(), "`nominal` has no place beside `reference`, which is what is measured; remove it"),
+        (text.nominal_from.is_some(), "`nominal-from` belongs to `nominal`, and a curve has `reference`; remove it"),
         (
-            text.nominal.is_some(),
-            "`nominal` has no place beside `reference`, which is what is measured; remove it",
-        ),
-        (
-            text.nominal_from.is_some(),
-            "`nominal-from` belongs to `nominal`, and a curve has `reference`; remove it",
-        ),
-        (
-            text.at_most.is_some()
-                || text.at_least.is_some()
-                || text.measured.is_some()
-                || text.derived.is_some(),
+            text.at_most.is_some() || text.at_least.is_some() || text.measured.is_some() || text.derived.is_some(),
             "`at-most`, `at-least`, `measured` and `derived` belong to a measured value; a curve has `tolerance` or `least`",
         ),
-        (
-            text.statistic.is_some(),
-            "`statistic` has no place beside `reference`; `metric` compares whole curves",
-        ),
+        (text.statistic.is_some(), "`statistic` has no place beside `reference`; `metric` compares whole curves"),
         (
             text.uncertainty.is_some()
                 || text.coverage.is_some()
@@ -96,14 +77,8 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
                 || text.repeats.is_some(),
             "the uncertainty of a curve stands in its reference: reference = { ..., uncertainty = ... }",
         ),
-        (
-            text.normalise.is_some() && metric != Metric::Nrmse,
-            "`normalise` belongs to metric = \"nrmse\"; remove it",
-        ),
-        (
-            text.band.is_some() && metric != Metric::Corridor,
-            "`band` belongs to metric = \"corridor\"; remove it",
-        ),
+        (text.normalise.is_some() && metric != Metric::Nrmse, "`normalise` belongs to metric = \"nrmse\"; remove it"),
+        (text.band.is_some() && metric != Metric::Corridor, "`band` belongs to metric = \"corridor\"; remove it"),
         (
             text.least.is_some() && is_error,
             "`least` belongs to the metrics corridor and iso18571; remove it, and state the largest error as `tolerance`",
@@ -112,34 +87,22 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
             text.tolerance.is_some() && !is_error,
             "`tolerance` belongs to errors; give the least share or rating, such as least = 0.9",
         ),
-        (
-            text.tolerance.is_none() && is_error,
-            "the largest error is missing: add `tolerance`",
-        ),
+        (text.tolerance.is_none() && is_error, "the largest error is missing: add `tolerance`"),
         (
             text.least.is_none() && !is_error,
             "the least share or rating is missing: add `least`, such as 0.9 or \"90 %\"",
         ),
-        (
-            text.column_unit.is_some() && metric.kind() != Kind::Error,
-            "this metric has no unit; remove `column-unit`",
-        ),
+        (text.column_unit.is_some() && metric.kind() != Kind::Error, "this metric has no unit; remove `column-unit`"),
     ])
 }
 
 /// Another largest error of a curve.
-pub(super) fn variant(
-    stated: &Quantity,
-    text: &CriterionText,
-    scale: &Scale<'_>,
-) -> Result<f64, String> {
+pub(super) fn variant(stated: &Quantity, text: &CriterionText, scale: &Scale<'_>) -> Result<f64, String> {
     match text.metric.map(Metric::kind) {
         Some(Kind::Error) => error(stated, scale),
         Some(Kind::Relative) => part(stated)
             .filter(|tolerance| *tolerance > 0.0)
-            .ok_or_else(|| {
-                format!("the tolerance {stated} must be a positive share, such as \"5 %\"")
-            }),
+            .ok_or_else(|| format!("the tolerance {stated} must be a positive share, such as \"5 %\"")),
         _ => Err("a variant cannot change `least`; add a criterion of its own".to_owned()),
     }
 }
@@ -213,13 +176,7 @@ tolerance = 0.05
         let variant = |name: &str, limit: &str| {
             let text = format!("[variants.other]\ntolerance.{name} = {limit}\n[criteria.M]");
             let judge = judge(&[("[criteria.M]", &text)])?;
-            Ok::<_, String>(
-                judge.variants[0]
-                    .limits
-                    .iter()
-                    .map(|l| l.plus)
-                    .collect::<Vec<f64>>(),
-            )
+            Ok::<_, String>(judge.variants[0].limits.iter().map(|l| l.plus).collect::<Vec<f64>>())
         };
         let close = |limits: Vec<f64>, expected: [f64; 3]| {
             assert_eq!(limits.len(), 3);
@@ -233,24 +190,13 @@ tolerance = 0.05
         close(variant("N", "\"8 %\"").unwrap(), [0.02, 0.1, 0.08]);
         for (name, limit, remedy) in [
             ("M", "\"5 %\"", "M: the tolerance 5 % of a curve"),
-            (
-                "N",
-                "\"0 %\"",
-                "N: the tolerance 0 % must be a positive share",
-            ),
-            (
-                "N",
-                "-0.1",
-                "N: the tolerance -0.1 must be a positive share",
-            ),
+            ("N", "\"0 %\"", "N: the tolerance 0 % must be a positive share"),
+            ("N", "-0.1", "N: the tolerance -0.1 must be a positive share"),
             ("N", "\"0.1 N.m\"", "must be a positive share"),
             ("S", "0.2", "S: a variant cannot change `least`"),
         ] {
             let error = variant(name, limit).unwrap_err();
-            assert!(
-                error.starts_with("s.toml:4:11:") && error.contains(remedy),
-                "{error}"
-            );
+            assert!(error.starts_with("s.toml:4:11:") && error.contains(remedy), "{error}");
         }
     }
 
@@ -269,61 +215,22 @@ tolerance = 0.05
     fn mistakes_have_their_place_and_remedy() {
         for (changes, remedy) in [
             (("metric = \"rmse\"\n", ""), "needs `metric`: rmse, nrmse"),
-            (
-                ("metric = \"rmse\"", "metric = \"rmse\"\nnominal = 3"),
-                "`nominal` has no place",
-            ),
-            (
-                (
-                    "metric = \"rmse\"",
-                    "metric = \"rmse\"\nstatistic = \"mean\"",
-                ),
-                "`statistic` has no place",
-            ),
-            (
-                ("metric = \"rmse\"", "metric = \"rmse\"\nuncertainty = 1"),
-                "stands in its reference",
-            ),
-            (
-                ("metric = \"rmse\"", "metric = \"rmse\"\nband = 1"),
-                "belongs to metric = \"corridor\"",
-            ),
+            (("metric = \"rmse\"", "metric = \"rmse\"\nnominal = 3"), "`nominal` has no place"),
+            (("metric = \"rmse\"", "metric = \"rmse\"\nstatistic = \"mean\""), "`statistic` has no place"),
+            (("metric = \"rmse\"", "metric = \"rmse\"\nuncertainty = 1"), "stands in its reference"),
+            (("metric = \"rmse\"", "metric = \"rmse\"\nband = 1"), "belongs to metric = \"corridor\""),
             (("tolerance = \"0.02 N.m\"\n", ""), "add `tolerance`"),
             (("\"0.02 N.m\"", "\"2 %\""), "use metric = \"nrmse\""),
             (("\"0.02 N.m\"", "-1"), "positive, finite"),
             (("least = \"90 %\"\n", ""), "add `least`"),
             (("\"90 %\"", "90"), "at most 1"),
-            (
-                ("tolerance = 0.05", "tolerance = \"0.05 N.m\""),
-                "positive share",
-            ),
-            (
-                (
-                    "reference = { file = \"m.csv\", unit = \"N.m\" }\n",
-                    "nominal = 1\n",
-                ),
-                "add `reference`",
-            ),
-            (
-                (
-                    "reference = { file = \"m.csv\", unit = \"N.m\" }\nmetric = \"rmse\"\n",
-                    "",
-                ),
-                "add `nominal`",
-            ),
+            (("tolerance = 0.05", "tolerance = \"0.05 N.m\""), "positive share"),
+            (("reference = { file = \"m.csv\", unit = \"N.m\" }\n", "nominal = 1\n"), "add `reference`"),
+            (("reference = { file = \"m.csv\", unit = \"N.m\" }\nmetric = \"rmse\"\n", ""), "add `nominal`"),
         ] {
             let error = judge(&[changes]).unwrap_err();
-            let place = [
-                "s.toml:3:11:",
-                "s.toml:8:11:",
-                "s.toml:9:11:",
-                "s.toml:14:11:",
-                "s.toml:15:11:",
-            ];
-            assert!(
-                place.iter().any(|place| error.starts_with(place)),
-                "{error}"
-            );
+            let place = ["s.toml:3:11:", "s.toml:8:11:", "s.toml:9:11:", "s.toml:14:11:", "s.toml:15:11:"];
+            assert!(place.iter().any(|place| error.starts_with(place)), "{error}");
             assert!(error.contains(remedy), "{error}");
         }
     }

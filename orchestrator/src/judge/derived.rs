@@ -28,11 +28,7 @@ impl Derived {
 impl Judge {
     /// Gives criteria that are `derived` the uncertainty that follows from their factors': in a product relative errors
     /// add, and those of two measurements are independent (GUM, 5.1.2 and 5.1.6).
-    pub(super) fn derive(
-        &mut self,
-        study: &Study,
-        fmu: Option<&Description>,
-    ) -> Result<(), FileError> {
+    pub(super) fn derive(&mut self, study: &Study, fmu: Option<&Description>) -> Result<(), FileError> {
         for (number, (name, text)) in study.criteria.iter().enumerate() {
             if text.derived.is_none() {
                 continue;
@@ -58,14 +54,10 @@ impl Judge {
             }
             let [first, second] = [0, 1].map(|k| factors.get(k).map(|&(k, _)| &self.criteria[k]));
             if let Some(first) = first {
-                product::check((study, fmu), text, &self.criteria[number], first, second)
-                    .map_err(wrong)?;
+                product::check((study, fmu), text, &self.criteria[number], first, second).map_err(wrong)?;
             }
             if let Some(&(factor, _)) = factors.get(1)
-                && self.criteria[factor]
-                    .measured()
-                    .error
-                    .is_none_or(|error| !error.is_normal())
+                && self.criteria[factor].measured().error.is_none_or(|error| !error.is_normal())
             {
                 return Err(wrong(format!(
                     "the error of {} must be normal: state it without `repeats` and not as rectangular, or exchange `from` and `by`",
@@ -76,8 +68,7 @@ impl Judge {
             self.follow(&derived);
             // In what a limit's distance counts may be this uncertainty.
             let unit = self.criteria[number].distance_unit;
-            self.criteria[number].distance_unit =
-                unit.map(|_| distance_unit(&self.criteria[number]));
+            self.criteria[number].distance_unit = unit.map(|_| distance_unit(&self.criteria[number]));
             self.derived.push(derived);
         }
         Ok(())
@@ -87,15 +78,11 @@ impl Judge {
     fn follow(&mut self, derived: &Derived) {
         let (first, ratio) = derived.factors[0];
         self.criteria[derived.number].uncertainty = self.criteria[first].uncertainty.map(|first| {
-            let mut uncertainty = Uncertainty {
-                expanded: ratio.abs() * first.expanded,
-                noise: ratio.abs() * first.noise,
-                ..first
-            };
+            let mut uncertainty =
+                Uncertainty { expanded: ratio.abs() * first.expanded, noise: ratio.abs() * first.noise, ..first };
             for &(factor, ratio) in &derived.factors[1..] {
                 // In the product it is an error in proportion.
-                let relative =
-                    ratio * self.size(factor) / self.value(derived.number).unwrap_or(1.0);
+                let relative = ratio * self.size(factor) / self.value(derived.number).unwrap_or(1.0);
                 uncertainty.gain = uncertainty.gain.hypot(relative);
             }
             uncertainty
@@ -114,71 +101,45 @@ impl Judge {
 
     /// The measurement with half the uncertainty of a criterion from which others follow; none where none does.
     pub fn with_half_uncertainty(&self, criterion: usize) -> Option<Measurement> {
-        let is_factor = self
-            .derived
-            .iter()
-            .any(|derived| derived.has_factor(criterion));
+        let is_factor = self.derived.iter().any(|derived| derived.has_factor(criterion));
         let mut changed = is_factor.then(|| self.clone())?;
         let uncertainty = &mut changed.criteria[criterion].uncertainty;
         *uncertainty = uncertainty.map(|uncertainty| uncertainty.times(0.5));
-        self.derived
-            .iter()
-            .for_each(|derived| changed.follow(derived));
+        self.derived.iter().for_each(|derived| changed.follow(derived));
         let follows = |k: usize| self.derived.iter().any(|derived| derived.number == k);
         let pairs = self.measurement.correlations().iter().copied();
-        let stated = pairs
-            .filter(|&(a, b, _)| !follows(a) && !follows(b))
-            .collect();
-        let criteria = changed
-            .criteria
-            .iter()
-            .map(super::Criterion::measured)
-            .collect();
+        let stated = pairs.filter(|&(a, b, _)| !follows(a) && !follows(b)).collect();
+        let criteria = changed.criteria.iter().map(super::Criterion::measured).collect();
         Measurement::new(criteria, &changed.with_following(stated)).ok()
     }
 
     /// The numbers of the criteria that are the factors of a derived one.
-    fn factors(
-        &self,
-        study: &Study,
-        text: &CriterionText,
-        number: usize,
-    ) -> Result<Vec<usize>, String> {
+    fn factors(&self, study: &Study, text: &CriterionText, number: usize) -> Result<Vec<usize>, String> {
         let Some(derived) = &text.derived else {
             return Ok(Vec::new());
         };
-        let case = text.case.map_or_else(String::new, |case| {
-            format!("{}{SEPARATOR}", study.cases[case].name.as_ref())
-        });
+        let case = text.case.map_or_else(String::new, |case| format!("{}{SEPARATOR}", study.cases[case].name.as_ref()));
         let find = |key: &Name| {
             let full = format!("{case}{}", key.as_ref());
             self.names().position(|known| *known == full)
         };
         let [from, by] = [&derived.from, &derived.by].map(|key| key.as_ref().as_str());
-        let first = find(&derived.from).ok_or_else(|| {
-            format!("there is no criterion `{from}` from which it could be derived")
-        })?;
+        let first = find(&derived.from)
+            .ok_or_else(|| format!("there is no criterion `{from}` from which it could be derived"))?;
         let second = find(&derived.by);
         // What the study sets itself has no error.
-        let is_set = study.parameters.contains_key(by)
-            || study.setting(by, text).is_some()
-            || study.feeds(by, text);
+        let is_set = study.parameters.contains_key(by) || study.setting(by, text).is_some() || study.feeds(by, text);
         if second.is_none() && !is_set {
-            return Err(format!(
-                "`{by}` is no criterion, and no input or parameter that the study sets"
-            ));
+            return Err(format!("`{by}` is no criterion, and no input or parameter that the study sets"));
         }
         let factors: Vec<usize> = [Some(first), second].into_iter().flatten().collect();
-        let is_derived = |k: usize| {
-            study
-                .criteria
-                .values()
-                .nth(k)
-                .is_some_and(|text| text.derived.is_some())
-        };
+        let is_derived = |k: usize| study.criteria.values().nth(k).is_some_and(|text| text.derived.is_some());
         let is_same = second == Some(first) || factors.contains(&number);
         match is_same || factors.iter().any(|&k| is_derived(k)) {
-            true => Err("it is the product of another criterion and a further one, or an input; neither may be derived itself".to_owned()),
+            true => Err(
+                "it is the product of another criterion and a further one, or an input; neither may be derived itself"
+                    .to_owned(),
+            ),
             false => Ok(factors),
         }
     }
@@ -187,9 +148,7 @@ impl Judge {
     pub(super) fn with_derived(&self, study: &Study, pairs: Pairs) -> Result<Pairs, FileError> {
         for (place, &(a, b, _)) in pairs.iter().enumerate() {
             let follows = self.derived.iter().any(|derived| {
-                derived.number == a
-                    || derived.number == b
-                    || derived.has_factor(a) && derived.has_factor(b)
+                derived.number == a || derived.number == b || derived.has_factor(a) && derived.has_factor(b)
             });
             if follows {
                 let message = "this correlation follows from `derived`, whose factors' errors are independent; remove one of them";
@@ -217,9 +176,7 @@ impl Judge {
                     }
                 }
             }
-            let clamped = following
-                .into_iter()
-                .map(|(a, b, r)| (a, b, r.clamp(-1.0, 1.0)));
+            let clamped = following.into_iter().map(|(a, b, r)| (a, b, r.clamp(-1.0, 1.0)));
             pairs.extend(clamped);
         }
         pairs

@@ -22,10 +22,7 @@ impl Amount {
     fn new(number: Option<f64>, base: Option<BaseUnit>) -> Self {
         let exponents = base.map(|base| std::array::from_fn(|k| base.exponents[k]));
         let to_base = base.map_or(Conversion::IDENTITY, |base| base.to_base);
-        Self {
-            number: number.map(|number| to_base.value(number)),
-            exponents,
-        }
+        Self { number: number.map(|number| to_base.value(number)), exponents }
     }
 }
 
@@ -62,14 +59,12 @@ pub(super) fn check(
         ));
     }
     match amounts.map(|amount| amount.number) {
-        [Some(product), Some(a), Some(b)] if (product / (a * b) - 1.0).abs() > CLOSE => {
-            Err(format!(
-                "its measured value is {:.4} times the product of {} and {}; correct one of them, or remove `derived`",
-                product / (a * b),
-                from.as_ref(),
-                by.as_ref()
-            ))
-        }
+        [Some(product), Some(a), Some(b)] if (product / (a * b) - 1.0).abs() > CLOSE => Err(format!(
+            "its measured value is {:.4} times the product of {} and {}; correct one of them, or remove `derived`",
+            product / (a * b),
+            from.as_ref(),
+            by.as_ref()
+        )),
         _ => Ok(()),
     }
 }
@@ -85,20 +80,11 @@ fn amount_of(criterion: &Criterion, fmu: Option<&Description>) -> Option<Amount>
         Some(unit) => fmu.conversion(unit, variable).ok()?,
         None => Conversion::IDENTITY,
     };
-    amount(
-        fmu,
-        variable.unit(),
-        number.map(|number| to_variable.value(number)),
-    )
+    amount(fmu, variable.unit(), number.map(|number| to_variable.value(number)))
 }
 
 /// What the study sets; its number is unknown where it varies.
-fn amount_of_setting(
-    study: &Study,
-    fmu: Option<&Description>,
-    name: &str,
-    text: &CriterionText,
-) -> Option<Amount> {
+fn amount_of_setting(study: &Study, fmu: Option<&Description>, name: &str, text: &CriterionText) -> Option<Amount> {
     let setting = study.setting(name, text);
     let Some(fmu) = fmu else {
         return match setting? {

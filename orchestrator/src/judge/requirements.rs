@@ -27,9 +27,7 @@ pub(super) fn check_variable(
         Some(Causality::Parameter) => "a parameter",
         Some(Causality::Independent) => "the time",
         Some(_) => return Ok(()),
-        None if study.parameters.contains_key(name) || study.setting(name, text).is_some() => {
-            "a parameter"
-        }
+        None if study.parameters.contains_key(name) || study.setting(name, text).is_some() => "a parameter",
         None if study.feeds(name, text) => "an input",
         None => return Ok(()),
     };
@@ -62,9 +60,8 @@ impl Judge {
     fn warn_of_own_values(&mut self, study: &Study) {
         let own = self.criteria.iter().zip(study.criteria.keys());
         let own = own.filter(|(criterion, _)| criterion.nominal_from.is_some());
-        let (names, places): (Vec<&str>, Vec<&Name>) = own
-            .map(|(criterion, place)| (criterion.name.as_str(), place))
-            .unzip();
+        let (names, places): (Vec<&str>, Vec<&Name>) =
+            own.map(|(criterion, place)| (criterion.name.as_str(), place)).unzip();
         let Some(place) = places.first() else { return };
         let message = format!(
             "no measured value yet: the nominal value of {} comes from a run of the model itself",
@@ -72,8 +69,7 @@ impl Judge {
         );
         let warning = study.error_at(place, message).to_string();
         let remedy = "Write measured values into the study in place of the model's own, and remove `nominal-from`.";
-        self.warnings
-            .push(Concern::new(Code::NominalFromModel, warning).remedied(remedy));
+        self.warnings.push(Concern::new(Code::NominalFromModel, warning).remedied(remedy));
     }
 
     fn correlated(&self, study: &Study) -> Result<Measurement, FileError> {
@@ -82,17 +78,12 @@ impl Judge {
             &study.uncertainty_correlations,
             |name| self.uncertain(study, name),
             "an error is not correlated with itself; name two criteria",
-            (
-                |coefficient: f64| (-1.0..=1.0).contains(&coefficient),
-                "the coefficient must be a number from -1 to 1",
-            ),
+            (|coefficient: f64| (-1.0..=1.0).contains(&coefficient), "the coefficient must be a number from -1 to 1"),
         )?;
         // Draws of curves see to theirs.
         let is_curve = |number: usize| self.criteria[number].metric.is_some();
         for (entry, (a, b, coefficient)) in study.uncertainty_correlations.iter().zip(&pairs) {
-            if (is_curve(*a) || is_curve(*b))
-                && !(is_curve(*a) && is_curve(*b) && coefficient.abs() == 1.0)
-            {
+            if (is_curve(*a) || is_curve(*b)) && !(is_curve(*a) && is_curve(*b) && coefficient.abs() == 1.0) {
                 let message = "the error of a curve is correlated with that of another curve alone, and fully: coefficient = 1 where \
                                both come from the same sensor (-1 with the other sign); otherwise remove the pair";
                 return Err(study.error_at(entry, message));
@@ -126,23 +117,15 @@ impl Judge {
         let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
         let (criterion, name_text) = (&self.criteria[number], name.as_ref());
         let message = if criterion.uncertainty.is_none() && criterion.row_correlation.is_none() {
-            format!(
-                "{name_text} has no `uncertainty` that could be correlated; add it under [criteria.{name_text}]"
-            )
+            format!("{name_text} has no `uncertainty` that could be correlated; add it under [criteria.{name_text}]")
         } else {
             return Ok(number);
         };
         Err(study.error_at(name, message))
     }
 
-    fn guard_band(
-        &mut self,
-        study: &Study,
-        required: &Spanned<Required>,
-    ) -> Result<Guard, FileError> {
-        let Required {
-            risk, guard_band, ..
-        } = required.as_ref();
+    fn guard_band(&mut self, study: &Study, required: &Spanned<Required>) -> Result<Guard, FileError> {
+        let Required { risk, guard_band, .. } = required.as_ref();
         match (risk, guard_band) {
             (Some(_), Some(band)) => {
                 let message = "risk sets the guard band itself; keep `risk` or `guard-band`";
@@ -160,9 +143,7 @@ impl Judge {
                     self.warn_of_guard_band(study, band);
                     return Ok(Guard::Given(factor));
                 }
-                let message = format!(
-                    "the guard band {factor} must be a number of expanded uncertainties, 0 or more"
-                );
+                let message = format!("the guard band {factor} must be a number of expanded uncertainties, 0 or more");
                 Err(study.error_at(band, message))
             }
             (None, None) => Ok(Guard::Given(0.0)),
@@ -185,18 +166,12 @@ impl Judge {
                     criterion.name
                 );
                 let warning = study.error_at(band, message).to_string();
-                self.warnings
-                    .push(Concern::new(Code::GuardBandTooWide, warning).remedied(remedy));
+                self.warnings.push(Concern::new(Code::GuardBandTooWide, warning).remedied(remedy));
             }
         }
     }
 
-    fn all_uncertain<T>(
-        &self,
-        study: &Study,
-        at: &Spanned<T>,
-        what: &str,
-    ) -> Result<(), FileError> {
+    fn all_uncertain<T>(&self, study: &Study, at: &Spanned<T>, what: &str) -> Result<(), FileError> {
         let mut criteria = self.criteria.iter();
         let Some(without) = criteria.find(|criterion| criterion.uncertainty.is_none()) else {
             return Ok(());
@@ -219,10 +194,7 @@ impl Judge {
     /// A measured value beyond the limit that it stands beside is a mistake, or a specimen that fails.
     fn warn_of_readings(&mut self, study: &Study) {
         for (criterion, name) in self.criteria.iter().zip(study.criteria.keys()) {
-            let Some(reading) = criterion
-                .reading
-                .filter(|&value| !criterion.limits.accepts(value))
-            else {
+            let Some(reading) = criterion.reading.filter(|&value| !criterion.limits.accepts(value)) else {
                 continue;
             };
             let message = format!(
@@ -236,8 +208,7 @@ impl Judge {
                 "Correct the measured value of {} or its limit, unless the model shall fail as the specimen did.",
                 criterion.name
             );
-            self.warnings
-                .push(Concern::new(Code::MeasuredBeyondLimit, warning).remedied(remedy));
+            self.warnings.push(Concern::new(Code::MeasuredBeyondLimit, warning).remedied(remedy));
         }
     }
 
@@ -262,12 +233,8 @@ impl Judge {
                 criterion.name
             );
             let warning = study.error_at(*name, message).to_string();
-            let remedy = format!(
-                "Find out which of {other} and {} was measured wrongly.",
-                criterion.name
-            );
-            self.warnings
-                .push(Concern::new(Code::Contradictory, warning).remedied(remedy));
+            let remedy = format!("Find out which of {other} and {} was measured wrongly.", criterion.name);
+            self.warnings.push(Concern::new(Code::Contradictory, warning).remedied(remedy));
         }
     }
 
@@ -285,19 +252,15 @@ impl Judge {
                     criterion.name,
                     // As the study says it, where that is all of it.
                     match (&text.uncertainty, criterion.uncertainty) {
-                        (Some(stated), Some(parts)) if parts.expanded == error.expanded =>
-                            stated.as_ref().to_string(),
+                        (Some(stated), Some(parts)) if parts.expanded == error.expanded => stated.as_ref().to_string(),
                         _ => format!("{:.4}{}", error.expanded, criterion.unit_behind()),
                     },
                     criterion.stated_tolerance
                 );
                 let place = text.uncertainty.as_ref().map_or(name.span(), Spanned::span);
-                let warning = study
-                    .error_at(&Spanned::new(place, ()), message)
-                    .to_string();
+                let warning = study.error_at(&Spanned::new(place, ()), message).to_string();
                 let remedy = "Measure better what is less sure than its tolerance, or state a `share` and a `risk` under [verdict].";
-                self.warnings
-                    .push(Concern::new(Code::UncertaintyAboveTolerance, warning).remedied(remedy));
+                self.warnings.push(Concern::new(Code::UncertaintyAboveTolerance, warning).remedied(remedy));
             }
         }
     }
@@ -326,22 +289,13 @@ fn rule(study: &Study, required: &Required) -> Result<Rule, FileError> {
         let message = || format!("the confidence {number} must be at least 0.5 and below 1");
         confidence.ok_or_else(|| study.error_at(stated, message()))
     })?;
-    Ok(Rule {
-        share: between_0_and_1(study, &required.share, "the share")?,
-        confidence,
-    })
+    Ok(Rule { share: between_0_and_1(study, &required.share, "the share")?, confidence })
 }
 
-fn between_0_and_1(
-    study: &Study,
-    quantity: &Spanned<Quantity>,
-    what: &str,
-) -> Result<f64, FileError> {
+fn between_0_and_1(study: &Study, quantity: &Spanned<Quantity>, what: &str) -> Result<f64, FileError> {
     share(quantity.as_ref()).ok_or_else(|| {
-        let message = format!(
-            "{what} {} must be more than 0 % and less than 100 %, such as \"5 %\" or 0.05",
-            quantity.as_ref()
-        );
+        let message =
+            format!("{what} {} must be more than 0 % and less than 100 %, such as \"5 %\" or 0.05", quantity.as_ref());
         study.error_at(quantity, message)
     })
 }

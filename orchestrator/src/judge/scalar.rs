@@ -33,18 +33,12 @@ pub(super) fn criterion(
                 None => behind(scale.unit.as_deref()),
             };
             let words = format!("{} {stated}{unit}", side.words());
-            (
-                limit(stated, side, (scale, sense)).map_err(at)?,
-                words,
-                text.measured.as_ref().unwrap_or(stated),
-            )
+            (limit(stated, side, (scale, sense)).map_err(at)?, words, text.measured.as_ref().unwrap_or(stated))
         }
         (None, Some(measured), Some(accuracy)) => {
             let nominal = value(measured)?;
             if !nominal.is_finite() {
-                return Err(at(format!(
-                    "the nominal value {measured} is not a finite number"
-                )));
+                return Err(at(format!("the nominal value {measured} is not a finite number")));
             }
             let limits = within(nominal, accuracy, measured, scale).map_err(at)?;
             (limits, stated(accuracy, measured, scale), measured)
@@ -70,10 +64,7 @@ pub(super) fn criterion(
         stated_tolerance: stated,
         reading: text.measured.as_ref().map(value).transpose()?,
         uncertainty: uncertainty(study, name, text, measured, scale)?,
-        derived_from: text
-            .derived
-            .as_ref()
-            .map(|derived| derived.from.as_ref().clone()),
+        derived_from: text.derived.as_ref().map(|derived| derived.from.as_ref().clone()),
         group: text.group.clone(),
         ..Criterion::default()
     };
@@ -111,10 +102,7 @@ impl Side {
 }
 
 /// The entries of both keys with the limit that they state.
-pub(super) fn sides<T: IntoIterator>(
-    at_most: T,
-    at_least: T,
-) -> impl Iterator<Item = (T::Item, Side)> {
+pub(super) fn sides<T: IntoIterator>(at_most: T, at_least: T) -> impl Iterator<Item = (T::Item, Side)> {
     let most = at_most.into_iter().map(|entry| (entry, Side::Most));
     most.chain(at_least.into_iter().map(|entry| (entry, Side::Least)))
 }
@@ -130,10 +118,7 @@ fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
             is_alone && text.nominal.is_some(),
             "a limit takes the place of `nominal`; keep one of them; the measured value beside a limit is `measured`",
         ),
-        (
-            is_alone && text.tolerance.is_some(),
-            "a limit takes the place of `tolerance`; keep one of them",
-        ),
+        (is_alone && text.tolerance.is_some(), "a limit takes the place of `tolerance`; keep one of them"),
         (
             !is_alone && text.measured.is_some(),
             "`measured` stands beside `at-most` or `at-least`; the measured value of a tolerance is `nominal`",
@@ -163,11 +148,7 @@ pub fn sense(statistic: Statistic) -> Sense {
 }
 
 /// A limit that stands alone, in the study's unit.
-pub(super) fn limit(
-    stated: &Quantity,
-    side: Side,
-    (scale, sense): (&Scale<'_>, Sense),
-) -> Result<Limits, String> {
+pub(super) fn limit(stated: &Quantity, side: Side, (scale, sense): (&Scale<'_>, Sense)) -> Result<Limits, String> {
     let limit = scale.number(stated, sense)?;
     match (side, limit.is_finite()) {
         (_, false) => Err(format!("the limit {stated} is not a finite number")),
@@ -184,14 +165,10 @@ pub(super) fn within(
     scale: &Scale<'_>,
 ) -> Result<Limits, String> {
     match stated {
-        ToleranceText::Even(stated) => {
-            Ok(Limits::within(about, tolerance(stated, nominal, scale)?))
+        ToleranceText::Even(stated) => Ok(Limits::within(about, tolerance(stated, nominal, scale)?)),
+        ToleranceText::Uneven { minus, plus } => {
+            Ok(Limits { about, minus: tolerance(minus, nominal, scale)?, plus: tolerance(plus, nominal, scale)? })
         }
-        ToleranceText::Uneven { minus, plus } => Ok(Limits {
-            about,
-            minus: tolerance(minus, nominal, scale)?,
-            plus: tolerance(plus, nominal, scale)?,
-        }),
     }
 }
 
@@ -214,9 +191,7 @@ fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> Resu
     let tolerance = match quantity.unit.as_deref() {
         // "+0.5/-1", "-1 .. 0.5"
         Some(rest) if rest.starts_with(['/', '+', '-', '.', ',']) => {
-            return Err(format!(
-                "the tolerance `{quantity}` cannot be used: {BOTH_SIDES}"
-            ));
+            return Err(format!("the tolerance `{quantity}` cannot be used: {BOTH_SIDES}"));
         }
         Some("%") => scale.part(quantity.number / 100.0, nominal)?,
         _ => scale.number(quantity, Sense::Difference)?,
@@ -224,13 +199,9 @@ fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> Resu
     if tolerance > 0.0 && tolerance.is_finite() {
         Ok(tolerance)
     } else if nominal.number == 0.0 && quantity.number > 0.0 && quantity.number.is_finite() {
-        Err(format!(
-            "the tolerance {quantity} of the nominal value 0 is nothing; give it without %"
-        ))
+        Err(format!("the tolerance {quantity} of the nominal value 0 is nothing; give it without %"))
     } else {
-        Err(format!(
-            "the tolerance {quantity} must be a positive, finite number"
-        ))
+        Err(format!("the tolerance {quantity} must be a positive, finite number"))
     }
 }
 
@@ -250,9 +221,9 @@ fn uncertainty(
     if let Some(coverage) = &text.coverage {
         let useless = text.uncertainty.is_none() && text.gain_uncertainty.is_none();
         let message = match () {
-            () if useless => Some(
-                "coverage says how many standard uncertainties `uncertainty` is; add `uncertainty` or remove it",
-            ),
+            () if useless => {
+                Some("coverage says how many standard uncertainties `uncertainty` is; add `uncertainty` or remove it")
+            }
             () if is_rectangular => Some(
                 "a rectangular uncertainty is the half-width of its limits, which no coverage factor expands; remove `coverage`",
             ),
@@ -287,10 +258,7 @@ fn uncertainty(
         });
         number.transpose()
     };
-    let coverage = text
-        .coverage
-        .as_ref()
-        .map_or(Uncertainty::USUAL, |k| *k.as_ref());
+    let coverage = text.coverage.as_ref().map_or(Uncertainty::USUAL, |k| *k.as_ref());
     if !(coverage > 0.0 && coverage.is_finite()) {
         let message = format!("the coverage factor {coverage} must be a positive, finite number");
         return Err(study.error_of(name, message));

@@ -40,11 +40,7 @@ fn percents_are_of_the_nominal_value_as_printed() {
     assert!(judge.verdict(Some(&[81.39, 697.5])).verified());
     assert!(!judge.verdict(Some(&[81.33, 700.0])).verified());
     let absolute = &judge.variants[0];
-    assert!(
-        judge
-            .variant_verdict(absolute, Some(&[81.33, 700.0]))
-            .verified()
-    );
+    assert!(judge.variant_verdict(absolute, Some(&[81.33, 700.0])).verified());
 }
 
 /// A part of a value in a unit with another zero depends on the unit in which the value is written.
@@ -68,11 +64,7 @@ fn percents_count_in_the_unit_in_which_the_value_is_written() {
         assert!((expanded / t.limits.plus - 0.5).abs() < 1e-12);
         assert!((judge.variants[0].limits[0].plus / t.limits.plus - 2.0).abs() < 1e-12);
         let is_elsewhere = nominal.contains("degC") && unit.is_empty() || unit.contains("mK");
-        let words = if is_elsewhere {
-            format!("1 % of {}", nominal.trim_matches('"'))
-        } else {
-            "1 %".to_owned()
-        };
+        let words = if is_elsewhere { format!("1 % of {}", nominal.trim_matches('"')) } else { "1 %".to_owned() };
         assert_eq!(t.stated_tolerance, words);
         Ok::<_, String>((t.limits.about, t.limits.plus))
     };
@@ -85,14 +77,8 @@ fn percents_count_in_the_unit_in_which_the_value_is_written() {
         ("\"355.15 K\"", "unit = \"mK\"", (355_150.0, 3551.5)),
     ] {
         let (value, tolerance) = of(nominal, unit).unwrap();
-        assert!(
-            (value - expected.0).abs() < 1e-9,
-            "{nominal} {unit}: {value}"
-        );
-        assert!(
-            (tolerance - expected.1).abs() < 1e-9,
-            "{nominal} {unit}: {tolerance}"
-        );
+        assert!((value - expected.0).abs() < 1e-9, "{nominal} {unit}: {value}");
+        assert!((tolerance - expected.1).abs() < 1e-9, "{nominal} {unit}: {tolerance}");
     }
     let refused = of("\"355.15 K\"", "unit = \"degC\"").unwrap_err();
     assert!(
@@ -159,9 +145,7 @@ fn a_point_is_judged_in_every_case_in_which_it_did_not_fail() {
     "#;
     let judge = judge(text).unwrap();
     let cases = judge.cases.iter();
-    let cases: Vec<_> = cases
-        .map(|case| (case.name.as_str(), case.held_out, case.members.clone()))
-        .collect();
+    let cases: Vec<_> = cases.map(|case| (case.name.as_str(), case.held_out, case.members.clone())).collect();
     assert_eq!(cases, [("slow", false, 0..2), ("fast", true, 2..3)]);
 
     let failed = |case: &str, values: [Option<f64>; 3]| {
@@ -176,10 +160,7 @@ fn a_point_is_judged_in_every_case_in_which_it_did_not_fail() {
     assert_eq!(failed("fast", [t, f, None]), [true, false, false]);
     assert_eq!(failed("slow", [t, None, Some(80.5)]), [false, false, true]);
     assert_eq!(judge.judged(Err(&Failure::Timeout)).passed, [false; 3]);
-    assert_eq!(
-        judge.judged(Ok(&[70.5, 7.0, 80.5])).passed,
-        [true, false, true]
-    );
+    assert_eq!(judge.judged(Ok(&[70.5, 7.0, 80.5])).passed, [true, false, true]);
 }
 
 #[test]
@@ -191,15 +172,10 @@ fn a_distance_adds_the_squares_of_the_deviations() {
 
 #[test]
 fn columns_can_be_told_apart() {
-    for name in [
-        "point", "verified", "accepted", "status", "T.ok", "a.width", "", "a\\nb",
-    ] {
+    for name in ["point", "verified", "accepted", "status", "T.ok", "a.width", "", "a\\nb"] {
         let text = STUDY
             .replace("[criteria.F]", &format!("[criteria.\"{name}\"]"))
-            .replace(
-                "[criteria.T]",
-                "[parameters.\"a.width\"]\ndistribution = \"fixed\"\nvalue = 1\n[criteria.T]",
-            );
+            .replace("[criteria.T]", "[parameters.\"a.width\"]\ndistribution = \"fixed\"\nvalue = 1\n[criteria.T]");
         let error = judge(&text).unwrap_err();
         assert!(error.contains("name"), "{name}: {error}");
     }
@@ -215,16 +191,10 @@ fn a_distance_is_a_number() {
 fn errors_have_their_place() {
     assert!(judge("fmu = \"a\"").unwrap_err().contains("no criteria"));
     let wrong = STUDY.replace("\"0.75 %\"", "\"-1 degC\"");
-    assert_eq!(
-        judge(&wrong).unwrap_err(),
-        "s.toml:3:15: T: the tolerance -1 degC must be a positive, finite number"
-    );
+    assert_eq!(judge(&wrong).unwrap_err(), "s.toml:3:15: T: the tolerance -1 degC must be a positive, finite number");
     for tolerance in ["1e308 %", "0 %", "0 N", "-7 %"] {
         let error = judge(&STUDY.replace("7 %", tolerance)).unwrap_err();
-        assert!(
-            error.contains("F: the tolerance") && error.ends_with("positive, finite number"),
-            "{error}"
-        );
+        assert!(error.contains("F: the tolerance") && error.ends_with("positive, finite number"), "{error}");
     }
     for tolerance in ["0 %", "-7 %"] {
         let nothing = STUDY.replace("750 N", "0 N").replace("7 %", tolerance);
@@ -235,10 +205,7 @@ fn errors_have_their_place() {
         assert!(error.contains("a single limit is `at-most`"), "{error}");
     }
     let wrong = STUDY.replace("nominal = 82", "nominal = nan");
-    assert_eq!(
-        judge(&wrong).unwrap_err(),
-        "s.toml:3:15: T: the nominal value NaN is not a finite number"
-    );
+    assert_eq!(judge(&wrong).unwrap_err(), "s.toml:3:15: T: the nominal value NaN is not a finite number");
     let wrong = STUDY.replace("nominal = 82", "nominal = 0");
     assert!(judge(&wrong).unwrap_err().contains("give it without %"));
     let wrong = STUDY.replace("tolerance.T =", "tolerance.TT =");
@@ -272,9 +239,7 @@ const ALONE: &str = r#"
 #[test]
 fn a_limit_may_stand_alone_and_a_tolerance_be_uneven() {
     let judge = judge(ALONE).unwrap();
-    let [t, f, m] = &judge.criteria[..] else {
-        panic!("three criteria")
-    };
+    let [t, f, m] = &judge.criteria[..] else { panic!("three criteria") };
     let passed = |values: [f64; 3]| judge.verdict(Some(&values)).passed;
     assert_eq!(passed([85.0, 700.0, 2.97]), [true; 3]);
     assert_eq!(passed([85.01, 699.9, 2.969]), [false; 3]);
@@ -282,14 +247,8 @@ fn a_limit_may_stand_alone_and_a_tolerance_be_uneven() {
     assert_eq!(passed([f64::NAN, f64::NAN, 3.51]), [false; 3]);
     let strict = judge.variant_verdict(&judge.variants[0], Some(&[84.5, 700.0, 2.5]));
     assert_eq!(strict.passed, [false, true, true]);
-    assert_eq!(
-        [t, f, m].map(Criterion::wanted),
-        ["at most 85 degC", "at least 700 N", "3 N.m -1 %/+0.5 N.m"]
-    );
-    assert_eq!(
-        [t, f, m].map(|c| c.measured().value),
-        [Some(82.0), None, Some(3.0)]
-    );
+    assert_eq!([t, f, m].map(Criterion::wanted), ["at most 85 degC", "at least 700 N", "3 N.m -1 %/+0.5 N.m"]);
+    assert_eq!([t, f, m].map(|c| c.measured().value), [Some(82.0), None, Some(3.0)]);
     // Units of the distance: the expanded uncertainty, the limit itself.
     assert_eq!((t.room(), f.room()), (0.5, 700.0));
     for (criterion, value, deviation) in [
@@ -306,11 +265,7 @@ fn a_limit_may_stand_alone_and_a_tolerance_be_uneven() {
     ] {
         let column = criterion.column(vec![], vec![]);
         for found in [criterion.deviation(value), column.deviation(value)] {
-            assert!(
-                (found - deviation).abs() < 1e-9,
-                "{} {value}: {found}",
-                criterion.name
-            );
+            assert!((found - deviation).abs() < 1e-9, "{} {value}: {found}", criterion.name);
         }
     }
     assert!(t.deviation(f64::NAN).is_nan());
@@ -328,55 +283,20 @@ fn a_limit_may_stand_alone_and_a_tolerance_be_uneven() {
 #[test]
 fn limits_that_do_not_fit_are_refused_with_the_remedy() {
     for (from, to, remedy) in [
-        (
-            "at-most = \"85 degC\"",
-            "at-most = \"85 degC\"\nnominal = 82",
-            "a limit takes the place of `nominal`",
-        ),
-        (
-            "at-most = \"85 degC\"",
-            "at-most = \"85 degC\"\ntolerance = 1",
-            "a limit takes the place of `tolerance`",
-        ),
-        (
-            "at-most = \"85 degC\"",
-            "at-most = \"85 degC\"\nat-least = 80",
-            "nominal = (a + b) / 2",
-        ),
-        (
-            "nominal = 3",
-            "nominal = 3\nmeasured = 3",
-            "`measured` stands beside",
-        ),
+        ("at-most = \"85 degC\"", "at-most = \"85 degC\"\nnominal = 82", "a limit takes the place of `nominal`"),
+        ("at-most = \"85 degC\"", "at-most = \"85 degC\"\ntolerance = 1", "a limit takes the place of `tolerance`"),
+        ("at-most = \"85 degC\"", "at-most = \"85 degC\"\nat-least = 80", "nominal = (a + b) / 2"),
+        ("nominal = 3", "nominal = 3\nmeasured = 3", "`measured` stands beside"),
         ("at-least = 700", "at-least = nan", "is not a finite number"),
-        (
-            "minus = \"1 %\"",
-            "minus = 0",
-            "must be a positive, finite number",
-        ),
-        (
-            "minus = \"1 %\", ",
-            "",
-            "{ minus = \"1 mm\", plus = \"2 mm\" }",
-        ),
-        (
-            "tolerance.M = {",
-            "tolerance.T = {",
-            "[variants.strict] at-most.T",
-        ),
+        ("minus = \"1 %\"", "minus = 0", "must be a positive, finite number"),
+        ("minus = \"1 %\", ", "", "{ minus = \"1 mm\", plus = \"2 mm\" }"),
+        ("tolerance.M = {", "tolerance.T = {", "[variants.strict] at-most.T"),
         ("at-most.T", "at-least.T", "no such limit"),
-        (
-            "at-least = 700",
-            "above = 700",
-            "a single limit is `at-most` or `at-least`",
-        ),
+        ("at-least = 700", "above = 700", "a single limit is `at-most` or `at-least`"),
     ] {
         assert!(ALONE.contains(from), "{from}");
         let error = judge(&ALONE.replacen(from, to, 1)).unwrap_err();
-        assert!(
-            error.starts_with("s.toml:") && error.contains(remedy),
-            "{to}: {error}"
-        );
+        assert!(error.starts_with("s.toml:") && error.contains(remedy), "{to}: {error}");
     }
 }
 
@@ -414,21 +334,11 @@ const PRODUCT: &str = r#"
 fn a_product_has_the_unit_and_the_value_of_its_factors() {
     let units = [
         ("N.m", r#"kg="1" m="2" s="-2""#, ""),
-        (
-            "W",
-            r#"kg="1" m="2" s="-3""#,
-            r#"<DisplayUnit name="kW" factor="0.001"/>"#,
-        ),
+        ("W", r#"kg="1" m="2" s="-3""#, r#"<DisplayUnit name="kW" factor="0.001"/>"#),
         ("N", r#"kg="1" m="1" s="-2""#, ""),
-        (
-            "rad/s",
-            r#"rad="1" s="-1""#,
-            r#"<DisplayUnit name="rpm" factor="9.549296585513721"/>"#,
-        ),
+        ("rad/s", r#"rad="1" s="-1""#, r#"<DisplayUnit name="rpm" factor="9.549296585513721"/>"#),
     ];
-    let units = units.map(|(name, base, shown)| {
-        format!(r#"<Unit name="{name}"><BaseUnit {base}/>{shown}</Unit>"#)
-    });
+    let units = units.map(|(name, base, shown)| format!(r#"<Unit name="{name}"><BaseUnit {base}/>{shown}</Unit>"#));
     let variables = [("m", "N.m"), ("p", "W"), ("f", "N"), ("n", "rad/s")].map(|(name, unit)| {
         let kind = match name {
             "n" => r#"causality="input"><Real start="1""#,
@@ -454,14 +364,8 @@ fn a_product_has_the_unit_and_the_value_of_its_factors() {
     assert!(with("variable = \"p\"\nnominal = \"20 W\"").is_ok());
     assert!(with("variable = \"p\"\nunit = \"kW\"\nnominal = 0.02").is_ok());
     for (power, remedy) in [
-        (
-            "variable = \"p\"\nunit = \"kW\"\nnominal = 20",
-            "is 999.9263 times",
-        ),
-        (
-            "variable = \"f\"\nnominal = 20",
-            "its unit is not that of M x n",
-        ),
+        ("variable = \"p\"\nunit = \"kW\"\nnominal = 20", "is 999.9263 times"),
+        ("variable = \"f\"\nnominal = 20", "its unit is not that of M x n"),
     ] {
         let error = with(power).unwrap_err();
         assert!(error.contains(remedy), "{error}");
@@ -480,42 +384,19 @@ fn the_error_of_a_product_follows_from_its_factors() {
         pair.map_or(0.0, |pair| pair.2)
     };
     for (factor, expected) in [(0, 0.8), (1, 0.6), (2, 0.4)] {
-        assert!(
-            (correlation(&both, 3, factor) - expected).abs() < 1e-12,
-            "{factor}"
-        );
+        assert!((correlation(&both, 3, factor) - expected).abs() < 1e-12, "{factor}");
     }
     // By an input the error is the torque's, and no second measurement.
     let one = judge(&PRODUCT.replace("by = \"n\"", "by = \"speed\"")).unwrap();
     assert!((error(&one, 3).expanded - 0.4).abs() < 1e-12);
     assert_eq!(correlation(&one, 3, 0), 1.0);
     for (from, to, remedy) in [
-        (
-            "between = [\"M\", \"F\"]",
-            "between = [\"M\", \"P\"]",
-            "follows from `derived`",
-        ),
-        (
-            "by = \"n\"",
-            "by = \"speeed\"",
-            "is no criterion, and no input",
-        ),
-        (
-            "from = \"M\"",
-            "from = \"MM\"",
-            "there is no criterion `MM`",
-        ),
-        (
-            "derived",
-            "uncertainty = 1\nderived",
-            "remove `uncertainty`",
-        ),
+        ("between = [\"M\", \"F\"]", "between = [\"M\", \"P\"]", "follows from `derived`"),
+        ("by = \"n\"", "by = \"speeed\"", "is no criterion, and no input"),
+        ("from = \"M\"", "from = \"MM\"", "there is no criterion `MM`"),
+        ("derived", "uncertainty = 1\nderived", "remove `uncertainty`"),
         ("uncertainty = \"2 %\"", "", "its `uncertainty`"),
-        (
-            "nominal = 20",
-            "nominal = 25",
-            "1.2500 times the product of M and n",
-        ),
+        ("nominal = 20", "nominal = 25", "1.2500 times the product of M and n"),
         (
             "nominal = 20\n    tolerance = \"5 %\"\n    derived = { from = \"M\", by = \"n\" }",
             "nominal = 15\n    tolerance = \"5 %\"\n    derived = { from = \"M\", by = \"speed\" }",
@@ -523,9 +404,6 @@ fn the_error_of_a_product_follows_from_its_factors() {
         ),
     ] {
         let error = judge(&PRODUCT.replacen(from, to, 1)).unwrap_err();
-        assert!(
-            error.starts_with("s.toml:") && error.contains(remedy),
-            "{to}: {error}"
-        );
+        assert!(error.starts_with("s.toml:") && error.contains(remedy), "{to}: {error}");
     }
 }

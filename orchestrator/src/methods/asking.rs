@@ -58,12 +58,7 @@ pub trait Analysis: Serialize {
     ///
     /// # Errors
     /// Why there is no answer.
-    fn find(
-        &self,
-        source: &Self::Source,
-        pipeline: &mut Pipeline<'_>,
-        folder: &Path,
-    ) -> Result<AnalysisResult, Error>;
+    fn find(&self, source: &Self::Source, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error>;
 }
 
 /// Identity of an analysis's points, besides study and FMU: seed, number, method.
@@ -108,21 +103,11 @@ impl AnalysisResult {
         }
         let told = serde_json::to_value(result).expect("a result is made of texts and numbers");
         content.extend(told.as_object().cloned().unwrap_or_default());
-        Self {
-            origin,
-            text,
-            file,
-            code: ExitCode::SUCCESS,
-            content,
-        }
+        Self { origin, text, file, code: ExitCode::SUCCESS, content }
     }
 
     /// Tells how many of the points in a journal went beyond what the model is valid for.
-    pub(super) fn tell_validity(
-        &mut self,
-        of: SourceParts<'_>,
-        folder: &Path,
-    ) -> Result<(), Error> {
+    pub(super) fn tell_validity(&mut self, of: SourceParts<'_>, folder: &Path) -> Result<(), Error> {
         if let Some(told) = Validity::of_journal(of.package.description(), folder)? {
             self.text += &format!("\nwarning: {told}\n");
             self.add("beyond_validity", &told);
@@ -132,8 +117,7 @@ impl AnalysisResult {
 
     /// Adds something to the file.
     pub(super) fn add(&mut self, name: &str, value: &impl Serialize) {
-        self.content
-            .insert(name.to_owned(), serde_json::json!(value));
+        self.content.insert(name.to_owned(), serde_json::json!(value));
     }
 
     /// Writes the file.
@@ -159,30 +143,15 @@ pub struct Delivery {
 impl Delivery {
     /// The result of a run.
     pub(super) fn new(result: AnalysisResult, folder: PathBuf, kept: Kept) -> Self {
-        Self {
-            result,
-            folder,
-            _kept: Some(kept),
-        }
+        Self { result, folder, _kept: Some(kept) }
     }
 
     /// A result without runs; refuses a folder that holds the results of another study file, where these are not to be
     /// replaced.
-    pub(super) fn without_runs(
-        result: AnalysisResult,
-        work: &Work,
-        folder: PathBuf,
-    ) -> Result<Self, Error> {
-        let request = Request {
-            study: work.study.clone(),
-            ..Request::default()
-        };
+    pub(super) fn without_runs(result: AnalysisResult, work: &Work, folder: PathBuf) -> Result<Self, Error> {
+        let request = Request { study: work.study.clone(), ..Request::default() };
         request.check(&folder, None, None, work.parts.earlier())?;
-        Ok(Self {
-            result,
-            folder,
-            _kept: None,
-        })
+        Ok(Self { result, folder, _kept: None })
     }
 }
 
@@ -197,10 +166,7 @@ pub(super) struct Takes {
 
 impl Takes {
     /// It draws whole points only.
-    pub(super) const ALL: Self = Self {
-        correlations: true,
-        samples: true,
-    };
+    pub(super) const ALL: Self = Self { correlations: true, samples: true };
 }
 
 /// A study whose parameters are as free as an analysis needs them.
@@ -233,10 +199,7 @@ pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, 
         study: work.study.clone(),
         fmu: work.means.fmu.clone(),
         shard,
-        analysis: Some(Asking {
-            name: A::NAME.to_owned(),
-            options: serde_json::json!(analysis),
-        }),
+        analysis: Some(Asking { name: A::NAME.to_owned(), options: serde_json::json!(analysis) }),
         ..Request::default()
     })
 }
@@ -269,32 +232,18 @@ pub(super) fn run<A: Analysis>(
 ) -> Result<Delivery, Error> {
     analysis.check(&source)?;
     let header = header(&source, analysis)?;
-    let place = Place {
-        output: &folder,
-        analysis: Some(A::NAME),
-        earlier: work.parts.earlier(),
-    };
+    let place = Place { output: &folder, analysis: Some(A::NAME), earlier: work.parts.earlier() };
     let taken = place.take(source.parts(), &header, || Ok(()))?;
-    let means = setup::Work {
-        means: &work.means,
-        jobs: work.means.jobs_of(usize::MAX)?,
-        open: false,
-        ends: true,
-    };
-    let (mut result, kept) = setup::run(&mut source, &header, taken, means, |source, pipeline| {
-        analysis.find(source, pipeline, &folder)
-    })?;
+    let means = setup::Work { means: &work.means, jobs: work.means.jobs_of(usize::MAX)?, open: false, ends: true };
+    let (mut result, kept) =
+        setup::run(&mut source, &header, taken, means, |source, pipeline| analysis.find(source, pipeline, &folder))?;
     result.tell_validity(source.parts(), &place.state())?;
     Ok(Delivery::new(result, folder, kept))
 }
 
 /// Which study and FMU the results of an analysis with runs of its own came from.
 pub(super) fn origin(session: &Session) -> Result<Origin, Error> {
-    Ok(Origin {
-        study_sha256: session.study.digest(),
-        fmu_sha256: Some(session.package.digest()?),
-        points: None,
-    })
+    Ok(Origin { study_sha256: session.study.digest(), fmu_sha256: Some(session.package.digest()?), points: None })
 }
 
 /// The table of runs that an analysis made itself, with all parameters.

@@ -25,10 +25,7 @@ pub struct Shards<'a> {
 
 impl Shards<'_> {
     /// Joins the points of an analysis.
-    pub(super) fn join<A: Analysis + DeserializeOwned>(
-        &self,
-        request: Request,
-    ) -> Result<Delivery, Error> {
+    pub(super) fn join<A: Analysis + DeserializeOwned>(&self, request: Request) -> Result<Delivery, Error> {
         let options = request.analysis.as_ref().map(|asking| &asking.options);
         let analysis = options.and_then(|options| A::deserialize(options).ok());
         let analysis = analysis.ok_or_else(|| self.unknown(&request))?;
@@ -36,11 +33,7 @@ impl Shards<'_> {
         analysis.check(&source)?;
         let header = asking::header(&source, &analysis)?;
         let named = self.check(&header)?;
-        let place = Place {
-            output: self.output,
-            analysis: Some(A::NAME),
-            earlier: self.earlier(false),
-        };
+        let place = Place { output: self.output, analysis: Some(A::NAME), earlier: self.earlier(false) };
         let mut taken = place.take(source.parts(), &header, || Ok(()))?;
         self.fill(&mut taken.journal)?;
         let finished = Finished::read(&place.state())?;
@@ -72,12 +65,7 @@ impl Shards<'_> {
     }
 
     /// Points are missing.
-    pub fn incomplete(
-        &self,
-        [missing, points]: [u64; 2],
-        shards: &[String],
-        command: &str,
-    ) -> Error {
+    pub fn incomplete(&self, [missing, points]: [u64; 2], shards: &[String], command: &str) -> Error {
         Error::Refused(format!(
             "{missing} of {points} points are in none of the shards {}; merge all of them, or \
              compute what is missing with `{command} --output {} --resume`",
@@ -114,10 +102,7 @@ impl Shards<'_> {
         let name = |folder: &PathBuf| {
             let then = lines::header(folder)?;
             // Only the part differs from one to the other.
-            let same_part = Header {
-                shard: then.shard.clone(),
-                ..of.clone()
-            };
+            let same_part = Header { shard: then.shard.clone(), ..of.clone() };
             match same_part.difference(&then) {
                 None => Ok(then.shard.unwrap_or_else(|| "1/1".to_owned())),
                 Some((what, then, now)) => Err(Error::Refused(format!(

@@ -157,8 +157,8 @@ fn run_in<S: Source, T>(
     let parts = source.parts();
     let part = Part::of(parts.request.shard, header);
     let run = Some((&crew, parts.cases));
-    let mut pipeline = Pipeline::new(parts.model, run, folder.journal, folder.finished, part)
-        .repeating(header.seed, work.open);
+    let mut pipeline =
+        Pipeline::new(parts.model, run, folder.journal, folder.finished, part).repeating(header.seed, work.open);
     let told = ask(source, &mut pipeline);
     match told.is_ok() && work.ends {
         true => pipeline.end()?,

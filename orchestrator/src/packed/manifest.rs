@@ -20,9 +20,7 @@ impl Related {
     fn xml(&self) -> String {
         let [kind, source, role, description] =
             [&self.kind, &self.source, &self.role, &self.description].map(|text| escape(text));
-        format!(
-            "  <Related type=\"{kind}\" source=\"{source}\" role=\"{role}\" description=\"{description}\"/>\n"
-        )
+        format!("  <Related type=\"{kind}\" source=\"{source}\" role=\"{role}\" description=\"{description}\"/>\n")
     }
 }
 
@@ -40,43 +38,27 @@ pub(super) fn with(before: Option<&str>, own: &str, files: &[&Related]) -> Resul
     let document = xml::parse(before).map_err(|error| error.to_string())?;
     let root = document.root_element();
     if !root.has_tag_name("fmiReferences") {
-        return Err(format!(
-            "`{}` instead of `fmiReferences`",
-            root.tag_name().name()
-        ));
+        return Err(format!("`{}` instead of `fmiReferences`", root.tag_name().name()));
     }
     let new: String = files.iter().map(|file| file.xml()).collect();
     let mut text = before.to_owned();
     // From the end on, so that what comes before keeps its place.
     let range = root.range();
-    let annotations = root
-        .children()
-        .find(|node| node.has_tag_name("Annotations"));
+    let annotations = root.children().find(|node| node.has_tag_name("Annotations"));
     let end = annotations.map(|node| node.range().start);
     let close = before[range.clone()].rfind("</").map(|at| range.start + at);
     match (end, close) {
         (Some(end), _) => text.insert_str(end, new.trim_start()),
         (None, Some(close)) => text.insert_str(close, &new),
-        (None, None) => text.replace_range(
-            range.end - 2..range.end,
-            &format!(">\n{new}</fmiReferences>"),
-        ),
+        (None, None) => text.replace_range(range.end - 2..range.end, &format!(">\n{new}</fmiReferences>")),
     }
     let is_own = |node: &roxmltree::Node<'_, '_>| {
-        node.has_tag_name("Related")
-            && node
-                .attribute("source")
-                .is_some_and(|source| source.starts_with(own))
+        node.has_tag_name("Related") && node.attribute("source").is_some_and(|source| source.starts_with(own))
     };
-    let ours: Vec<_> = root
-        .children()
-        .filter(is_own)
-        .map(|node| node.range())
-        .collect();
+    let ours: Vec<_> = root.children().filter(is_own).map(|node| node.range()).collect();
     for range in ours.into_iter().rev() {
         let line = text[range.end..].strip_prefix('\n').map_or(0, |_| 1);
-        let indent =
-            text[..range.start].len() - text[..range.start].trim_end_matches([' ', '\t']).len();
+        let indent = text[..range.start].len() - text[..range.start].trim_end_matches([' ', '\t']).len();
         text.replace_range(range.start - indent..range.end + line, "");
     }
     Ok(text)
@@ -97,16 +79,8 @@ mod tests {
 
     fn sources(text: &str) -> Vec<String> {
         let document = roxmltree::Document::parse(text).unwrap();
-        let all = document
-            .root_element()
-            .children()
-            .filter(roxmltree::Node::is_element);
-        all.map(|node| {
-            node.attribute("source")
-                .unwrap_or(node.tag_name().name())
-                .to_owned()
-        })
-        .collect()
+        let all = document.root_element().children().filter(roxmltree::Node::is_element);
+        all.map(|node| node.attribute("source").unwrap_or(node.tag_name().name()).to_owned()).collect()
     }
 
     #[test]
@@ -124,8 +98,7 @@ mod tests {
 
     #[test]
     fn annotations_stay_last_and_other_documents_are_refused() {
-        let noted =
-            "<fmiReferences><Related source=\"s\" role=\"other\"/><Annotations/></fmiReferences>";
+        let noted = "<fmiReferences><Related source=\"s\" role=\"other\"/><Annotations/></fmiReferences>";
         let told = with(Some(noted), "a/", &[&related("a/x")]).unwrap();
         assert_eq!(sources(&told), ["s", "a/x", "Annotations"]);
         let told = with(Some("<fmiReferences/>"), "a/", &[&related("a/x")]).unwrap();

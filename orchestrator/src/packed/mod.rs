@@ -30,42 +30,12 @@ const MOST_UNPACKED: usize = 1 << 30;
 /// meta data, which 1.0.0-beta.1 has; other ones are valid in both.
 const RESULTS: [(&str, &str, &str, &str); 8] = [
     ("points.csv", "result", "text/csv", "the points"),
-    (
-        "summary.json",
-        "result",
-        "application/json",
-        "the verdict, with all that it rests on",
-    ),
-    (
-        "best.ssv",
-        "parameter",
-        "application/x-ssp-parameter-set",
-        "the parameters nearest to the measurement",
-    ),
-    (
-        "best-point.csv",
-        "result",
-        "text/csv",
-        "the trajectory with these parameters",
-    ),
-    (
-        "best.srmd",
-        "other",
-        "application/x-srmd-meta-data",
-        "where these parameters come from",
-    ),
-    (
-        "verdict.srmd",
-        "other",
-        "application/x-srmd-meta-data",
-        "where the verdict comes from",
-    ),
-    (
-        "verdict.stmd",
-        "other",
-        "application/x-stmd-meta-data",
-        "the whole task",
-    ),
+    ("summary.json", "result", "application/json", "the verdict, with all that it rests on"),
+    ("best.ssv", "parameter", "application/x-ssp-parameter-set", "the parameters nearest to the measurement"),
+    ("best-point.csv", "result", "text/csv", "the trajectory with these parameters"),
+    ("best.srmd", "other", "application/x-srmd-meta-data", "where these parameters come from"),
+    ("verdict.srmd", "other", "application/x-srmd-meta-data", "where the verdict comes from"),
+    ("verdict.stmd", "other", "application/x-stmd-meta-data", "the whole task"),
     ("report.html", "report", "text/html", "the page"),
 ];
 
@@ -104,9 +74,7 @@ pub struct Carried {
 /// When one of them cannot be read.
 pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>, Error> {
     let matters = |entry: &String| {
-        let within = ["binaries/", "resources/"]
-            .iter()
-            .any(|folder| entry.starts_with(folder));
+        let within = ["binaries/", "resources/"].iter().any(|folder| entry.starts_with(folder));
         !entry.ends_with('/') && (within || entry == "modelDescription.xml")
     };
     let mut entries: Vec<String> = package.entries().into_iter().filter(matters).collect();
@@ -120,16 +88,13 @@ pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>, Error>
 
 /// What became of the files that a study was run with, in words.
 pub fn changed(then: &IndexMap<String, String>, now: &IndexMap<String, String>) -> Vec<String> {
-    let gone = then
-        .iter()
-        .filter_map(|(file, digest)| match now.get(file) {
-            None => Some(format!("{file} is gone")),
-            Some(now) if now != digest => Some(format!("{file} is another one")),
-            Some(_) => None,
-        });
+    let gone = then.iter().filter_map(|(file, digest)| match now.get(file) {
+        None => Some(format!("{file} is gone")),
+        Some(now) if now != digest => Some(format!("{file} is another one")),
+        Some(_) => None,
+    });
     let new = now.keys().filter(|file| !then.contains_key(*file));
-    gone.chain(new.map(|file| format!("{file} is new")))
-        .collect()
+    gone.chain(new.map(|file| format!("{file} is new"))).collect()
 }
 
 /// Which of the files that were packed with a study are other ones now, in words; none where their digests were not packed.
@@ -164,10 +129,7 @@ fn is_file(below: &str) -> bool {
 pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
     let entries = package.entries();
     let named = entries.iter().filter_map(|entry| {
-        let name = entry
-            .strip_prefix(FOLDER)?
-            .strip_suffix(TIES)?
-            .strip_suffix('/')?;
+        let name = entry.strip_prefix(FOLDER)?.strip_suffix(TIES)?.strip_suffix('/')?;
         (!name.contains('/')).then(|| name.to_owned())
     });
     let mut studies = Vec::new();
@@ -175,8 +137,7 @@ pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
         let entry = format!("{FOLDER}{name}/{TIES}");
         let bytes = package.bytes_of(&entry)?;
         let path = package.path().join(&entry);
-        let ties: Ties =
-            serde_json::from_slice(&bytes).map_err(|error| Error::content(&path, error))?;
+        let ties: Ties = serde_json::from_slice(&bytes).map_err(|error| Error::content(&path, error))?;
         let named = [Some(&ties.study), ties.points_from.as_ref()];
         if let Some(file) = named.into_iter().flatten().find(|file| !is_within(file)) {
             let message = format!("`{file}` is no path within the study's folder");
@@ -217,10 +178,7 @@ pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec
         return Err(Error::Refused(message));
     };
     let chosen = all.remove(place);
-    let others = names
-        .into_iter()
-        .filter(|name| *name != chosen.name)
-        .collect();
+    let others = names.into_iter().filter(|name| *name != chosen.name).collect();
     Ok((chosen, others))
 }
 
@@ -242,18 +200,12 @@ pub fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Er
             continue;
         };
         if !is_within(below) {
-            return Err(Error::content(
-                &package.path().join(&entry),
-                "a path that leads out of its folder",
-            ));
+            return Err(Error::content(&package.path().join(&entry), "a path that leads out of its folder"));
         }
         let bytes = package.bytes_of(&entry)?;
         total += bytes.len();
         if total > MOST_UNPACKED {
-            let message = format!(
-                "its files have more than {} MB together",
-                MOST_UNPACKED >> 20
-            );
+            let message = format!("its files have more than {} MB together", MOST_UNPACKED >> 20);
             return Err(Error::content(&package.path().join(&prefix), message));
         }
         let path = folder.join(below);
@@ -293,21 +245,9 @@ pub fn pack(
     nominal: Vec<(String, Vec<u8>)>,
     output: &Path,
 ) -> Result<String, Error> {
-    let stem = study
-        .path()
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
-    let name: String = stem
-        .chars()
-        .map(|c| {
-            if c.is_ascii_alphanumeric() || "-_.".contains(c) {
-                c
-            } else {
-                '-'
-            }
-        })
-        .collect();
+    let stem = study.path().file_stem().unwrap_or_default().to_string_lossy();
+    let name: String =
+        stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
     let request = Request::read(results)?;
     let entry = |below: &str, role: &str, kind: &str, description: &str, content: Vec<u8>| {
         let source = format!("{name}/{below}");
@@ -344,10 +284,7 @@ pub fn pack(
         points_from = Some(below);
     }
     let mut add_result = |file: &str, role: &str, kind: &str, what: &str, content: Vec<u8>| {
-        let (below, about) = (
-            format!("{RESULT}{file}"),
-            format!("Of the study {name}: {what}"),
-        );
+        let (below, about) = (format!("{RESULT}{file}"), format!("Of the study {name}: {what}"));
         files.push(entry(&below, role, kind, &about, content));
     };
     for (file, role, kind, what) in RESULTS {
@@ -366,10 +303,7 @@ pub fn pack(
         points: counted.then_some(summary.points),
         seed: request.seed,
         points_from,
-        validation: summary
-            .validation
-            .values()
-            .any(|comparison| comparison.u_num.is_some()),
+        validation: summary.validation.values().any(|comparison| comparison.u_num.is_some()),
         files: digests(package)?,
         packed: files.iter().map(File::tie).collect(),
     };
@@ -383,22 +317,14 @@ pub fn pack(
     let own = format!("{name}/");
     let related: Vec<&Related> = files.iter().map(|file| &file.related).collect();
     let manifest = manifest::with(before.as_deref(), &own, &related);
-    let manifest =
-        manifest.map_err(|message| Error::content(&package.path().join(MANIFEST), message))?;
+    let manifest = manifest.map_err(|message| Error::content(&package.path().join(MANIFEST), message))?;
     let mut contents: Vec<(String, Vec<u8>)> = vec![(MANIFEST.to_owned(), manifest.into_bytes())];
     contents.extend(files.into_iter().map(|file| (file.name, file.content)));
-    let folder = output
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     make_folder(folder)?;
     let copy = draft(folder).map_err(Error::io(output))?;
     let earlier = format!("{FOLDER}{own}");
-    package.copy_with(
-        copy.as_file(),
-        |entry| entry.starts_with(&earlier),
-        &contents,
-    )?;
+    package.copy_with(copy.as_file(), |entry| entry.starts_with(&earlier), &contents)?;
     keep(copy, output)?;
     Ok(name)
 }
@@ -413,10 +339,7 @@ fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>), Error> {
     let folder = own.parent().unwrap_or(Path::new(""));
     if let Some(file) = files.iter().find(|file| file.is_absolute()) {
         let message = "is an absolute path, which other machines do not have: name it from the study's folder";
-        return Err(Error::content(
-            study.path(),
-            format!("{} {message}", file.display()),
-        ));
+        return Err(Error::content(study.path(), format!("{} {message}", file.display())));
     }
     let up = files.iter().map(|file| steps_up(file)).max().unwrap_or(0);
     let parts: Vec<String> = folder
@@ -463,12 +386,7 @@ mod tests {
 
     #[test]
     fn paths_lead_up_as_far_as_they_do() {
-        for (path, up) in [
-            ("a.csv", 0),
-            ("./b/a.csv", 0),
-            ("../a.csv", 1),
-            ("b/../../c/../../a.csv", 2),
-        ] {
+        for (path, up) in [("a.csv", 0), ("./b/a.csv", 0), ("../a.csv", 1), ("b/../../c/../../a.csv", 2)] {
             assert_eq!(steps_up(Path::new(path)), up, "{path}");
         }
     }
@@ -488,16 +406,8 @@ mod tests {
 
     #[test]
     fn files_that_changed_are_named() {
-        let of = |files: &[(&str, &str)]| {
-            files
-                .iter()
-                .map(|(a, b)| (a.to_string(), b.to_string()))
-                .collect()
-        };
-        let told = changed(
-            &of(&[("a", "1"), ("b", "2"), ("c", "3")]),
-            &of(&[("a", "1"), ("b", "4"), ("d", "5")]),
-        );
+        let of = |files: &[(&str, &str)]| files.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect();
+        let told = changed(&of(&[("a", "1"), ("b", "2"), ("c", "3")]), &of(&[("a", "1"), ("b", "4"), ("d", "5")]));
         assert_eq!(told, ["b is another one", "c is gone", "d is new"]);
     }
 }

@@ -27,11 +27,7 @@ pub(super) fn command(folder: &Path, summary: &Summary) -> String {
         (_, "table") => format!("orchestrator verify {study} --points-from {table}{output}"),
         _ => {
             let seed = p.seed.map(|seed| format!(" --seed {seed}"));
-            format!(
-                "orchestrator verify {study} --points {}{}{output}",
-                summary.points,
-                seed.unwrap_or_default()
-            )
+            format!("orchestrator verify {study} --points {}{}{output}", summary.points, seed.unwrap_or_default())
         }
     }
 }
@@ -55,11 +51,7 @@ fn below_common_folder(a: &Path, b: &Path) -> [PathBuf; 2] {
 fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |c: char| c.is_alphanumeric() || "-_./".contains(c);
-    if text.chars().all(plain) {
-        text
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
+    if text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }
 
 #[cfg(test)]
@@ -68,18 +60,10 @@ mod tests {
 
     #[test]
     fn paths_are_those_below_the_common_folder() {
-        let paths = |a: &str, b: &str| {
-            below_common_folder(Path::new(a), Path::new(b)).map(|path| quoted(&path))
-        };
+        let paths = |a: &str, b: &str| below_common_folder(Path::new(a), Path::new(b)).map(|path| quoted(&path));
         let expected = ["studies/a.toml", "results/a"].map(String::from);
-        assert_eq!(
-            paths("/home/x/studies/a.toml", "/home/x/results/a"),
-            expected
-        );
-        assert_eq!(
-            paths("/x/a.toml", "/x/a"),
-            ["a.toml", "a"].map(String::from)
-        );
+        assert_eq!(paths("/home/x/studies/a.toml", "/home/x/results/a"), expected);
+        assert_eq!(paths("/x/a.toml", "/x/a"), ["a.toml", "a"].map(String::from));
         assert_eq!(paths("/x/my study.toml", "/x/o")[0], "'my study.toml'");
     }
 }

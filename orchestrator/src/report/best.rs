@@ -50,15 +50,8 @@ pub(super) fn best_rows(
         .iter()
         .zip(unbeaten)
         .map(|(ranked, beaten_by_none)| {
-            let Ranked {
-                point: i,
-                distance,
-                binding,
-            } = *ranked;
-            let parameters = table.parameters.iter().map(|p| Cell {
-                text: number(p.values[i], 5),
-                ..Cell::default()
-            });
+            let Ranked { point: i, distance, binding } = *ranked;
+            let parameters = table.parameters.iter().map(|p| Cell { text: number(p.values[i], 5), ..Cell::default() });
             let is_shown = |k: &usize| pictured.is_none_or(|shown| shown.contains(k));
             let criteria = (0..table.criteria.len()).filter(is_shown).map(|k| {
                 let c = &table.criteria[k];

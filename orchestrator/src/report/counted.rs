@@ -26,11 +26,7 @@ fn dash() -> String {
 fn share(count: &Count, with_interval: bool) -> Vec<String> {
     let share = percent(count.fraction);
     let interval = count.interval.map(range).unwrap_or_default();
-    if with_interval {
-        vec![share, interval]
-    } else {
-        vec![share]
-    }
+    if with_interval { vec![share, interval] } else { vec![share] }
 }
 
 fn share_columns(with_interval: bool) -> Vec<Column> {
@@ -123,9 +119,7 @@ fn shares(risk: Option<&Risk>) -> [String; 3] {
     let given = risk.not_conforming_given_accepted;
     let cell = |value: Option<f64>, interval: Option<[f64; 2]>| {
         let interval = interval.map(|ends| format!(" ({})", range(ends)));
-        value.map_or_else(dash, |value| {
-            format!("{}{}", percent(value), interval.unwrap_or_default())
-        })
+        value.map_or_else(dash, |value| format!("{}{}", percent(value), interval.unwrap_or_default()))
     };
     [
         cell(Some(risk.consumer), intervals.map(|of| of.consumer)),
@@ -142,9 +136,7 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
     let intervals = summary.verified_interval.is_some();
     let mut criteria: Vec<&str> = Vec::new();
     for name in summary.criteria.keys() {
-        let short = name
-            .split_once(SEPARATOR)
-            .map_or(&**name, |(_, short)| short);
+        let short = name.split_once(SEPARATOR).map_or(&**name, |(_, short)| short);
         if !criteria.contains(&short) {
             criteria.push(short);
         }
@@ -168,20 +160,12 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
     columns.push(numbers("Points"));
     columns.extend(share_columns(intervals));
     columns.push(numbers("Failed"));
-    let table = Table {
-        name: "Shares by case".into(),
-        class: "cases",
-        columns,
-        rows: summary.cases.iter().map(row).collect(),
-    };
+    let table =
+        Table { name: "Shares by case".into(), class: "cases", columns, rows: summary.cases.iter().map(row).collect() };
     let hint = "Share of the points that meet each criterion in each case, and points that hold in the case: meet all its \
                 criteria. A point is verified when it holds in every case. *Held out*: judged as any other case, but not used \
                 by `identify`.";
-    vec![
-        heading("By case"),
-        Block::Table(table),
-        Block::Hint(hint.to_owned()),
-    ]
+    vec![heading("By case"), Block::Table(table), Block::Hint(hint.to_owned())]
 }
 
 /// Counts by other readings of the tolerances; nothing where the study gives none.
@@ -223,8 +207,7 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
     }
     told.push(Block::Table(table));
     let about = summary.variants.iter();
-    let about =
-        about.filter_map(|(name, variant)| Some(format!("{name}: {}", variant.about.as_ref()?)));
+    let about = about.filter_map(|(name, variant)| Some(format!("{name}: {}", variant.about.as_ref()?)));
     told.push(Block::List(about.collect()));
     told
 }

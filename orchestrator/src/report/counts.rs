@@ -56,10 +56,7 @@ impl Headline {
             interval: required.interval.map(|ends| ends.map(percent)),
             confidence: number(100.0 * required.rule.confidence, 4),
             method: Some(match required.guard_bands {
-                Some(_) => format!(
-                    "{}, over all guard bands that may be the right one",
-                    required.method
-                ),
+                Some(_) => format!("{}, over all guard bands that may be the right one", required.method),
                 None => required.method.clone(),
             }),
         }
@@ -74,32 +71,16 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Count)> {
     let interval = Some(required.interval?);
     let band = judgement.guard?;
     let note = if band.is_finite() {
-        format!(
-            "each tolerance drawn in by {} expanded uncertainties (guard band)",
-            number(band, 3)
-        )
+        format!("each tolerance drawn in by {} expanded uncertainties (guard band)", number(band, 3))
     } else {
         "no guard band keeps the risk as low as required".into()
     };
-    let share = Count {
-        passed: accepted as u64,
-        fraction: accepted as f64 / total.max(1) as f64,
-        interval,
-    };
+    let share = Count { passed: accepted as u64, fraction: accepted as f64 / total.max(1) as f64, interval };
     Some((note, share))
 }
 
-pub(super) fn count_rows(
-    table: &PointTable,
-    summary: &Summary,
-    judgement: &Judgement,
-) -> Vec<CountRow> {
-    let row = |name: &str, kind, count: Count| CountRow {
-        name: name.to_owned(),
-        kind,
-        count,
-        ..CountRow::default()
-    };
+pub(super) fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) -> Vec<CountRow> {
+    let row = |name: &str, kind, count: Count| CountRow { name: name.to_owned(), kind, count, ..CountRow::default() };
     let criterion = |k: usize| {
         let (c, v) = (&table.criteria[k], &summary.criteria[k]);
         CountRow {
@@ -117,12 +98,10 @@ pub(super) fn count_rows(
                 Some(_) => format!("at most {}", quantity(c.upper, &c.unit)),
                 None => interval([c.lower, c.upper], &c.unit),
             },
-            drawn_in: judgement
-                .drawn_in(k, [c.lower, c.upper])
-                .map(|[low, high]| match low <= high {
-                    true => interval([low, high], &c.unit),
-                    false => "nothing".to_owned(),
-                }),
+            drawn_in: judgement.drawn_in(k, [c.lower, c.upper]).map(|[low, high]| match low <= high {
+                true => interval([low, high], &c.unit),
+                false => "nothing".to_owned(),
+            }),
             binds: grouped(v.binds),
             only: grouped(v.only_failure),
             miss: median_miss(c).map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
@@ -131,27 +110,16 @@ pub(super) fn count_rows(
     };
     let mut rows = Vec::new();
     for (group, passes) in &summary.groups {
-        let members: Vec<usize> = (0..table.criteria.len())
-            .filter(|&k| table.criteria[k].group.as_deref() == Some(group))
-            .collect();
+        let members: Vec<usize> =
+            (0..table.criteria.len()).filter(|&k| table.criteria[k].group.as_deref() == Some(group)).collect();
         rows.extend(members.iter().map(|&k| criterion(k)));
         if members.len() > 1 {
-            rows.push(CountRow {
-                note: format!("group of {}", members.len()),
-                ..row(group, "group", *passes)
-            });
+            rows.push(CountRow { note: format!("group of {}", members.len()), ..row(group, "group", *passes) });
         }
     }
-    rows.extend(
-        (0..table.criteria.len())
-            .filter(|&k| table.criteria[k].group.is_none())
-            .map(criterion),
-    );
-    let verified = Count {
-        passed: summary.verified,
-        fraction: summary.verified_fraction,
-        interval: summary.verified_interval,
-    };
+    rows.extend((0..table.criteria.len()).filter(|&k| table.criteria[k].group.is_none()).map(criterion));
+    let verified =
+        Count { passed: summary.verified, fraction: summary.verified_fraction, interval: summary.verified_interval };
     let Some((note, accepted)) = guarded(judgement, summary.points as usize) else {
         let name = match judgement.guard {
             Some(_) => "within all tolerances",
@@ -161,19 +129,12 @@ pub(super) fn count_rows(
         return rows;
     };
     rows.push(row("within all tolerances", "total", verified));
-    rows.push(CountRow {
-        note,
-        ..row("accepted", "total", accepted)
-    });
+    rows.push(CountRow { note, ..row("accepted", "total", accepted) });
     rows
 }
 
 pub(super) fn quantity(value: f64, unit: &str) -> String {
-    if unit.is_empty() || unit == "1" {
-        number(value, 6)
-    } else {
-        format!("{} {unit}", number(value, 6))
-    }
+    if unit.is_empty() || unit == "1" { number(value, 6) } else { format!("{} {unit}", number(value, 6)) }
 }
 
 /// The accepted values, of which one end may be open.

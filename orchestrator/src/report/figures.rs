@@ -23,9 +23,7 @@ pub fn plane(
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
     out.push_str(&acceptance(&frame, x, y));
     if !drawn_singly(table, points) {
-        let counts = |keep: &dyn Fn(usize) -> bool| {
-            density(x.values, y.values, keep, x.range, y.range, BINS)
-        };
+        let counts = |keep: &dyn Fn(usize) -> bool| density(x.values, y.values, keep, x.range, y.range, BINS);
         let all = counts(&|_| true);
         let inside = counts(&|i| table.verified[i]);
         let whole = [x.range, y.range];
@@ -38,25 +36,15 @@ pub fn plane(
     } else {
         out.push_str(&marks(table, &frame, x, y, points));
     }
-    let inside = (0..table.len())
-        .filter(|&i| within(x, i) && within(y, i))
-        .count();
+    let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
     let in_box = match x.is_criterion || y.is_criterion {
         false => String::new(),
         _ if !drawn_singly(table, points) => String::new(),
         _ => format!(", {} in the box", count(inside)),
     };
-    out.push_str(&frame.caption(&format!(
-        "{} points{in_box}, {} accepted",
-        count(total),
-        count(accepted)
-    )));
-    let title = format!(
-        "{} against {}: {inside} of {} points lie in the box of the tolerances",
-        y.name,
-        x.name,
-        table.len()
-    );
+    out.push_str(&frame.caption(&format!("{} points{in_box}, {} accepted", count(total), count(accepted))));
+    let title =
+        format!("{} against {}: {inside} of {} points lie in the box of the tolerances", y.name, x.name, table.len());
     frame.wrap(&title, &out)
 }
 
@@ -88,11 +76,7 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
     let along = |[low, high]: [f64; 2]| (frame.y.clamped(high), frame.y.clamped(low));
     let ((x0, x1), (y0, y1)) = (across(x.accepted), along(y.accepted));
     let guarded = x.drawn_in.is_some() || y.drawn_in.is_some();
-    out.push_str(&area(
-        if guarded { "tolerance" } else { "accept" },
-        [x0, x1],
-        [y0, y1],
-    ));
+    out.push_str(&area(if guarded { "tolerance" } else { "accept" }, [x0, x1], [y0, y1]));
     let inner = [x, y].map(|c| c.drawn_in.unwrap_or(c.accepted));
     if guarded && inner.iter().all(|[low, high]| low <= high) {
         let ((x0, x1), (y0, y1)) = (across(inner[0]), along(inner[1]));
@@ -107,19 +91,11 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
     out
 }
 
-fn density_cells(
-    frame: &Frame,
-    class: &str,
-    counts: &[u32],
-    [across, along]: [[f64; 2]; 2],
-) -> String {
+fn density_cells(frame: &Frame, class: &str, counts: &[u32], [across, along]: [[f64; 2]; 2]) -> String {
     let cells = levels(counts);
     let across = across.map(|limit| frame.x.clamped(limit));
     let along = along.map(|limit| frame.y.clamped(limit));
-    let (w, h) = (
-        (frame.x.to - frame.x.from) / BINS as f64,
-        (frame.y.from - frame.y.to) / BINS as f64,
-    );
+    let (w, h) = ((frame.x.to - frame.x.from) / BINS as f64, (frame.y.from - frame.y.to) / BINS as f64);
     let mut paths = vec![String::new(); SHADES];
     let shade = |level: u8| (level > 0).then(|| usize::from(level - 1) * SHADES / 255);
     for (row, cells) in cells.chunks(BINS).enumerate() {
@@ -129,22 +105,14 @@ fn density_cells(
         // Neighbours of one shade are one area.
         for run in cells.chunk_by(|a, b| shade(*a) == shade(*b)) {
             let ends = [first, first + run.len()];
-            let [left, right] =
-                ends.map(|cell| (frame.x.from + cell as f64 * w).clamp(across[0], across[1]));
+            let [left, right] = ends.map(|cell| (frame.x.from + cell as f64 * w).clamp(across[0], across[1]));
             if let Some(shade) = shade(run[0]) {
-                let _ = write!(
-                    paths[shade],
-                    "M{left:.1},{top:.1}H{right:.1}V{bottom:.1}H{left:.1}z"
-                );
+                let _ = write!(paths[shade], "M{left:.1},{top:.1}H{right:.1}V{bottom:.1}H{left:.1}z");
             }
             first = ends[1];
         }
     }
-    paths
-        .iter()
-        .enumerate()
-        .map(|(s, d)| path(&format!("{class} d{}", s + 1), d))
-        .collect()
+    paths.iter().enumerate().map(|(s, d)| path(&format!("{class} d{}", s + 1), d)).collect()
 }
 
 /// The shades of a density with the points in a cell of the lightest and the darkest.
@@ -164,13 +132,7 @@ fn scale(frame: &Frame, left: f64, class: &str, counts: &[u32]) -> String {
     out + &text("tick", end, "start", &count(most as usize))
 }
 
-fn marks(
-    table: &PointTable,
-    frame: &Frame,
-    x: &PlotColumn<'_>,
-    y: &PlotColumn<'_>,
-    points: &[usize],
-) -> String {
+fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>, points: &[usize]) -> String {
     let r = mark_radius(points.len());
     let mut paths = [const { String::new() }; 4];
     for &i in points {
@@ -194,9 +156,7 @@ fn marks(
             let _ = write!(paths[0], "M{left:.1},{top:.1}l{d},{d}m0,-{d}l-{d},{d}");
         }
     }
-    let classes = ["pt out", "pt part", "pt in", "pt beyond"]
-        .iter()
-        .zip(paths);
+    let classes = ["pt out", "pt part", "pt in", "pt beyond"].iter().zip(paths);
     classes.map(|(class, d)| path(class, d)).collect()
 }
 
@@ -212,31 +172,16 @@ fn mark_radius(points: usize) -> f64 {
 
 /// The distribution of a column: all points, and the accepted ones, which the table has as verified, each with its own
 /// scale so that the shapes compare.
-pub fn distribution(
-    table: &PointTable,
-    c: &PlotColumn<'_>,
-    [total, accepted]: [usize; 2],
-) -> String {
-    let verified: Vec<f64> = (0..table.len())
-        .filter(|&i| table.verified[i])
-        .map(|i| c.values[i])
-        .collect();
+pub fn distribution(table: &PointTable, c: &PlotColumn<'_>, [total, accepted]: [usize; 2]) -> String {
+    let verified: Vec<f64> = (0..table.len()).filter(|&i| table.verified[i]).map(|i| c.values[i]).collect();
     let bins = bins_for(table.len());
-    let frame = Frame {
-        width: 300.0,
-        height: 190.0,
-        x: Axis::new(c.range, SIDES),
-        y: Axis::new([0.0, 1.08], [142.0, 24.0]),
-    };
+    let frame =
+        Frame { width: 300.0, height: 190.0, x: Axis::new(c.range, SIDES), y: Axis::new([0.0, 1.08], [142.0, 24.0]) };
     let mut out = frame.axes(&with_unit(c.name, c.unit), None);
     if c.is_criterion {
         let across = |[low, high]: [f64; 2]| [frame.x.clamped(low), frame.x.clamped(high)];
         let down = [frame.y.to, frame.y.from];
-        let outer = if c.drawn_in.is_some() {
-            "tolerance"
-        } else {
-            "accept"
-        };
+        let outer = if c.drawn_in.is_some() { "tolerance" } else { "accept" };
         out.push_str(&area(outer, across(c.accepted), down));
         if let Some(inner) = c.drawn_in.filter(|[low, high]| low <= high) {
             out.push_str(&area("accept", across(inner), down));
@@ -255,11 +200,7 @@ pub fn distribution(
         out += &path("bar in", bars(&counts, &frame, range, false));
         out.push_str(&heights(&counts, &frame, true));
     }
-    out.push_str(&frame.caption(&format!(
-        "{} points, {} accepted",
-        count(total),
-        count(accepted)
-    )));
+    out.push_str(&frame.caption(&format!("{} points, {} accepted", count(total), count(accepted))));
     let title = format!(
         "Distribution of {} over all {} points and over the {} accepted points",
         c.name,
@@ -305,14 +246,7 @@ fn bars(counts: &[usize], frame: &Frame, range: [f64; 2], filled: bool) -> Strin
     for (k, &n) in counts.iter().enumerate() {
         let (left, top) = (from + k as f64 * w, frame.y.at(n as f64 / most));
         if filled && n > 0 {
-            let _ = write!(
-                d,
-                "M{:.1},{:.1}V{top:.1}h{:.1}V{:.1}z",
-                left + 0.5,
-                frame.y.from,
-                w - 1.0,
-                frame.y.from
-            );
+            let _ = write!(d, "M{:.1},{:.1}V{top:.1}h{:.1}V{:.1}z", left + 0.5, frame.y.from, w - 1.0, frame.y.from);
         } else if !filled {
             let _ = write!(d, "V{top:.1}H{:.1}", left + w);
         }
@@ -351,36 +285,24 @@ impl Series {
             return None;
         }
         let mean = self.values.iter().sum::<f64>() / self.values.len().max(1) as f64;
-        let rises: Vec<usize> = (1..self.values.len())
-            .filter(|&i| self.values[i - 1] < mean && self.values[i] >= mean)
-            .collect();
+        let rises: Vec<usize> =
+            (1..self.values.len()).filter(|&i| self.values[i - 1] < mean && self.values[i] >= mean).collect();
         if rises.len() < TOO_MANY {
             return None;
         }
         let from = rises[rises.len() - PERIODS];
-        Some(Series {
-            time: self.time[from..].to_vec(),
-            values: self.values[from..].to_vec(),
-            ..self.clone()
-        })
+        Some(Series { time: self.time[from..].to_vec(), values: self.values[from..].to_vec(), ..self.clone() })
     }
 }
 
 /// A quantity over time with the accepted band; long series keep their extremes in every pixel column.
 pub fn history(series: &Series) -> Option<String> {
-    let [low, high] = series
-        .accepted
-        .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let [low, high] = series.accepted.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let mut all = series.values.clone();
     all.extend(series.measured.iter().flat_map(Measured::extremes));
     let y = axis_range(all, low, high)?;
     let (start, end) = (*series.time.first()?, *series.time.last()?);
-    let frame = Frame::new(
-        560.0,
-        220.0,
-        [start, if end > start { end } else { start + 1.0 }],
-        y,
-    );
+    let frame = Frame::new(560.0, 220.0, [start, if end > start { end } else { start + 1.0 }], y);
     let mut out = frame.axes("time (s)", Some(&series.unit));
     if series.accepted.is_some() {
         let (top, bottom) = (frame.y.clamped(high), frame.y.clamped(low));
@@ -392,15 +314,8 @@ pub fn history(series: &Series) -> Option<String> {
     if let Some(measured) = &series.measured {
         out.push_str(&measured.draw(&frame));
     }
-    let class = if series.last_periods().is_some() {
-        "line fast"
-    } else {
-        "line"
-    };
-    out += &path(
-        class,
-        envelope(series.time.iter().zip(&series.values), &frame),
-    );
+    let class = if series.last_periods().is_some() { "line fast" } else { "line" };
+    out += &path(class, envelope(series.time.iter().zip(&series.values), &frame));
     Some(frame.wrap(&format!("{} over time", series.name), &out))
 }
 

@@ -51,16 +51,8 @@ impl Report {
 /// The study's documents beside its verdict.
 fn documents(folder: &Path, summary: &Summary, table: &PointTable) -> Vec<Document> {
     let general = [comparison(summary), improvements(summary)];
-    let study = Finished {
-        folder,
-        summary,
-        table,
-    };
-    general
-        .into_iter()
-        .flatten()
-        .chain(methods::shown(&study))
-        .collect()
+    let study = Finished { folder, summary, table };
+    general.into_iter().flatten().chain(methods::shown(&study)).collect()
 }
 
 /// How the points were computed, as far as a reader has to know it, and doubts about the verdict.
@@ -83,13 +75,9 @@ pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         )
     });
     let conduct = summary.conduct.iter();
-    let conduct =
-        conduct.flat_map(|conduct| conduct.remarks().into_iter().chain(conduct.usual_reason()));
+    let conduct = conduct.flat_map(|conduct| conduct.remarks().into_iter().chain(conduct.usual_reason()));
     let asides = summary.asides.iter().flat_map(Asides::remarks);
-    let concerns = summary
-        .concerns
-        .iter()
-        .map(|concern| format!("{}: {concern}", concern.severity.name()));
+    let concerns = summary.concerns.iter().map(|concern| format!("{}: {concern}", concern.severity.name()));
     let watched = summary.settled.iter().filter_map(Settled::remark);
     conduct
         .chain(asides)

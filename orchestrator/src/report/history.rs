@@ -23,15 +23,8 @@ pub fn file(case: Option<usize>) -> String {
 pub const MEASURED: &str = "measured-curves.csv";
 
 /// The columns of [`MEASURED`].
-pub const MEASURED_COLUMNS: [&str; 7] = [
-    "criterion",
-    "time",
-    "value",
-    "uncertainty",
-    "verified_least",
-    "verified_most",
-    "verified_points",
-];
+pub const MEASURED_COLUMNS: [&str; 7] =
+    ["criterion", "time", "value", "uncertainty", "verified_least", "verified_most", "verified_points"];
 
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
@@ -52,8 +45,7 @@ pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Ser
             unit: criterion.unit.clone(),
             time: time.to_vec(),
             values,
-            accepted: limits_the_signal(&criterion.source)
-                .then_some([criterion.lower, criterion.upper]),
+            accepted: limits_the_signal(&criterion.source).then_some([criterion.lower, criterion.upper]),
         })
     };
     let mut all = Vec::new();

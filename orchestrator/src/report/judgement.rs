@@ -51,10 +51,7 @@ impl Judgement {
             let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
             table.verified[point] && self.measurement.margin(&values) >= guard
         };
-        Cow::Owned(PointTable {
-            verified: (0..table.len()).map(accepted).collect(),
-            ..table.clone()
-        })
+        Cow::Owned(PointTable { verified: (0..table.len()).map(accepted).collect(), ..table.clone() })
     }
 
     /// The acceptance interval of a criterion, where a guard band draws the tolerance interval in; the lower end lies above
@@ -109,10 +106,7 @@ mod tests {
     fn judgement(uncertainty: Option<f64>) -> Judgement {
         let error = uncertainty.map(|expanded| Uncertainty::normal(expanded, 2.0).law(10.0));
         let criterion = Measured::within(10.0, 2.0, error);
-        Judgement {
-            measurement: Measurement::new(vec![criterion], &[]).unwrap(),
-            ..Judgement::default()
-        }
+        Judgement { measurement: Measurement::new(vec![criterion], &[]).unwrap(), ..Judgement::default() }
     }
 
     #[test]

@@ -116,12 +116,7 @@ impl Live {
         Ok(Self {
             module: super::packed(&module).map_err(|error| error.to_string())?,
             guid: package.description().guid.clone(),
-            varied: varied
-                .map(|(slot, input)| Varied {
-                    slot: slot.clone(),
-                    unit: line(input.conversion),
-                })
-                .collect(),
+            varied: varied.map(|(slot, input)| Varied { slot: slot.clone(), unit: line(input.conversion) }).collect(),
             cases: (0..plan.cases.len()).map(scene).collect(),
             own: compared(table)?,
         })
@@ -137,12 +132,8 @@ impl Scene {
             tolerance: task.schedule.tolerance,
             times: times(&task.schedule),
             stops,
-            fixed: fixed
-                .map(|(reference, value)| (*reference, content(value), value.number()))
-                .collect(),
-            observed: observed
-                .map(|(probe, conversion)| Observed::new(probe, *conversion, &task.schedule))
-                .collect(),
+            fixed: fixed.map(|(reference, value)| (*reference, content(value), value.number())).collect(),
+            observed: observed.map(|(probe, conversion)| Observed::new(probe, *conversion, &task.schedule)).collect(),
             inputs: task.inputs,
         }
     }
@@ -199,10 +190,7 @@ fn seen(probe: &Probe, schedule: &Schedule) -> [u64; 2] {
     let rounding = 1e-9 * (from.abs() + to.abs());
     let last = points.from(to + rounding);
     let beyond = points.at(last) > to + rounding;
-    [
-        points.from(from - rounding),
-        last.saturating_sub(u64::from(beyond)),
-    ]
+    [points.from(from - rounding), last.saturating_sub(u64::from(beyond))]
 }
 
 /// Some of the points that came to their end, evenly chosen.
@@ -243,11 +231,7 @@ fn times(schedule: &Schedule) -> Times {
         step: schedule.step,
         steps: points.steps,
         leap,
-        even: if leap > 0 {
-            schedule.window_start
-        } else {
-            schedule.start
-        },
+        even: if leap > 0 { schedule.window_start } else { schedule.start },
     }
 }
 
@@ -263,27 +247,18 @@ fn content(value: &Value) -> Content {
 /// Whether the page's script can do all that a point takes.
 fn possible(task: &Task) -> Result<(), String> {
     let cannot = |what: String| Err(format!("the page cannot simulate {what}"));
-    if task
-        .fixed
-        .iter()
-        .any(|(_, value)| matches!(value, Value::String(_)))
-    {
+    if task.fixed.iter().any(|(_, value)| matches!(value, Value::String(_))) {
         return cannot("start values that are texts, such as names of files".to_owned());
     }
     let number = |content| matches!(content, Content::Real | Content::Integer);
     if let Some(slot) = task.varied.iter().find(|slot| !number(slot.handle.content)) {
-        return cannot(format!(
-            "parameters that are no numbers, such as {}",
-            slot.name
-        ));
+        return cannot(format!("parameters that are no numbers, such as {}", slot.name));
     }
     for probe in &task.observed {
         let name = &probe.name;
         match (&probe.curve, probe.detail) {
             (Some(curve), _) if matches!(curve.delay, Delay::Within(_)) => {
-                return cannot(format!(
-                    "curves whose delay is to be found, such as that of {name}"
-                ));
+                return cannot(format!("curves whose delay is to be found, such as that of {name}"));
             }
             (Some(curve), _) => match curve.metric {
                 Metric::Rmse | Metric::Nrmse | Metric::MaxError => continue,

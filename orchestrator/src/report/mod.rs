@@ -60,20 +60,9 @@ pub struct Report {
 impl Report {
     /// The share of the points that meet all criteria. Where it has no interval, the page has no place for one.
     fn verified(&self) -> Fraction {
-        let Summary {
-            points,
-            verified,
-            verified_fraction,
-            verified_interval,
-            ..
-        } = self.summary;
+        let Summary { points, verified, verified_fraction, verified_interval, .. } = self.summary;
         let [low, high] = verified_interval.unwrap_or([verified_fraction; 2]);
-        Fraction {
-            count: verified as usize,
-            of: points as usize,
-            low,
-            high,
-        }
+        Fraction { count: verified as usize, of: points as usize, low, high }
     }
 
     /// How many points there are, those included that the table leaves out, and how many of them are accepted.
@@ -103,15 +92,12 @@ impl Report {
         }
         std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
         // A picture that cannot be written costs itself: the page has it all the same.
-        let written = page::plots(self).into_iter().map(|(name, plot)| {
-            write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot))
-        });
+        let written = page::plots(self)
+            .into_iter()
+            .map(|(name, plot)| write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot)));
         let failed: Vec<Error> = written.filter_map(Result::err).collect();
         if let Some(first) = failed.first() {
-            fmu_points::tell::line!(
-                "note: {} plots have no file; the first: {first}",
-                failed.len()
-            );
+            fmu_points::tell::line!("note: {} plots have no file; the first: {first}", failed.len());
         }
         let path = folder.join("report.html");
         write_file(&path, &self.html()?)?;

@@ -146,10 +146,7 @@ fn change(change: &Change) -> Vec<String> {
         Sign::Gain | Sign::Loss => "",
     };
     let interval = change.gain_interval.map(|ends| ends.map(plus));
-    let interval = interval.map_or_else(
-        || "–".to_owned(),
-        |[low, high]| format!("{low} .. {high}{open}"),
-    );
+    let interval = interval.map_or_else(|| "–".to_owned(), |[low, high]| format!("{low} .. {high}{open}"));
     let gain = [what.to_owned(), plus(change.gain), interval];
     row(&change.name, gain, &change.prospect)
 }
@@ -159,16 +156,8 @@ fn row(name: &str, gain: [String; 3], prospect: &Prospect) -> Vec<String> {
     let risk = prospect.not_conforming_given_accepted.map(percent);
     let verdict = prospect.verdict.map(|verdict| verdict.to_string());
     let [risk, verdict] = [risk, verdict].map(|cell| cell.unwrap_or_else(|| "–".to_owned()));
-    let follows = [
-        percent(prospect.accepted),
-        risk,
-        verdict,
-        number(prospect.effective_points, 3),
-    ];
-    std::iter::once(name.to_owned())
-        .chain(gain)
-        .chain(follows)
-        .collect()
+    let follows = [percent(prospect.accepted), risk, verdict, number(prospect.effective_points, 3)];
+    std::iter::once(name.to_owned()).chain(gain).chain(follows).collect()
 }
 
 #[cfg(test)]
@@ -191,9 +180,6 @@ mod tests {
             dominant: "input".into(),
         };
         let row = compared(&comparison);
-        assert_eq!(
-            [&row[1][..], &row[3], &row[4]],
-            ["not known", "not known", "at least 0.5"]
-        );
+        assert_eq!([&row[1][..], &row[3], &row[4]], ["not known", "not known", "at least 0.5"]);
     }
 }

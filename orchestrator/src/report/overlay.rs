@@ -46,12 +46,7 @@ impl Measured {
     pub(super) fn extremes(&self) -> Vec<f64> {
         let edges = self.edges().into_iter().flatten().flatten();
         let verified = self.verified.iter().flatten().copied();
-        self.values
-            .iter()
-            .copied()
-            .chain(edges)
-            .chain(verified)
-            .collect()
+        self.values.iter().copied().chain(edges).chain(verified).collect()
     }
 
     /// The area between two lines.
@@ -75,30 +70,16 @@ impl Measured {
             let (x, y) = (frame.x.at(*time), frame.y);
             out += &path("judged", format_args!("M{x:.1},{:.1}V{:.1}", y.from, y.to));
         }
-        out += &path(
-            "line measured",
-            envelope(self.time.iter().zip(&self.values), frame),
-        );
+        out += &path("line measured", envelope(self.time.iter().zip(&self.values), frame));
         out
     }
 
     /// The model's deviations from the measurement over the time of the run, with the band around zero.
-    pub(super) fn residuals(
-        &self,
-        name: &str,
-        unit: &str,
-        time: &[f64],
-        model: &[f64],
-    ) -> Option<String> {
+    pub(super) fn residuals(&self, name: &str, unit: &str, time: &[f64], model: &[f64]) -> Option<String> {
         let curve = Curve::new(time.to_vec(), model.to_vec()).ok()?;
         let [start, end] = curve.span();
         let at = |(t, value): (&f64, &f64)| Some(curve.at(t.clamp(start, end))? - value);
-        let deviations: Vec<f64> = self
-            .time
-            .iter()
-            .zip(&self.values)
-            .map(at)
-            .collect::<Option<_>>()?;
+        let deviations: Vec<f64> = self.time.iter().zip(&self.values).map(at).collect::<Option<_>>()?;
         let around = Self {
             time: self.time.clone(),
             values: vec![0.0; self.values.len()],
@@ -135,15 +116,7 @@ mod tests {
         assert_eq!(measured.extremes().len(), 9);
         let of = |model: &[f64]| measured.residuals("y", "m", &[0.0, 2.0], model).unwrap();
         // A line in the middle of the picture, or one that leaves it.
-        let path = |svg: String| {
-            svg.split("class=\"line\" d=\"")
-                .nth(1)
-                .unwrap()
-                .split('"')
-                .next()
-                .unwrap()
-                .to_owned()
-        };
+        let path = |svg: String| svg.split("class=\"line\" d=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
         // Behind the first place, the steps down from one to the next.
         let steps = |svg: String| {
             let down = |step: &str| step.split_once(',').unwrap().1.parse::<f64>().unwrap();

@@ -45,23 +45,12 @@ pub fn render(report: &Report) -> Result<String, Error> {
     let counts = report.counts();
     let [total, _] = counts;
     let bytes = payload::Bytes::default();
-    let data = payload::payload(
-        drawn,
-        &columns,
-        &points,
-        counts,
-        conformance.as_deref(),
-        report.whatif.as_ref(),
-        &bytes,
-    );
+    let data =
+        payload::payload(drawn, &columns, &points, counts, conformance.as_deref(), report.whatif.as_ref(), &bytes);
     let data = script_safe(&serde_json::to_string(&data)?);
     let bytes = bytes.all();
     let packed = bytes.len() > MOST_PLAIN;
-    let live = report
-        .live
-        .as_ref()
-        .map(serde_json::to_string)
-        .transpose()?;
+    let live = report.live.as_ref().map(serde_json::to_string).transpose()?;
     let answer = Answer::new(summary);
 
     let mut environment = Environment::new();
@@ -174,25 +163,10 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
     let counts = report.counts();
     let mut plots: Vec<(String, String)> = planes(&drawn, &columns, &points, counts)
         .into_iter()
-        .map(|p| {
-            (
-                format!("plane-{}-{}", columns[p.x].name, columns[p.y].name),
-                p.svg,
-            )
-        })
+        .map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg))
         .collect();
-    plots.extend(columns.iter().map(|c| {
-        (
-            format!("distribution-{}", c.name),
-            figures::distribution(table, c, counts),
-        )
-    }));
-    plots.extend(
-        report
-            .history
-            .iter()
-            .filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))),
-    );
+    plots.extend(columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c, counts))));
+    plots.extend(report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))));
     let figures = report.documents.iter().flat_map(Document::figures);
     plots.extend(figures.map(|figure| (figure.file.clone(), figure.svg.clone())));
     for (name, _) in &mut plots {
@@ -205,27 +179,18 @@ pub fn plots(report: &Report) -> Vec<(String, String)> {
 fn file_name(name: &str) -> String {
     const LONGEST: usize = 180;
     let plain = |c: char| {
-        if c.is_alphanumeric() || "-_.".contains(c) {
-            c
-        } else {
-            '_'
-        }
+        if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }
     };
     let file: String = name.chars().map(plain).collect();
     if file.len() <= LONGEST {
         return file;
     }
-    let end = (0..=LONGEST)
-        .rfind(|&end| file.is_char_boundary(end))
-        .unwrap_or(0);
+    let end = (0..=LONGEST).rfind(|&end| file.is_char_boundary(end)).unwrap_or(0);
     format!("{}-{:08x}", &file[..end], crc32fast::hash(name.as_bytes()))
 }
 
 /// The table and its columns with the criteria that have pictures.
-fn pictured<'a>(
-    report: &Report,
-    table: &'a PointTable,
-) -> (Cow<'a, PointTable>, Vec<PlotColumn<'a>>) {
+fn pictured<'a>(report: &Report, table: &'a PointTable) -> (Cow<'a, PointTable>, Vec<PlotColumn<'a>>) {
     let mut columns = payload::columns(table, &report.judgement);
     let Some(chosen) = report.pictured() else {
         return (Cow::Borrowed(table), columns);
@@ -255,10 +220,7 @@ fn script_safe(json: &str) -> String {
     while let Some(c) = rest.chars().next() {
         // A character that JSON has escaped is one that the script sees.
         let (seen, length) = match rest.get(..6).and_then(|start| start.strip_prefix("\\u")) {
-            Some(code) => (
-                u32::from_str_radix(code, 16).ok().and_then(char::from_u32),
-                6,
-            ),
+            Some(code) => (u32::from_str_radix(code, 16).ok().and_then(char::from_u32), 6),
             None if rest.starts_with("\\r\\n") => (None, 4),
             None if rest.starts_with("\\r") => (Some('\r'), 2),
             None if rest.starts_with("\\b") => (Some('\x08'), 2),
@@ -276,23 +238,14 @@ fn script_safe(json: &str) -> String {
     safe
 }
 
-fn distributions(
-    table: &PointTable,
-    columns: &[PlotColumn<'_>],
-    first: usize,
-    counts: [usize; 2],
-) -> Vec<Value> {
+fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize, counts: [usize; 2]) -> Vec<Value> {
     let row = |name: &str, values: Vec<f64>| {
         let finite: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
         let deviation = match finite.len() {
             0 | 1 => f64::NAN,
             _ => deviation(&finite, 1),
         };
-        vec![
-            name.to_owned(),
-            number(mean(&finite), 4),
-            number(deviation, 3),
-        ]
+        vec![name.to_owned(), number(mean(&finite), 4), number(deviation, 3)]
     };
     let accepted = |c: &PlotColumn<'_>| {
         let accepted = c.values.iter().zip(&table.verified);
@@ -387,11 +340,7 @@ fn failures(table: &PointTable, summary: &Summary) -> Vec<(String, String, Strin
         .collect();
     // Summaries of older versions do not count them.
     if rows.is_empty() {
-        rows.extend(
-            drawn
-                .values()
-                .map(|of| (&*table.status[of[0]], of.len() as u64, &**of)),
-        );
+        rows.extend(drawn.values().map(|of| (&*table.status[of[0]], of.len() as u64, &**of)));
         rows.sort_by_key(|(_, points, _)| Reverse(*points));
     }
     rows.into_iter().map(row).collect()
@@ -431,9 +380,6 @@ mod tests {
         let text = "\x1b[2J\u{202e}\u{9b}\r\r\n\x08\x0c\\u001b\\\x1b\u{2028}\u{e9}";
         let json = script_safe(&serde_json::to_string(text).unwrap());
         let seen: String = serde_json::from_str(&json).unwrap();
-        assert_eq!(
-            seen,
-            "\\u001b[2J\\u202e\\u009b\\u000d\r\n\\u0008\\u000c\\u001b\\\\u001b\\u2028\u{e9}"
-        );
+        assert_eq!(seen, "\\u001b[2J\\u202e\\u009b\\u000d\r\n\\u0008\\u000c\\u001b\\\\u001b\\u2028\u{e9}");
     }
 }

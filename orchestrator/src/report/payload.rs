@@ -120,18 +120,16 @@ pub struct PlotColumn<'a> {
 
 /// Lists the columns of a table; the axis of a column without any value is 0 to 1.
 pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColumn<'a>> {
-    let column =
-        |name: &'a str, unit: &'a str, values: &'a [f64], accepted: [f64; 2], nominal| PlotColumn {
-            name,
-            unit,
-            values,
-            accepted,
-            drawn_in: None,
-            is_criterion: false,
-            nominal,
-            range: bins::axis_range(values.iter().copied(), accepted[0], accepted[1])
-                .unwrap_or([0.0, 1.0]),
-        };
+    let column = |name: &'a str, unit: &'a str, values: &'a [f64], accepted: [f64; 2], nominal| PlotColumn {
+        name,
+        unit,
+        values,
+        accepted,
+        drawn_in: None,
+        is_criterion: false,
+        nominal,
+        range: bins::axis_range(values.iter().copied(), accepted[0], accepted[1]).unwrap_or([0.0, 1.0]),
+    };
     let free = [f64::NEG_INFINITY, f64::INFINITY];
     let parameters = table.parameters.iter();
     let parameters = parameters.map(|p| column(&p.name, &p.unit, &p.values, free, None));
@@ -205,11 +203,7 @@ pub fn payload(
         name: c.name.to_owned(),
         unit: c.unit.to_owned(),
         range: c.range,
-        outside: c
-            .values
-            .iter()
-            .filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v))
-            .count(),
+        outside: c.values.iter().filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v)).count(),
         data: match k < first_criterion {
             true => floats(c.values),
             false => doubles(c.values),
@@ -231,9 +225,7 @@ pub fn payload(
         accepted,
         sampled: points.len() < total,
         columns: described.collect(),
-        ids: bytes.add(apart(
-            points.iter().map(|&i| (table.ids[i] as u32).to_le_bytes()),
-        )),
+        ids: bytes.add(apart(points.iter().map(|&i| (table.ids[i] as u32).to_le_bytes()))),
         guarded: columns.iter().any(|c| c.drawn_in.is_some()),
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
@@ -260,9 +252,7 @@ fn short(number: f64) -> f32 {
 
 /// The bytes of numbers, all first ones, then all second ones, and so on: sign and exponent of neighbours are alike, so they can be
 /// packed.
-fn apart<const SIZE: usize>(
-    numbers: impl Iterator<Item = [u8; SIZE]> + Clone,
-) -> impl Iterator<Item = u8> {
+fn apart<const SIZE: usize>(numbers: impl Iterator<Item = [u8; SIZE]> + Clone) -> impl Iterator<Item = u8> {
     (0..SIZE).flat_map(move |place| numbers.clone().map(move |number| number[place]))
 }
 
@@ -275,9 +265,7 @@ fn densities(table: &PointTable, columns: &[PlotColumn<'_>], bytes: &Bytes) -> D
     };
     let first_criterion = table.parameters.len();
     let fits = |pairs: &[(usize, usize)]| {
-        [64, 48, 32, 24]
-            .into_iter()
-            .find(|b| pairs.len() * b * b * 8 / 3 <= MOST_DENSITY_BYTES)
+        [64, 48, 32, 24].into_iter().find(|b| pairs.len() * b * b * 8 / 3 <= MOST_DENSITY_BYTES)
     };
     // With very many columns, only the pairs with a criterion.
     let every = all_pairs(&|_, _| true);
@@ -293,10 +281,7 @@ fn densities(table: &PointTable, columns: &[PlotColumn<'_>], bytes: &Bytes) -> D
         let (x, y) = (&columns[a], &columns[b]);
         bins::density(x.values, y.values, keep, x.range, y.range, bins)
     };
-    let mut density = Density {
-        bins,
-        ..Density::default()
-    };
+    let mut density = Density { bins, ..Density::default() };
     for (a, b) in pairs {
         let key = || format!("{a},{b}");
         let all = counts(a, b, &|_| true);

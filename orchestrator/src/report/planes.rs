@@ -30,34 +30,22 @@ pub(super) fn planes(
     let mut pairs: Vec<(usize, usize, String)> = Vec::new();
     let mut left_over = Vec::new();
     for group in table.groups().into_iter().map(Some).chain([None]) {
-        let members: Vec<usize> = (0..table.criteria.len())
-            .filter(|&k| table.criteria[k].group.as_deref() == group)
-            .collect();
+        let members: Vec<usize> =
+            (0..table.criteria.len()).filter(|&k| table.criteria[k].group.as_deref() == group).collect();
         match (group, members.as_slice()) {
-            (Some(name), [_, _, ..]) => pairs.extend(
-                members
-                    .windows(2)
-                    .map(|w| (first + w[0], first + w[1], name.to_owned())),
-            ),
+            (Some(name), [_, _, ..]) => {
+                pairs.extend(members.windows(2).map(|w| (first + w[0], first + w[1], name.to_owned())))
+            }
             _ => left_over.extend(members),
         }
     }
     pairs.extend(
-        left_over
-            .chunks(2)
-            .filter(|w| w.len() == 2)
-            .map(|w| (first + w[0], first + w[1], "criteria".to_owned())),
+        left_over.chunks(2).filter(|w| w.len() == 2).map(|w| (first + w[0], first + w[1], "criteria".to_owned())),
     );
     pairs.truncate(PLANES - 1);
     let room = if pairs.len().is_multiple_of(2) { 2 } else { 1 };
     let strongest = strongest_pairs(table).into_iter().take(room);
-    pairs.extend(strongest.map(|(x, y)| {
-        (
-            x,
-            first + y,
-            format!("strongest on {}", table.criteria[y].name),
-        )
-    }));
+    pairs.extend(strongest.map(|(x, y)| (x, first + y, format!("strongest on {}", table.criteria[y].name))));
     pairs
         .into_iter()
         .map(|(x, y, title)| Plane {

@@ -27,11 +27,7 @@ impl<'a> Trace<'a> {
     /// The last values, as many as there are times.
     fn new(class: &'static str, time: &'a [f64], values: &'a [f64]) -> Self {
         let values = &values[values.len() - time.len()..];
-        Self {
-            class,
-            time,
-            values,
-        }
+        Self { class, time, values }
     }
 }
 
@@ -51,8 +47,7 @@ pub fn write(
     let per_cent = |part: f64| number(100.0 * part, 3);
     let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
     let rows: Vec<Value> = result.findings.iter().filter(shown).map(row).collect();
-    let [start, end] =
-        [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
+    let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
     let steady: Vec<Figure> = steady.filter_map(wander).collect();
     let figures = match &recording.bearing {
@@ -70,15 +65,11 @@ pub fn write(
     let bearing = recording.bearing.as_ref();
     let rows_in: usize = result.accounts.iter().map(|account| account.rows).sum();
     let mut facts = vec![
-        (
-            "Program",
-            concat!("orchestrator ", env!("CARGO_PKG_VERSION")).to_owned(),
-        ),
+        ("Program", concat!("orchestrator ", env!("CARGO_PKG_VERSION")).to_owned()),
         ("Samples", rows_in.to_string()),
     ];
     if let Some(bearing) = bearing {
-        let [diameter, longest] =
-            [bearing.diameter, bearing.longest_delay].map(|v| number(1e3 * v, 6));
+        let [diameter, longest] = [bearing.diameter, bearing.longest_delay].map(|v| number(1e3 * v, 6));
         facts.push(("Bearing diameter", format!("{diameter} mm")));
         facts.push(("Longest delay looked for", format!("{longest} ms")));
     }
@@ -116,8 +107,7 @@ fn row(finding: &DerivedCriterion) -> Value {
     let m = &finding.measured;
     let unit = &finding.unit;
     let change = |s: &rig_signals::stationarity::Stationarity| {
-        let [value, low, high] =
-            [s.change.value, s.change.low, s.change.high].map(|v| number(v, 2));
+        let [value, low, high] = [s.change.value, s.change.low, s.change.high].map(|v| number(v, 2));
         format!("{value} ({low} .. {high})")
     };
     let (steady, alarm) = match &finding.stationarity {
@@ -161,10 +151,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
             "Load: recorded and smoothed",
             "load",
             "N",
-            &[
-                trace("line raw", &result.load_raw),
-                trace("line", &result.load),
-            ],
+            &[trace("line raw", &result.load_raw), trace("line", &result.load)],
         ),
         of_time(
             "Torque: recorded, smoothed, and shifted",
@@ -180,17 +167,9 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
             "Friction coefficient before and after the shift",
             "friction",
             "friction coefficient",
-            &[
-                trace("line before", &result.friction_before),
-                trace("line", &result.friction),
-            ],
+            &[trace("line before", &result.friction_before), trace("line", &result.friction)],
         ),
-        of_time(
-            "Friction power after the shift",
-            "power",
-            "W",
-            &[trace("line", &result.power)],
-        ),
+        of_time("Friction power after the shift", "power", "W", &[trace("line", &result.power)]),
         search(result),
     ];
     signals.into_iter().flatten().collect()
@@ -198,12 +177,8 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
 
 /// How much of the torque the load does not explain by the delay, with the least and its interval.
 fn search(result: &Synchronised) -> Option<Figure> {
-    let (delays, scatter): (Vec<f64>, Vec<f64>) = result
-        .delay
-        .scan
-        .iter()
-        .map(|(delay, scatter)| (1e3 * delay, 100.0 * scatter))
-        .unzip();
+    let (delays, scatter): (Vec<f64>, Vec<f64>) =
+        result.delay.scan.iter().map(|(delay, scatter)| (1e3 * delay, 100.0 * scatter)).unzip();
     let name = "What the load does not explain of the torque, by the delay";
     let trace = Trace::new("line", &delays, &scatter);
     let marks = |frame: &Frame| {
@@ -240,11 +215,7 @@ fn wander(finding: &DerivedCriterion) -> Option<Figure> {
         let line = format_args!("M{:.1},{from:.1}L{:.1},{to:.1}", ends[0], ends[1]);
         path("limit", line)
     };
-    let name = format!(
-        "{}: means of blocks of {} s and their trend",
-        finding.name,
-        number(block, 3)
-    );
+    let name = format!("{}: means of blocks of {} s and their trend", finding.name, number(block, 3));
     let file = format!("blocks-{}", finding.name);
     figure(&name, &file, [TIME, &finding.unit], &[trace], line)
 }
@@ -274,10 +245,7 @@ fn figure(
     let mut out = frame.axes(across, Some(up));
     out.push_str(&marks(&frame));
     for trace in traces {
-        out += &path(
-            trace.class,
-            envelope(trace.time.iter().zip(trace.values), &frame),
-        );
+        out += &path(trace.class, envelope(trace.time.iter().zip(trace.values), &frame));
     }
     let is_plain = |c: char| c.is_alphanumeric() || c == '_';
     Some(Figure {

@@ -93,10 +93,7 @@ impl WhatIf {
                 let stated = study?.verdict.as_ref()?.as_ref();
                 let risk = stated.risk.as_ref();
                 let risk = risk.and_then(|risk| share(risk.as_ref()));
-                let band = stated
-                    .guard_band
-                    .as_ref()
-                    .map_or(0.0, |band| *band.as_ref());
+                let band = stated.guard_band.as_ref().map_or(0.0, |band| *band.as_ref());
                 Some(Rule {
                     share: required.rule.share,
                     confidence: required.rule.confidence,
@@ -106,10 +103,7 @@ impl WhatIf {
             }
         };
         let numbers = |entry: &crate::results::summary::Correlated| {
-            let [a, b] = entry
-                .between
-                .each_ref()
-                .map(|name| summary.criteria.get_index_of(name));
+            let [a, b] = entry.between.each_ref().map(|name| summary.criteria.get_index_of(name));
             Some((a?, b?, entry.coefficient))
         };
         let correlations = summary.uncertainty_correlations.iter().map(numbers);
@@ -124,9 +118,7 @@ impl WhatIf {
             correlations: correlations.collect::<Option<_>>()?,
             parameters: parameters.map(|p| p.distribution.clone()).collect(),
             fixed: fixed(summary, study),
-            text: study
-                .map(|study| study.text().to_owned())
-                .unwrap_or_default(),
+            text: study.map(|study| study.text().to_owned()).unwrap_or_default(),
         })
     }
 
@@ -136,11 +128,7 @@ impl WhatIf {
     /// Says why not.
     pub fn can_be_drawn(&self) -> Result<(), String> {
         let reason = self.fixed.as_ref();
-        reason.map_or(Ok(()), |reason| {
-            Err(format!(
-                "no fresh points can be drawn in the page: {reason}"
-            ))
-        })
+        reason.map_or(Ok(()), |reason| Err(format!("no fresh points can be drawn in the page: {reason}")))
     }
 
     /// The points that the page holds are a choice of independent ones, in no order of the design.
@@ -168,10 +156,7 @@ fn criterion((name, count): (&String, &CriterionCount)) -> Criterion {
         plus,
         unit_of_distance: criterion.distance_unit,
         derived: criterion.derived_from.is_some(),
-        uncertainty: criterion
-            .uncertainty
-            .zip(criterion.measured().error)
-            .map(uncertain),
+        uncertainty: criterion.uncertainty.zip(criterion.measured().error).map(uncertain),
         group: criterion.group.clone(),
         curve: criterion.metric.is_some(),
     }

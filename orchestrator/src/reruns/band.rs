@@ -76,18 +76,14 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Op
         }
         Ok(())
     });
-    written
-        .err()
-        .map_or(left_out, |error| Some(error.to_string()))
+    written.err().map_or(left_out, |error| Some(error.to_string()))
 }
 
 /// The parameters of verified points, evenly chosen.
 fn chosen(folder: &Path, inputs: usize, verified: u64, most: u64) -> csv::Result<Vec<Vec<f64>>> {
     let mut table = csv::Reader::from_path(folder.join("points.csv"))?;
     let header = table.headers()?.clone();
-    let place = header
-        .iter()
-        .position(|name| csv_file::text(name) == "verified");
+    let place = header.iter().position(|name| csv_file::text(name) == "verified");
     let Some(place) = place else {
         return Ok(Vec::new());
     };
@@ -101,11 +97,7 @@ fn chosen(folder: &Path, inputs: usize, verified: u64, most: u64) -> csv::Result
         }
         if seen % every == 0 {
             let cells = record.iter().skip(1).take(inputs);
-            points.extend(
-                cells
-                    .map(|cell| cell.parse().ok())
-                    .collect::<Option<Vec<f64>>>(),
-            );
+            points.extend(cells.map(|cell| cell.parse().ok()).collect::<Option<Vec<f64>>>());
         }
         seen += 1;
     }
@@ -132,31 +124,20 @@ fn signals(reruns: &Reruns<'_>, point: &[f64]) -> Result<Vec<(usize, Vec<f64>)>,
         let first = plan.criteria_of(number).start;
         let curve = |criterion: usize| case.task.observed[criterion - first].curve.as_deref();
         let signals = reruns.signals(number, |criterion| curve(criterion).is_some());
-        let curves: Vec<&MeasuredCurve> =
-            signals.criteria.iter().filter_map(|&k| curve(k)).collect();
+        let curves: Vec<&MeasuredCurve> = signals.criteria.iter().filter_map(|&k| curve(k)).collect();
         if curves.is_empty() {
             continue;
         }
         let sampler = |curve: &&MeasuredCurve| Sampler::new(curve.shown_times().collect());
         let mut samplers: Vec<Sampler> = curves.iter().map(sampler).collect();
-        reruns.record(
-            None,
-            &case.task,
-            &start,
-            &signals,
-            &reruns.budget,
-            &mut |time, row| {
-                for (&value, sampler) in row.iter().zip(&mut samplers) {
-                    sampler.add(time, value);
-                }
-                Ok(())
-            },
-        )?;
-        for ((&criterion, curve), sampler) in signals.criteria.iter().zip(curves).zip(&mut samplers)
-        {
-            let values = sampler
-                .finish()
-                .map_err(|_| Halt::Failed("it is too short".to_owned()))?;
+        reruns.record(None, &case.task, &start, &signals, &reruns.budget, &mut |time, row| {
+            for (&value, sampler) in row.iter().zip(&mut samplers) {
+                sampler.add(time, value);
+            }
+            Ok(())
+        })?;
+        for ((&criterion, curve), sampler) in signals.criteria.iter().zip(curves).zip(&mut samplers) {
+            let values = sampler.finish().map_err(|_| Halt::Failed("it is too short".to_owned()))?;
             let values = values.iter().map(|v| curve.factor * v + curve.offset);
             curves_of_point.push((criterion, values.collect()));
         }

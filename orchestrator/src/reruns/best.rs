@@ -19,9 +19,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
     let plan = reruns.plan();
     // An earlier run may have left files, which are of another point or of another case.
     let old = [history::file(None), history::file(Some(0))];
-    let old = old
-        .into_iter()
-        .chain((1..plan.cases.len()).map(|case| history::file(Some(case))));
+    let old = old.into_iter().chain((1..plan.cases.len()).map(|case| history::file(Some(case))));
     old.for_each(|file| drop(fs::remove_file(folder.join(file))));
     let Some(best) = &summary.best_point else {
         return Vec::new();
@@ -49,38 +47,22 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
         let coarsest = tries.len();
         let mut failed = None;
         for (place, schedule) in tries.into_iter().enumerate() {
-            let task = Task {
-                schedule,
-                ..case.task.clone()
-            };
+            let task = Task { schedule, ..case.task.clone() };
             let share = match place + 1 < coarsest {
                 true => share.part(0.5),
                 // Rather than no picture, nothing else is run again.
                 false if reruns.usual > share.left() => reruns.budget,
                 false => share,
             };
-            match write_case(
-                reruns,
-                number,
-                &task,
-                &values,
-                &shown,
-                &share,
-                &folder.join(&file),
-            ) {
+            match write_case(reruns, number, &task, &values, &shown, &share, &folder.join(&file)) {
                 Ok(kept) => {
                     let why = |halt| match halt {
                         Halt::Late => format!("with finer ones {}", Halt::Late),
                         Halt::Failed(reason) => format!("the FMU fails in finer ones: {reason}"),
                     };
-                    let coarse =
-                        |halt| format!("{file} holds the study's own steps: {}", why(halt));
+                    let coarse = |halt| format!("{file} holds the study's own steps: {}", why(halt));
                     left_out.extend(failed.map(coarse));
-                    left_out.extend(
-                        kept.map(|every| {
-                            format!("{file} holds one of {every} communication points")
-                        }),
-                    );
+                    left_out.extend(kept.map(|every| format!("{file} holds one of {every} communication points")));
                     break;
                 }
                 Err(halt) if place + 1 == coarsest => {
@@ -108,10 +90,7 @@ fn write_case(
     let steps = task.schedule.steps();
     let every = steps.div_ceil(MOST_NUMBERS / (1 + signals.criteria.len() as u64));
     let names = &reruns.verification.session.judge.criteria;
-    let names = signals
-        .criteria
-        .iter()
-        .map(|&k| csv_file::cell(&names[k].name));
+    let names = signals.criteria.iter().map(|&k| csv_file::cell(&names[k].name));
     let head: Vec<_> = std::iter::once("time".into()).chain(names).collect();
     let mut halt = None;
     let written = write_atomically(path, |out| {

@@ -21,10 +21,7 @@ impl Budget {
     }
 
     fn by(points_took: Duration, clock: fn() -> Duration) -> Self {
-        Self {
-            until: clock().saturating_add(points_took.max(LEAST)),
-            clock,
-        }
+        Self { until: clock().saturating_add(points_took.max(LEAST)), clock }
     }
 
     /// The rest of it.
@@ -35,10 +32,7 @@ impl Budget {
     /// A part of what is left.
     pub fn part(&self, share: f64) -> Self {
         let left = self.left().mul_f64(share);
-        Self {
-            until: (self.clock)() + left,
-            ..*self
-        }
+        Self { until: (self.clock)() + left, ..*self }
     }
 }
 
@@ -62,10 +56,7 @@ mod tests {
         assert_eq!([short.left(), long.left()], [LEAST, seconds(60)]);
         NOW.set(110);
         let half = long.part(0.5);
-        assert_eq!(
-            [short.left(), long.left(), half.left()],
-            [Duration::ZERO, seconds(50), seconds(25)]
-        );
+        assert_eq!([short.left(), long.left(), half.left()], [Duration::ZERO, seconds(50), seconds(25)]);
         NOW.set(140);
         assert_eq!([long.left(), half.left()], [seconds(20), Duration::ZERO]);
     }

@@ -14,10 +14,7 @@ pub(super) fn for_a_plot(schedule: Schedule) -> Schedule {
     if schedule.steps() >= ENOUGH {
         return schedule;
     }
-    Schedule {
-        step: schedule.step.min((schedule.stop - schedule.start) / PLENTY),
-        ..schedule
-    }
+    Schedule { step: schedule.step.min((schedule.stop - schedule.start) / PLENTY), ..schedule }
 }
 
 /// Finer steps than those of a study: shorter by the golden ratio at least. A period of which the study's step is a
@@ -38,10 +35,7 @@ pub(super) fn golden(schedule: &Schedule) -> Option<Schedule> {
     let count = (steps * ratio).round() as u64;
     let valid = even > 0.0;
     // All steps are equal up to the study's end, as some FMUs want it.
-    valid.then(|| Schedule {
-        step: even / count as f64,
-        ..schedule
-    })
+    valid.then(|| Schedule { step: even / count as f64, ..schedule })
 }
 
 /// The same steps up to a later end: twice as late, or so that the steps are three times as many.
@@ -50,10 +44,7 @@ pub(super) fn longer(schedule: &Schedule) -> Schedule {
     let begin = schedule.points().at(schedule.first_even());
     let further = (schedule.stop - schedule.start).min(LONGER * (schedule.stop - begin));
     let further = (further / schedule.step).round() * schedule.step;
-    Schedule {
-        stop: schedule.stop + further,
-        ..*schedule
-    }
+    Schedule { stop: schedule.stop + further, ..*schedule }
 }
 
 /// The case with a finer setting, so many times.
@@ -75,14 +66,7 @@ mod tests {
     #[test]
     fn finer_steps_are_no_fraction_of_the_study_s() {
         for (stop, step) in [(1000.0, 1.0), (150.0, 150.0), (15_000.0, 1.0), (2.0, 0.01)] {
-            let study = Schedule {
-                start: 0.0,
-                stop,
-                step,
-                window_start: 0.0,
-                leap: false,
-                tolerance: None,
-            };
+            let study = Schedule { start: 0.0, stop, step, window_start: 0.0, leap: false, tolerance: None };
             let fine = golden(&study).unwrap();
             assert!(fine.steps() >= FEWEST && fine.step < step / 1.6, "{fine:?}");
             // Of the phases that a period has which is a fraction of the study's step, none is far from those seen.
@@ -100,14 +84,7 @@ mod tests {
             assert!((on.stop / stop - 2.0).abs() < 1e-9);
             assert_eq!(on.steps(), 2 * fine.steps());
         }
-        let leap = Schedule {
-            start: 0.0,
-            stop: 1000.0,
-            step: 0.1,
-            window_start: 999.0,
-            leap: true,
-            tolerance: None,
-        };
+        let leap = Schedule { start: 0.0, stop: 1000.0, step: 0.1, window_start: 999.0, leap: true, tolerance: None };
         let fine = golden(&leap).unwrap();
         assert_eq!(longer(&fine).stop, 1003.0);
     }

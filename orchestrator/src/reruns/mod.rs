@@ -47,12 +47,7 @@ pub struct Wish {
 ///
 /// # Errors
 /// When the FMU cannot be unpacked, and when the summary cannot be written.
-pub fn run(
-    verification: &mut Verification,
-    folder: &Path,
-    summary: &mut Summary,
-    wish: &Wish,
-) -> Result<(), Error> {
+pub fn run(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) -> Result<(), Error> {
     let reruns = Reruns::new(verification, summary, wish)?;
     let mut left_out = best::write(&reruns, folder, summary);
     left_out.extend(settled::observe(&reruns, folder, summary));
@@ -114,11 +109,7 @@ struct Signals {
 }
 
 impl<'a> Reruns<'a> {
-    fn new(
-        verification: &'a mut Verification,
-        summary: &Summary,
-        wish: &Wish,
-    ) -> Result<Self, Error> {
+    fn new(verification: &'a mut Verification, summary: &Summary, wish: &Wish) -> Result<Self, Error> {
         let scratch = stop::scratch().map_err(Error::from)?;
         let fmu = verification.session.package.unpack(scratch.path())?;
         let conduct = summary.conduct.as_ref();
@@ -208,9 +199,7 @@ impl<'a> Reruns<'a> {
         let plan = self.plan();
         let observed = &plan.cases[case].task.observed;
         let real = plan.criteria_of(case).zip(observed);
-        let real = real.filter(|(criterion, probe)| {
-            probe.handle.content == Content::Real && is_wanted(*criterion)
-        });
+        let real = real.filter(|(criterion, probe)| probe.handle.content == Content::Real && is_wanted(*criterion));
         let (criteria, handles) = real.map(|(k, probe)| (k, probe.handle)).unzip();
         Signals { criteria, handles }
     }

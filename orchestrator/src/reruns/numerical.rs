@@ -28,22 +28,17 @@ pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<Stri
     let asked = reruns.wish.validation;
     let is_affordable = summary.points >= AFFORDABLE && reruns.wish.most > 0;
     let is_random = summary.conduct.as_ref().and_then(|c| c.reproducible) == Some(false);
-    let halved =
-        ((asked || is_affordable) && !is_random).then(|| with_half_the_step(reruns, summary));
+    let halved = ((asked || is_affordable) && !is_random).then(|| with_half_the_step(reruns, summary));
     let (mut doubts, left_out) = match halved {
         Some(Ok(doubts)) => (doubts, None),
-        Some(Err(halt)) => (
-            Vec::new(),
-            Some(format!("half the communication step was not tried: {halt}")),
-        ),
+        Some(Err(halt)) => (Vec::new(), Some(format!("half the communication step was not tried: {halt}"))),
         None => (Vec::new(), None),
     };
     if asked {
         let known = validate(reruns, summary);
         let criteria = summary.criteria.values().map(|count| &count.criterion);
-        let others = criteria
-            .zip(&known)
-            .filter(|(criterion, _)| doubts.iter().all(|(name, _)| *name != criterion.name));
+        let others =
+            criteria.zip(&known).filter(|(criterion, _)| doubts.iter().all(|(name, _)| *name != criterion.name));
         let others = others.filter_map(|(criterion, known)| uncertain(criterion, known.standard?));
         let others: Vec<_> = others.collect();
         doubts.extend(others);
@@ -120,8 +115,7 @@ fn uncertain(criterion: &Criterion, standard: f64) -> Option<Doubt> {
         criterion.unit_behind(),
         criterion.allowed()
     );
-    let remedy =
-        "Choose a shorter `step` under [simulation], or a smaller tolerance of the FMU's solver.";
+    let remedy = "Choose a shorter `step` under [simulation], or a smaller tolerance of the FMU's solver.";
     let concern = Concern::new(Code::CoarseStep, text).remedied(remedy);
     (standard > PART * criterion.room()).then(|| (criterion.name.clone(), concern))
 }
@@ -146,17 +140,12 @@ fn validate(reruns: &Reruns<'_>, summary: &mut Summary) -> Vec<Numerical> {
 fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
     let verification = reruns.verification;
     let (session, cases) = (&verification.session, &reruns.plan().cases);
-    let tolerance = cases
-        .iter()
-        .all(|case| case.task.schedule.tolerance.is_some());
+    let tolerance = cases.iter().all(|case| case.task.schedule.tolerance.is_some());
     let mut largest = vec![Numerical::default(); session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let values = verification.job(index).values;
         let run = |by: Refined, times: i32| {
-            let finer: Vec<Case> = cases
-                .iter()
-                .map(|case| refined_case(case, by, times))
-                .collect();
+            let finer: Vec<Case> = cases.iter().map(|case| refined_case(case, by, times)).collect();
             let answer = reruns.answer(&finer, values.clone()).ok()?;
             session.outcome(answer).ok()
         };

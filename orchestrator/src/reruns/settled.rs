@@ -28,10 +28,7 @@ type Moves = Vec<(usize, Motion)>;
 /// Adds to the summary whether the results had settled; says what is left out.
 pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary) -> Option<String> {
     // Where every point failed, that is told already.
-    let mut settled = summary
-        .settled
-        .take()
-        .filter(|settled| !settled.points.is_empty())?;
+    let mut settled = summary.settled.take().filter(|settled| !settled.points.is_empty())?;
     let most = reruns.wish.most.min(settled.points.len());
     let plan = reruns.plan();
     let (mut step, mut until, mut late) = (0.0_f64, 0.0_f64, false);
@@ -72,9 +69,7 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
             motions.for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
         }
         let without_runs = settled.observed.is_empty();
-        summary
-            .concerns
-            .extend(concerns(&count.criterion, &moved, without_runs));
+        summary.concerns.extend(concerns(&count.criterion, &moved, without_runs));
         settled.criteria.insert(count.criterion.name.clone(), moved);
     }
     let left_out = late.then(|| {
@@ -101,9 +96,7 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
         golden(&schedule).map_or(0, |finer| longer(&finer).steps() * (1 + signals))
     });
     let at_once = (MOST_NUMBERS / numbers.max().unwrap_or(0).max(1)).max(1);
-    let workers = (at_once as usize)
-        .min(reruns.wish.jobs)
-        .min(points.len() * count);
+    let workers = (at_once as usize).min(reruns.wish.jobs).min(points.len() * count);
     let (next, runs) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         // Points of one case have the same worker.
@@ -116,9 +109,7 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
             };
             let case = number % count;
             let run = one(reruns, point, case, &mut recordings[case]);
-            let mut runs = runs
-                .lock()
-                .expect("no thread fails while it holds the list");
+            let mut runs = runs.lock().expect("no thread fails while it holds the list");
             runs.push((number, (point, run)));
         }
     };
@@ -127,25 +118,16 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
             scope.spawn(work);
         }
     });
-    let mut runs = runs
-        .into_inner()
-        .expect("no thread fails while it holds the list");
+    let mut runs = runs.into_inner().expect("no thread fails while it holds the list");
     runs.sort_by_key(|(number, _)| *number);
     runs.into_iter().map(|(_, run)| run).collect()
 }
 
 /// Runs a point in one case with finer steps: on to a later end where the FMU allows it, else to its own.
-fn one(
-    reruns: &Reruns<'_>,
-    point: u64,
-    case: usize,
-    recording: &mut Option<Recording>,
-) -> Result<Again, Halt> {
+fn one(reruns: &Reruns<'_>, point: u64, case: usize, recording: &mut Option<Recording>) -> Result<Again, Halt> {
     let failed = |reason: &str| Halt::Failed(reason.to_owned());
     let plan = reruns.plan();
-    let values = reruns
-        .values(point)
-        .ok_or_else(|| failed("the study has no such point any more"))?;
+    let values = reruns.values(point).ok_or_else(|| failed("the study has no such point any more"))?;
     let task = &plan.cases[case].task;
     let signals = reruns.signals(case, |_| true);
     let finer = golden(&task.schedule)
@@ -158,10 +140,7 @@ fn one(
     };
     let mut failure = Halt::Late;
     for (place, schedule) in ends.into_iter().enumerate() {
-        let task = Task {
-            schedule,
-            ..task.clone()
-        };
+        let task = Task { schedule, ..task.clone() };
         let mut later = None;
         let recording = match place {
             0 => &mut *recording,
@@ -173,39 +152,26 @@ fn one(
         let mut time = Vec::new();
         let mut columns = vec![Vec::new(); signals.criteria.len()];
         let budget = &reruns.budget;
-        let ended = reruns.record(
-            recording.as_mut(),
-            &task,
-            &values,
-            &signals,
-            budget,
-            &mut |at, row| {
-                time.push(at);
-                for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
-                    column.push(plan.outputs[k].value(value));
-                }
-                Ok(())
-            },
-        );
+        let ended = reruns.record(recording.as_mut(), &task, &values, &signals, budget, &mut |at, row| {
+            time.push(at);
+            for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
+                column.push(plan.outputs[k].value(value));
+            }
+            Ok(())
+        });
         let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
         // Further than the study is enough where the FMU goes no further. A run that the clock cuts counts as none: it would
         // tell another drift each time.
         let is_late = matches!(ended, Err(Halt::Late));
         if ended.is_ok() || (!is_late && until >= finer.stop * (1.0 - 1e-9)) {
             let columns = signals.criteria.iter().zip(&columns);
-            let moves =
-                columns.filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
-            return Ok(Again {
-                step: finer.step,
-                until,
-                moves: moves.collect(),
-            });
+            let moves = columns.filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
+            return Ok(Again { step: finer.step, until, moves: moves.collect() });
         }
         failure = match ended {
-            Err(Halt::Failed(reason)) => Halt::Failed(format!(
-                "with steps of {:.4} s the FMU fails: {reason}",
-                finer.step
-            )),
+            Err(Halt::Failed(reason)) => {
+                Halt::Failed(format!("with steps of {:.4} s the FMU fails: {reason}", finer.step))
+            }
             _ => Halt::Late,
         };
         if let Halt::Late = failure {
@@ -234,9 +200,7 @@ fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Opti
 
 /// The motion of a criterion's value at the end of its window.
 fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Option<Motion> {
-    let [from, to] = probe
-        .window
-        .unwrap_or([schedule.window_start, schedule.stop]);
+    let [from, to] = probe.window.unwrap_or([schedule.window_start, schedule.stop]);
     let run = [schedule.start, to];
     if signal.len() != time.len() || probe.has_own_times() {
         return None;
@@ -252,12 +216,8 @@ fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Opt
             Some(motion)
         }
         Trend::OfExtremes => {
-            let later =
-                (to >= schedule.stop).then(|| growth(time, signal, probe.statistic, [from, to]));
-            Some(Motion {
-                swing: 0.0,
-                drift: later.flatten().unwrap_or(0.0) * (to - schedule.start),
-            })
+            let later = (to >= schedule.stop).then(|| growth(time, signal, probe.statistic, [from, to]));
+            Some(Motion { swing: 0.0, drift: later.flatten().unwrap_or(0.0) * (to - schedule.start) })
         }
     }
 }
@@ -267,18 +227,10 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
     const PART: f64 = 0.2;
     let rounding = 1e-9 * (from.abs() + to.abs());
     let last = *time.last()?;
-    let [first, end] = if last > to + rounding {
-        [to, last]
-    } else {
-        [to - PART * (to - from), to]
-    };
+    let [first, end] = if last > to + rounding { [to, last] } else { [to - PART * (to - from), to] };
     let mut accumulator = Accumulator::new(statistic);
     let mut before = None;
-    for (&t, &value) in time
-        .iter()
-        .zip(signal)
-        .filter(|(t, _)| **t >= from - rounding)
-    {
+    for (&t, &value) in time.iter().zip(signal).filter(|(t, _)| **t >= from - rounding) {
         if t > first + rounding && before.is_none() {
             before = Some(accumulator.result(first - from));
         }
@@ -291,9 +243,7 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
 /// The meaning of a motion for the number that is compared with the measured value. Without extra runs the drift is that
 /// at the rate of the end.
 fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
-    let Criterion {
-        name, statistic, ..
-    } = criterion;
+    let Criterion { name, statistic, .. } = criterion;
     let (tolerance, stated) = (criterion.room(), criterion.allowed());
     let unit = criterion.unit_behind();
     let at = |point: Option<u64>| point.map_or_else(String::new, |p| format!(" at point {p}"));
@@ -304,23 +254,17 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
             number(moved.swing, 3),
             at(moved.swing_at)
         );
-        let remedy =
-            "Compare means where a signal swings (`statistic = \"mean\"` with a `window`).";
+        let remedy = "Compare means where a signal swings (`statistic = \"mean\"` with a `window`).";
         doubts.push(Concern::new(Code::Swings, text).remedied(remedy));
     }
     if moved.drift.abs() > 0.5 * tolerance {
         let text = format!(
             "{name}: its value still moves when the run ends: in a run twice as long it {} by another {}{unit}{} ({stated})",
-            if without_runs {
-                "would change"
-            } else {
-                "changes"
-            },
+            if without_runs { "would change" } else { "changes" },
             number(moved.drift, 3),
             at(moved.drift_at)
         );
-        let remedy =
-            "Simulate to the moment of the measurement, or until the values rest (`stop`).";
+        let remedy = "Simulate to the moment of the measurement, or until the values rest (`stop`).";
         doubts.push(Concern::new(Code::StillMoves, text).remedied(remedy));
     }
     doubts
@@ -351,10 +295,7 @@ mod tests {
         };
         assert!(of(Statistic::Final, 0.05, 0.2).is_empty());
         let doubts = of(Statistic::Final, 0.07, -0.4);
-        assert!(
-            doubts[0].text.starts_with("T: its signal swings by 0.07"),
-            "{doubts:?}"
-        );
+        assert!(doubts[0].text.starts_with("T: its signal swings by 0.07"), "{doubts:?}");
         assert!(
             doubts[1]
                 .text

@@ -7,9 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::improvement::{Halved, Sign as Gain};
 use super::summary::CriterionCount;
-use super::words::{
-    accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown,
-};
+use super::words::{accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
 use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
 use conformity::decision::Decision;
@@ -98,8 +96,7 @@ fn required(summary: &Summary) -> Option<&Requirement> {
 fn is_mostly_wrong(summary: &Summary) -> bool {
     const MOST: f64 = 0.5;
     let risk = summary.conclusion.as_ref().and_then(|c| c.risk.as_ref());
-    risk.and_then(|risk| risk.not_conforming_given_accepted)
-        .is_some_and(|share| share > MOST)
+    risk.and_then(|risk| risk.not_conforming_given_accepted).is_some_and(|share| share > MOST)
 }
 
 fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
@@ -129,11 +126,7 @@ fn asked(summary: &Summary) -> String {
     }
     let criteria = criteria(summary);
     let guarded = match &summary.conclusion {
-        Some(Conclusion {
-            guard_band: Some(0.0),
-            ..
-        })
-        | None => "",
+        Some(Conclusion { guard_band: Some(0.0), .. }) | None => "",
         Some(_) => ", less the guard bands,",
     };
     match required(summary) {
@@ -162,9 +155,8 @@ fn answer(summary: &Summary, decision: Decision) -> String {
         return format!("{} {}", moves(summary), own());
     }
     let Some(requirement) = required(summary) else {
-        let interval = summary.verified_interval.map_or_else(String::new, |ends| {
-            format!(", 95 % interval {}", range(ends))
-        });
+        let interval =
+            summary.verified_interval.map_or_else(String::new, |ends| format!(", 95 % interval {}", range(ends)));
         let share = format!("{:.1} %{interval}", 100.0 * summary.verified_fraction);
         return match summary.verified {
             0 => format!("No: it does at none of {points} ({share})."),
@@ -197,10 +189,7 @@ fn moves(summary: &Summary) -> String {
     const NAMED: usize = 3;
     let range = |(name, entry): (&String, &CriterionCount)| {
         let [low, high] = entry.reached?.map(|end| number(end, 4));
-        Some(format!(
-            "{name} {low} .. {high}{}",
-            entry.criterion.unit_behind()
-        ))
+        Some(format!("{name} {low} .. {high}{}", entry.criterion.unit_behind()))
     };
     let all: Vec<String> = summary.criteria.iter().filter_map(range).collect();
     let more = match all.len().saturating_sub(NAMED) {
@@ -243,11 +232,7 @@ pub fn further(summary: &Summary) -> Vec<String> {
     let firm = Some(conclusion).filter(|conclusion| !is_weak(conclusion));
     let firm = firm.and_then(|conclusion| firmness(conclusion, summary));
     let sentences = [firm, looked(conclusion)];
-    sentences
-        .into_iter()
-        .flatten()
-        .chain(presumed(summary))
-        .collect()
+    sentences.into_iter().flatten().chain(presumed(summary)).collect()
 }
 
 /// Doubts; those of one kind are told of the first criterion, with the names of the others.
@@ -256,9 +241,7 @@ fn doubts(summary: &Summary) -> Vec<String> {
     for concern in &summary.concerns {
         let name = concern.text.split_once(": ").map(|(name, _)| name);
         let name = name.filter(|name| summary.criteria.contains_key(*name));
-        let same = told
-            .iter_mut()
-            .find(|(first, _)| first.code == concern.code);
+        let same = told.iter_mut().find(|(first, _)| first.code == concern.code);
         match (same, name) {
             (Some((_, names)), Some(name)) => names.push(name),
             _ => told.push((concern, Vec::new())),
@@ -267,11 +250,9 @@ fn doubts(summary: &Summary) -> Vec<String> {
     let sentence = |(concern, names): (&Concern, Vec<&str>)| {
         let others = match &names[..] {
             [] => String::new(),
-            [named @ .., _, _] if named.len() > 1 => format!(
-                " (as well: {}, and {} more)",
-                named[..2].join(", "),
-                names.len() - 2
-            ),
+            [named @ .., _, _] if named.len() > 1 => {
+                format!(" (as well: {}, and {} more)", named[..2].join(", "), names.len() - 2)
+            }
             names => format!(" (as well: {})", names.join(", ")),
         };
         // The title says it.
@@ -284,21 +265,14 @@ fn doubts(summary: &Summary) -> Vec<String> {
 
 /// The criterion that the fewest points meet.
 fn decisive(summary: &Summary) -> Option<String> {
-    let (name, count) = summary
-        .criteria
-        .iter()
-        .min_by_key(|(_, entry)| entry.count.passed)?;
+    let (name, count) = summary.criteria.iter().min_by_key(|(_, entry)| entry.count.passed)?;
     let missed = summary.points - summary.failed - count.count.passed;
     let only = match count.only_failure {
         0 => String::new(),
         n => format!(", {} of them miss nothing else", grouped(n)),
     };
     (missed > 0 && summary.criteria.len() > 1).then(|| {
-        format!(
-            "{name} decides most often: {} of {} points miss it{only}.",
-            grouped(missed),
-            grouped(summary.points)
-        )
+        format!("{name} decides most often: {} of {} points miss it{only}.", grouped(missed), grouped(summary.points))
     })
 }
 
@@ -308,11 +282,7 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
     let remedies = summary.concerns.iter().flat_map(|c| &c.remedy);
     list.extend(remedies.filter(|remedy| seen.insert(*remedy)).cloned());
     if let Some(failed) = summary.first_failure.as_ref() {
-        list.push(format!(
-            "The first failure is point {}: {}.",
-            failed.point,
-            failed.status.trim_end_matches('.')
-        ));
+        list.push(format!("The first failure is point {}: {}.", failed.point, failed.status.trim_end_matches('.')));
     }
     if summary.failed == summary.points || summary.has_own_values() {
         return list;
@@ -321,10 +291,7 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
     match decision {
         Decision::Verified => {
             if conclusion.is_some_and(|conclusion| conclusion.risk.is_none()) {
-                list.push(
-                    "State every measured value's `uncertainty`: then the risk is known."
-                        .to_owned(),
-                );
+                list.push("State every measured value's `uncertainty`: then the risk is known.".to_owned());
             }
             list.extend(improve_first(summary));
         }
@@ -382,11 +349,7 @@ fn nearest(summary: &Summary) -> Option<String> {
         format!(
             "The nearest point, {}, misses {}: {value:.5}{}, accepted {}.",
             best.point,
-            if only {
-                format!("only {name}")
-            } else {
-                format!("{name} most")
-            },
+            if only { format!("only {name}") } else { format!("{name} most") },
             criterion.unit_behind(),
             criterion.wanted()
         )

@@ -54,20 +54,14 @@ pub struct First {
 impl Points {
     fn add(&mut self, point: u64, message: impl FnOnce() -> String) {
         self.points += 1;
-        self.first.get_or_insert_with(|| First {
-            point,
-            message: message(),
-        });
+        self.first.get_or_insert_with(|| First { point, message: message() });
     }
 
     /// A sentence about these points, where there are any.
     fn remark(&self, what: &str) -> Option<String> {
         let First { point, message } = self.first.as_ref()?;
         let plural = if self.points == 1 { "" } else { "s" };
-        Some(format!(
-            "{} point{plural}: {what}; the first is point {point}: {message}",
-            self.points
-        ))
+        Some(format!("{} point{plural}: {what}; the first is point {point}: {message}", self.points))
     }
 }
 
@@ -127,27 +121,14 @@ mod tests {
     fn points_are_counted_and_the_first_is_kept() {
         let mut asides = Asides::default();
         assert!(asides.remarks().is_empty());
-        let warned = |warnings, text: &str| Notices {
-            warnings,
-            first_warning: Some(text.to_owned()),
-            ..Notices::default()
-        };
+        let warned =
+            |warnings, text: &str| Notices { warnings, first_warning: Some(text.to_owned()), ..Notices::default() };
         asides.add(3, true, &warned(2, "the oil is warm"));
         asides.add(4, true, &warned(5, "the oil is hot"));
-        asides.add(
-            4,
-            true,
-            &Notices {
-                ended: Some(0.5),
-                ..Notices::default()
-            },
-        );
+        asides.add(4, true, &Notices { ended: Some(0.5), ..Notices::default() });
         assert_eq!((asides.warnings.count, asides.warnings.at.points), (7, 2));
         let remarks = asides.remarks();
-        assert_eq!(
-            remarks[0],
-            "2 points: the FMU gave 7 warnings; the first is point 3: the oil is warm"
-        );
+        assert_eq!(remarks[0], "2 points: the FMU gave 7 warnings; the first is point 3: the oil is warm");
         assert!(remarks[1].starts_with("1 point: the FMU ended"));
         assert!(remarks[1].ends_with("the first is point 4: ended at 0.5 s"));
         let text = serde_json::to_string(&asides).unwrap();

@@ -20,9 +20,7 @@ pub struct Even {
 impl Even {
     /// At most `most` of `rows` rows.
     pub fn new(rows: u64, most: u64) -> Self {
-        Self {
-            block: rows.div_ceil(most.max(1)).max(1),
-        }
+        Self { block: rows.div_ceil(most.max(1)).max(1) }
     }
 
     /// Whether it leaves out any row.
@@ -53,11 +51,7 @@ impl Best {
     pub fn offer(&mut self, row: u64, verified: bool, distance: f64, record: &csv::StringRecord) {
         let place = (!verified, distance.to_bits(), row);
         if self.rows.len() == BEST {
-            if self
-                .rows
-                .last_key_value()
-                .is_none_or(|(worst, _)| *worst < place)
-            {
+            if self.rows.last_key_value().is_none_or(|(worst, _)| *worst < place) {
                 return;
             }
             self.rows.pop_last();
@@ -87,9 +81,7 @@ mod tests {
         assert!(chosen.iter().zip(0..).all(|(row, block)| row / 20 == block));
         // By chance, and evenly so: 500,000 rows in 20 places, each with its share within five deviations.
         let mut places = [0_i32; 20];
-        chosen
-            .iter()
-            .for_each(|row| places[(row % 20) as usize] += 1);
+        chosen.iter().for_each(|row| places[(row % 20) as usize] += 1);
         let all_near = places.iter().all(|count| (count - 25_000).abs() < 5 * 155);
         assert!(all_near, "{places:?}");
         assert!(Even::new(MOST, MOST).is_whole());

@@ -13,11 +13,7 @@ const FEWEST: u64 = 10;
 /// words for this way and for the way back.
 const UNITS: [(f64, f64, [&str; 2]); 8] = [
     (1.0, 273.15, ["degC and K", "K and degC"]),
-    (
-        1e6,
-        0.0,
-        ["MPa and Pa, or um and m", "Pa and MPa, or m and um"],
-    ),
+    (1e6, 0.0, ["MPa and Pa, or um and m", "Pa and MPa, or m and um"]),
     (1e5, 0.0, ["bar and Pa", "Pa and bar"]),
     (
         1e3,
@@ -27,14 +23,7 @@ const UNITS: [(f64, f64, [&str; 2]); 8] = [
             "a unit and a thousand of it, such as mm and m, or W and kW",
         ],
     ),
-    (
-        1e2,
-        0.0,
-        [
-            "a share and per cent, or m and cm",
-            "per cent and a share, or cm and m",
-        ],
-    ),
+    (1e2, 0.0, ["a share and per cent, or m and cm", "per cent and a share, or cm and m"]),
     (TAU / 60.0, 0.0, ["rpm and rad/s", "rad/s and rpm"]),
     (60.0, 0.0, ["Hz and rpm", "rpm and Hz"]),
     (PI / 180.0, 0.0, ["deg and rad", "rad and deg"]),
@@ -56,22 +45,14 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
         return None;
     }
     let unit = criterion.unit_behind();
-    let mistaken = mistaken_unit(
-        criterion.unit.as_deref(),
-        nominal,
-        criterion.room(),
-        [low, high],
-    );
+    let mistaken = mistaken_unit(criterion.unit.as_deref(), nominal, criterion.room(), [low, high]);
     let (hint, remedy) = match mistaken {
         Some(units) => (
             format!("; the values would fit if {units} were mixed up"),
             "Check the `unit` of each criterion that no point reaches.",
         ),
         None if points < FEWEST => return None,
-        None => (
-            String::new(),
-            "Find out what the model misses, or whether the distributions leave something out.",
-        ),
+        None => (String::new(), "Find out what the model misses, or whether the distributions leave something out."),
     };
     let text = format!(
         "{}: no point reaches the measured value {nominal}{unit}; the points lie between {} and {}{unit}{hint}",
@@ -121,7 +102,8 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
         criterion.name,
         short(low)
     );
-    let remedy = "Check the `variable` of each criterion that does not move, vary a parameter that it depends on, or remove it.";
+    let remedy =
+        "Check the `variable` of each criterion that does not move, vary a parameter that it depends on, or remove it.";
     Some(Concern::new(Code::Unmoved, text).remedied(remedy))
 }
 
@@ -142,8 +124,7 @@ fn confusions(unit: Option<&str>) -> Vec<(Conversion, String)> {
         let way = Conversion { factor, offset };
         (way, words.map(str::to_owned))
     });
-    let both =
-        |(way, [there, back]): (Conversion, [String; 2])| [(way, there), (way.inverse(), back)];
+    let both = |(way, [there, back]): (Conversion, [String; 2])| [(way, there), (way.inverse(), back)];
     of_kind.chain(listed).flat_map(both).collect()
 }
 
@@ -156,21 +137,12 @@ fn in_words(unit: &str) -> &str {
 }
 
 /// The units whose confusion would explain the distance, if any do.
-fn mistaken_unit(
-    unit: Option<&str>,
-    nominal: f64,
-    tolerance: f64,
-    [low, high]: [f64; 2],
-) -> Option<String> {
+fn mistaken_unit(unit: Option<&str>, nominal: f64, tolerance: f64, [low, high]: [f64; 2]) -> Option<String> {
     let outside = |value: f64| (low - value).max(value - high).max(0.0);
     // The model need not be right to tell by its order of magnitude which unit its numbers have.
     let room = |value: f64, factor: f64, offset: f64| {
         let width = (factor * tolerance).max(high - low);
-        if offset == 0.0 {
-            width.max(0.3 * value.abs())
-        } else {
-            3.0 * width.max(10.0)
-        }
+        if offset == 0.0 { width.max(0.3 * value.abs()) } else { 3.0 * width.max(10.0) }
     };
     let far = outside(nominal);
     let rest = |(way, units): (Conversion, String)| {
@@ -187,11 +159,7 @@ fn mistaken_unit(
 
 /// Five significant digits.
 fn short(value: f64) -> String {
-    let digits = if value == 0.0 {
-        0
-    } else {
-        4 - value.abs().log10().floor() as i32
-    };
+    let digits = if value == 0.0 { 0 } else { 4 - value.abs().log10().floor() as i32 };
     match usize::try_from(digits) {
         Ok(decimals) if decimals <= 8 => format!("{value:.decimals$}"),
         Ok(_) => format!("{value:.4e}"),
@@ -221,24 +189,16 @@ mod tests {
         assert_eq!(out_of_reach(&t, [81.0, 83.0], 100), None);
         assert_eq!(out_of_reach(&t, [80.0, 81.5], 9), None);
         let far = out_of_reach(&t, [80.0, 81.5], 10).unwrap().to_string();
-        assert!(far.starts_with(
-            "T: no point reaches the measured value 82; the points lie between 80.000 and 81.500"
-        ));
+        assert!(far.starts_with("T: no point reaches the measured value 82; the points lie between 80.000 and 81.500"));
         assert!(far.contains(". Find out"), "{far}");
-        assert_eq!(
-            out_of_reach(&t, [f64::INFINITY, f64::NEG_INFINITY], 10),
-            None
-        );
+        assert_eq!(out_of_reach(&t, [f64::INFINITY, f64::NEG_INFINITY], 10), None);
     }
 
     /// VIM 2.47: values within the expanded uncertainty are compatible.
     #[test]
     fn values_within_the_uncertainty_contradict_nothing() {
         let sure = criterion(0.0, 1.0);
-        let t = Criterion {
-            uncertainty: Some(conformity::uncertainty::Uncertainty::normal(0.5, 2.0)),
-            ..sure.clone()
-        };
+        let t = Criterion { uncertainty: Some(conformity::uncertainty::Uncertainty::normal(0.5, 2.0)), ..sure.clone() };
         assert_eq!(out_of_reach(&t, [0.017, 0.084], 200), None);
         assert!(out_of_reach(&sure, [0.017, 0.084], 200).is_some());
         assert!(out_of_reach(&t, [0.51, 0.7], 200).is_some());
@@ -293,9 +253,7 @@ mod tests {
             (0.02, 0.001, [19.0, 20.5], "such as m and mm"),
         ] {
             for points in [3, 50] {
-                let warning = out_of_reach(&criterion(nominal, tolerance), reached, points)
-                    .unwrap()
-                    .text;
+                let warning = out_of_reach(&criterion(nominal, tolerance), reached, points).unwrap().text;
                 assert!(warning.contains(units), "{nominal}: {warning}");
             }
         }
@@ -313,10 +271,7 @@ mod tests {
             ("J", 300.0, [31.0, 32.0], "Find out"),
             ("J", 300.0, [0.29, 0.31], "such as mm and m"),
         ] {
-            let criterion = Criterion {
-                unit: Some(unit.into()),
-                ..criterion(nominal, 0.02 * nominal)
-            };
+            let criterion = Criterion { unit: Some(unit.into()), ..criterion(nominal, 0.02 * nominal) };
             let warning = out_of_reach(&criterion, reached, 50).unwrap().to_string();
             assert!(warning.contains(units), "{unit}: {warning}");
         }

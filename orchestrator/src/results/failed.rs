@@ -11,30 +11,19 @@ use study::plan::Plan;
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.
 pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) -> Option<Concern> {
-    let Summary {
-        failed,
-        points: all,
-        ..
-    } = *summary;
+    let Summary { failed, points: all, .. } = *summary;
     if failed == 0 {
         return None;
     }
-    let reasons: Vec<String> = summary
-        .failures
-        .iter()
-        .map(|(reason, count)| format!("{reason}: {}", grouped(*count)))
-        .collect();
+    let reasons: Vec<String> =
+        summary.failures.iter().map(|(reason, count)| format!("{reason}: {}", grouped(*count))).collect();
     let reasons = reasons.join(", ");
     if failed == all {
-        let text = format!(
-            "no point has a result ({reasons}), so the model was not compared with the measurement"
-        );
+        let text = format!("no point has a result ({reasons}), so the model was not compared with the measurement");
         let remedy = "Find out why all points fail: `orchestrator check` looks at the FMU.";
         return Some(Concern::new(Code::FailedPoints, text).remedied(remedy));
     }
-    let rows = points
-        .iter()
-        .map(|(parameters, values)| (&**parameters, values.is_none()));
+    let rows = points.iter().map(|(parameters, values)| (&**parameters, values.is_none()));
     let rows: Vec<(&[f64], bool)> = rows.collect();
     let place = plan.and_then(|plan| place(plan, &rows));
     let place = place.map_or_else(String::new, |place| format!(", mostly where {place}"));
@@ -48,8 +37,7 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
         1 => "a point fails".to_owned(),
         n => format!("{} points fail", grouped(n)),
     };
-    let remedy =
-        format!("Find out why {which}, or cut the distributions to where the model works.");
+    let remedy = format!("Find out why {which}, or cut the distributions to where the model works.");
     Some(Concern::new(Code::FailedPoints, text).remedied(remedy))
 }
 
@@ -71,10 +59,7 @@ pub(super) fn place(plan: &Plan, points: &[(&[f64], bool)]) -> Option<String> {
         let tail = 0.01 / varied.len() as f64;
         (0.5 * (2.0 / tail).ln() * (1.0 / marked as f64 + 1.0 / others as f64)).sqrt()
     };
-    let (distance, k, marked, others) = varied
-        .iter()
-        .map(|&k| of(k))
-        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (distance, k, marked, others) = varied.iter().map(|&k| of(k)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     if distance < CLEAR.max(chance(marked.len(), others.len())) {
         return None;
     }
@@ -83,32 +68,16 @@ pub(super) fn place(plan: &Plan, points: &[(&[f64], bool)]) -> Option<String> {
         let [low, high] = [values.first(), values.last()].map(|v| v.copied().unwrap_or(f64::NAN));
         format!("{low:.4} .. {high:.4}{unit}")
     };
-    Some(format!(
-        "{} is {} (elsewhere {})",
-        plan.inputs[k].name,
-        range(&marked),
-        range(&others)
-    ))
+    Some(format!("{} is {} (elsewhere {})", plan.inputs[k].name, range(&marked), range(&others)))
 }
 
 /// The conclusion where no point has a result: there is nothing to decide by.
 pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
-    let Conclusion {
-        verdict,
-        verdict_words,
-        required,
-        other_verdict_interval,
-        risk,
-        ..
-    } = conclusion;
+    let Conclusion { verdict, verdict_words, required, other_verdict_interval, risk, .. } = conclusion;
     *verdict = Decision::Inconclusive;
     *verdict_words = match points {
-        1 => "inconclusive: the only point failed, so nothing was compared with the measurement"
-            .to_owned(),
-        n => format!(
-            "inconclusive: all {} points failed, so nothing was compared with the measurement",
-            grouped(n)
-        ),
+        1 => "inconclusive: the only point failed, so nothing was compared with the measurement".to_owned(),
+        n => format!("inconclusive: all {} points failed, so nothing was compared with the measurement", grouped(n)),
     };
     if let Some(required) = required {
         required.interval = None;

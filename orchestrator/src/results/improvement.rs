@@ -144,30 +144,19 @@ struct Seen {
 
 impl Seen {
     fn new(assessed: Assessed) -> Self {
-        Self {
-            weight: 1.0,
-            margin: assessed.margin,
-            conforms: assessed.probability,
-        }
+        Self { weight: 1.0, margin: assessed.margin, conforms: assessed.probability }
     }
 }
 
 /// The improvements by points given as parameters and values; `None` where a point failed. Without a plan, or where
 /// the parameters are correlated, only the measured values' uncertainties are looked at.
-pub(super) fn improvements(
-    judge: &Judge,
-    plan: Option<&Plan>,
-    points: &[Row],
-) -> Option<Improvements> {
+pub(super) fn improvements(judge: &Judge, plan: Option<&Plan>, points: &[Row]) -> Option<Improvements> {
     if points.len() < 2 {
         return None;
     }
     // Means over so many points need no exact probability of each.
     let measurement = judge.measurement.clone().roughly();
-    let failed = Assessed {
-        margin: f64::NEG_INFINITY,
-        probability: measurement.complete().then_some(0.0),
-    };
+    let failed = Assessed { margin: f64::NEG_INFINITY, probability: measurement.complete().then_some(0.0) };
     let of = |values: &Option<Vec<f64>>| {
         let all = values.as_ref().map(|values| measurement.assess(values).all);
         Seen::new(all.unwrap_or(failed))
@@ -176,9 +165,7 @@ pub(super) fn improvements(
     let now = prospect(judge, &base);
     let mut halved: Vec<Vec<Seen>> = vec![Vec::new(); judge.criteria.len()];
     for (_, values) in points {
-        let each = values
-            .as_ref()
-            .map(|values| measurement.with_other_uncertainty(values, 0.5));
+        let each = values.as_ref().map(|values| measurement.with_other_uncertainty(values, 0.5));
         for (k, seen) in halved.iter_mut().enumerate() {
             seen.push(Seen::new(each.as_ref().map_or(failed, |each| each[k])));
         }
@@ -194,9 +181,7 @@ pub(super) fn improvements(
             Some(measurement) => {
                 let measurement = measurement.roughly();
                 let all = |values: &Vec<f64>| measurement.assess(values).all;
-                let each = points
-                    .iter()
-                    .map(|(_, values)| values.as_ref().map_or(failed, all));
+                let each = points.iter().map(|(_, values)| values.as_ref().map_or(failed, all));
                 each.map(Seen::new).collect()
             }
             None => seen,
@@ -216,13 +201,8 @@ pub(super) fn improvements(
     let change = |(halved, name, seen): (Halved, String, Vec<Seen>)| {
         let changed = worths(judge, &seen);
         let pairs = seen.iter().zip(changed.iter().zip(&worth));
-        let pairs: Vec<Pair> = pairs
-            .map(|(seen, (&changed, &now))| Pair {
-                weight: seen.weight,
-                changed,
-                now,
-            })
-            .collect();
+        let pairs: Vec<Pair> =
+            pairs.map(|(seen, (&changed, &now))| Pair { weight: seen.weight, changed, now }).collect();
         let prospect = prospect(judge, &seen);
         let total = |p: &Prospect| p.accepted - p.consumer.unwrap_or(0.0);
         Change {
@@ -239,11 +219,7 @@ pub(super) fn improvements(
         let surest = low(b).total_cmp(&low(a));
         b.sign().cmp(&a.sign()).then(surest)
     });
-    (!changes.is_empty()).then_some(Improvements {
-        points: points.len() as u64,
-        now,
-        changes,
-    })
+    (!changes.is_empty()).then_some(Improvements { points: points.len() as u64, now, changes })
 }
 
 /// The same points with the weights that half the tolerance of a parameter gives them.
@@ -251,10 +227,7 @@ fn reweighted(base: &[Seen], points: &[Row], k: usize, wide: &Distribution) -> V
     let narrow = wide.scaled(0.5);
     let weighted = base.iter().zip(points).map(|(seen, (parameters, _))| {
         let value = parameters[k];
-        Seen {
-            weight: (narrow.ln_density(value) - wide.ln_density(value)).exp(),
-            ..*seen
-        }
+        Seen { weight: (narrow.ln_density(value) - wide.ln_density(value)).exp(), ..*seen }
     });
     weighted.collect()
 }
@@ -263,11 +236,7 @@ fn reweighted(base: &[Seen], points: &[Row], k: usize, wide: &Distribution) -> V
 fn worths(judge: &Judge, points: &[Seen]) -> Vec<f64> {
     let least = least_margin(judge.guard, points);
     let worth = |point: &Seen| {
-        if point.margin >= least {
-            point.conforms.unwrap_or(1.0)
-        } else {
-            0.0
-        }
+        if point.margin >= least { point.conforms.unwrap_or(1.0) } else { 0.0 }
     };
     points.iter().map(worth).collect()
 }
@@ -279,20 +248,11 @@ fn prospect(judge: &Judge, points: &[Seen]) -> Prospect {
     let sum = |of: &dyn Fn(&Seen) -> f64| points.iter().map(|p| p.weight * of(p)).sum::<f64>();
     let all = sum(&|_| 1.0).max(f64::MIN_POSITIVE);
     let effective = all * all / sum(&|p| p.weight).max(f64::MIN_POSITIVE);
-    let share = points
-        .iter()
-        .filter(accepted)
-        .map(|p| p.weight)
-        .sum::<f64>()
-        / all;
+    let share = points.iter().filter(accepted).map(|p| p.weight).sum::<f64>() / all;
     let known = points.iter().all(|p| p.conforms.is_some());
     let conforming = |p: &Seen| p.conforms.unwrap_or(0.0);
     let consumer = sum(&|p| {
-        if accepted(&p) {
-            1.0 - conforming(p)
-        } else {
-            0.0
-        }
+        if accepted(&p) { 1.0 - conforming(p) } else { 0.0 }
     }) / all;
     let producer = sum(&|p| if accepted(&p) { 0.0 } else { conforming(p) }) / all;
     let confidence = judge.rule.map_or(USUAL, |rule| rule.confidence);

@@ -32,18 +32,14 @@ impl Looked {
     /// # Errors
     /// When they are there and cannot be read.
     pub fn read(folder: &Path, study: &Header) -> Result<Self, Error> {
-        let none = || Self {
-            study: study.clone(),
-            history: History::default(),
-        };
+        let none = || Self { study: study.clone(), history: History::default() };
         let path = folder.join(FILE);
         let text = match fs::read(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(none()),
             Err(error) => return Err(Error::io(&path)(error)),
         };
-        let kept: Self =
-            serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;
+        let kept: Self = serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;
         Ok(if kept.study == *study { kept } else { none() })
     }
 

@@ -44,8 +44,6 @@ impl Origin {
     pub fn fits(&self, summary: &Summary) -> bool {
         let current = Self::of_points(summary);
         let same_points = self.points.is_none() || self.points == current.points;
-        self.study_sha256 == current.study_sha256
-            && self.fmu_sha256 == current.fmu_sha256
-            && same_points
+        self.study_sha256 == current.study_sha256 && self.fmu_sha256 == current.fmu_sha256 && same_points
     }
 }

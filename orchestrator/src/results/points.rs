@@ -68,9 +68,7 @@ impl<W: Write> Writer<W> {
             record.push_field(&number(*value));
         }
         match outcome {
-            Ok(values) => values
-                .iter()
-                .for_each(|&value| record.push_field(&number(value))),
+            Ok(values) => values.iter().for_each(|&value| record.push_field(&number(value))),
             Err(failure) => (0..verdict.passed.len()).for_each(|k| {
                 let value = failure.value(k).map(number);
                 record.push_field(&value.unwrap_or_default());
@@ -106,12 +104,7 @@ impl<W: Write> Writer<W> {
 ///
 /// # Errors
 /// When a table cannot be read or written.
-pub fn settle(
-    from: impl Read,
-    into: impl Write,
-    guard: Guard,
-    band: Option<f64>,
-) -> io::Result<()> {
+pub fn settle(from: impl Read, into: impl Write, guard: Guard, band: Option<f64>) -> io::Result<()> {
     let mut table = csv::Reader::from_reader(from);
     let mut settled = csv::Writer::from_writer(into);
     let header = table.headers()?.clone();
@@ -120,13 +113,10 @@ pub fn settle(
     let column = (0..header.len()).rev().find(|&k| &header[k] == ACCEPTED);
     let mut record = csv::StringRecord::new();
     while table.read_record(&mut record)? {
-        let cells = record
-            .iter()
-            .enumerate()
-            .map(|(k, cell)| match cell.parse() {
-                Ok(margin) if Some(k) == column => word(guard.accepts(margin, band)),
-                _ => cell,
-            });
+        let cells = record.iter().enumerate().map(|(k, cell)| match cell.parse() {
+            Ok(margin) if Some(k) == column => word(guard.accepts(margin, band)),
+            _ => cell,
+        });
         settled.write_record(cells)?;
     }
     settled.flush()
@@ -138,19 +128,13 @@ fn word(flag: bool) -> &'static str {
 
 /// What a flag says, also as other programs write it: `True`.
 fn flag(cell: &str) -> Option<bool> {
-    [false, true]
-        .into_iter()
-        .find(|flag| cell.eq_ignore_ascii_case(word(*flag)))
+    [false, true].into_iter().find(|flag| cell.eq_ignore_ascii_case(word(*flag)))
 }
 
 /// A number as text that reads back as the same number.
 pub fn number(value: f64) -> String {
     let magnitude = value.abs();
-    if magnitude == 0.0 || (1e-4..1e15).contains(&magnitude) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
+    if magnitude == 0.0 || (1e-4..1e15).contains(&magnitude) { value.to_string() } else { format!("{value:e}") }
 }
 
 /// Reads the table that belongs to a summary: an even choice of at most about `most` points, and the best ones, in their order.
@@ -177,8 +161,7 @@ pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Err
         let is_no_flag = |k: &usize| record.get(*k).is_some_and(|cell| flag(cell).is_none());
         if let Some(k) = flags.clone().find(is_no_flag) {
             let (column, cell) = (csv_file::text(&columns[k]), &record[k]);
-            let message =
-                format!("line {line}, column `{column}`: `{cell}` is neither true nor false");
+            let message = format!("line {line}, column `{column}`: `{cell}` is neither true nor false");
             return Err(Error::content(path, message));
         }
         let added = add(&mut table, record);
@@ -218,11 +201,7 @@ fn no_points(summary: &Summary) -> PointTable {
     });
     let criteria = summary.criteria.values();
     let criteria = criteria.map(|count| count.criterion.column(Vec::new(), Vec::new()));
-    PointTable {
-        parameters: parameters.collect(),
-        criteria: criteria.collect(),
-        ..PointTable::default()
-    }
+    PointTable { parameters: parameters.collect(), criteria: criteria.collect(), ..PointTable::default() }
 }
 
 fn add(table: &mut PointTable, record: &csv::StringRecord) -> Option<()> {

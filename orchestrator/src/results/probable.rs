@@ -21,21 +21,14 @@ impl<'a> MostProbable<'a> {
     /// unknown.
     pub(super) fn new(judge: &Judge, plan: &'a Plan) -> Option<Self> {
         plan.has_density().then_some(())?;
-        Some(Self {
-            plan,
-            likelihood: Likelihood::new(&judge.measurement)?,
-            best: None,
-        })
+        Some(Self { plan, likelihood: Likelihood::new(&judge.measurement)?, best: None })
     }
 
     /// Takes a point; of equally probable ones the first stays.
     pub(super) fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome) {
         let Ok(values) = outcome else { return };
         let probability = self.plan.ln_prior(parameters) + self.likelihood.ln(values);
-        let better = self
-            .best
-            .as_ref()
-            .is_none_or(|(most, _)| probability > *most);
+        let better = self.best.as_ref().is_none_or(|(most, _)| probability > *most);
         if better && probability > f64::NEG_INFINITY {
             self.best = Some((probability, Kept::new(label, parameters, values)));
         }

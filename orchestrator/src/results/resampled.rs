@@ -11,22 +11,14 @@ use fmu_points::notices::Replicates;
 /// independently.
 pub(super) fn told(judge: &Judge, conforming: &[Replicates]) -> Option<Told> {
     let curves = (0..judge.criteria.len()).filter(|&k| judge.criteria[k].row_correlation.is_some());
-    let known: Vec<(usize, &Replicates)> = curves
-        .zip(conforming)
-        .filter(|(_, bits)| !bits.is_empty())
-        .collect();
+    let known: Vec<(usize, &Replicates)> = curves.zip(conforming).filter(|(_, bits)| !bits.is_empty()).collect();
     let (_, first) = known.first()?;
     let mut all = vec![u64::MAX; first.len()];
     for (_, bits) in &known {
-        all.iter_mut()
-            .zip(*bits)
-            .for_each(|(all, bits)| *all &= bits);
+        all.iter_mut().zip(*bits).for_each(|(all, bits)| *all &= bits);
     }
     let each = known.iter().map(|&(k, bits)| (k, share(bits)));
-    Some(Told {
-        each: each.collect(),
-        all: share(&all),
-    })
+    Some(Told { each: each.collect(), all: share(&all) })
 }
 
 fn share(bits: &[u64]) -> f64 {
@@ -35,11 +27,7 @@ fn share(bits: &[u64]) -> f64 {
 }
 
 /// Why the risk of a curve is not stated; none where it is, and of a measured number.
-pub(super) fn not_stated(
-    criterion: &Criterion,
-    risk: Option<&Risk>,
-    resampled: bool,
-) -> Option<String> {
+pub(super) fn not_stated(criterion: &Criterion, risk: Option<&Risk>, resampled: bool) -> Option<String> {
     let reason = match (criterion.metric, criterion.row_correlation) {
         (None, _) => return None,
         _ if risk.is_some() => return None,
@@ -77,10 +65,7 @@ pub(super) fn presumed(summary: &Summary) -> Vec<String> {
             0.0 => "have independent errors".to_owned(),
             other => format!("have errors with a correlation of {other}"),
         };
-        format!(
-            "The risk presumes that all measured rows of {} {errors}.",
-            names.join(", ")
-        )
+        format!("The risk presumes that all measured rows of {} {errors}.", names.join(", "))
     };
     curves.into_iter().map(sentence).collect()
 }

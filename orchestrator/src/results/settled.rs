@@ -88,11 +88,7 @@ pub struct Edges<'a> {
 impl<'a> Edges<'a> {
     /// No points yet.
     pub fn new(judge: &'a Judge) -> Self {
-        Self {
-            judge,
-            points: 0,
-            near: [Vec::new(), Vec::new()],
-        }
+        Self { judge, points: 0, near: [Vec::new(), Vec::new()] }
     }
 
     /// Looks at a point.

@@ -331,11 +331,7 @@ pub(super) struct Kept {
 
 impl Kept {
     pub(super) fn new(label: u64, parameters: &[f64], values: &[f64]) -> Self {
-        Self {
-            label,
-            parameters: parameters.to_vec(),
-            values: values.to_vec(),
-        }
+        Self { label, parameters: parameters.to_vec(), values: values.to_vec() }
     }
 }
 
@@ -404,10 +400,6 @@ impl ParameterSummary {
         let Ok(serde_json::Value::Object(distribution)) = distribution else {
             unreachable!("a distribution is a name with numbers");
         };
-        Self {
-            name: input.name.clone(),
-            unit: input.unit.clone(),
-            distribution,
-        }
+        Self { name: input.name.clone(), unit: input.unit.clone(), distribution }
     }
 }

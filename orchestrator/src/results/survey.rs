@@ -76,19 +76,13 @@ impl<'a> Survey<'a> {
         let validity = summary.asides.as_ref()?.validity.as_ref()?;
         let which = match summary.verified {
             0 => String::new(),
-            all => format!(
-                ", {} of the {} that meet all criteria,",
-                grouped(validity.verified),
-                grouped(all)
-            ),
+            all => format!(", {} of the {} that meet all criteria,", grouped(validity.verified), grouped(all)),
         };
         let told = validity.told(summary.points, &which)?;
         let rows = self.first.iter().map(|(parameters, _)| &**parameters);
         let rows: Vec<(&[f64], bool)> = rows.zip(self.beyond.iter().copied()).collect();
         let place = self.plan.and_then(|plan| place(plan, &rows));
-        let place = place.map_or_else(String::new, |place| {
-            format!(". They lie mostly where {place}")
-        });
+        let place = place.map_or_else(String::new, |place| format!(". They lie mostly where {place}"));
         let remedy = "Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points).";
         Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied(remedy))
     }
@@ -98,14 +92,8 @@ impl<'a> Survey<'a> {
         let criteria = || self.judge.criteria.iter().enumerate();
         for warning in &self.judge.warnings {
             // Without the study's path, which may differ from run to run.
-            let (_, text) = warning
-                .text
-                .split_once(": ")
-                .expect("its place comes first");
-            summary.concerns.push(Concern {
-                text: text.to_owned(),
-                ..warning.clone()
-            });
+            let (_, text) = warning.text.split_once(": ").expect("its place comes first");
+            summary.concerns.push(Concern { text: text.to_owned(), ..warning.clone() });
         }
         let reach = criteria().filter_map(|(k, c)| out_of_reach(c, self.reached[k], self.points));
         summary.concerns.extend(reach);
@@ -120,15 +108,12 @@ impl<'a> Survey<'a> {
         summary.concerns.extend(beyond);
         for (k, criterion) in criteria() {
             // The comparison is about a measured number.
-            let spread = self.spreads[k]
-                .result()
-                .filter(|_| criterion.metric.is_none() && criterion.measured().value.is_some());
+            let spread =
+                self.spreads[k].result().filter(|_| criterion.metric.is_none() && criterion.measured().value.is_some());
             let Some(spread) = spread else { continue };
             match Comparison::new(&criterion.measured(), spread, Numerical::default()) {
                 Some(comparison) => {
-                    summary
-                        .validation
-                        .insert(criterion.name.clone(), comparison);
+                    summary.validation.insert(criterion.name.clone(), comparison);
                 }
                 None => {
                     let text = format!(
@@ -140,8 +125,7 @@ impl<'a> Survey<'a> {
             }
         }
         let probable = self.probable.as_ref().and_then(MostProbable::best);
-        summary.most_probable_point =
-            probable.map(|kept| BestPoint::new(self.judge, &summary.parameters, kept));
+        summary.most_probable_point = probable.map(|kept| BestPoint::new(self.judge, &summary.parameters, kept));
         let drawn = self.plan.filter(|_| self.drawn);
         if self.points > 0 && !summary.has_own_values() {
             let gains = improvements(self.judge, drawn, &self.first);
@@ -157,9 +141,6 @@ impl<'a> Survey<'a> {
     /// The points that are to be run once more, to see whether their results had settled.
     pub fn to_watch(&self, summary: &Summary) -> Settled {
         let best = summary.best_point.as_ref().map(|best| best.point);
-        Settled {
-            points: self.edges.chosen(best),
-            ..Settled::default()
-        }
+        Settled { points: self.edges.chosen(best), ..Settled::default() }
     }
 }

@@ -36,15 +36,8 @@ pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Erro
         _ => None,
     };
     let cases: Vec<Option<String>> = table.criteria.iter().map(|c| case(&c.name)).collect();
-    for i in (0..table.len())
-        .filter(|&i| !table.completed(i))
-        .collect::<Vec<_>>()
-    {
-        let known: Vec<bool> = table
-            .criteria
-            .iter()
-            .map(|c| c.values[i].is_finite())
-            .collect();
+    for i in (0..table.len()).filter(|&i| !table.completed(i)).collect::<Vec<_>>() {
+        let known: Vec<bool> = table.criteria.iter().map(|c| c.values[i].is_finite()).collect();
         let whole = |case: &Option<String>| {
             let mut members = cases.iter().zip(&known).filter(|(other, _)| *other == case);
             case.is_some() && members.all(|(_, known)| *known)
@@ -98,10 +91,7 @@ pub fn from_runs(
     outcomes: Vec<Outcome>,
 ) -> PointTable {
     assert_eq!(points.len(), outcomes.len(), "each point has an outcome");
-    let verdicts: Vec<PointVerdict> = outcomes
-        .iter()
-        .map(|o| judge.verdict(o.as_deref().ok()))
-        .collect();
+    let verdicts: Vec<PointVerdict> = outcomes.iter().map(|o| judge.verdict(o.as_deref().ok())).collect();
     let parameters = varied.iter().map(|&k| ParameterColumn {
         name: inputs[k].name.clone(),
         unit: inputs[k].unit.clone().unwrap_or_default(),
@@ -119,10 +109,7 @@ pub fn from_runs(
         verified: verdicts.iter().map(PointVerdict::verified).collect(),
         status: outcomes
             .iter()
-            .map(|o| {
-                o.as_ref()
-                    .map_or_else(|failure| failure.to_string().into(), |_| "ok".into())
-            })
+            .map(|o| o.as_ref().map_or_else(|failure| failure.to_string().into(), |_| "ok".into()))
             .collect(),
         ..PointTable::default()
     }

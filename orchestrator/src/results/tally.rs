@@ -7,8 +7,8 @@ use indexmap::IndexMap;
 use super::failed;
 use super::resampled::{not_stated, told};
 use super::summary::{
-    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept,
-    ParameterSummary, Provenance, Summary, VariantCount,
+    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept, ParameterSummary,
+    Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
 use conformity::conclusion::{Conclusion, Ruling, grouped};
@@ -120,11 +120,7 @@ impl<'a> Tally<'a> {
 
     /// How the points are looked at, and the how manieth verdict on points of this study it is.
     pub fn looked_at(self, looks: Looks, look: u64) -> Self {
-        Self {
-            looks,
-            look,
-            ..self
-        }
+        Self { looks, look, ..self }
     }
 
     /// Counts a point, with what came beside its results, and returns the verdict on it.
@@ -174,14 +170,8 @@ impl<'a> Tally<'a> {
         if self.failures.len() >= MOST_KINDS && !self.failures.contains_key(&kind) {
             class.clone_into(&mut kind);
         }
-        let first = FailedPoint {
-            point: label,
-            status,
-        };
-        let (_, of_kind) = self
-            .failures
-            .entry(kind)
-            .or_insert((class, FailureKind { points: 0, first }));
+        let first = FailedPoint { point: label, status };
+        let (_, of_kind) = self.failures.entry(kind).or_insert((class, FailureKind { points: 0, first }));
         of_kind.points += 1;
     }
 
@@ -191,8 +181,7 @@ impl<'a> Tally<'a> {
             let holds = verdict.passed[members.clone()].iter().all(|&passed| passed);
             self.held[number][replicate] += u64::from(holds);
             let failure = outcome.as_ref().err();
-            let is_lost =
-                failure.is_some_and(|failure| members.any(|k| failure.value(k).is_none()));
+            let is_lost = failure.is_some_and(|failure| members.any(|k| failure.value(k).is_none()));
             self.lost[number] += u64::from(is_lost);
         }
     }
@@ -256,18 +245,9 @@ impl<'a> Tally<'a> {
     }
 
     /// The summary of what was counted.
-    pub fn summary(
-        &self,
-        title: Option<String>,
-        provenance: Provenance,
-        parameters: Vec<ParameterSummary>,
-    ) -> Summary {
+    pub fn summary(&self, title: Option<String>, provenance: Provenance, parameters: Vec<ParameterSummary>) -> Summary {
         let (judge, points) = (self.judge, self.points);
-        let ruling = judge.rule.map(|rule| Ruling {
-            rule,
-            looks: self.looks,
-            count: self.look,
-        });
+        let ruling = judge.rule.map(|rule| Ruling { rule, looks: self.looks, count: self.look });
         let statement = match ruling {
             _ if self.is_grid => self.risk.statement().without_intervals(),
             Some(Ruling { rule, looks, .. }) => {
@@ -327,9 +307,7 @@ impl<'a> Tally<'a> {
             criteria: criteria.collect(),
             groups: self.by_group(&self.stated),
             cases: self.by_case(),
-            variants: variants
-                .map(|(variant, counts)| self.variant(variant, counts))
-                .collect(),
+            variants: variants.map(|(variant, counts)| self.variant(variant, counts)).collect(),
             failures,
             first_failure: failure_kinds.first().map(|kind| kind.first.clone()),
             failure_kinds,
@@ -352,16 +330,9 @@ impl<'a> Tally<'a> {
     }
 
     fn variant(&self, variant: &Variant, counts: &Counts) -> (String, VariantCount) {
-        let limits = || {
-            self.judge
-                .names()
-                .cloned()
-                .zip(variant.limits.iter().copied())
-        };
+        let limits = || self.judge.names().cloned().zip(variant.limits.iter().copied());
         let is_even = |limits: &Limits| limits.minus == limits.plus;
-        let even = limits()
-            .filter(|(_, l)| is_even(l))
-            .map(|(name, l)| (name, l.plus));
+        let even = limits().filter(|(_, l)| is_even(l)).map(|(name, l)| (name, l.plus));
         let others = limits().filter(|(_, l)| !is_even(l));
         let count = VariantCount {
             about: variant.about.clone(),
@@ -391,10 +362,5 @@ fn unmeasured(conclusion: &mut Conclusion, points: u64) {
 fn correlations(judge: &Judge) -> Vec<Correlated> {
     let name = |number: usize| judge.criteria[number].name.clone();
     let pairs = judge.measurement.correlations().iter();
-    pairs
-        .map(|&(a, b, coefficient)| Correlated {
-            between: [name(a), name(b)],
-            coefficient,
-        })
-        .collect()
+    pairs.map(|&(a, b, coefficient)| Correlated { between: [name(a), name(b)], coefficient }).collect()
 }

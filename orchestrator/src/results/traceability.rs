@@ -31,9 +31,7 @@ pub fn origin(summary: &Summary) -> Vec<Entry> {
 
 fn known<const N: usize>(entries: [(&str, Option<String>); N]) -> Vec<Entry> {
     let entries = entries.into_iter();
-    entries
-        .filter_map(|(keyword, value)| Some((keyword.to_owned(), value?)))
-        .collect()
+    entries.filter_map(|(keyword, value)| Some((keyword.to_owned(), value?))).collect()
 }
 
 /// The verdict with its rule and its risks.
@@ -48,10 +46,7 @@ pub fn verdict(summary: &Summary) -> Vec<Entry> {
         ("verdict", Some(conclusion.verdict.to_string())),
         ("verdict.words", Some(conclusion.verdict_words.clone())),
         ("required.share", required.map(|r| number(r.rule.share))),
-        (
-            "required.confidence",
-            required.map(|r| number(r.rule.confidence)),
-        ),
+        ("required.confidence", required.map(|r| number(r.rule.confidence))),
         ("failed", Some(summary.failed.to_string())),
         ("verified", Some(summary.verified.to_string())),
         ("accepted", Some(conclusion.accepted.to_string())),
@@ -62,10 +57,7 @@ pub fn verdict(summary: &Summary) -> Vec<Entry> {
         entries.extend(known([
             ("risk.consumer", Some(number(risk.consumer))),
             ("risk.producer", Some(number(risk.producer))),
-            (
-                "risk.conformance-probability",
-                Some(number(risk.conformance_probability)),
-            ),
+            ("risk.conformance-probability", Some(number(risk.conformance_probability))),
             ("risk.not-conforming-given-accepted", given.map(number)),
         ]));
     }
@@ -83,9 +75,7 @@ pub fn criteria(summary: &Summary) -> Vec<Entry> {
     let entry = |(name, entry): (&String, &CriterionCount)| {
         let c = &entry.criterion;
         let unit = c.unit_behind();
-        let uncertainty = c
-            .uncertainty
-            .map_or_else(|| "uncertainty not stated".to_owned(), |u| u.words(&unit));
+        let uncertainty = c.uncertainty.map_or_else(|| "uncertainty not stated".to_owned(), |u| u.words(&unit));
         let Limits { about, minus, plus } = c.limits;
         let wanted = match (minus == plus, c.limits.is_one_sided(), c.reading) {
             (true, ..) => format!("{about}{unit}, tolerance {plus}{unit}"),
@@ -98,10 +88,7 @@ pub fn criteria(summary: &Summary) -> Vec<Entry> {
     };
     let pair = |entry: &super::summary::Correlated| {
         let [a, b] = &entry.between;
-        (
-            format!("uncertainty-correlation.{a}.{b}"),
-            entry.coefficient.to_string(),
-        )
+        (format!("uncertainty-correlation.{a}.{b}"), entry.coefficient.to_string())
     };
     let pairs = summary.uncertainty_correlations.iter().map(pair);
     summary.criteria.iter().map(entry).chain(pairs).collect()
@@ -126,9 +113,7 @@ pub fn resource(name: &str, data: &str, entries: &[Entry]) -> String {
 pub fn task(summary: &Summary) -> String {
     let parts = [dossier, criteria, parameters, origin, verdict].map(|part| part(summary));
     let all = parts.iter().flatten();
-    let text: Vec<String> = all
-        .map(|(keyword, value)| format!("{keyword}={value}"))
-        .collect();
+    let text: Vec<String> = all.map(|(keyword, value)| format!("{keyword}={value}")).collect();
     let [dossier, criteria, parameters, origin, verdict] = &parts;
     let stated = summary.dossier.clone().unwrap_or_default();
     let values = context! {

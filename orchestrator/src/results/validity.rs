@@ -93,14 +93,7 @@ impl Validity {
             let message = &limit.message;
             let is_it = |known: &Passed| alike(&known.first.limit.message, message);
             let place = self.limits.iter().position(is_it).unwrap_or_else(|| {
-                self.limits.push(Passed {
-                    points: 0,
-                    verified: 0,
-                    first: First {
-                        point,
-                        limit: limit.clone(),
-                    },
-                });
+                self.limits.push(Passed { points: 0, verified: 0, first: First { point, limit: limit.clone() } });
                 self.limits.len() - 1
             });
             self.limits[place].points += 1;
@@ -126,11 +119,7 @@ impl Validity {
                 grouped(self.points),
                 grouped(all),
                 named.join("; "),
-                if self.limits.len() > NAMED {
-                    "; and more"
-                } else {
-                    ""
-                }
+                if self.limits.len() > NAMED { "; and more" } else { "" }
             )
         })
     }
@@ -174,9 +163,7 @@ impl Writer {
                 Ok(keep(file, &path)?)
             }
             None => match fs::remove_file(&path) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    Err(Error::io(&path)(error))
-                }
+                Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Error::io(&path)(error)),
                 _ => Ok(()),
             },
         }
@@ -196,10 +183,7 @@ mod tests {
     use super::*;
 
     fn limit(message: &str) -> Limit {
-        Limit {
-            case: None,
-            message: message.to_owned(),
-        }
+        Limit { case: None, message: message.to_owned() }
     }
 
     #[test]

@@ -66,27 +66,21 @@ fn other_verdict([least, most]: [f64; 2], method: &str) -> Option<String> {
         percent if percent > 10.0 => short(percent.ceil()),
         percent => short(percent),
     };
-    let other = |probability: String| {
-        format!("be the other one with a probability of {probability} (at a confidence of 95 %)")
-    };
+    let other =
+        |probability: String| format!("be the other one with a probability of {probability} (at a confidence of 95 %)");
     let verdict = match (least, most) {
         (_, most) if most < LITTLE => "almost surely (more than 99.9 %) be the same".to_owned(),
         (least, most) if least < LITTLE => other(format!("at most {} %", above(most))),
         (least, most) => other(format!("{} to {} %", short(100.0 * least), above(most))),
     };
-    Some(format!(
-        "If the study were repeated with {points}, the verdict would {verdict}."
-    ))
+    Some(format!("If the study were repeated with {points}, the verdict would {verdict}."))
 }
 
 /// How often the study was judged with other numbers of points.
 pub(super) fn looked(conclusion: &Conclusion) -> Option<String> {
     let looks = conclusion.required.as_ref()?.looks;
-    (looks > 1).then(|| {
-        format!(
-            "The study was looked at {looks} times; its interval is right however often one looks."
-        )
-    })
+    (looks > 1)
+        .then(|| format!("The study was looked at {looks} times; its interval is right however often one looks."))
 }
 
 pub(super) fn guard(conclusion: &Conclusion) -> Option<String> {
@@ -131,9 +125,7 @@ pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String 
         );
     };
     let interval = risk.intervals.map_or_else(String::new, |intervals| {
-        let [low, high] = intervals
-            .not_conforming_given_accepted
-            .map(|limit| short(100.0 * limit));
+        let [low, high] = intervals.not_conforming_given_accepted.map(|limit| short(100.0 * limit));
         format!("95 % interval {low} .. {high} %")
     });
     let share_of = short(100.0 * share);
@@ -143,13 +135,9 @@ pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String 
         (before, "") => format!(" ({before})"),
         (before, interval) => format!(" ({before}; {interval})"),
     };
-    let wrong =
-        "outside of a tolerance of the true values, since the measured values are uncertain";
+    let wrong = "outside of a tolerance of the true values, since the measured values are uncertain";
     match accepted {
-        1 => format!(
-            "With a probability of {share_of} %{} the accepted point is {wrong}.",
-            behind("")
-        ),
+        1 => format!("With a probability of {share_of} %{} the accepted point is {wrong}.", behind("")),
         n => format!(
             "Of the {} accepted points {}{} are expected to be {wrong}.",
             grouped(n),
@@ -161,15 +149,13 @@ pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String 
 
 pub(super) fn unknown(summary: &Summary) -> String {
     let mut reasons = Vec::new();
-    let without = summary.criteria.iter().filter(|(_, entry)| {
-        entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none()
-    });
+    let without = summary
+        .criteria
+        .iter()
+        .filter(|(_, entry)| entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none());
     let names: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
     if !names.is_empty() {
-        reasons.push(format!(
-            "the study states no uncertainty of {}, and nothing is assumed",
-            names.join(", ")
-        ));
+        reasons.push(format!("the study states no uncertainty of {}, and nothing is assumed", names.join(", ")));
     }
     let curves = summary.criteria.iter().filter_map(|(name, entry)| {
         entry.criterion.row_correlation?;
@@ -177,19 +163,12 @@ pub(super) fn unknown(summary: &Summary) -> String {
         Some(format!("of the curve {name}, {reason}"))
     });
     reasons.extend(curves);
-    format!(
-        "How many of the accepted points conform is not known: {}.",
-        reasons.join("; ")
-    )
+    format!("How many of the accepted points conform is not known: {}.", reasons.join("; "))
 }
 
 /// A number of points that need not be whole.
 fn counted(points: f64) -> String {
-    if points < 1000.0 {
-        format!("{points:.1}")
-    } else {
-        grouped(points.round() as u64)
-    }
+    if points < 1000.0 { format!("{points:.1}") } else { grouped(points.round() as u64) }
 }
 
 /// Two significant digits, or all of the whole number.

@@ -50,11 +50,7 @@ impl Verification {
         let mut front = ending.map(Front::new);
         let mut asides = Asides {
             validity: Validity::of(session.package.description()),
-            needs_execution_tool: session
-                .package
-                .description()
-                .capabilities
-                .needs_execution_tool,
+            needs_execution_tool: session.package.description().capabilities.needs_execution_tool,
             ..Asides::default()
         };
         let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
@@ -72,30 +68,21 @@ impl Verification {
             asides.add(label, verdict.verified(), &notices);
             files.write(label, &parameters, &outcome, &verdict)?;
             files.write_limits(label, &notices.beyond)?;
-            let enough = ending.zip(front.as_mut()).is_some_and(|(ending, front)| {
-                front.add(index, ending.counts(&session.judge, &outcome))
-            });
+            let enough = ending
+                .zip(front.as_mut())
+                .is_some_and(|(ending, front)| front.add(index, ending.counts(&session.judge, &outcome)));
             if enough {
                 break;
             }
         }
-        let parameters = session
-            .plan
-            .inputs
-            .iter()
-            .map(ParameterSummary::new)
-            .collect();
+        let parameters = session.plan.inputs.iter().map(ParameterSummary::new).collect();
         let awaited = ending.and_then(Ending::looks);
         let samples = usize::try_from(replicates).unwrap_or(usize::MAX);
         let history = &mut looked.history;
         let looks = awaited.unwrap_or_else(|| history.at(tally.points, samples));
         let mut look = 1;
         if session.judge.rule.is_some() {
-            look = history.note(Look {
-                points: tally.points,
-                way: looks.way,
-                awaited: awaited.is_some(),
-            });
+            look = history.note(Look { points: tally.points, way: looks.way, awaited: awaited.is_some() });
             // Nobody may see the verdict before it is noted.
             looked.write(folder)?;
         }
@@ -129,12 +116,7 @@ impl Verification {
 
     /// Versions, seed and hashes of this run.
     pub fn provenance(&self) -> Provenance {
-        let Session {
-            request,
-            study,
-            package,
-            ..
-        } = &self.session;
+        let Session { request, study, package, .. } = &self.session;
         let fmu = package.description();
         let header = &self.header;
         let given = header.table.is_some();
@@ -144,11 +126,7 @@ impl Verification {
             fmu_version: fmu.version.clone(),
             fmu_guid: Some(fmu.guid.clone()),
             fmu_sha256: Some(header.fmu.clone()),
-            method: if given {
-                "table".to_owned()
-            } else {
-                study.design.method.name()
-            },
+            method: if given { "table".to_owned() } else { study.design.method.name() },
             seed: (!given).then_some(header.seed),
             replicates: Some(study.design.replicates).filter(|&n| !given && n > 1),
             ..provenance(study)
@@ -243,12 +221,7 @@ impl FileSet {
 }
 
 /// The table with the decisions of the guard band.
-fn settled(
-    file: &NamedTempFile,
-    folder: &Path,
-    guard: Guard,
-    band: Option<f64>,
-) -> io::Result<NamedTempFile> {
+fn settled(file: &NamedTempFile, folder: &Path, guard: Guard, band: Option<f64>) -> io::Result<NamedTempFile> {
     let settled = draft(folder)?;
     let writer = BufWriter::with_capacity(1 << 16, settled.reopen()?);
     points::settle(file.reopen()?, writer, guard, band)?;

@@ -65,13 +65,7 @@ impl Session {
         let plan = Plan::new(&study, package.description())?;
         points::varies(&study)?;
         plan.tell_of_inputs();
-        Ok(Self {
-            request,
-            study,
-            package,
-            plan,
-            judge,
-        })
+        Ok(Self { request, study, package, plan, judge })
     }
 
     /// The journal's header: this study and FMU, the number of points and the seed.

@@ -108,8 +108,7 @@ impl Request {
         if earlier == Earlier::Replaced || Self::is_in(folder) {
             return Ok(());
         }
-        let files =
-            [STUDY, "points.csv", "summary.json", "report.html"].map(|file| folder.join(file));
+        let files = [STUDY, "points.csv", "summary.json", "report.html"].map(|file| folder.join(file));
         let is_file = |file: &PathBuf| file.symlink_metadata().is_ok_and(|entry| !entry.is_dir());
         let is_precious = |file: &PathBuf| is_file(file) && !is_same(file, self.own_study());
         match files.into_iter().find(is_precious) {
@@ -124,9 +123,7 @@ impl Request {
 
     /// Whether the FMU of a request that was kept is another one than its study's.
     fn has_another_fmu(&self) -> bool {
-        let (Ok(study), Some(fmu), Some(folder)) =
-            (Study::read(&self.study), &self.fmu, &self.base)
-        else {
+        let (Ok(study), Some(fmu), Some(folder)) = (Study::read(&self.study), &self.fmu, &self.base) else {
             return false;
         };
         !is_same(fmu, &folder.join(study.fmu.as_ref()))
@@ -156,8 +153,7 @@ impl Request {
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(FILE);
         let text = fs::read(&path).map_err(|_| Error::Missing(folder.to_owned()))?;
-        let mut request: Self =
-            serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;
+        let mut request: Self = serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;
         request.base = request.study.parent().map(Path::to_owned);
         request.original = Some(mem::replace(&mut request.study, folder.join(STUDY)));
         Ok(request)

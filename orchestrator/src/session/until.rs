@@ -27,14 +27,10 @@ impl FromStr for Until {
         if text == "verdict" {
             return Ok(Self::Verdict);
         }
-        let width = text
-            .strip_prefix("ci")
-            .and_then(|width| width.trim().parse().ok());
+        let width = text.strip_prefix("ci").and_then(|width| width.trim().parse().ok());
         match width {
             Some(width) if width > 0.0 && width < 1.0 => Ok(Self::Width(width)),
-            _ => Err(format!(
-                "`{text}` is neither `verdict` nor a width of the interval such as \"ci 0.01\""
-            )),
+            _ => Err(format!("`{text}` is neither `verdict` nor a width of the interval such as \"ci 0.01\"")),
         }
     }
 }
@@ -63,12 +59,7 @@ impl Ending {
     /// # Errors
     /// When the points allow no such ending; says what to do.
     /// `history` are the verdicts that were drawn from points of this study before.
-    pub fn new(
-        until: Until,
-        judge: &Judge,
-        design: Option<(Method, u64)>,
-        history: &History,
-    ) -> Result<Self, String> {
+    pub fn new(until: Until, judge: &Judge, design: Option<(Method, u64)>, history: &History) -> Result<Self, String> {
         if design.is_some_and(|(method, _)| !method.is_extensible()) {
             let with = Method::named(Method::is_extensible);
             return Err(format!("this design needs all its points; use {with}"));
@@ -76,9 +67,8 @@ impl Ending {
         let condition = match until {
             Until::Width(width) => Condition::Width(width),
             Until::Verdict => {
-                let rule = judge.rule.ok_or(
-                    "there is no verdict to wait for: add [verdict] with the required share",
-                )?;
+                let rule =
+                    judge.rule.ok_or("there is no verdict to wait for: add [verdict] with the required share")?;
                 if let Guard::Limiting { .. } = judge.guard {
                     return Err("`risk` finds the guard band from all points, so that accepted points \
                                 change while they come in; give `guard-band` under [verdict] instead, \
@@ -114,9 +104,7 @@ impl Ending {
             return Seen::Failed;
         };
         let counts = match (self.condition, self.guard) {
-            (Condition::Verdict(..), Guard::Given(band)) => {
-                judge.measurement.margin(values) >= band
-            }
+            (Condition::Verdict(..), Guard::Given(band)) => judge.measurement.margin(values) >= band,
             _ => judge.verdict(Some(values)).verified(),
         };
         if counts { Seen::Counts } else { Seen::Misses }
@@ -131,8 +119,7 @@ impl Ending {
                 points > 0 && points.is_multiple_of(ROUND) && high - low <= width
             }
             Condition::Verdict(rule, looks) => {
-                looks.is_due(self.samples, points)
-                    && looks.decide(rule, counts, points) != Decision::Inconclusive
+                looks.is_due(self.samples, points) && looks.decide(rule, counts, points) != Decision::Inconclusive
             }
         }
     }
@@ -153,9 +140,7 @@ fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
                 format!(", or sobol with replicates = {LEAST} or more")
             }
         )),
-        None => {
-            Err("the points of a table need not be random in their order; sample them".to_owned())
-        }
+        None => Err("the points of a table need not be random in their order; sample them".to_owned()),
     }
 }
 
@@ -186,13 +171,7 @@ pub struct Front<'a> {
 impl<'a> Front<'a> {
     /// No points yet.
     pub fn new(ending: &'a Ending) -> Self {
-        Self {
-            ending,
-            seen: Vec::new(),
-            counts: vec![0; ending.samples],
-            compared: false,
-            front: 0,
-        }
+        Self { ending, seen: Vec::new(), counts: vec![0; ending.samples], compared: false, front: 0 }
     }
 
     /// Notes a finished point; says whether the points up to some index are enough.

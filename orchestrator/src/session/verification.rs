@@ -48,15 +48,8 @@ impl Verification {
                 (Source::Design(design), None)
             }
         };
-        let header = Header {
-            table,
-            ..session.header(study.design.seed, Some(source.len()))?
-        };
-        Ok(Self {
-            session,
-            source,
-            header,
-        })
+        let header = Header { table, ..session.header(study.design.seed, Some(source.len()))? };
+        Ok(Self { session, source, header })
     }
 
     /// Opens the study of a folder again, as it was run there; `fmu` is another place of the FMU.
@@ -146,10 +139,7 @@ impl Verification {
 
     /// A point to run.
     pub fn job(&self, index: u64) -> Job {
-        Job {
-            index,
-            values: self.session.values(&self.source.parameters(index)),
-        }
+        Job { index, values: self.session.values(&self.source.parameters(index)) }
     }
 }
 
@@ -167,10 +157,7 @@ fn begins_with(table: &[u8], digest_then: &str, rows: u64) -> bool {
         if filled == rows + HEADER {
             // The last line may have had no end then.
             let bare = &table[..end - line.len() + line.trim_ascii_end().len()];
-            if [&table[..end], bare]
-                .iter()
-                .any(|part| digest(part) == digest_then)
-            {
+            if [&table[..end], bare].iter().any(|part| digest(part) == digest_then) {
                 return true;
             }
         }

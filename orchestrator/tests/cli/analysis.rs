@@ -45,22 +45,14 @@ fn json(bench: &Bench, file: &str) -> serde_json::Value {
 #[test]
 fn verify_leaves_a_page_and_report_writes_it_again() {
     let bench = bench();
-    assert_eq!(
-        bench.run(&["verify", "study.toml", "--output", "out"]).code,
-        0
-    );
+    assert_eq!(bench.run(&["verify", "study.toml", "--output", "out"]).code, 0);
     let page = bench.read("out/report.html");
-    assert!(
-        page.contains("Does the model meet the criterion at one")
-            && page.contains("Time histories")
-    );
+    assert!(page.contains("Does the model meet the criterion at one") && page.contains("Time histories"));
     assert!(bench.path("out/plots/distribution-Y.svg").exists());
     std::fs::remove_file(bench.path("out/report.html")).unwrap();
     assert_eq!(bench.run(&["report", "out"]).code, 0);
     assert_eq!(bench.read("out/report.html"), page);
-    bench
-        .run(&["report", "nowhere"])
-        .is_mistake(&["nowhere holds no study"]);
+    bench.run(&["report", "nowhere"]).is_mistake(&["nowhere holds no study"]);
 }
 
 /// A crossing is a time, whatever the variable's unit.
@@ -72,10 +64,7 @@ fn the_columns_of_sensitivity_have_the_units_of_the_criteria() {
     let said = bench.run(&["sensitivity", "study.toml", "--base", "4", "--output", "s"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let units = &json(&bench, "s/sensitivity.json")["units"];
-    assert_eq!(
-        (&units["Y"], &units["lag.length"]),
-        (&"s".into(), &"mm".into())
-    );
+    assert_eq!((&units["Y"], &units["lag.length"]), (&"s".into(), &"mm".into()));
 }
 
 /// Criteria without cases are fitted as those of a single case.
@@ -84,12 +73,9 @@ fn identify_takes_plain_criteria_as_one_case() {
     let bench = Bench::new();
     let study = STUDY.split("[parameters.\"lag.length\"]").next().unwrap();
     let free = |name: &str, section: &str| {
-        let criterion =
-            "variable = \"lag.y\"\nnominal = 0.86\ntolerance = 0.02\nuncertainty = 0.01";
+        let criterion = "variable = \"lag.y\"\nnominal = 0.86\ntolerance = 0.02\nuncertainty = 0.01";
         bench.write(name, &format!("{study}{section}\n{criterion}\n"));
-        let said = bench.run(&[
-            "identify", name, "--output", "found", "--force", "--starts", "4",
-        ]);
+        let said = bench.run(&["identify", name, "--output", "found", "--force", "--starts", "4"]);
         assert_eq!(said.code, 0, "{}", said.err);
         json(&bench, "found/identification.json")["free"].clone()
     };
@@ -111,10 +97,7 @@ fn sensitivity_finds_the_only_parameter_that_matters() {
     let y = &result["outputs"][0];
     assert_eq!(y["name"], "Y");
     assert_eq!(y["dominant"], "lag.rate");
-    assert!(
-        (y["sobol"]["total"][0]["value"].as_f64().unwrap() - 1.0).abs() < 0.15,
-        "{y}"
-    );
+    assert!((y["sobol"]["total"][0]["value"].as_f64().unwrap() - 1.0).abs() < 0.15, "{y}");
     assert_eq!(y["sobol"]["total"][1]["value"], 0.0);
     assert_eq!(result["outputs"][1]["name"], "verified");
 }
@@ -125,24 +108,11 @@ fn sensitivity_from_existing_points_and_by_screening() {
     bench.run(&["verify", "study.toml", "--output", "out"]);
     let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(
-        json(&bench, "out/sensitivity.json")["outputs"][0]["dominant"],
-        "lag.rate"
-    );
+    assert_eq!(json(&bench, "out/sensitivity.json")["outputs"][0]["dominant"], "lag.rate");
     assert!(bench.read("out/report.html").contains("id=\"sensitivity\""));
-    let said = bench.run(&[
-        "sensitivity",
-        "study.toml",
-        "--morris",
-        "8",
-        "--output",
-        "m",
-    ]);
+    let said = bench.run(&["sensitivity", "study.toml", "--morris", "8", "--output", "m"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(
-        json(&bench, "m/sensitivity.json")["outputs"][0]["dominant"],
-        "lag.rate"
-    );
+    assert_eq!(json(&bench, "m/sensitivity.json")["outputs"][0]["dominant"], "lag.rate");
 }
 
 #[test]
@@ -158,22 +128,13 @@ fn findings_of_another_study_are_not_shown() {
     bench.run(&["verify", "study.toml", "--output", "out", "--seed", "9"]);
     assert!(!shown());
     // Results from runs of its own hold for all points of the study, but not for another study.
-    let runs = [
-        "sensitivity",
-        "study.toml",
-        "--base",
-        "16",
-        "--output",
-        "out",
-    ];
+    let runs = ["sensitivity", "study.toml", "--base", "16", "--output", "out"];
     assert_eq!(bench.run(&runs).code, 0);
     assert!(shown());
     assert_eq!(verify(), 0);
     assert!(shown());
     bench.write("study.toml", &STUDY.replace("0.02", "0.03"));
-    bench
-        .run(&from)
-        .is_mistake(&["out", "study.toml", "verify it again"]);
+    bench.run(&from).is_mistake(&["out", "study.toml", "verify it again"]);
     let said = bench.run(&runs);
     assert_eq!(said.code, 0);
     assert!(said.err.contains("does not show this"), "{}", said.err);
@@ -190,10 +151,7 @@ fn a_study_says_what_the_command_line_leaves_open() {
         let said = bench.run(&[&own[..], more].concat());
         assert_eq!(said.code, 0, "{}", said.err);
         let result = json(&bench, "s/sensitivity.json");
-        (
-            result["method"].as_str().unwrap().to_owned(),
-            result["runs"].as_u64().unwrap(),
-        )
+        (result["method"].as_str().unwrap().to_owned(), result["runs"].as_u64().unwrap())
     };
     let screening = "[sensitivity]\nmethod = \"morris\"\nsize = 6\n";
     let (method, count) = runs(screening, &[]);
@@ -205,22 +163,14 @@ fn a_study_says_what_the_command_line_leaves_open() {
 
     let level = |section: &str, more: &[&str]| {
         bench.write("study.toml", &format!("{STUDY}{section}"));
-        assert_eq!(
-            bench.run(&["verify", "study.toml", "--output", "out"]).code,
-            0
-        );
+        assert_eq!(bench.run(&["verify", "study.toml", "--output", "out"]).code, 0);
         let own = ["robustness", "study.toml", "--from", "out"];
         let said = bench.run(&[&own[..], more].concat());
         assert_eq!(said.code, 0, "{}", said.err);
-        json(&bench, "out/robustness.json")["level"]
-            .as_f64()
-            .unwrap()
+        json(&bench, "out/robustness.json")["level"].as_f64().unwrap()
     };
     assert_eq!(level("[robustness]\nlevel = 0.75\n", &[]), 0.75);
-    assert_eq!(
-        level("[robustness]\nlevel = 0.75\n", &["--level", "0.6"]),
-        0.6
-    );
+    assert_eq!(level("[robustness]\nlevel = 0.75\n", &["--level", "0.6"]), 0.6);
     assert_eq!(level("", &[]), 0.9);
 }
 
@@ -237,69 +187,34 @@ fn too_few_runs_are_refused() {
 fn robustness_finds_the_room_and_confirms_it() {
     let bench = bench();
     bench.run(&["verify", "study.toml", "--output", "out"]);
-    let said = bench.run(&[
-        "robustness",
-        "study.toml",
-        "--from",
-        "out",
-        "--confirm",
-        "200",
-    ]);
+    let said = bench.run(&["robustness", "study.toml", "--from", "out", "--confirm", "200"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let result = json(&bench, "out/robustness.json");
     // y = 1 - exp(-2 rate) within 0.86 +- 0.02 is rate = 0.9163 .. 1.0601.
     let margin = |side: &str| result["margins"][0][side][0].as_f64().unwrap();
-    assert!(
-        (margin("low") - 0.9163).abs() < 0.01 && (margin("high") - 1.0601).abs() < 0.01,
-        "{result}"
-    );
+    assert!((margin("low") - 0.9163).abs() < 0.01 && (margin("high") - 1.0601).abs() < 0.01, "{result}");
     for part in ["region", "ellipsoid"] {
         let fresh = &result[part]["fresh"];
         assert_eq!(fresh["points"], 200, "{result}");
         let (stated, interval) = (&result[part]["interval"], &fresh["interval"]);
         let end = |of: &serde_json::Value, k: usize| of[k].as_f64().unwrap();
-        assert!(
-            end(interval, 0) <= end(stated, 1) && end(stated, 0) <= end(interval, 1),
-            "{stated} {fresh}"
-        );
+        assert!(end(interval, 0) <= end(stated, 1) && end(stated, 0) <= end(interval, 1), "{stated} {fresh}");
         assert!(end(stated, 0) >= 0.9, "{stated}");
     }
-    assert!(
-        said.out.contains("stated probability holds"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("stated probability holds"), "{}", said.out);
     // Below the rate of 0.9163 and above that of 1.0601 nothing is verified, whatever the length.
     let unsafe_combinations = result["unsafe_combinations"].as_array().unwrap();
     assert_eq!(unsafe_combinations.len(), 2, "{result}");
     for combination in unsafe_combinations {
         let bound = &combination["bounds"][0];
-        let expected = if bound["below"] == true {
-            0.9163
-        } else {
-            1.0601
-        };
-        assert!(
-            (bound["limit"].as_f64().unwrap() - expected).abs() < 0.02,
-            "{bound}"
-        );
+        let expected = if bound["below"] == true { 0.9163 } else { 1.0601 };
+        assert!((bound["limit"].as_f64().unwrap() - expected).abs() < 0.02, "{bound}");
         assert_eq!(combination["confirmed"]["verified"], 0);
     }
     assert!(said.out.contains("Unsafe combinations") && said.out.contains("lag.rate below"));
     assert!(bench.read("out/report.html").contains("id=\"robustness\""));
-    bench
-        .run(&[
-            "robustness",
-            "study.toml",
-            "--from",
-            "out",
-            "--level",
-            "1.5",
-        ])
-        .is_mistake(&["--level"]);
-    bench
-        .run(&["robustness", "study.toml", "--from", "none"])
-        .is_mistake(&["none holds no study"]);
+    bench.run(&["robustness", "study.toml", "--from", "out", "--level", "1.5"]).is_mistake(&["--level"]);
+    bench.run(&["robustness", "study.toml", "--from", "none"]).is_mistake(&["none holds no study"]);
 }
 
 const TWO_CRITERIA: &str = r#"
@@ -320,10 +235,7 @@ fn pareto_weighs_the_criteria_against_each_other() {
     let cloud = json(&bench, "out/pareto.json");
     let largest = |member: &serde_json::Value| {
         let deviations = member["deviations"].as_array().unwrap();
-        deviations
-            .iter()
-            .map(|d| d.as_f64().unwrap())
-            .fold(0.0, f64::max)
+        deviations.iter().map(|d| d.as_f64().unwrap()).fold(0.0, f64::max)
     };
     let nominal = &cloud["nominal"];
     // y = 1 - exp(-2) at the nominal rate of 1.
@@ -333,27 +245,13 @@ fn pareto_weighs_the_criteria_against_each_other() {
     assert!(bench.read("out/report.html").contains("id=\"pareto\""));
     assert!(bench.path("out/plots/pareto-Y-Z.svg").exists());
     // A search does at least as well as the cloud.
-    let said = bench.run(&[
-        "pareto",
-        "two.toml",
-        "--generations",
-        "15",
-        "--population",
-        "20",
-        "--output",
-        "n",
-    ]);
+    let said = bench.run(&["pareto", "two.toml", "--generations", "15", "--population", "20", "--output", "n"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let found = json(&bench, "n/pareto.json");
     assert_eq!(found["points"], 16 * 20);
-    assert!(
-        largest(&found["front"][0]) <= largest(&cloud["front"][0]) + 1e-3,
-        "{found}"
-    );
+    assert!(largest(&found["front"][0]) <= largest(&cloud["front"][0]) + 1e-3, "{found}");
     assert!(said.out.contains("Best compromise"), "{}", said.out);
-    bench
-        .run(&["pareto", "two.toml", "--from", "none"])
-        .is_mistake(&["none holds no study"]);
+    bench.run(&["pareto", "two.toml", "--from", "none"]).is_mistake(&["none holds no study"]);
 }
 
 #[test]
@@ -374,29 +272,15 @@ fn replicates_of_a_sobol_design_narrow_the_interval() {
     };
     assert_eq!(study("sobol\"").code, 0);
     let wilson = width();
-    assert!(
-        bench
-            .read("s/report.html")
-            .contains("takes the points as independent")
-    );
+    assert!(bench.read("s/report.html").contains("takes the points as independent"));
     assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
     assert!(width() < 0.7 * wilson);
     let summary = json(&bench, "s/summary.json");
     let y = &summary["criteria"]["Y"];
-    assert_eq!(
-        (&y["binds"], &summary["points"]),
-        (&512.into(), &512.into())
-    );
-    assert_eq!(
-        y["only_failure"],
-        512 - summary["verified"].as_u64().unwrap()
-    );
+    assert_eq!((&y["binds"], &summary["points"]), (&512.into(), &512.into()));
+    assert_eq!(y["only_failure"], 512 - summary["verified"].as_u64().unwrap());
     assert_eq!(summary["provenance"]["replicates"], 16);
-    assert!(
-        bench
-            .read("s/report.html")
-            .contains("16 independently scrambled nets")
-    );
+    assert!(bench.read("s/report.html").contains("16 independently scrambled nets"));
     study("monte-carlo\"\nreplicates = 16").is_mistake(&["sobol.toml", "replicates"]);
 }
 
@@ -437,14 +321,7 @@ fn synchronise_writes_criteria() {
     let bench = Bench::empty();
     bench.write("measured.csv", &recording());
     bench.write("settings.toml", SETTINGS);
-    let said = bench.run(&[
-        "synchronise",
-        "measured.csv",
-        "--settings",
-        "settings.toml",
-        "--output",
-        "m",
-    ]);
+    let said = bench.run(&["synchronise", "measured.csv", "--settings", "settings.toml", "--output", "m"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let text = bench.read("m/criteria.toml");
     assert!(text.contains("torque shifted by 12.30"), "{text}");
@@ -482,16 +359,7 @@ fn synchronise_takes_values_as_they_are_where_the_model_has_no_unit() {
     let settings = "[signals.y]\ncolumn = \"y\"\nvariable = \"y\"\nunit = \"none\"\naccuracy = \"0.5 degC\"\n\
                     tolerance = \"1 degC\"\n";
     bench.write("settings.toml", settings);
-    let run = [
-        "synchronise",
-        "measured.csv",
-        "--settings",
-        "settings.toml",
-        "--case",
-        "a",
-        "--output",
-        "m",
-    ];
+    let run = ["synchronise", "measured.csv", "--settings", "settings.toml", "--case", "a", "--output", "m"];
     let said = bench.run(&run);
     assert_eq!(said.code, 0, "{}", said.err);
     for line in [
@@ -525,14 +393,8 @@ fn synchronise_writes_a_case() {
     };
     run(&[]).is_mistake(&["settings.toml", "nothing drives the model", "variable = "]);
     let driven = SETTINGS
-        .replace(
-            "speed = { ",
-            "lag = \"2 ms\"\nspeed = { variable = \"drive.speed\", ",
-        )
-        .replace(
-            "accuracy = \"1 %\", group",
-            "accuracy = \"1 %\", tolerance = \"15 N\", group",
-        );
+        .replace("speed = { ", "lag = \"2 ms\"\nspeed = { variable = \"drive.speed\", ")
+        .replace("accuracy = \"1 %\", group", "accuracy = \"1 %\", tolerance = \"15 N\", group");
     bench.write("settings.toml", &driven);
     let said = run(&["--held-out"]);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -549,15 +411,8 @@ fn synchronise_writes_a_case() {
     assert_eq!(load["tolerance"].as_str(), Some("15 N"));
     assert!(load.get("delay").is_none() && torque.get("tolerance").is_none());
     // Found are 12.3 ms, of which 2 ms are the rig's.
-    let delay = torque["delay"]
-        .as_str()
-        .unwrap()
-        .strip_suffix(" ms")
-        .unwrap();
-    assert!(
-        (delay.parse::<f64>().unwrap() - 10.3).abs() < 0.01,
-        "{delay}"
-    );
+    let delay = torque["delay"].as_str().unwrap().strip_suffix(" ms").unwrap();
+    assert!((delay.parse::<f64>().unwrap() - 10.3).abs() < 0.01, "{delay}");
     assert!(torque["window"]["from"].as_float().unwrap() >= 0.0103);
     assert!(
         text.contains("# case.csv, F_N: 12001 rows, 11999 used, 1 empty, 1 spikes.")
@@ -565,11 +420,7 @@ fn synchronise_writes_a_case() {
         "{text}"
     );
     let table = bench.read("m/case.csv");
-    assert!(
-        table.starts_with("time,F_N,M,T_oil\n0.000000000,7.5"),
-        "{}",
-        &table[..80]
-    );
+    assert!(table.starts_with("time,F_N,M,T_oil\n0.000000000,7.5"), "{}", &table[..80]);
     assert_eq!(table.lines().count(), 1 + 12_001 - 2);
     bench.write("settings.toml", &driven.replace("\"15 N\"", "\"2 %\""));
     run(&[]).is_mistake(&["settings.toml", "F_N: the tolerance 2 %", "with a unit"]);
@@ -582,14 +433,7 @@ fn mistakes_of_a_recording_are_named() {
     let say = |from: &str, to: &str| {
         assert!(SETTINGS.contains(from));
         bench.write("settings.toml", &SETTINGS.replace(from, to));
-        bench.run(&[
-            "synchronise",
-            "measured.csv",
-            "--settings",
-            "settings.toml",
-            "--output",
-            "m",
-        ])
+        bench.run(&["synchronise", "measured.csv", "--settings", "settings.toml", "--output", "m"])
     };
     say("column = \"F\"", "column = \"G\"").is_mistake(&["measured.csv", "no column `G`"]);
     say("\"kN\"", "\"lbf\"").is_mistake(&["settings.toml", "unit `lbf`", "kN"]);
@@ -610,34 +454,19 @@ fn a_recording_as_loggers_write_it() {
         let (minute, second) = (59 + second / 60, second % 60);
         let (hour, minute) = (23 + minute / 60, minute % 60);
         let (day, hour) = (21 + hour / 24, hour % 24);
-        text +=
-            &format!("2026-11-{day}T{hour:02}:{minute:02}:{second:02}.{part:03}+01:00;{rest}\n");
+        text += &format!("2026-11-{day}T{hour:02}:{minute:02}:{second:02}.{part:03}+01:00;{rest}\n");
     }
     bench.write("measured.csv", &text);
-    let settings = SETTINGS
-        .replace(", unit = \"ms\"", "")
-        .replace(" unit = \"kN\",", "");
+    let settings = SETTINGS.replace(", unit = \"ms\"", "").replace(" unit = \"kN\",", "");
     bench.write("settings.toml", &settings.replace(" unit = \"degC\",", ""));
-    let run = [
-        "synchronise",
-        "measured.csv",
-        "--settings",
-        "settings.toml",
-        "--output",
-        "m",
-    ];
+    let run = ["synchronise", "measured.csv", "--settings", "settings.toml", "--output", "m"];
     let said = bench.run(&run);
     assert_eq!(said.code, 0, "{}", said.err);
     let text = bench.read("m/criteria.toml");
     assert!(text.contains("torque shifted by 12.30"), "{text}");
-    assert!(
-        text.contains("nominal = 750") && text.contains("unit = \"degC\""),
-        "{text}"
-    );
+    assert!(text.contains("nominal = 750") && text.contains("unit = \"degC\""), "{text}");
     bench.write("settings.toml", &SETTINGS.replace("\"kN\"", "\"N\""));
-    bench
-        .run(&run)
-        .is_mistake(&["measured.csv: column `F` is in `kN`", "say `N`"]);
+    bench.run(&run).is_mistake(&["measured.csv: column `F` is in `kN`", "say `N`"]);
 }
 
 /// Any signals, from two loggers that share nothing: a preamble in Windows' letters, decimal commas, time stamps, volts,
@@ -649,10 +478,7 @@ fn two_files_of_any_signals_become_a_case_that_runs() {
     let mut random = 1_u64;
     for k in 0..2000_u32 {
         random = (random * 1_103_515_245 + 12_345) % (1 << 31);
-        let (t, noise) = (
-            f64::from(k) * 1e-3,
-            random as f64 / f64::from(1 << 30) - 1.0,
-        );
+        let (t, noise) = (f64::from(k) * 1e-3, random as f64 / f64::from(1 << 30) - 1.0);
         // The logger hangs for 40 ms.
         let y = 2.0 * (1.0 - (-if (1500..1540).contains(&k) { 1.5 } else { t }).exp());
         fast += &format!("{k},{},{y}\n", 1.0 + 0.01 * noise);
@@ -667,10 +493,7 @@ fn two_files_of_any_signals_become_a_case_that_runs() {
             format!("{:.3}", 20.0 + 0.01 * f64::from(k)).replace('.', ",")
         );
     }
-    let latin: Vec<u8> = slow
-        .chars()
-        .map(|c| u8::try_from(u32::from(c)).unwrap())
-        .collect();
+    let latin: Vec<u8> = slow.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
     std::fs::write(bench.path("slow.txt"), latin).unwrap();
     let settings = r#"
 [[files]]
@@ -684,17 +507,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
 "drive.u" = { column = "u", accuracy = 0.01 }
 "#;
     bench.write("settings.toml", settings);
-    let run = [
-        "synchronise",
-        "fast.csv",
-        "slow.txt",
-        "--settings",
-        "settings.toml",
-        "--case",
-        "idle",
-        "--output",
-        "m",
-    ];
+    let run = ["synchronise", "fast.csv", "slow.txt", "--settings", "settings.toml", "--case", "idle", "--output", "m"];
     let said = bench.run(&run);
     assert_eq!(said.code, 0, "{}", said.err);
     for line in [
@@ -709,27 +522,15 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     let oil = criteria["criteria"]["T"]["nominal"].as_float().unwrap();
     assert!((oil - 20.095).abs() < 0.01, "{oil}");
     let page = bench.read("m/report.html");
-    assert!(
-        page.contains("Y: as recorded") && !page.contains("friction"),
-        "no bearing"
-    );
+    assert!(page.contains("Y: as recorded") && !page.contains("friction"), "no bearing");
     let head = "fmu = \"lag.fmu\"\n[design]\npoints = 20\n[parameters.\"lag.rate\"]\ndistribution = \"uniform\"\nmin = 0.8\n\
                 max = 1.4\n[simulation]\nstep = 0.05\n";
-    bench.write(
-        "study.toml",
-        &(head.to_owned() + &bench.read("m/case.toml")),
-    );
+    bench.write("study.toml", &(head.to_owned() + &bench.read("m/case.toml")));
     let verified = bench.run(&["verify", "study.toml", "--output", "out"]);
-    assert!(
-        verified.code < 2,
-        "{} {}",
-        verified.err,
-        bench.read("m/case.toml")
-    );
+    assert!(verified.code < 2, "{} {}", verified.err, bench.read("m/case.toml"));
     let concerns = bench.summary("out")["concerns"].to_string();
     assert!(
-        concerns.contains("\"code\":\"doubtful\"")
-            && concerns.contains("case idle: Y stands at 0.77"),
+        concerns.contains("\"code\":\"doubtful\"") && concerns.contains("case idle: Y stands at 0.77"),
         "{concerns}"
     );
 
@@ -744,10 +545,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     assert_eq!(bench.read("m/case.toml"), case);
     // What was recorded before the model starts is left out, and told.
     let start = |text: &str| {
-        say(
-            "\n[[files]]\ntime = { column = \"t\"",
-            &format!("\nstart = {text}\n[[files]]\ntime = {{ column = \"t\""),
-        )
+        say("\n[[files]]\ntime = { column = \"t\"", &format!("\nstart = {text}\n[[files]]\ntime = {{ column = \"t\""))
     };
     for text in ["0.5", "\"500 ms\"", "\"22.11.2026 13:15:07,5\""] {
         let said = start(text);
@@ -759,11 +557,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
             assert!(said.out.contains(line), "{line}: {} {}", said.out, said.err);
         }
         for table in ["case", "case-2", "case-inputs"] {
-            assert!(
-                bench
-                    .read(&format!("m/{table}.csv"))
-                    .contains("\n0.000000000,")
-            );
+            assert!(bench.read(&format!("m/{table}.csv")).contains("\n0.000000000,"));
         }
     }
     start("5.0").is_mistake(&["settings.toml: line 2: start: 5 s is not before 1.9 s"]);
@@ -780,62 +574,32 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     for offset in ["1.8", "\"1.8 K\"", "\"3.24 degF\""] {
         assert!((shifted(offset) - 1.8).abs() < 0.01, "{offset}");
     }
-    say("offset = \"22.11.2026 13:15:07\"", "offset = \"soon\"").is_mistake(&[
-        "settings.toml",
-        "offset",
-        "`soon`",
-    ]);
+    say("offset = \"22.11.2026 13:15:07\"", "offset = \"soon\"").is_mistake(&["settings.toml", "offset", "`soon`"]);
     say("column = \"U_y\"", "column = \"U_z\"").is_mistake(&[
         "fast.csv",
         "no column `U_z`",
         "did you mean",
         "it has t [ms], u [-], U_y (V); slow.txt has Zeit, T",
     ]);
-    say("variable = \"lag.y\",", "").is_mistake(&[
-        "settings.toml",
-        "signals.Y",
-        "`variable` is missing",
-    ]);
+    say("variable = \"lag.y\",", "").is_mistake(&["settings.toml", "signals.Y", "`variable` is missing"]);
     say("[[files]]", "[[files]]\n[[files]]").is_mistake(&["settings.toml", "files: 4", "2 given"]);
-    say(
-        "time = { column = \"Zeit\" }",
-        "header = 9\ntime = { column = \"Zeit\" }",
-    )
-    .is_mistake(&["slow.txt", "line 9"]);
+    say("time = { column = \"Zeit\" }", "header = 9\ntime = { column = \"Zeit\" }").is_mistake(&["slow.txt", "line 9"]);
     bench.write("settings.toml", settings);
     std::fs::write(bench.path("x.mf4"), b"MDF     4.10").unwrap();
-    bench
-        .run(&["synchronise", "x.mf4", "--settings", "settings.toml"])
-        .is_mistake(&["settings.toml", "files: 2"]);
+    bench.run(&["synchronise", "x.mf4", "--settings", "settings.toml"]).is_mistake(&["settings.toml", "files: 2"]);
     bench.write(
         "settings.toml",
-        settings
-            .split("[signals]")
-            .last()
-            .map(|rest| format!("[signals]{rest}"))
-            .unwrap()
-            .as_str(),
+        settings.split("[signals]").last().map(|rest| format!("[signals]{rest}")).unwrap().as_str(),
     );
     bench
         .run(&["synchronise", "x.mf4", "--settings", "settings.toml"])
-        .is_mistake(&[
-            "x.mf4: no text, but mf4",
-            "python -m fmu_orchestrator convert x.mf4",
-        ]);
+        .is_mistake(&["x.mf4: no text, but mf4", "python -m fmu_orchestrator convert x.mf4"]);
 }
 
 #[test]
 fn of_many_points_an_even_choice_and_the_best_are_read() {
     let bench = bench();
-    let run = [
-        "verify",
-        "study.toml",
-        "--points",
-        "1900",
-        "--in-process",
-        "--output",
-        "out",
-    ];
+    let run = ["verify", "study.toml", "--points", "1900", "--in-process", "--output", "out"];
     assert_eq!(bench.run(&run).code, 0);
     let folder = bench.path("out");
     let (_, all) = read_some(&folder, u64::MAX).unwrap();

@@ -21,20 +21,11 @@ fn amiss(bench: &Bench, name: &str, found: &str) -> Option<String> {
     let (rule, words) = found.split_once(": ").unwrap();
     let (severity, rule) = rule.split_once(' ').unwrap_or(("error", rule));
     // One case hangs; the others are done in milliseconds, or in a second on a machine that is overloaded.
-    let said = bench.run(&[
-        "check",
-        "broken.fmu",
-        "--patience",
-        "10",
-        "--format",
-        "json",
-    ]);
+    let said = bench.run(&["check", "broken.fmu", "--patience", "10", "--format", "json"]);
     let Said { out, err, code } = &said;
     let report: serde_json::Value = serde_json::from_str(out).unwrap_or_default();
     let [finding] = report["findings"].as_array().map_or(&[][..], Vec::as_slice) else {
-        return Some(format!(
-            "{name}: not one finding `{found}` alone in: {out}{err}"
-        ));
+        return Some(format!("{name}: not one finding `{found}` alone in: {out}{err}"));
     };
     let place = [&finding["file"], &finding["message"]].map(|part| part.as_str().unwrap_or(""));
     let right = finding["rule"] == rule
@@ -61,9 +52,7 @@ fn every_rule_has_a_case() {
     let bench = Bench::new();
     let said = bench.run(&["check", "lag.fmu", "--format", "sarif"]);
     let report: serde_json::Value = serde_json::from_str(&said.out).unwrap();
-    let rules = report["runs"][0]["tool"]["driver"]["rules"]
-        .as_array()
-        .unwrap();
+    let rules = report["runs"][0]["tool"]["driver"]["rules"].as_array().unwrap();
     let without: Vec<&str> = rules
         .iter()
         .map(|rule| rule["id"].as_str().unwrap())
@@ -73,10 +62,7 @@ fn every_rule_has_a_case() {
             !CASES.iter().any(stands)
         })
         .collect();
-    assert!(
-        rules.len() > 80 && without.is_empty(),
-        "no case for {without:?}"
-    );
+    assert!(rules.len() > 80 && without.is_empty(), "no case for {without:?}");
 }
 
 #[test]
@@ -85,18 +71,13 @@ fn every_broken_description_is_found() {
     let binary = bench.binary(&[]);
     let mut wrong = Vec::new();
     for line in DESCRIPTIONS.lines().skip(1) {
-        let cells: Vec<String> = line
-            .split(" | ")
-            .map(|cell| cell.replace("\\n", "\n"))
-            .collect();
+        let cells: Vec<String> = line.split(" | ").map(|cell| cell.replace("\\n", "\n")).collect();
         let [name, from, to, words] = &cells[..] else {
             panic!("{line}: not four cells");
         };
         let description = model(from, to);
-        let files: [(&str, &[u8]); 2] = [
-            ("modelDescription.xml", description.as_bytes()),
-            ("binaries/linux64/lag.so", &binary),
-        ];
+        let files: [(&str, &[u8]); 2] =
+            [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/lag.so", &binary)];
         bench.zip("broken.fmu", &files);
         wrong.extend(amiss(&bench, name, words));
     }
@@ -125,14 +106,8 @@ fn faults_of_a_binary_of_fmi_3_are_found() {
     let mut wrong = Vec::new();
     for (fault, found) in [
         ("NO_UINT8", "binary-functions: does not export fmi3GetUInt8"),
-        (
-            "OTHER_START",
-            "start-agrees: start is 1, but the binary's is 2",
-        ),
-        (
-            "KEEPS_RATE",
-            "life-reset: after a simulation with changed parameters",
-        ),
+        ("OTHER_START", "start-agrees: start is 1, but the binary's is 2"),
+        ("KEEPS_RATE", "life-reset: after a simulation with changed parameters"),
     ] {
         bench.three("broken.fmu", &[fault], THREE);
         wrong.extend(amiss(&bench, fault, found));
@@ -161,46 +136,22 @@ fn missing_libraries_are_found_beside_a_missing_function() {
     let bench = Bench::empty();
     let compile = |arguments: &[&str]| {
         let mut compiler = std::process::Command::new("cc");
-        let compiler = compiler
-            .current_dir(bench.path(""))
-            .args(["-shared", "-fPIC"]);
+        let compiler = compiler.current_dir(bench.path("")).args(["-shared", "-fPIC"]);
         assert!(compiler.args(arguments).status().unwrap().success());
     };
     compile(&["-x", "c", "/dev/null", "-o", "libabsent.so"]);
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/lag.c");
-    let link = [
-        "-o",
-        "lag.so",
-        "-L.",
-        "-Wl,--no-as-needed",
-        "-labsent",
-        "-lm",
-    ];
+    let link = ["-o", "lag.so", "-L.", "-Wl,--no-as-needed", "-labsent", "-lm"];
     compile(&[&["-Dfmi2DoStep=anotherName", source], &link[..]].concat());
     let binary = std::fs::read(bench.path("lag.so")).unwrap();
     let description = model("guid", "guid");
-    bench.zip(
-        "broken.fmu",
-        &[
-            ("modelDescription.xml", description.as_bytes()),
-            ("binaries/linux64/lag.so", &binary),
-        ],
-    );
+    bench.zip("broken.fmu", &[("modelDescription.xml", description.as_bytes()), ("binaries/linux64/lag.so", &binary)]);
     let Said { code, out, .. } = bench.run(&["check", "broken.fmu"]);
     assert_eq!((code, out.lines().count()), (1, 3), "{out}");
-    assert!(
-        out.contains("does not export fmi2DoStep") && out.contains("needs libabsent.so"),
-        "{out}"
-    );
+    assert!(out.contains("does not export fmi2DoStep") && out.contains("needs libabsent.so"), "{out}");
     compile(&[&[source], &link[..]].concat());
     let binary = std::fs::read(bench.path("lag.so")).unwrap();
-    bench.zip(
-        "broken.fmu",
-        &[
-            ("modelDescription.xml", description.as_bytes()),
-            ("binaries/linux64/lag.so", &binary),
-        ],
-    );
+    bench.zip("broken.fmu", &[("modelDescription.xml", description.as_bytes()), ("binaries/linux64/lag.so", &binary)]);
     let found = "binary-libraries: lag.so: it needs libabsent.so";
     none(&Vec::from_iter(amiss(&bench, "a missing library", found)));
 }
@@ -217,17 +168,13 @@ fn faults_of_files_beside_the_description_are_found() {
              fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" fmi-ls:fmi-ls-version=\"1.0.0-alpha.1\">{related}</fmiReferences>"
         )
     };
-    let about = "fmi-ls:fmi-ls-description=\"Layered Standard providing information on related files included in an FMU.\"";
+    let about =
+        "fmi-ls:fmi-ls-description=\"Layered Standard providing information on related files included in an FMU.\"";
     let listed = |attributes: &str, inside: &str| {
-        manifest(
-            about,
-            &format!("<Related source=\"a.ssv\" {attributes}>{inside}</Related>"),
-        )
+        manifest(about, &format!("<Related source=\"a.ssv\" {attributes}>{inside}</Related>"))
     };
-    let [terminal, references] = [
-        "terminalsAndIcons/terminalsAndIcons.xml",
-        "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml",
-    ];
+    let [terminal, references] =
+        ["terminalsAndIcons/terminalsAndIcons.xml", "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"];
     let check = |file, content: &str| {
         let files: [(&str, &[u8]); 3] = [
             ("modelDescription.xml", description.as_bytes()),
@@ -238,27 +185,15 @@ fn faults_of_files_beside_the_description_are_found() {
     };
     let mut wrong = Vec::new();
     for (file, content, found) in [
-        (
-            terminal,
-            terminals("3.0"),
-            "warning terminals-version: fmiVersion is \"3.0\" here and \"2.0\"",
-        ),
+        (terminal, terminals("3.0"), "warning terminals-version: fmiVersion is \"3.0\" here and \"2.0\""),
         (terminal, "<".to_owned(), "warning terminals-version: "),
         (
             references,
             listed("role=\"parameter\" checksum=\"1\"", ""),
             "warning references-manifest: has no attribute `checksum`",
         ),
-        (
-            references,
-            listed("role=\"guess\"", ""),
-            "warning references-manifest: role=\"guess\" is none of document",
-        ),
-        (
-            references,
-            listed("", ""),
-            "warning references-manifest: needs the attribute `role`",
-        ),
+        (references, listed("role=\"guess\"", ""), "warning references-manifest: role=\"guess\" is none of document"),
+        (references, listed("", ""), "warning references-manifest: needs the attribute `role`"),
         (
             references,
             listed("role=\"model\"", "<Label/>"),
@@ -269,21 +204,9 @@ fn faults_of_files_beside_the_description_are_found() {
             listed("role=\"model\"", "<Annotations/><Label name=\"a\"/>"),
             "warning references-manifest: `Label` cannot stand here",
         ),
-        (
-            references,
-            listed("role=\"model\"", "a.mo"),
-            "warning references-manifest: text in `Related`",
-        ),
-        (
-            references,
-            manifest("", ""),
-            "warning references-manifest: needs the attribute `fmi-ls:fmi-ls-description`",
-        ),
-        (
-            references,
-            "<References/>".to_owned(),
-            "warning references-manifest: `References` instead of",
-        ),
+        (references, listed("role=\"model\"", "a.mo"), "warning references-manifest: text in `Related`"),
+        (references, manifest("", ""), "warning references-manifest: needs the attribute `fmi-ls:fmi-ls-description`"),
+        (references, "<References/>".to_owned(), "warning references-manifest: `References` instead of"),
         (
             references,
             format!("{}{}", manifest(about, ""), " ".repeat(1_000_000)),
@@ -297,13 +220,7 @@ fn faults_of_files_beside_the_description_are_found() {
     let label = "<Label name=\"variant\" description=\"b\"/><Annotations><Annotation type=\"x\"/></Annotations>";
     for (file, content) in [
         (terminal, terminals("2.0")),
-        (
-            references,
-            listed(
-                "role=\"serialized-state/linux64\" type=\"text/xml\" description=\"d\"",
-                label,
-            ),
-        ),
+        (references, listed("role=\"serialized-state/linux64\" type=\"text/xml\" description=\"d\"", label)),
     ] {
         check(file, &content);
         let said = bench.run(&["check", "broken.fmu"]);
@@ -324,37 +241,17 @@ fn legal_things_are_no_errors() {
         <ScalarVariable name=\"b\" valueReference=\"0\" variability=\"constant\"><Integer start=\"-0\"/></ScalarVariable>\
         </ModelVariables>";
     for (name, description) in [
-        (
-            "no outputs",
-            bare.replace("causality=\"output\"", "causality=\"local\""),
-        ),
-        (
-            "zero with a sign",
-            text.replace(
-                "declaredType=\"Fault\" start=\"0\"",
-                "declaredType=\"Fault\" start=\"-0\"",
-            ),
-        ),
+        ("no outputs", bare.replace("causality=\"output\"", "causality=\"local\"")),
+        ("zero with a sign", text.replace("declaredType=\"Fault\" start=\"0\"", "declaredType=\"Fault\" start=\"-0\"")),
         (
             "Model Exchange after Co-Simulation",
-            text.replace(
-                "<UnitDefinitions>",
-                "<ModelExchange modelIdentifier=\"lag\"/><UnitDefinitions>",
-            ),
+            text.replace("<UnitDefinitions>", "<ModelExchange modelIdentifier=\"lag\"/><UnitDefinitions>"),
         ),
         ("zero twice", text.replace("</ModelVariables>", constants)),
-        (
-            "no initial unknowns",
-            format!(
-                "{}</ModelStructure>{after}",
-                text.split("<InitialUnknowns>").next().unwrap()
-            ),
-        ),
+        ("no initial unknowns", format!("{}</ModelStructure>{after}", text.split("<InitialUnknowns>").next().unwrap())),
     ] {
-        let files: [(&str, &[u8]); 2] = [
-            ("modelDescription.xml", description.as_bytes()),
-            ("binaries/linux64/lag.so", &binary),
-        ];
+        let files: [(&str, &[u8]); 2] =
+            [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/lag.so", &binary)];
         bench.zip("legal.fmu", &files);
         let Said { code, out, .. } = bench.run(&["check", "legal.fmu"]);
         assert!(code == 0 && !out.contains("error"), "{name}: {out}");
@@ -364,11 +261,7 @@ fn legal_things_are_no_errors() {
 #[test]
 fn findings_are_written_for_people_and_programs() {
     let bench = Bench::empty();
-    bench.fmu(
-        "a b.fmu",
-        &["FAULT=WARN"],
-        &model("stepSize=\"0.01\"", "stepSize=\"0\""),
-    );
+    bench.fmu("a b.fmu", &["FAULT=WARN"], &model("stepSize=\"0.01\"", "stepSize=\"0\""));
     let run = |options: &[&str]| bench.run(&[&["check", "a b.fmu"], options].concat());
     let json: serde_json::Value = serde_json::from_str(&run(&["--format", "json"]).out).unwrap();
     assert_eq!((&json["errors"], &json["warnings"]), (&1.into(), &1.into()));
@@ -378,10 +271,7 @@ fn findings_are_written_for_people_and_programs() {
     let driver = &run_of_it["tool"]["driver"];
     assert!(driver["name"].is_string());
     let rules = driver["rules"].as_array().unwrap();
-    let mut ids: Vec<&str> = rules
-        .iter()
-        .map(|rule| rule["id"].as_str().unwrap())
-        .collect();
+    let mut ids: Vec<&str> = rules.iter().map(|rule| rule["id"].as_str().unwrap()).collect();
     let results = run_of_it["results"].as_array().unwrap();
     assert_eq!(results.len(), 2);
     for result in results {
@@ -419,30 +309,13 @@ fn a_fault_of_many_variables_is_no_flood() {
     let description = model("</ModelVariables>", &format!("{many}</ModelVariables>"));
     bench.fmu("broken.fmu", &[], &description);
     let said = bench.run(&["check", "broken.fmu"]);
-    assert_eq!(
-        (said.code, said.out.lines().count()),
-        (1, 22),
-        "{}",
-        said.out
-    );
-    assert!(
-        said.out.contains("error: 480 more of this kind"),
-        "{}",
-        said.out
-    );
+    assert_eq!((said.code, said.out.lines().count()), (1, 22), "{}", said.out);
+    assert!(said.out.contains("error: 480 more of this kind"), "{}", said.out);
     let said = bench.run(&["check", "broken.fmu", "--format", "json"]);
     let report: serde_json::Value = serde_json::from_str(&said.out).unwrap();
-    let lines: Vec<_> = report["findings"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|f| f["line"].as_u64().unwrap())
-        .collect();
+    let lines: Vec<_> = report["findings"].as_array().unwrap().iter().map(|f| f["line"].as_u64().unwrap()).collect();
     assert_eq!(lines.len(), 500);
-    assert!(
-        lines.windows(2).all(|pair| pair[1] == pair[0] + 1),
-        "{lines:?}"
-    );
+    assert!(lines.windows(2).all(|pair| pair[1] == pair[0] + 1), "{lines:?}");
 }
 
 /// The functions' names as a build for static linking changes them.
@@ -470,106 +343,51 @@ fn every_broken_archive_is_found() {
     narrow[4] = 1;
     let place = "binaries/linux64/lag.so";
     let cases: [(&str, &str, &[u8], &str); 9] = [
-        (
-            "no binary",
-            "resources/none",
-            b"",
-            "binary-there: no binary for this platform",
-        ),
-        (
-            "no folder of a platform",
-            "binaries/lag.so",
-            &good,
-            "binary-there: no binary for this platform",
-        ),
-        (
-            "another machine",
-            place,
-            &arm,
-            "binary-machine: lag.so: a binary for Aarch64",
-        ),
+        ("no binary", "resources/none", b"", "binary-there: no binary for this platform"),
+        ("no folder of a platform", "binaries/lag.so", &good, "binary-there: no binary for this platform"),
+        ("another machine", place, &arm, "binary-machine: lag.so: a binary for Aarch64"),
         ("another width", place, &narrow, "binary-readable: lag.so: "),
-        (
-            "no library",
-            place,
-            b"not a library",
-            "binary-readable: lag.so: no shared library",
-        ),
-        (
-            "half a library",
-            place,
-            &good[..good.len() / 2],
-            "binary-readable: lag.so: ",
-        ),
-        (
-            "another name",
-            "binaries/linux64/leg.so",
-            &good,
-            "binary-name: call it lag.so",
-        ),
+        ("no library", place, b"not a library", "binary-readable: lag.so: no shared library"),
+        ("half a library", place, &good[..good.len() / 2], "binary-readable: lag.so: "),
+        ("another name", "binaries/linux64/leg.so", &good, "binary-name: call it lag.so"),
         (
             "a folder in upper case",
             "Binaries/Linux64/lag.so",
             &good,
             "binary-folder: Binaries/Linux64/lag.so: the folder's name is binaries/linux64/",
         ),
-        (
-            "a way out",
-            "../outside.txt",
-            b"",
-            "archive-path: ../outside.txt: the path leads outside",
-        ),
+        ("a way out", "../outside.txt", b"", "archive-path: ../outside.txt: the path leads outside"),
     ];
     let mut wrong = Vec::new();
     for (name, entry, content, words) in cases {
         let description = description.as_bytes();
-        bench.zip(
-            "broken.fmu",
-            &[("modelDescription.xml", description), (entry, content)],
-        );
+        bench.zip("broken.fmu", &[("modelDescription.xml", description), (entry, content)]);
         wrong.extend(amiss(&bench, name, words));
     }
     // A good binary, and beside it one that lies in the folder of another platform.
-    let entries: [(&str, &[u8]); 3] = [
-        ("modelDescription.xml", description.as_bytes()),
-        (place, &good),
-        ("binaries/linux32/lag.so", &good),
-    ];
+    let entries: [(&str, &[u8]); 3] =
+        [("modelDescription.xml", description.as_bytes()), (place, &good), ("binaries/linux32/lag.so", &good)];
     bench.zip("broken.fmu", &entries);
     let words = "binary-machine: linux32/lag.so: a binary for X86_64";
     wrong.extend(amiss(&bench, "another platform", words));
     let whole = description.split("<ModelStructure>").next().unwrap();
     let cut = format!("{whole}</fmiModelDescription>");
-    bench.zip(
-        "broken.fmu",
-        &[("modelDescription.xml", cut.as_bytes()), (place, &good)],
-    );
+    bench.zip("broken.fmu", &[("modelDescription.xml", cut.as_bytes()), (place, &good)]);
     let words = "schema-element-missing: needs the element `ModelStructure`";
     wrong.extend(amiss(&bench, "no structure", words));
-    let entries: [(&str, &[u8]); 3] = [
-        ("modelDescription.xml", description.as_bytes()),
-        (place, &good),
-        ("binaries/darwin64/LAG.dylib", b""),
-    ];
+    let entries: [(&str, &[u8]); 3] =
+        [("modelDescription.xml", description.as_bytes()), (place, &good), ("binaries/darwin64/LAG.dylib", b"")];
     bench.zip("broken.fmu", &entries);
     let found = "binary-name: darwin64/LAG.dylib: the binary is named otherwise";
     wrong.extend(amiss(&bench, "another name beside it", found));
     let identifier = model("modelIdentifier=\"lag\"", "modelIdentifier=\"la-g\"");
-    let entries: [(&str, &[u8]); 2] = [
-        ("modelDescription.xml", identifier.as_bytes()),
-        ("binaries/linux64/la-g.so", &good),
-    ];
+    let entries: [(&str, &[u8]); 2] =
+        [("modelDescription.xml", identifier.as_bytes()), ("binaries/linux64/la-g.so", &good)];
     bench.zip("broken.fmu", &entries);
     let found = "model-identifier: `la-g` is no C identifier";
     wrong.extend(amiss(&bench, "no identifier", found));
-    bench.zip(
-        "broken.fmu",
-        &[("lag/modelDescription.xml", description.as_bytes())],
-    );
-    let (name, words) = (
-        "a folder around it",
-        "archive-readable: belongs to the top of the archive",
-    );
+    bench.zip("broken.fmu", &[("lag/modelDescription.xml", description.as_bytes())]);
+    let (name, words) = ("a folder around it", "archive-readable: belongs to the top of the archive");
     wrong.extend(amiss(&bench, name, words));
     none(&wrong);
 }
@@ -582,32 +400,17 @@ fn every_broken_document_is_found() {
     let binary = bench.binary(&[]);
     let place = "binaries/linux64/lag.so";
     let structured = model("guid=", "variableNamingConvention=\"structured\" guid=");
-    let latin: Vec<u8> = description
-        .replace("first-order", "b\u{e4}d")
-        .chars()
-        .map(|c| c as u8)
-        .collect();
-    let wide: Vec<u8> = ["\u{feff}", &description]
-        .concat()
-        .encode_utf16()
-        .flat_map(u16::to_le_bytes)
-        .collect();
+    let latin: Vec<u8> = description.replace("first-order", "b\u{e4}d").chars().map(|c| c as u8).collect();
+    let wide: Vec<u8> = ["\u{feff}", &description].concat().encode_utf16().flat_map(u16::to_le_bytes).collect();
     let states = "<ScalarVariable name=\"x\" valueReference=\"3\"><Real/></ScalarVariable>\
         <ScalarVariable name=\"der(x)\" valueReference=\"4\"><Real unit=\"K\" derivative=\"12\"/></ScalarVariable>\
         </ModelVariables>";
     let listed = "</Outputs><Derivatives><Unknown index=\"13\"/></Derivatives>";
-    let stateful = description
-        .replace("</ModelVariables>", states)
-        .replace("</Outputs>", listed);
-    let spaced = model(
-        "<fmiModelDescription",
-        "<f:fmiModelDescription xmlns:f=\"f\"",
-    )
-    .replace("</fmi", "</f:fmi");
+    let stateful = description.replace("</ModelVariables>", states).replace("</Outputs>", listed);
+    let spaced = model("<fmiModelDescription", "<f:fmiModelDescription xmlns:f=\"f\"").replace("</fmi", "</f:fmi");
     let (before, rest) = description.split_once("<ModelStructure>").unwrap();
     let after = rest.split_once("</ModelStructure>").unwrap().1;
-    let without = format!("{before}<ModelStructure/>{after}")
-        .replace("causality=\"output\"", "causality=\"local\"");
+    let without = format!("{before}<ModelStructure/>{after}").replace("causality=\"output\"", "causality=\"local\"");
     let mut wrong = Vec::new();
     for (name, entry, content, words) in [
         (
@@ -616,12 +419,7 @@ fn every_broken_document_is_found() {
             description.as_bytes(),
             "archive-readable: call it modelDescription.xml",
         ),
-        (
-            "another encoding",
-            "modelDescription.xml",
-            &latin,
-            "xml-encoding: not UTF-8",
-        ),
+        ("another encoding", "modelDescription.xml", &latin, "xml-encoding: not UTF-8"),
         (
             "two bytes a character",
             "modelDescription.xml",
@@ -634,18 +432,8 @@ fn every_broken_document_is_found() {
             stateful.as_bytes(),
             "warning initial-unknowns-complete: does not list x (index 12), der(x) (index 13) in InitialUnknowns",
         ),
-        (
-            "a namespace",
-            "modelDescription.xml",
-            spaced.as_bytes(),
-            "schema-namespace: the namespace \"f\"",
-        ),
-        (
-            "no outputs",
-            "modelDescription.xml",
-            without.as_bytes(),
-            "note outputs-none: no outputs",
-        ),
+        ("a namespace", "modelDescription.xml", spaced.as_bytes(), "schema-namespace: the namespace \"f\""),
+        ("no outputs", "modelDescription.xml", without.as_bytes(), "note outputs-none: no outputs"),
         (
             "names out of the convention",
             "modelDescription.xml",
@@ -677,36 +465,23 @@ fn every_damaged_archive_is_found() {
     // The heads of the entries, before them and in the directory, and where they have their flags.
     let heads = |mark: [u8; 4], flags: usize| {
         let places = 0..good.len() - 4;
-        places
-            .filter(|at| good[*at..].starts_with(&mark))
-            .map(move |at| at + flags)
-            .collect::<Vec<_>>()
+        places.filter(|at| good[*at..].starts_with(&mark)).map(move |at| at + flags).collect::<Vec<_>>()
     };
-    let names: Vec<usize> = (0..good.len() - 13)
-        .filter(|at| good[*at..].starts_with(b"resources/two"))
-        .map(|at| at + 10)
-        .collect();
+    let names: Vec<usize> =
+        (0..good.len() - 13).filter(|at| good[*at..].starts_with(b"resources/two")).map(|at| at + 10).collect();
     let flags = [heads(*b"PK\x01\x02", 8), heads(*b"PK\x03\x04", 6)].concat();
     let mut wrong = Vec::new();
     for (name, words) in [
         ("a flipped bit", "archive-readable: damaged ("),
-        (
-            "encrypted",
-            "archive-readable: modelDescription.xml: encrypted",
-        ),
+        ("encrypted", "archive-readable: modelDescription.xml: encrypted"),
         ("another method", "archive-readable: deflate"),
-        (
-            "two entries of a name",
-            "warning archive-entry-unique: resources/one: remove one",
-        ),
+        ("two entries of a name", "warning archive-entry-unique: resources/one: remove one"),
     ] {
         let mut bytes = good.clone();
         match name {
             "a flipped bit" => bytes[200] ^= 0x10,
             "encrypted" => flags.iter().for_each(|at| bytes[*at] |= 1),
-            "two entries of a name" => names
-                .iter()
-                .for_each(|at| bytes[*at..at + 3].copy_from_slice(b"one")),
+            "two entries of a name" => names.iter().for_each(|at| bytes[*at..at + 3].copy_from_slice(b"one")),
             _ => flags.iter().for_each(|at| bytes[at + 2] = 14),
         }
         std::fs::write(&path, &bytes).unwrap();

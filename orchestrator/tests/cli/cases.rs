@@ -85,10 +85,7 @@ fn columns(bench: &Bench, folder: &str) -> Vec<(String, Vec<String>)> {
 
 fn column(table: &[(String, Vec<String>)], name: &str) -> Vec<String> {
     let found = table.iter().find(|(own, _)| own == name);
-    found
-        .unwrap_or_else(|| panic!("no column {name}"))
-        .1
-        .clone()
+    found.unwrap_or_else(|| panic!("no column {name}")).1.clone()
 }
 
 /// The points of a study with cases are those of studies of one case each, to the last digit, however they share
@@ -106,31 +103,20 @@ fn two_cases_are_two_studies() {
             verify(&bench, "study.toml", case, &options);
             let alone = columns(&bench, case);
             assert_eq!(column(&own, "lag.rate"), column(&alone, "lag.rate"));
-            for name in if case == "low" {
-                &["Y"][..]
-            } else {
-                &["Y", "T"]
-            } {
+            for name in if case == "low" { &["Y"][..] } else { &["Y", "T"] } {
                 for name in [(*name).to_owned(), format!("{name}.ok")] {
                     let full = format!("{case}/{name}");
                     assert_eq!(column(&own, &full), column(&alone, &name), "{full}");
                 }
             }
             let verified = column(&alone, "verified");
-            all = all
-                .iter()
-                .zip(&verified)
-                .map(|(all, own)| *all && own == "true")
-                .collect();
+            all = all.iter().zip(&verified).map(|(all, own)| *all && own == "true").collect();
             let [ours, theirs] = [bench.summary("cases"), bench.summary(case)];
             assert_eq!(ours["cases"][case]["passed"], theirs["verified"]);
             assert_eq!(ours["cases"][case]["interval"], theirs["verified_interval"]);
             assert_eq!(ours["cases"][case]["held_out"], case == "high");
         }
-        let verified: Vec<bool> = column(&own, "verified")
-            .iter()
-            .map(|cell| cell == "true")
-            .collect();
+        let verified: Vec<bool> = column(&own, "verified").iter().map(|cell| cell == "true").collect();
         assert_eq!(verified, all);
         // Neither case decides alone, so that the test could fail.
         let summary = bench.summary("cases");
@@ -155,15 +141,9 @@ fn cases_are_separated_like_points() {
     verify(&bench, "cases.toml", "good", &["--in-process"]);
     bench.fmu("lag.fmu", &["DRIFT=1"], &model("Lag", "Lag"));
     verify(&bench, "cases.toml", "fresh", &[]);
-    assert_eq!(
-        bench.read("fresh/points.csv"),
-        bench.read("good/points.csv")
-    );
+    assert_eq!(bench.read("fresh/points.csv"), bench.read("good/points.csv"));
     verify(&bench, "cases.toml", "reuse", &["--isolation", "reuse"]);
-    assert_ne!(
-        bench.read("reuse/points.csv"),
-        bench.read("good/points.csv")
-    );
+    assert_ne!(bench.read("reuse/points.csv"), bench.read("good/points.csv"));
 }
 
 #[test]
@@ -179,59 +159,36 @@ fn shards_and_a_resumed_run_give_the_same_files() {
     }
     let said = bench.run(&["merge", "shard-1", "shard-2", "--output", "merged"]);
     assert!(said.code < 2, "{}", said.err);
-    assert_eq!(
-        bench.read("merged/points.csv"),
-        bench.read("whole/points.csv")
-    );
+    assert_eq!(bench.read("merged/points.csv"), bench.read("whole/points.csv"));
     // A run that was cut off in the middle of a line.
     let journal = bench.read("whole/journal.txt");
     let end = journal.len() * 2 / 3;
     std::fs::create_dir(bench.path("resumed")).unwrap();
     for file in ["request.json", "study.toml"] {
-        bench.write(
-            &format!("resumed/{file}"),
-            &bench.read(&format!("whole/{file}")),
-        );
+        bench.write(&format!("resumed/{file}"), &bench.read(&format!("whole/{file}")));
     }
     bench.write("resumed/journal.txt", &journal[..end]);
     verify(&bench, "cases.toml", "resumed", &["--resume"]);
-    assert_eq!(
-        bench.read("resumed/points.csv"),
-        bench.read("whole/points.csv")
-    );
+    assert_eq!(bench.read("resumed/points.csv"), bench.read("whole/points.csv"));
 }
 
 /// A case that breaks costs its points, not the run, and not what the other case says of them.
 #[test]
 fn a_broken_case_costs_the_point() {
-    for (fault, status) in [
-        ("Fail", "fmi2Error"),
-        ("Crash", "SIGSEGV"),
-        ("NotANumber", "not finite"),
-    ] {
+    for (fault, status) in [("Fail", "fmi2Error"), ("Crash", "SIGSEGV"), ("NotANumber", "not finite")] {
         let bench = bench();
         let broken = CASES.replace("\"lag.count\" = 3", &format!("\"lag.fault\" = \"{fault}\""));
-        bench.write(
-            "broken.toml",
-            &format!("{HEAD}{TIMES}{broken}").replace("points = 40", "points = 8"),
-        );
+        bench.write("broken.toml", &format!("{HEAD}{TIMES}{broken}").replace("points = 40", "points = 8"));
         // Where every point failed, nothing is decided.
         let said = bench.run(&["verify", "broken.toml", "--output", "out"]);
         assert_eq!(said.code, 3, "{}{}", said.out, said.err);
         let table = columns(&bench, "out");
         for cell in column(&table, "status") {
-            assert!(
-                cell.starts_with("case high: ") && cell.contains(status),
-                "{cell}"
-            );
+            assert!(cell.starts_with("case high: ") && cell.contains(status), "{cell}");
         }
         assert!(column(&table, "low/Y").iter().all(|cell| !cell.is_empty()));
         assert!(column(&table, "low/Y.ok").contains(&"true".to_owned()));
-        assert!(
-            column(&table, "high/Y.ok")
-                .iter()
-                .all(|cell| cell == "false")
-        );
+        assert!(column(&table, "high/Y.ok").iter().all(|cell| cell == "false"));
         let summary = bench.summary("out");
         assert_eq!(summary["failed"], 8);
         assert_eq!(summary["cases"]["high"]["failed"], 8);
@@ -243,10 +200,7 @@ fn a_broken_case_costs_the_point() {
 #[test]
 fn tables_are_judged_by_case() {
     let bench = bench();
-    bench.write(
-        "table.csv",
-        "point,low/Y,high/Y,high/T\n1,0.86,1.2,40\n2,0.86,1.2,44\n3,0.95,1.2,40\n4,0.86,,40\n",
-    );
+    bench.write("table.csv", "point,low/Y,high/Y,high/T\n1,0.86,1.2,40\n2,0.86,1.2,44\n3,0.95,1.2,40\n4,0.86,,40\n");
     let said = bench.run(&["judge", "cases.toml", "table.csv", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let summary = bench.summary("out");
@@ -256,35 +210,23 @@ fn tables_are_judged_by_case() {
     assert_eq!(summary["cases"]["high"]["failed"], 1);
     // What depends on parameters that the table does not have is not told.
     for analysis in ["robustness", "sensitivity", "pareto"] {
-        bench
-            .run(&[analysis, "cases.toml", "--from", "out"])
-            .is_mistake(&["--from", "no parameters"]);
+        bench.run(&[analysis, "cases.toml", "--from", "out"]).is_mistake(&["--from", "no parameters"]);
     }
     // The variable's name would be that of both cases.
     bench.write("table.csv", "lag.y,lag.temperature\n0.86,13\n");
-    bench
-        .run(&["judge", "cases.toml", "table.csv"])
-        .is_mistake(&["table.csv", "low/Y"]);
+    bench.run(&["judge", "cases.toml", "table.csv"]).is_mistake(&["table.csv", "low/Y"]);
 }
 
 #[test]
 fn points_of_a_table_run_in_every_case() {
     let bench = bench();
     bench.write("points.csv", "point,lag.rate\n7,1.0\n9,1.1\n");
-    verify(
-        &bench,
-        "cases.toml",
-        "out",
-        &["--points-from", "points.csv"],
-    );
+    verify(&bench, "cases.toml", "out", &["--points-from", "points.csv"]);
     let table = columns(&bench, "out");
     assert_eq!(column(&table, "point"), ["7", "9"]);
     for (k, rate) in [1.0_f64, 1.1].into_iter().enumerate() {
         let value: f64 = column(&table, "low/Y")[k].parse().unwrap();
-        assert!(
-            (value - (1.0 - (-2.0 * rate).exp())).abs() < 1e-9,
-            "{value}"
-        );
+        assert!((value - (1.0 - (-2.0 * rate).exp())).abs() < 1e-9, "{value}");
     }
 }
 
@@ -292,20 +234,11 @@ fn points_of_a_table_run_in_every_case() {
 fn a_case_is_replayed() {
     let bench = bench();
     verify(&bench, "cases.toml", "out", &[]);
-    let said = bench.run(&[
-        "replay", "out", "5", "--case", "high", "--output", "one.csv",
-    ]);
+    let said = bench.run(&["replay", "out", "5", "--case", "high", "--output", "one.csv"]);
     assert!(said.code < 2, "{}", said.err);
-    assert!(
-        said.out.contains("trajectory of the case high in one.csv"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("trajectory of the case high in one.csv"), "{}", said.out);
     let trajectory = bench.read("one.csv");
-    assert!(
-        trajectory.lines().last().unwrap().starts_with("1,"),
-        "{trajectory}"
-    );
+    assert!(trajectory.lines().last().unwrap().starts_with("1,"), "{trajectory}");
     let said = bench.run(&["replay", "out", "5"]);
     assert!(said.code < 2, "{}", said.err);
     // Without the folder of the FMU, which stands in the last cell.
@@ -316,12 +249,8 @@ fn a_case_is_replayed() {
     };
     assert!(last("out/point-5-case-1.csv").starts_with("2,"));
     assert_eq!(last("out/point-5-case-2.csv"), last("one.csv"));
-    bench
-        .run(&["replay", "out", "5", "--output", "one.csv"])
-        .is_mistake(&["--case NAME"]);
-    bench
-        .run(&["replay", "out", "5", "--case", "hihg"])
-        .is_mistake(&["no case `hihg`; did you mean `high`?"]);
+    bench.run(&["replay", "out", "5", "--output", "one.csv"]).is_mistake(&["--case NAME"]);
+    bench.run(&["replay", "out", "5", "--case", "hihg"]).is_mistake(&["no case `hihg`; did you mean `high`?"]);
 }
 
 /// Every analysis sees the criteria of all cases.
@@ -336,23 +265,8 @@ fn analyses_work_with_cases() {
         &["sensitivity", "cases.toml", "--base", "16", "--output", "s"],
         &["robustness", "cases.toml", "--from", "out"],
         &["pareto", "cases.toml", "--from", "out"],
-        &[
-            "verify",
-            "cases.toml",
-            "--rare",
-            "--points",
-            "6000",
-            "--output",
-            "rare",
-        ],
-        &[
-            "tolerances",
-            "goal.toml",
-            "--points",
-            "256",
-            "--output",
-            "t",
-        ],
+        &["verify", "cases.toml", "--rare", "--points", "6000", "--output", "rare"],
+        &["tolerances", "goal.toml", "--points", "256", "--output", "t"],
         &["verify", "cases.toml", "--validation", "--output", "v"],
         &["report", "out"],
     ] {
@@ -361,9 +275,7 @@ fn analyses_work_with_cases() {
     }
     let found: serde_json::Value = serde_json::from_str(&bench.read("s/sensitivity.json")).unwrap();
     let outputs = found["outputs"].as_array().unwrap().iter();
-    let names: Vec<&str> = outputs
-        .map(|output| output["name"].as_str().unwrap())
-        .collect();
+    let names: Vec<&str> = outputs.map(|output| output["name"].as_str().unwrap()).collect();
     for name in ["low/Y", "high/Y", "high/T"] {
         assert!(names.contains(&name), "{names:?}");
     }
@@ -373,10 +285,7 @@ fn analyses_work_with_cases() {
 fn curves(bench: &Bench) -> String {
     let mut cases = String::new();
     let wave = |k: f64| (12.9898 * k).sin() * 0.01;
-    for (number, (name, u)) in [("one", 1.0), ("two", 2.0), ("off", 5.0)]
-        .into_iter()
-        .enumerate()
-    {
+    for (number, (name, u)) in [("one", 1.0), ("two", 2.0), ("off", 5.0)].into_iter().enumerate() {
         let mut table = String::from("time,y\n");
         for k in 1..=19_u32 {
             let time = 0.1 * f64::from(k);
@@ -411,46 +320,24 @@ fn identify_fits_the_cases_that_are_not_held_out() {
     let bench = Bench::new();
     let study = curves(&bench);
     bench.write("study.toml", &study);
-    let said = bench.run(&[
-        "identify",
-        "study.toml",
-        "--output",
-        "found",
-        "--starts",
-        "4",
-    ]);
+    let said = bench.run(&["identify", "study.toml", "--output", "found", "--starts", "4"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let found = bench.read("found/identification.json");
     let outcome: serde_json::Value = serde_json::from_str(&found).unwrap();
     let free = &outcome["free"][0];
     assert_eq!(free["name"], "lag.rate");
     let [low, high] = [0, 1].map(|k| free["interval"][k].as_f64().unwrap());
-    assert!(
-        low < 1.1 && 1.1 < high && high - low < 0.03,
-        "{low} .. {high}"
-    );
-    assert_eq!(
-        outcome["cases"][0]["residuals"].as_array().unwrap().len(),
-        38
-    );
+    assert!(low < 1.1 && 1.1 < high && high - low < 0.03, "{low} .. {high}");
+    assert_eq!(outcome["cases"][0]["residuals"].as_array().unwrap().len(), 38);
     // Fitted too, the wrong case would pull the rate away.
-    bench.write(
-        "all.toml",
-        &study.replace("held-out = true", "held-out = false"),
-    );
+    bench.write("all.toml", &study.replace("held-out = true", "held-out = false"));
     let said = bench.run(&["identify", "all.toml", "--output", "all", "--starts", "4"]);
     assert!(said.code < 2, "{}{}", said.out, said.err);
-    let all: serde_json::Value =
-        serde_json::from_str(&bench.read("all/identification.json")).unwrap();
+    let all: serde_json::Value = serde_json::from_str(&bench.read("all/identification.json")).unwrap();
     assert!(all["free"][0]["value"].as_f64().unwrap() > 1.2);
     // The optimum holds in the fitted cases and not in the other one.
     bench.write("points.csv", &format!("lag.rate\n{}\n", free["value"]));
-    verify(
-        &bench,
-        "study.toml",
-        "out",
-        &["--points-from", "points.csv"],
-    );
+    verify(&bench, "study.toml", "out", &["--points-from", "points.csv"]);
     let summary = bench.summary("out");
     for (case, passed) in [("one", 1), ("two", 1), ("off", 0)] {
         assert_eq!(summary["cases"][case]["passed"], passed, "{summary}");
@@ -476,14 +363,7 @@ fn identify_tells_the_zero_error_of_a_sensor() {
     let pair = "[[uncertainty-correlations]]\nbetween = [\"one/Y\", \"two/Y\"]\ncoefficient = 1\n";
     let identify = |study: &str| {
         bench.write("study.toml", study);
-        let call = [
-            "identify",
-            "study.toml",
-            "--output",
-            "found",
-            "--starts",
-            "4",
-        ];
+        let call = ["identify", "study.toml", "--output", "found", "--starts", "4"];
         let said = bench.run(&[&call[..], &["--force"]].concat());
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);
         let found = bench.read("found/identification.json");
@@ -492,25 +372,13 @@ fn identify_tells_the_zero_error_of_a_sensor() {
         (said.out, outcome, rate)
     };
     let (said, outcome, [low, high]) = identify(&format!("{study}{pair}"));
-    assert!(
-        low < 1.1 && 1.1 < high && high - low < 0.05,
-        "{low} .. {high}"
-    );
+    assert!(low < 1.1 && 1.1 < high && high - low < 0.05, "{low} .. {high}");
     let errors = outcome["shared"].as_array().unwrap();
     assert_eq!(errors.len(), 1, "both curves have one sensor");
     let [low, high] = [0, 1].map(|k| errors[0]["interval"][k].as_f64().unwrap());
-    assert!(
-        low < 0.06 && 0.06 < high && high - low < 0.03,
-        "{low} .. {high}"
-    );
-    assert!(
-        said.contains("The sensor of one/Y and two/Y most likely reads 0.0"),
-        "{said}"
-    );
-    assert!(
-        said.contains("the fit is good only with these shared errors"),
-        "{said}"
-    );
+    assert!(low < 0.06 && 0.06 < high && high - low < 0.03, "{low} .. {high}");
+    assert!(said.contains("The sensor of one/Y and two/Y most likely reads 0.0"), "{said}");
+    assert!(said.contains("the fit is good only with these shared errors"), "{said}");
     assert!(!said.contains("earlier versions"), "{said}");
     // A sensor each: two zero errors, and a rate that is known less.
     let (_, outcome, rates) = identify(&study);
@@ -522,10 +390,7 @@ fn identify_tells_the_zero_error_of_a_sensor() {
     assert!(rates[0] > 1.1, "{rates:?}");
     // Without a word on noise it says what it takes, and why the answer is another one.
     let (said, ..) = identify(&study.replace(", noise = 0.0075", ""));
-    assert!(
-        said.contains("one/Y states no noise") && said.contains("earlier versions"),
-        "{said}"
-    );
+    assert!(said.contains("one/Y states no noise") && said.contains("earlier versions"), "{said}");
 }
 
 /// The curves are late by 30 ms, each logger with a clock of its own: the lags are found with the rate.
@@ -545,23 +410,13 @@ fn identify_finds_the_lag_of_a_case() {
         bench.write(&format!("{name}.csv"), &table);
     }
     bench.write("study.toml", &study);
-    let call = [
-        "identify",
-        "study.toml",
-        "--output",
-        "found",
-        "--starts",
-        "4",
-    ];
+    let call = ["identify", "study.toml", "--output", "found", "--starts", "4"];
     let said = bench.run(&call);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let found = bench.read("found/identification.json");
     let outcome: serde_json::Value = serde_json::from_str(&found).unwrap();
     let free = outcome["free"].as_array().unwrap();
-    for (parameter, (name, truth)) in
-        free.iter()
-            .zip([("lag.rate", 1.1), ("one/lag", 0.03), ("two/lag", 0.03)])
-    {
+    for (parameter, (name, truth)) in free.iter().zip([("lag.rate", 1.1), ("one/lag", 0.03), ("two/lag", 0.03)]) {
         assert_eq!(parameter["name"], name);
         let [low, high] = [0, 1].map(|k| parameter["interval"][k].as_f64().unwrap());
         assert!(low < truth && truth < high, "{name}: {low} .. {high}");
@@ -572,100 +427,50 @@ fn identify_finds_the_lag_of_a_case() {
     assert!(!bench.read("found/optimum.toml").contains("one/lag"));
     // The run must reach as far as the lags.
     bench.write("study.toml", &study.replace("-20 ms", "-200 ms"));
-    bench
-        .run(&["identify", "study.toml"])
-        .is_mistake(&["one/Y", "set `window`"]);
+    bench.run(&["identify", "study.toml"]).is_mistake(&["one/Y", "set `window`"]);
     bench.write("study.toml", &study.replace("-20 ms", "90 ms"));
-    bench
-        .run(&["identify", "study.toml"])
-        .is_mistake(&["one", "are no range"]);
+    bench.run(&["identify", "study.toml"]).is_mistake(&["one", "are no range"]);
 }
 
 #[test]
 fn identify_says_what_it_needs_of_cases() {
     let bench = bench();
-    bench.run(&["identify", "cases.toml"]).is_mistake(&[
-        "cases.toml:",
-        "low/Y: identify weighs",
-        "add `uncertainty`",
-    ]);
+    bench.run(&["identify", "cases.toml"]).is_mistake(&["cases.toml:", "low/Y: identify weighs", "add `uncertainty`"]);
     let study = curves(&bench).replace(", noise = 0.0075", "");
     bench.write("study.toml", &study);
-    bench.run(&["identify", "study.toml"]).is_mistake(&[
-        "study.toml:",
-        "one/Y",
-        "add `uncertainty` and `noise`",
-    ]);
+    bench.run(&["identify", "study.toml"]).is_mistake(&["study.toml:", "one/Y", "add `uncertainty` and `noise`"]);
     let study = curves(&bench).replace("held-out = false", "held-out = true");
     bench.write("study.toml", &study);
-    bench
-        .run(&["identify", "study.toml"])
-        .is_mistake(&["study.toml:", "every case is held out"]);
-    bench.write(
-        "study.toml",
-        &(curves(&bench) + "[identify]\ncases = \"one.csv\"\n"),
-    );
-    bench
-        .run(&["identify", "study.toml"])
-        .is_mistake(&["the criteria of the study are the data of identify"]);
+    bench.run(&["identify", "study.toml"]).is_mistake(&["study.toml:", "every case is held out"]);
+    bench.write("study.toml", &(curves(&bench) + "[identify]\ncases = \"one.csv\"\n"));
+    bench.run(&["identify", "study.toml"]).is_mistake(&["the criteria of the study are the data of identify"]);
     bench.write("study.toml", &curves(&bench));
-    bench
-        .run(&["identify", "study.toml", "--cross-validate"])
-        .is_mistake(&["held-out = true"]);
+    bench.run(&["identify", "study.toml", "--cross-validate"]).is_mistake(&["held-out = true"]);
 }
 
 #[test]
 fn mistakes_in_cases_have_file_line_and_remedy() {
     let bench = bench();
     for (from, to, words) in [
-        (
-            "name = \"high\"",
-            "name = \"low\"",
-            ["two cases have the name `low`", "rename"],
-        ),
+        ("name = \"high\"", "name = \"low\"", ["two cases have the name `low`", "rename"]),
         (
             "criteria.Y = { variable = \"lag.y\", nominal = 0.86, tolerance = 0.04 }",
             "",
-            [
-                "the case `low` has no criteria",
-                "add [cases.criteria.NAME]",
-            ],
+            ["the case `low` has no criteria", "add [cases.criteria.NAME]"],
         ),
         (
             "\"drive.u\" = 2.0,",
             "\"lag.rate\" = 2.0,",
-            [
-                "lag.rate is under [parameters]",
-                "remove it there or from the case `high`",
-            ],
+            ["lag.rate is under [parameters]", "remove it there or from the case `high`"],
         ),
-        (
-            "\"drive.u\" = 2.0,",
-            "\"drive.v\" = 2.0,",
-            ["no variable `drive.v`", "did you mean `drive.u`?"],
-        ),
+        ("\"drive.u\" = 2.0,", "\"drive.v\" = 2.0,", ["no variable `drive.v`", "did you mean `drive.u`?"]),
         ("unit = \"degC\"", "unit = \"m\"", ["high/T", "m"]),
-        (
-            "stop = 1.0",
-            "stop = -1",
-            ["the simulation of the case `high`", "stop time"],
-        ),
-        (
-            "variable = \"lag.temperature\"",
-            "variable = \"drive.u\"",
-            ["drive.u is an input", "name an output"],
-        ),
-        (
-            "\"drive.u\" = 1.0",
-            "\"drive.u\" = \"1 mm\"",
-            ["cases.toml:", "drive.u"],
-        ),
+        ("stop = 1.0", "stop = -1", ["the simulation of the case `high`", "stop time"]),
+        ("variable = \"lag.temperature\"", "variable = \"drive.u\"", ["drive.u is an input", "name an output"]),
+        ("\"drive.u\" = 1.0", "\"drive.u\" = \"1 mm\"", ["cases.toml:", "drive.u"]),
     ] {
         assert!(CASES.contains(from), "{from}");
-        bench.write(
-            "cases.toml",
-            &format!("{HEAD}{TIMES}{}", CASES.replacen(from, to, 1)),
-        );
+        bench.write("cases.toml", &format!("{HEAD}{TIMES}{}", CASES.replacen(from, to, 1)));
         let said = bench.run(&["verify", "cases.toml", "--output", "out"]);
         said.is_mistake(&["cases.toml:"]);
         said.is_mistake(&words);

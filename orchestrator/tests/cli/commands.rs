@@ -23,10 +23,7 @@ fn a_doubtful_fmu_has_findings() {
     let said = bench.run(&["check", "odd.fmu"]);
     assert_eq!(said.code, 1, "{}", said.out);
     assert!(said.out.contains("lag.text"), "{}", said.out);
-    let startless = model(
-        "declaredType=\"Fault\" start=\"0\"",
-        "declaredType=\"Fault\"",
-    );
+    let startless = model("declaredType=\"Fault\" start=\"0\"", "declaredType=\"Fault\"");
     bench.fmu("plain.fmu", &["NO_RESET"], &startless);
     let said = bench.run(&["check", "plain.fmu"]);
     assert_eq!(said.code, 1, "{}", said.out);
@@ -50,11 +47,7 @@ fn every_command_has_a_manual_page() {
     let said = bench.run(&["manual", "share/man1"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(bench.read("share/man1/orchestrator.1").contains("verify"));
-    assert!(
-        bench
-            .read("share/man1/orchestrator-verify.1")
-            .contains("shard")
-    );
+    assert!(bench.read("share/man1/orchestrator-verify.1").contains("shard"));
     // Commands that only the program itself gives are nobody's to read about.
     assert!(!bench.path("share/man1/orchestrator-worker.1").exists());
     bench.write("file", "");
@@ -71,9 +64,7 @@ fn a_guid_that_the_binary_refuses_is_named() {
     let said = bench.run(&["check", "other.fmu"]);
     assert_eq!(said.code, 1);
     assert!(said.out.contains(&cause), "{}", said.out);
-    bench
-        .run(&["simulate", "other.fmu"])
-        .is_mistake(&["fmi2Instantiate", &cause]);
+    bench.run(&["simulate", "other.fmu"]).is_mistake(&["fmi2Instantiate", &cause]);
 }
 
 #[test]
@@ -97,8 +88,7 @@ fn a_check_that_is_late_once_is_no_finding() {
     assert_eq!(said.code, 0, "{}", said.out);
     let said = check("SLOW_RESET=20000000");
     assert_eq!(said.code, 1, "{}", said.out);
-    let words =
-        "fmi2Reset failed: not done after 4.5 s, where a first simulation was done within 1.5 s";
+    let words = "fmi2Reset failed: not done after 4.5 s, where a first simulation was done within 1.5 s";
     assert!(said.out.contains(words), "{}", said.out);
 }
 
@@ -126,9 +116,7 @@ fn a_signal_leaves_no_unpacked_fmu_behind() {
             }
             // Somewhere while it is unpacked, loaded or simulated.
             sleep(Duration::from_millis(100));
-            let kill = Command::new("kill")
-                .args([signal, &run.id().to_string()])
-                .status();
+            let kill = Command::new("kill").args([signal, &run.id().to_string()]).status();
             assert!(kill.unwrap().success());
             assert_eq!(run.wait().unwrap().code(), Some(130), "{command} {signal}");
             assert_eq!(unpacked(), 0, "{command} {signal}");

@@ -38,15 +38,7 @@ fn bench() -> Bench {
 fn verified(bench: &Bench, folder: &str, study: &str, more: &[&str]) {
     let file = format!("{folder}.toml");
     bench.write(&file, study);
-    let usual = [
-        "verify",
-        &file,
-        "--output",
-        folder,
-        "--extra-runs",
-        "0",
-        "--force",
-    ];
+    let usual = ["verify", &file, "--output", folder, "--extra-runs", "0", "--force"];
     let said = bench.run(&[&usual[..], more].concat());
     assert!(said.code < 2, "{}", said.err);
 }
@@ -60,11 +52,7 @@ fn compared(bench: &Bench, new: &str, more: &[&str]) -> (Said, Value) {
 #[test]
 fn the_same_study_gives_no_difference_however_it_is_run() {
     let bench = bench();
-    for more in [
-        &["--jobs", "3"][..],
-        &["--isolation", "fresh", "--jobs", "1"],
-        &["--in-process"],
-    ] {
+    for more in [&["--jobs", "3"][..], &["--isolation", "fresh", "--jobs", "1"], &["--in-process"]] {
         verified(&bench, "new", STUDY, more);
         let (said, file) = compared(&bench, "new", &["--strict"]);
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);
@@ -77,31 +65,18 @@ fn the_same_study_gives_no_difference_however_it_is_run() {
     let judged = ["judge", "old.toml", "old/points.csv", "--output", "judged"];
     assert_eq!(bench.run(&judged).code, 0);
     let (said, file) = compared(&bench, "judged", &[]);
-    assert_eq!(
-        (said.code, &file["pairs"]),
-        (0, &json!(200)),
-        "{}",
-        said.out
-    );
+    assert_eq!((said.code, &file["pairs"]), (0, &json!(200)), "{}", said.out);
 }
 
 #[test]
 fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
     let bench = bench();
     // The output is proportional to the input: 0.01 % of it, of a tolerance of 0.05.
-    verified(
-        &bench,
-        "new",
-        &STUDY.replace("\"drive.u\" = 1", "\"drive.u\" = 1.0001"),
-        &[],
-    );
+    verified(&bench, "new", &STUDY.replace("\"drive.u\" = 1", "\"drive.u\" = 1.0001"), &[]);
     let (said, file) = compared(&bench, "new", &["--junit", "junit.xml"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let change = &file["criteria"]["Y"];
-    assert_eq!(
-        (&change["changed"], &change["beyond"]),
-        (&json!(200), &json!(200))
-    );
+    assert_eq!((&change["changed"], &change["beyond"]), (&json!(200), &json!(200)));
     let largest = &change["largest"];
     let number = |value: &Value| value.as_f64().unwrap();
     let share = 1e-4 * number(&largest["old"]) / 0.05;
@@ -111,46 +86,20 @@ fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
     assert_eq!(regions.len(), 1, "{regions:?}");
     assert_eq!(regions[0]["parameter"], "lag.rate");
     assert!(number(&regions[0]["most_changed"][0]) > 1.35, "{regions:?}");
-    let skipped = |all: &[crate::gate::Test]| {
-        all[2]
-            .2
-            .as_deref()
-            .unwrap()
-            .split(':')
-            .next()
-            .unwrap()
-            .to_owned()
-    };
+    let skipped = |all: &[crate::gate::Test]| all[2].2.as_deref().unwrap().split(':').next().unwrap().to_owned();
     let all = tests(&bench, "junit.xml");
     assert_eq!((&*all[2].1, &*skipped(&all)), ("Y", "skipped"));
     let (said, _) = compared(&bench, "new", &["--junit", "junit.xml", "--strict"]);
-    assert_eq!(
-        (said.code, &*skipped(&tests(&bench, "junit.xml"))),
-        (1, "failure")
-    );
+    assert_eq!((said.code, &*skipped(&tests(&bench, "junit.xml"))), (1, "failure"));
 
-    verified(
-        &bench,
-        "new",
-        &STUDY.replace("\"drive.u\" = 1", "\"drive.u\" = 1.02"),
-        &[],
-    );
+    verified(&bench, "new", &STUDY.replace("\"drive.u\" = 1", "\"drive.u\" = 1.02"), &[]);
     let (said, file) = compared(&bench, "new", &["--junit", "junit.xml"]);
     assert_eq!(said.code, 1, "{}", said.out);
     let flipped = file["flipped"]["count"].as_u64().unwrap();
-    assert!(
-        flipped > 5 && file["criteria"]["Y"]["flipped"]["count"] == flipped,
-        "{file}"
-    );
+    assert!(flipped > 5 && file["criteria"]["Y"]["flipped"]["count"] == flipped, "{file}");
     let all = tests(&bench, "junit.xml");
-    assert!(
-        all[1].2.as_deref().unwrap().starts_with("failure: "),
-        "{all:?}"
-    );
-    assert!(
-        all[2].2.as_deref().unwrap().contains("changed sides"),
-        "{all:?}"
-    );
+    assert!(all[1].2.as_deref().unwrap().starts_with("failure: "), "{all:?}");
+    assert!(all[2].2.as_deref().unwrap().contains("changed sides"), "{all:?}");
     // With an uncertainty of both runs that explains it, nothing has happened.
     for folder in ["old", "new"] {
         let mut summary = bench.summary(folder);
@@ -160,24 +109,13 @@ fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
     let (said, file) = compared(&bench, "new", &["--strict"]);
     assert_eq!(said.code, 0, "{}", said.out);
     let change = &file["criteria"]["Y"];
-    assert_eq!(
-        (&change["changed"], &change["beyond"]),
-        (&json!(200), &json!(0))
-    );
+    assert_eq!((&change["changed"], &change["beyond"]), (&json!(200), &json!(0)));
     assert_eq!(change["flipped_within"]["count"], flipped);
     assert!((number(&change["numerical_uncertainty"]) - 0.04).abs() < 1e-12);
-    assert!(
-        said.out
-            .starts_with("No difference beyond the numerical uncertainty"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.starts_with("No difference beyond the numerical uncertainty"), "{}", said.out);
     // A coarser solution does not excuse itself.
     let mut summary = bench.summary("new");
-    for (now, words) in [
-        (json!(0.05), "was 0.01414 and is 0.05"),
-        (Value::Null, "and is not stated"),
-    ] {
+    for (now, words) in [(json!(0.05), "was 0.01414 and is 0.05"), (Value::Null, "and is not stated")] {
         summary["validation"]["Y"]["u_num"] = now;
         bench.write("new/summary.json", &summary.to_string());
         let (said, _) = compared(&bench, "new", &["--strict"]);
@@ -190,56 +128,27 @@ fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
 fn points_and_criteria_without_a_partner_are_differences() {
     let bench = bench();
     let cases = [
-        (
-            "points = 200",
-            "points = 190",
-            "10 points only in the old result: 191, 192",
-        ),
-        (
-            "seed = 7",
-            "seed = 8",
-            "200 points with other parameters: 1, 2",
-        ),
-        (
-            "max = 3e-5",
-            "max = 3.1e-5",
-            "200 points with other parameters",
-        ),
-        (
-            "[criteria.Y]",
-            "[criteria.Z]",
-            "The criterion Y is only in the old result",
-        ),
+        ("points = 200", "points = 190", "10 points only in the old result: 191, 192"),
+        ("seed = 7", "seed = 8", "200 points with other parameters: 1, 2"),
+        ("max = 3e-5", "max = 3.1e-5", "200 points with other parameters"),
+        ("[criteria.Y]", "[criteria.Z]", "The criterion Y is only in the old result"),
         (
             "variable = \"lag.y\"",
             "variable = \"lag.y\"\nstatistic = \"max\"",
             "was the final value of lag.y and is the greatest of lag.y",
         ),
-        (
-            "nominal = 0.86",
-            "nominal = 8.6",
-            "The verdict was `verified` and is `not verified`",
-        ),
+        ("nominal = 0.86", "nominal = 8.6", "The verdict was `verified` and is `not verified`"),
     ];
     for (from, to, words) in cases {
         assert!(STUDY.contains(from));
         verified(&bench, "new", &STUDY.replacen(from, to, 1), &[]);
         let (said, file) = compared(&bench, "new", &[]);
         assert_eq!(said.code, 1, "{to}: {}", said.out);
-        assert!(
-            said.out.contains(words),
-            "{to}: no `{words}` in {}",
-            said.out
-        );
+        assert!(said.out.contains(words), "{to}: no `{words}` in {}", said.out);
         assert_eq!(file["same"], false);
     }
     // Another tolerance is told; where no point changes sides, nothing differs.
-    verified(
-        &bench,
-        "new",
-        &STUDY.replace("tolerance = 0.05", "tolerance = 0.0500001"),
-        &[],
-    );
+    verified(&bench, "new", &STUDY.replace("tolerance = 0.05", "tolerance = 0.0500001"), &[]);
     let (said, _) = compared(&bench, "new", &[]);
     assert_eq!(said.code, 0, "{}", said.out);
     let words = "warning: The criterion Y was `0.86 +-0.05` and is `0.86 +-0.0500001`";
@@ -255,10 +164,7 @@ fn points_that_lose_their_result_are_differences() {
         .map(|line| match line.strip_prefix("17,") {
             Some(_) => {
                 let cells: Vec<&str> = line.split(',').collect();
-                format!(
-                    "17,{},{},,false,false,the simulation failed",
-                    cells[1], cells[2]
-                )
+                format!("17,{},{},,false,false,the simulation failed", cells[1], cells[2])
             }
             None => line.to_owned(),
         })
@@ -268,16 +174,9 @@ fn points_that_lose_their_result_are_differences() {
     bench.write("new/points.csv", &(lines.join("\n") + "\n"));
     let (said, file) = compared(&bench, "new", &[]);
     assert_eq!(said.code, 1, "{}", said.out);
-    assert!(
-        said.out
-            .contains("1 point without a result that had one: 17"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("1 point without a result that had one: 17"), "{}", said.out);
     assert_eq!(file["lost"], json!({"count": 1, "first": [17]}));
-    bench
-        .run(&["compare", "old", "none"])
-        .is_mistake(&["none holds no study"]);
+    bench.run(&["compare", "old", "none"]).is_mistake(&["none holds no study"]);
 }
 
 /// The old result as the new one, with another table and another summary.
@@ -304,19 +203,10 @@ fn counts_and_flags_that_the_values_do_not_give_are_differences() {
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     type Forgery<'a> = (&'a dyn Fn(&mut Value), &'a str);
     let summaries: [Forgery<'_>; 4] = [
-        (
-            &|s| s["verified"] = json!(50_000),
-            "has 50000 points within all tolerances",
-        ),
-        (
-            &|s| s["criteria"]["Y"]["passed"] = json!(199),
-            "has 199 points that meet Y",
-        ),
+        (&|s| s["verified"] = json!(50_000), "has 50000 points within all tolerances"),
+        (&|s| s["criteria"]["Y"]["passed"] = json!(199), "has 199 points that meet Y"),
         (&|s| s["failed"] = json!(3), "has 3 points without a result"),
-        (
-            &|s| s["accepted"] = json!(199),
-            "points were accepted and 199 are",
-        ),
+        (&|s| s["accepted"] = json!(199), "points were accepted and 199 are"),
     ];
     for (summary, words) in summaries {
         let said = forged(&bench, &same, summary);
@@ -337,10 +227,7 @@ fn counts_and_flags_that_the_values_do_not_give_are_differences() {
         let said = forged(&bench, table, &counts);
         assert_eq!(said.code, 1, "{}{}", said.out, said.err);
         assert!(said.out.starts_with("The results differ\n"), "{}", said.out);
-        let words = format!(
-            "{} points with another answer at the same values",
-            200 - count
-        );
+        let words = format!("{} points with another answer at the same values", 200 - count);
         assert!(said.out.contains(&words), "{words}: {}", said.out);
         assert!(!said.out.contains("contradicts itself"), "{}", said.out);
     }

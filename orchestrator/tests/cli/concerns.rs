@@ -34,9 +34,7 @@ fn verified(study: &str) -> (Bench, Value) {
 
 fn concerns(summary: &Value) -> Vec<String> {
     let found = summary["concerns"].as_array().unwrap().iter();
-    found
-        .map(|concern| concern["text"].as_str().unwrap().to_owned())
-        .collect()
+    found.map(|concern| concern["text"].as_str().unwrap().to_owned()).collect()
 }
 
 /// 1 - exp(-2) is on its way to 1: at t = 2 it still moves by 2 exp(-2) = 0.27 in another two seconds.
@@ -44,17 +42,8 @@ fn concerns(summary: &Value) -> Vec<String> {
 fn a_value_that_still_moves_is_warned_of() {
     let (bench, summary) = verified(STUDY);
     let found = concerns(&summary);
-    assert!(
-        found
-            .iter()
-            .any(|c| c.starts_with("Y: its value still moves")),
-        "{found:?}"
-    );
-    assert!(
-        bench
-            .read("out/report.html")
-            .contains("its value still moves")
-    );
+    assert!(found.iter().any(|c| c.starts_with("Y: its value still moves")), "{found:?}");
+    assert!(bench.read("out/report.html").contains("its value still moves"));
     let later = STUDY.replace("stop = 2", "stop = 15").replace("0.86", "1");
     assert_eq!(concerns(&verified(&later).1), [""; 0]);
 }
@@ -74,9 +63,7 @@ fn a_communication_step_that_is_too_coarse_is_warned_of() {
         let said = bench.run(&arguments);
         assert!(said.code < 2, "{}", said.err);
         let found = concerns(&bench.summary(name));
-        let found = found
-            .into_iter()
-            .filter(|text| text.contains("communication step"));
+        let found = found.into_iter().filter(|text| text.contains("communication step"));
         found.collect::<Vec<String>>()
     };
     let found = of("coarse", &enough, &[]);
@@ -97,21 +84,13 @@ fn a_communication_step_that_is_too_coarse_is_warned_of() {
     assert_eq!(of("validation", &coarse, &["--validation"]).len(), 1);
     assert_eq!(of("none", &enough, &["--extra-runs", "0"]), [""; 0]);
     // Where the step is short enough, or the FMU solves by itself, nothing is said.
-    assert_eq!(
-        of("fine", &enough.replace("step = 0.25", "step = 0.002"), &[]),
-        [""; 0]
-    );
-    assert_eq!(
-        of("exact", &enough.replace("lag.fmu", "exact.fmu"), &[]),
-        [""; 0]
-    );
+    assert_eq!(of("fine", &enough.replace("step = 0.25", "step = 0.002"), &[]), [""; 0]);
+    assert_eq!(of("exact", &enough.replace("lag.fmu", "exact.fmu"), &[]), [""; 0]);
 }
 
 #[test]
 fn a_final_value_of_a_signal_that_swings_is_warned_of() {
-    let study = STUDY
-        .replace("stop = 2", "stop = 20")
-        .replace("mean = 1", "mean = 50")
+    let study = STUDY.replace("stop = 2", "stop = 20").replace("mean = 1", "mean = 50")
         + "[inputs.\"drive.u\"]\nfile = \"u.csv\"\ncolumn = \"u\"\n";
     let mut table = String::from("time,u\n");
     for k in 0..=2000 {
@@ -124,23 +103,11 @@ fn a_final_value_of_a_signal_that_swings_is_warned_of() {
         bench.write("u.csv", &table);
         let said = bench.run(&["verify", "study.toml", "--output", "out", "--verbose"]);
         assert!(said.code < 2, "{}", said.err);
-        assert!(
-            said.out.contains("swings")
-                == concerns(&bench.summary("out"))
-                    .iter()
-                    .any(|c| c.contains("swings"))
-        );
+        assert!(said.out.contains("swings") == concerns(&bench.summary("out")).iter().any(|c| c.contains("swings")));
         concerns(&bench.summary("out"))
     };
-    assert!(
-        run(&study)
-            .iter()
-            .any(|c| c.starts_with("Y: its signal swings by 0.0"))
-    );
-    let mean = study.replace(
-        "nominal = 0.86",
-        "nominal = 0.86\nstatistic = \"mean\"\nwindow = 5",
-    );
+    assert!(run(&study).iter().any(|c| c.starts_with("Y: its signal swings by 0.0")));
+    let mean = study.replace("nominal = 0.86", "nominal = 0.86\nstatistic = \"mean\"\nwindow = 5");
     assert!(run(&mean).iter().all(|c| !c.contains("swings")));
 }
 
@@ -163,37 +130,22 @@ fn of_the_lag(macros: &[&str], changes: &[(&str, &str)]) -> (Bench, Value) {
 #[test]
 fn a_swing_is_seen_although_the_steps_are_multiples_of_its_period() {
     for (stop, step) in [("1000", "1"), ("1000", "0.5"), ("2000", "2"), ("50", "50")] {
-        let changes = [
-            ("stop = 2", &*format!("stop = {stop}")),
-            ("step = 0.01", &*format!("step = {step}")),
-            ("0.86", "1"),
-        ];
+        let changes =
+            [("stop = 2", &*format!("stop = {stop}")), ("step = 0.01", &*format!("step = {step}")), ("0.86", "1")];
         let (bench, summary) = of_the_lag(&["SWING=0.5"], &changes);
         let seen = &summary["rest"]["criteria"]["Y"];
         let swing = seen["swing"].as_f64().unwrap();
         assert!((swing - 1.0).abs() < 0.05, "{stop} {step}: {seen}");
         assert_eq!(seen["drift"], 0.0);
         let found = concerns(&summary);
-        assert!(
-            found
-                .iter()
-                .any(|c| c.starts_with("Y: its signal swings by")),
-            "{found:?}"
-        );
-        assert!(
-            bench
-                .read("out/report.html")
-                .contains("its signal swings by")
-        );
+        assert!(found.iter().any(|c| c.starts_with("Y: its signal swings by")), "{found:?}");
+        assert!(bench.read("out/report.html").contains("its signal swings by"));
         // One of ten points, the best first.
         let rest = &summary["rest"];
         assert_eq!(rest["points"].as_array().unwrap().len(), 4);
         assert_eq!(rest["points"], rest["observed"]);
         assert_eq!(rest["points"][0], summary["best_point"]["point"]);
-        assert_eq!(
-            rest["until"].as_f64().unwrap(),
-            2.0 * stop.parse::<f64>().unwrap()
-        );
+        assert_eq!(rest["until"].as_f64().unwrap(), 2.0 * stop.parse::<f64>().unwrap());
     }
 }
 
@@ -201,20 +153,11 @@ fn a_swing_is_seen_although_the_steps_are_multiples_of_its_period() {
 #[test]
 fn a_part_of_a_swing_is_called_no_drift() {
     for stop in ["1.2", "0.8", "2.3"] {
-        let changes = [
-            ("stop = 2", &*format!("stop = {stop}")),
-            ("mean = 1", "mean = 100"),
-        ];
+        let changes = [("stop = 2", &*format!("stop = {stop}")), ("mean = 1", "mean = 100")];
         let (_, summary) = of_the_lag(&["SWING=0.5"], &changes);
         let found = concerns(&summary);
-        assert!(
-            found.iter().any(|c| c.contains("swings by")),
-            "{stop}: {found:?}"
-        );
-        assert!(
-            found.iter().all(|c| !c.contains("still moves")),
-            "{stop}: {found:?}"
-        );
+        assert!(found.iter().any(|c| c.contains("swings by")), "{stop}: {found:?}");
+        assert!(found.iter().all(|c| !c.contains("still moves")), "{stop}: {found:?}");
     }
 }
 
@@ -228,33 +171,20 @@ fn a_slow_drift_is_measured_after_the_end() {
         ("deviation = 0.1", "deviation = 1e-9"),
         ("0.86", "0.63"),
     ];
-    for (step, statistic) in [
-        ("1000", "final"),
-        ("1", "final"),
-        ("1", "mean"),
-        ("1", "max"),
-    ] {
-        let (step, statistic) = (
-            format!("step = {step}"),
-            format!("variable = \"lag.y\"\nstatistic = \"{statistic}\""),
-        );
+    for (step, statistic) in [("1000", "final"), ("1", "final"), ("1", "mean"), ("1", "max")] {
+        let (step, statistic) =
+            (format!("step = {step}"), format!("variable = \"lag.y\"\nstatistic = \"{statistic}\""));
         let mut changes = common.to_vec();
         changes.push(("step = 0.01", &step));
         changes.push(("variable = \"lag.y\"", &statistic));
         let (_, summary) = of_the_lag(&[], &changes);
         let drift = summary["rest"]["criteria"]["Y"]["drift"].as_f64().unwrap();
-        assert!(
-            (drift / expected - 1.0).abs() < 0.01,
-            "{statistic}: {drift} {expected}"
-        );
+        assert!((drift / expected - 1.0).abs() < 0.01, "{statistic}: {drift} {expected}");
         assert!(concerns(&summary).iter().any(|c| c.contains("still moves")));
     }
     let mut least = common.to_vec();
     least.push(("step = 0.01", "step = 1"));
-    least.push((
-        "variable = \"lag.y\"",
-        "variable = \"lag.y\"\nstatistic = \"min\"",
-    ));
+    least.push(("variable = \"lag.y\"", "variable = \"lag.y\"\nstatistic = \"min\""));
     let (_, summary) = of_the_lag(&[], &least);
     assert_eq!(summary["rest"]["criteria"]["Y"]["drift"], 0.0);
 }
@@ -271,10 +201,7 @@ fn what_the_fmu_does_not_allow_is_not_claimed() {
     assert_eq!(summary["rest"]["observed"].as_array().unwrap().len(), 0);
     let found = concerns(&summary);
     assert!(
-        found
-            .iter()
-            .any(|c| c.contains("no point was re-run longer and finer")
-                && c.contains("the FMU fails")),
+        found.iter().any(|c| c.contains("no point was re-run longer and finer") && c.contains("the FMU fails")),
         "{found:?}"
     );
 }
@@ -285,14 +212,7 @@ fn extra_runs_are_as_many_as_asked_for() {
     let bench = Bench::new();
     bench.write("study.toml", STUDY);
     for runs in ["0", "3"] {
-        let said = bench.run(&[
-            "verify",
-            "study.toml",
-            "--output",
-            runs,
-            "--extra-runs",
-            runs,
-        ]);
+        let said = bench.run(&["verify", "study.toml", "--output", runs, "--extra-runs", runs]);
         assert!(said.code < 2, "{}", said.err);
         let summary = bench.summary(runs);
         let rest = &summary["rest"];
@@ -306,23 +226,15 @@ fn extra_runs_are_as_many_as_asked_for() {
 
 #[test]
 fn a_measured_value_in_another_unit_and_a_distribution_outside_the_range_are_warned_of() {
-    let study = STUDY
-        .replace("nominal = 0.86", "nominal = 860")
-        .replace("tolerance = 0.02", "tolerance = 20");
+    let study = STUDY.replace("nominal = 0.86", "nominal = 860").replace("tolerance = 0.02", "tolerance = 20");
     let found = concerns(&verified(&study).1);
     assert!(
-        found[0].starts_with("Y: no point reaches the measured value 860")
-            && found[0].contains("unit"),
+        found[0].starts_with("Y: no point reaches the measured value 860") && found[0].contains("unit"),
         "{found:?}"
     );
     let study = STUDY.replace("mean = 1\ndeviation = 0.1", "mean = 1\ndeviation = 1");
     let found = concerns(&verified(&study).1);
-    assert!(
-        found
-            .iter()
-            .any(|c| c.starts_with("lag.rate: 16 % of the distribution")),
-        "{found:?}"
-    );
+    assert!(found.iter().any(|c| c.starts_with("lag.rate: 16 % of the distribution")), "{found:?}");
 }
 
 /// A point is run with the items of an enumeration only, as one of a Real within its range.
@@ -336,9 +248,7 @@ fn a_value_that_is_no_item_of_an_enumeration_is_out_of_range() {
     );
     let bench = Bench::empty();
     bench.fmu("lag.fmu", &[], &description);
-    let study = format!(
-        "{STUDY}[parameters.\"lag.count\"]\ndistribution = \"uniform\"\nmin = 0.5\nmax = 4.5\n"
-    );
+    let study = format!("{STUDY}[parameters.\"lag.count\"]\ndistribution = \"uniform\"\nmin = 0.5\nmax = 4.5\n");
     let study = study.replace("points = 40", "points = 40\nmethod = \"latin-hypercube\"");
     bench.write("study.toml", &study);
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
@@ -349,14 +259,9 @@ fn a_value_that_is_no_item_of_an_enumeration_is_out_of_range() {
     let found = concerns(&summary);
     let share = "lag.count: 25 % of the distribution lies outside of what the FMU allows (1, 2, 3)";
     assert!(found.iter().any(|c| c.starts_with(share)), "{found:?}");
-    let failed =
-        "10 of 40 points failed (out of range: 10), mostly where lag.count is 4.0000 .. 4.0000";
+    let failed = "10 of 40 points failed (out of range: 10), mostly where lag.count is 4.0000 .. 4.0000";
     assert!(found.iter().any(|c| c.starts_with(failed)), "{found:?}");
-    assert!(
-        bench
-            .read("out/report.html")
-            .contains("those of the 30 points that have a result; 10 failed")
-    );
+    assert!(bench.read("out/report.html").contains("those of the 30 points that have a result; 10 failed"));
 }
 
 /// Where nothing was compared, nothing is contradicted either.
@@ -365,28 +270,16 @@ fn a_study_whose_points_all_fail_is_inconclusive() {
     let bench = Bench::new();
     let verdict = "[verdict]\nshare = \"5 %\"\n";
     for study in [STUDY.to_owned(), format!("{STUDY}{verdict}")] {
-        bench.write(
-            "study.toml",
-            &format!("{study}[fixed]\n\"lag.fault\" = \"Fail\"\n"),
-        );
+        bench.write("study.toml", &format!("{study}[fixed]\n\"lag.fault\" = \"Fail\"\n"));
         let said = bench.run(&["verify", "study.toml", "--output", "out"]);
         assert_eq!(said.code, 3, "{}{}", said.out, said.err);
         let summary = bench.summary("out");
         assert_eq!(summary["verdict"], "inconclusive");
-        for unknown in [
-            "risk",
-            "expected_verified",
-            "other_verdict_interval",
-            "improvements",
-        ] {
+        for unknown in ["risk", "expected_verified", "other_verdict_interval", "improvements"] {
             assert!(summary[unknown].is_null(), "{unknown}");
         }
         assert_eq!(summary["validation"], serde_json::json!({}));
-        assert!(
-            concerns(&summary)
-                .iter()
-                .any(|c| c.starts_with("no point has a result (fmi2Error: 40)"))
-        );
+        assert!(concerns(&summary).iter().any(|c| c.starts_with("no point has a result (fmi2Error: 40)")));
         let words = "All 40 points failed, so nothing was compared with the measurement";
         assert!(said.out.contains(words), "{}", said.out);
         assert!(!said.out.contains("expected to be"), "{}", said.out);
@@ -403,10 +296,7 @@ fn an_empty_line_of_a_table_is_a_failed_point() {
     let said = bench.run(&["judge", "study.toml", "table.csv", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let summary = bench.summary("out");
-    assert_eq!(
-        (&summary["points"], &summary["failed"]),
-        (&4.into(), &1.into())
-    );
+    assert_eq!((&summary["points"], &summary["failed"]), (&4.into(), &1.into()));
     assert_eq!(summary["first_failure"]["point"], 2);
 }
 
@@ -422,38 +312,24 @@ fn a_table_is_looked_at_as_the_points_of_a_study() {
         assert!(said.code < 2, "{}", said.err);
         concerns(&bench.summary("out"))
     };
-    let celsius = STUDY
-        .replace("nominal = 0.86", "nominal = 82")
-        .replace("tolerance = 0.02", "tolerance = 1");
+    let celsius = STUDY.replace("nominal = 0.86", "nominal = 82").replace("tolerance = 0.02", "tolerance = 1");
     let kelvin = "Y\n355.15\n355.9\n354\n";
     let found = concerns_of(&celsius, kelvin);
-    assert!(
-        found.iter().any(|c| c.contains("degC and K were mixed up")),
-        "{found:?}"
-    );
+    assert!(found.iter().any(|c| c.contains("degC and K were mixed up")), "{found:?}");
     assert_eq!(concerns_of(&celsius, "Y\n81.9\n82.3\n81.2\n"), [""; 0]);
     // Rounded values repeat by chance.
     assert_eq!(concerns_of(STUDY, "Y\n0.861\n0.862\n0.861\n"), [""; 0]);
     let found = concerns_of(STUDY, "Y\n0.861273\n0.862051\n0.861273\n");
-    assert!(
-        found[0].starts_with("1 of 3 rows have the same values"),
-        "{found:?}"
-    );
+    assert!(found[0].starts_with("1 of 3 rows have the same values"), "{found:?}");
 }
 
 #[test]
 fn a_criterion_that_no_parameter_reaches_is_warned_of() {
-    let study = STUDY.replace("lag.rate", "lag.length").replace(
-        "mean = 1\ndeviation = 0.1",
-        "mean = 0.02\ndeviation = 0.001\nunit = \"mm\"",
-    );
+    let study = STUDY
+        .replace("lag.rate", "lag.length")
+        .replace("mean = 1\ndeviation = 0.1", "mean = 0.02\ndeviation = 0.001\nunit = \"mm\"");
     let found = concerns(&verified(&study).1);
-    assert!(
-        found
-            .iter()
-            .any(|c| c.starts_with("Y: the value is 0.86466 at all 40 points")),
-        "{found:?}"
-    );
+    assert!(found.iter().any(|c| c.starts_with("Y: the value is 0.86466 at all 40 points")), "{found:?}");
 }
 
 /// The most probable point has the largest product of prior density and likelihood, the nearest the least distance.
@@ -462,11 +338,7 @@ fn the_most_probable_point_is_not_the_nearest() {
     let (bench, summary) = verified(&STUDY.replace("nominal = 0.86", "nominal = 0.9"));
     let table = bench.read("out/points.csv");
     let rows = table.lines().skip(1).map(|line| {
-        let cells: Vec<f64> = line
-            .split(',')
-            .take(3)
-            .map(|cell| cell.parse().unwrap())
-            .collect();
+        let cells: Vec<f64> = line.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
         let (rate, y) = ((cells[1] - 1.0) / 0.1, (cells[2] - 0.9) / 0.005);
         (cells[0], -0.5 * (rate * rate + y * y), y.abs())
     });
@@ -482,9 +354,7 @@ fn the_most_probable_point_is_not_the_nearest() {
 /// y = 1 - exp(-rate t): its values at three times and its mean over one second are known.
 #[test]
 fn each_criterion_has_its_own_window() {
-    let study = STUDY
-        .replace("deviation = 0.1", "deviation = 1e-9")
-        .replace("step = 0.01", "step = 0.01\nleap = true")
+    let study = STUDY.replace("deviation = 0.1", "deviation = 1e-9").replace("step = 0.01", "step = 0.01\nleap = true")
         + r#"
 window = { from = "1 s", to = 1.5 }
 [criteria.mean]
@@ -523,54 +393,29 @@ window = { from = 0.5, to = "700 ms" }
         std::fs::remove_dir_all(bench.path("out")).unwrap();
     }
     for (window, words) in [
-        (
-            "window = { from = 1, to = 3 }",
-            "study.toml:15:10: the window from 1 s to 3 s must lie between",
-        ),
-        (
-            "window = { from = 1.001, to = 1.002 }",
-            "study.toml:15:10: no communication point lies in the window",
-        ),
+        ("window = { from = 1, to = 3 }", "study.toml:15:10: the window from 1 s to 3 s must lie between"),
+        ("window = { from = 1.001, to = 1.002 }", "study.toml:15:10: no communication point lies in the window"),
     ] {
         bench.write(
             "study.toml",
-            &STUDY.replace(
-                "tolerance = 0.02\nuncertainty = 0.01",
-                &format!("{window}\ntolerance = 0.02"),
-            ),
+            &STUDY.replace("tolerance = 0.02\nuncertainty = 0.01", &format!("{window}\ntolerance = 0.02")),
         );
-        bench
-            .run(&["verify", "study.toml", "--output", "out"])
-            .is_mistake(&[words]);
+        bench.run(&["verify", "study.toml", "--output", "out"]).is_mistake(&[words]);
     }
 }
 
 /// The table of the comparison, and that what is halved in it is what a study with half of it shows.
 #[test]
 fn what_to_improve_first_is_what_a_study_with_half_of_it_shows() {
-    let study = STUDY
-        .replace("points = 40", "points = 2000")
-        .replace("tolerance = 0.02", "tolerance = 0.01");
+    let study = STUDY.replace("points = 40", "points = 2000").replace("tolerance = 0.02", "tolerance = 0.01");
     let (_, summary) = verified(&study);
-    let changes = summary["improvements"]["changes"]
-        .as_array()
-        .unwrap()
-        .clone();
-    let of = |kind: &str| {
-        changes
-            .iter()
-            .find(|c| c["halved"] == kind)
-            .unwrap()
-            .clone()
-    };
+    let changes = summary["improvements"]["changes"].as_array().unwrap().clone();
+    let of = |kind: &str| changes.iter().find(|c| c["halved"] == kind).unwrap().clone();
     let number = |value: &Value| value.as_f64().unwrap();
     let half = study.replace("uncertainty = 0.01", "uncertainty = 0.005");
     let risk = verified(&half).1["risk"].clone();
     let told = of("uncertainty");
-    assert!(
-        (number(&told["consumer"]) - number(&risk["consumer"])).abs() < 1e-9,
-        "{told} {risk}"
-    );
+    assert!((number(&told["consumer"]) - number(&risk["consumer"])).abs() < 1e-9, "{told} {risk}");
     assert!((number(&told["producer"]) - number(&risk["producer"])).abs() < 1e-9);
     let half = study.replace("deviation = 0.1", "deviation = 0.05");
     let (_, brute) = verified(&half);
@@ -595,10 +440,7 @@ fn what_to_improve_first_is_what_a_study_with_half_of_it_shows() {
 /// The lag holds its input over a step, so that a ramp comes half a step late: an error of the first order.
 #[test]
 fn the_numerical_uncertainty_is_that_of_the_step() {
-    let study = STUDY
-        .replace("points = 40", "points = 4")
-        .replace("step = 0.01", "step = 0.1")
-        .replace("0.86", "1.13")
+    let study = STUDY.replace("points = 40", "points = 4").replace("step = 0.01", "step = 0.1").replace("0.86", "1.13")
         + "[inputs.\"drive.u\"]\nfile = \"u.csv\"\ncolumn = \"u\"\n";
     let bench = Bench::new();
     bench.write("study.toml", &study);
@@ -619,31 +461,15 @@ fn the_numerical_uncertainty_is_that_of_the_step() {
     assert!(said.code < 2, "{}", said.err);
     assert_eq!(bench.summary("both")["validation"]["Y"], found);
     // An error of three tolerances, where the study states one.
-    bench.fmu(
-        "lag.fmu",
-        &["TOLERANT=3"],
-        &crate::support::model("Lag", "Lag"),
-    );
-    bench.write(
-        "study.toml",
-        &STUDY.replace("step = 0.01", "step = 0.01\ntolerance = 1e-3"),
-    );
-    let said = bench.run(&[
-        "verify",
-        "study.toml",
-        "--output",
-        "tolerant",
-        "--validation",
-    ]);
+    bench.fmu("lag.fmu", &["TOLERANT=3"], &crate::support::model("Lag", "Lag"));
+    bench.write("study.toml", &STUDY.replace("step = 0.01", "step = 0.01\ntolerance = 1e-3"));
+    let said = bench.run(&["verify", "study.toml", "--output", "tolerant", "--validation"]);
     assert!(said.code < 2, "{}", said.err);
     let found = bench.summary("tolerant")["validation"]["Y"].clone();
     let u_num = found["u_num"].as_f64().unwrap();
     assert!((u_num / (3e-3 * 1.25 / 1.15) - 1.0).abs() < 1e-3, "{found}");
     let note = found["u_num_note"].as_str().unwrap();
-    assert!(
-        note.contains("step") && note.contains("refining the tolerance"),
-        "{note}"
-    );
+    assert!(note.contains("step") && note.contains("refining the tolerance"), "{note}");
     bench.fmu("lag.fmu", &[], &crate::support::model("Lag", "Lag"));
     // Without an input that changes, every step is exact.
     bench.write("study.toml", STUDY);
@@ -651,13 +477,7 @@ fn the_numerical_uncertainty_is_that_of_the_step() {
     assert!(said.code < 2, "{}", said.err);
     let found = bench.summary("exact")["validation"]["Y"].clone();
     assert!(found["u_num"].is_null(), "{found}");
-    assert!(
-        found["u_num_note"]
-            .as_str()
-            .unwrap()
-            .starts_with("not observable"),
-        "{found}"
-    );
+    assert!(found["u_num_note"].as_str().unwrap().starts_with("not observable"), "{found}");
 }
 
 const LINEAR: &str = r#"
@@ -685,14 +505,7 @@ share = "95 %"
 fn tolerances_of_a_linear_model_are_found_and_confirmed() {
     let bench = Bench::new();
     bench.write("study.toml", LINEAR);
-    let said = bench.run(&[
-        "tolerances",
-        "study.toml",
-        "--points",
-        "4096",
-        "--output",
-        "out",
-    ]);
+    let said = bench.run(&["tolerances", "study.toml", "--points", "4096", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let found: Value = serde_json::from_str(&bench.read("out/tolerances.json")).unwrap();
     let known = 2.4 / (1.959_964 * 2.0);
@@ -704,34 +517,14 @@ fn tolerances_of_a_linear_model_are_found_and_confirmed() {
     let [low, high] = [0, 1].map(|k| found["stated"]["interval"][k].as_f64().unwrap());
     assert!((low..=high).contains(&share), "{found}");
     assert_eq!(found["confirmed"]["decision"], "verified");
-    assert!(
-        said.out.contains("widest tolerances") && said.out.contains("confirmed"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("widest tolerances") && said.out.contains("confirmed"), "{}", said.out);
     // Points of a finished study are used first; the same again changes nothing.
-    assert!(
-        bench
-            .run(&["verify", "study.toml", "--output", "known"])
-            .code
-            != 2
-    );
-    let again = [
-        "tolerances",
-        "study.toml",
-        "--from",
-        "known",
-        "--output",
-        "known",
-    ];
+    assert!(bench.run(&["verify", "study.toml", "--output", "known"]).code != 2);
+    let again = ["tolerances", "study.toml", "--from", "known", "--output", "known"];
     let said = bench.run(&again);
     assert_eq!(said.code, 0, "{}", said.err);
     let first = bench.read("known/tolerances.json");
-    assert!(
-        bench
-            .read("known/report.html")
-            .contains("Widest tolerances")
-    );
+    assert!(bench.read("known/report.html").contains("Widest tolerances"));
     let said = bench.run(&[&again[..], &["--resume"]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(bench.read("known/tolerances.json"), first);
@@ -757,18 +550,8 @@ tolerance = 0.5495
 "#;
     // x1 is from 0.857 to 1.956 in at most 37.8 % of the points, at 1.53 times the deviation.
     for (share, refused) in [("35 %", true), ("25 %", false)] {
-        bench.write(
-            "study.toml",
-            &format!("{study}[tolerances]\nshare = \"{share}\"\n"),
-        );
-        let said = bench.run(&[
-            "tolerances",
-            "study.toml",
-            "--points",
-            "4096",
-            "--output",
-            share,
-        ]);
+        bench.write("study.toml", &format!("{study}[tolerances]\nshare = \"{share}\"\n"));
+        let said = bench.run(&["tolerances", "study.toml", "--points", "4096", "--output", share]);
         assert_eq!(said.code, 0, "{}", said.err);
         let text = bench.read(&format!("{share}/tolerances.json"));
         let found: Value = serde_json::from_str(&text).unwrap();
@@ -780,9 +563,7 @@ tolerance = 0.5495
                 "{}",
                 said.out
             );
-            assert!(
-                found["parameters"].as_array().unwrap().is_empty() && found["stated"].is_null()
-            );
+            assert!(found["parameters"].as_array().unwrap().is_empty() && found["stated"].is_null());
         } else {
             assert_eq!(found["confirmed"]["decision"], "verified", "{found}");
         }
@@ -792,10 +573,7 @@ tolerance = 0.5495
 #[test]
 fn tolerances_say_why_none_would_do() {
     let bench = Bench::new();
-    bench.write(
-        "study.toml",
-        &LINEAR.replace("nominal = 20", "nominal = 30"),
-    );
+    bench.write("study.toml", &LINEAR.replace("nominal = 20", "nominal = 30"));
     let said = bench.run(&["tolerances", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
@@ -805,21 +583,11 @@ fn tolerances_say_why_none_would_do() {
         "{}",
         said.out
     );
-    bench.write(
-        "study.toml",
-        &LINEAR.replace("[verdict]\nshare = \"95 %\"\n", ""),
-    );
-    bench
-        .run(&["tolerances", "study.toml"])
-        .is_mistake(&["what the tolerances must achieve"]);
-    bench.write(
-        "study.toml",
-        &(LINEAR.to_owned() + "[tolerances]\ncosts.\"lag.lenght\" = 2\n"),
-    );
+    bench.write("study.toml", &LINEAR.replace("[verdict]\nshare = \"95 %\"\n", ""));
+    bench.run(&["tolerances", "study.toml"]).is_mistake(&["what the tolerances must achieve"]);
+    bench.write("study.toml", &(LINEAR.to_owned() + "[tolerances]\ncosts.\"lag.lenght\" = 2\n"));
     // The results of the run before stay, and nothing says that they are replaced.
     let before = bench.read("out/tolerances/journal.txt");
-    bench
-        .run(&["tolerances", "study.toml", "--output", "out"])
-        .is_mistake(&["study.toml:20:7", "lag.lenght"]);
+    bench.run(&["tolerances", "study.toml", "--output", "out"]).is_mistake(&["study.toml:20:7", "lag.lenght"]);
     assert_eq!(bench.read("out/tolerances/journal.txt"), before);
 }

@@ -36,9 +36,7 @@ tolerance = 0.1
 
 /// The measurement: uneven times, and the curve of another rate.
 fn times() -> Vec<f64> {
-    (0..40)
-        .map(|k| 0.11 + 0.04 * f64::from(k) + 0.003 * f64::from(k % 3))
-        .collect()
+    (0..40).map(|k| 0.11 + 0.04 * f64::from(k) + 0.003 * f64::from(k % 3)).collect()
 }
 
 fn measured(time: f64) -> f64 {
@@ -70,17 +68,10 @@ fn rows(bench: &Bench, names: &[&str]) -> Vec<Vec<f64>> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let place = |name: &str| header.iter().position(|column| *column == name).unwrap();
-    let places: Vec<usize> = ["lag.rate"]
-        .iter()
-        .chain(names)
-        .map(|name| place(name))
-        .collect();
+    let places: Vec<usize> = ["lag.rate"].iter().chain(names).map(|name| place(name)).collect();
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
-        places
-            .iter()
-            .map(|&place| cells[place].parse().unwrap())
-            .collect()
+        places.iter().map(|&place| cells[place].parse().unwrap()).collect()
     };
     lines.map(row).collect()
 }
@@ -100,16 +91,10 @@ fn curves_are_compared_while_the_model_steps() {
     assert_eq!(rows.len(), 6);
     for row in rows {
         let [rate, y, t, w] = row[..] else { panic!() };
-        let late = |delay: f64| {
-            times()
-                .into_iter()
-                .map(move |time| model(rate, time - delay) - measured(time))
-        };
+        let late = |delay: f64| times().into_iter().map(move |time| model(rate, time - delay) - measured(time));
         let squares: f64 = late(0.0).map(|deviation| deviation * deviation).sum();
         assert!((y - (squares / 40.0).sqrt()).abs() < 1e-12, "{rate} {y}");
-        let inside = late(0.0)
-            .filter(|deviation| 10.0 * deviation.abs() <= 0.2)
-            .count();
+        let inside = late(0.0).filter(|deviation| 10.0 * deviation.abs() <= 0.2).count();
         assert!((t - inside as f64 / 40.0).abs() < 1e-12, "{rate} {t}");
         let most = late(0.1).map(f64::abs).fold(0.0, f64::max);
         assert!((w - most).abs() < 1e-12, "{rate} {w}");
@@ -118,23 +103,14 @@ fn curves_are_compared_while_the_model_steps() {
 
 #[test]
 fn windows_cut_the_measurement() {
-    let late = STUDY.replace(
-        "tolerance = 0.02",
-        "tolerance = 0.02\nwindow = { from = \"1 s\", to = \"1.5 s\" }",
-    );
+    let late = STUDY.replace("tolerance = 0.02", "tolerance = 0.02\nwindow = { from = \"1 s\", to = \"1.5 s\" }");
     let warm = STUDY.replace("stop = 2", "stop = 2\nwarm-up = 1");
     for (study, until) in [(late, 1.5), (warm, 2.0)] {
         let bench = bench(&study);
         verify(&bench);
         for row in rows(&bench, &["Y"]) {
-            let inside = || {
-                times()
-                    .into_iter()
-                    .filter(|time| (1.0..=until).contains(time))
-            };
-            let squares: f64 = inside()
-                .map(|time| (model(row[0], time) - measured(time)).powi(2))
-                .sum();
+            let inside = || times().into_iter().filter(|time| (1.0..=until).contains(time));
+            let squares: f64 = inside().map(|time| (model(row[0], time) - measured(time)).powi(2)).sum();
             let expected = (squares / inside().count() as f64).sqrt();
             assert!((row[1] - expected).abs() < 1e-12, "{row:?} {expected}");
         }
@@ -148,30 +124,17 @@ fn replay_and_judge_say_the_same() {
     let first = &rows(&bench, &["Y"])[0];
     let said = bench.run(&["replay", "out", "1"]);
     let value: f64 = {
-        let line = said
-            .out
-            .lines()
-            .find(|line| line.trim_start().starts_with("Y = "))
-            .unwrap();
+        let line = said.out.lines().find(|line| line.trim_start().starts_with("Y = ")).unwrap();
         line.split_whitespace().nth(2).unwrap().parse().unwrap()
     };
     assert!((value - first[1]).abs() < 1e-5, "{}", said.out);
-    let judged = bench.run(&[
-        "judge",
-        "study.toml",
-        "out/points.csv",
-        "--output",
-        "judged",
-        "--verbose",
-    ]);
+    let judged = bench.run(&["judge", "study.toml", "out/points.csv", "--output", "judged", "--verbose"]);
     assert!(judged.code < 2, "{}", judged.err);
     for key in ["points", "verified", "criteria"] {
         let passed = |folder: &str| {
             let summary = bench.summary(folder);
             match key {
-                "criteria" => ["Y", "T", "W"]
-                    .map(|name| summary[key][name]["passed"].clone())
-                    .to_vec(),
+                "criteria" => ["Y", "T", "W"].map(|name| summary[key][name]["passed"].clone()).to_vec(),
                 _ => vec![summary[key].clone()],
             }
         };
@@ -182,15 +145,9 @@ fn replay_and_judge_say_the_same() {
 #[test]
 fn an_aligned_curve_and_a_rating() {
     let found = STUDY
-        .replace(
-            "delay = \"100 ms\"",
-            "delay = { from = \"-100 ms\", to = \"50 ms\" }",
-        )
+        .replace("delay = \"100 ms\"", "delay = { from = \"-100 ms\", to = \"50 ms\" }")
         .replace("metric = \"max-error\"", "metric = \"rmse\"")
-        .replace(
-            "metric = \"corridor\"\nleast = \"80 %\"",
-            "metric = \"iso18571\"\nleast = 0.8",
-        );
+        .replace("metric = \"corridor\"\nleast = \"80 %\"", "metric = \"iso18571\"\nleast = 0.8");
     let bench = bench(&found);
     verify(&bench);
     for row in rows(&bench, &["Y", "T", "W"]) {
@@ -203,10 +160,7 @@ fn an_aligned_curve_and_a_rating() {
         };
         let tried = (0..=3000).map(|k| rmse(-0.1 + 5e-5 * f64::from(k)));
         let least = tried.fold(f64::INFINITY, f64::min);
-        assert!(
-            row[3] <= least + 1e-12 && row[3] > least - 1e-6,
-            "{row:?} {least}"
-        );
+        assert!(row[3] <= least + 1e-12 && row[3] > least - 1e-6, "{row:?} {least}");
         assert!(row[3] < row[1], "{row:?}");
     }
 }
@@ -216,50 +170,16 @@ fn mistakes_of_curves() {
     let mistake = |from: &str, to: &str, words: &[&str]| {
         assert!(STUDY.contains(from), "{from}");
         let bench = bench(&STUDY.replacen(from, to, 1));
-        bench
-            .run(&["verify", "study.toml", "--output", "out"])
-            .is_mistake(words);
+        bench.run(&["verify", "study.toml", "--output", "out"]).is_mistake(words);
     };
-    mistake(
-        "unit = \"degC\",",
-        "unit = \"mm\",",
-        &["study.toml:17:", "mm"],
-    );
-    mistake(
-        "column = \"y\"",
-        "column = \"z\"",
-        &["study.toml:14:", "measured.csv", "no column `z`", "t, y, T"],
-    );
-    mistake(
-        "file = \"measured.csv\"",
-        "file = \"none.csv\"",
-        &["study.toml:14:", "none.csv"],
-    );
-    mistake(
-        "stop = 2",
-        "stop = 1",
-        &["study.toml:14:", "not within the run", "window"],
-    );
-    mistake(
-        "\"100 ms\"",
-        "\"200 ms\"",
-        &["study.toml:25:", "delay of 0.2 s", "not within the run"],
-    );
-    mistake(
-        "metric = \"rmse\"",
-        "metric = \"rmsd\"",
-        &["study.toml:15:", "`rmse`"],
-    );
-    mistake(
-        "tolerance = 0.02",
-        "tolerance = 0.02\nnominal = 1",
-        &["study.toml:12:", "no place"],
-    );
-    mistake(
-        ", uncertainty = \"0.2 degC\"",
-        "",
-        &["study.toml:17:", "band"],
-    );
+    mistake("unit = \"degC\",", "unit = \"mm\",", &["study.toml:17:", "mm"]);
+    mistake("column = \"y\"", "column = \"z\"", &["study.toml:14:", "measured.csv", "no column `z`", "t, y, T"]);
+    mistake("file = \"measured.csv\"", "file = \"none.csv\"", &["study.toml:14:", "none.csv"]);
+    mistake("stop = 2", "stop = 1", &["study.toml:14:", "not within the run", "window"]);
+    mistake("\"100 ms\"", "\"200 ms\"", &["study.toml:25:", "delay of 0.2 s", "not within the run"]);
+    mistake("metric = \"rmse\"", "metric = \"rmsd\"", &["study.toml:15:", "`rmse`"]);
+    mistake("tolerance = 0.02", "tolerance = 0.02\nnominal = 1", &["study.toml:12:", "no place"]);
+    mistake(", uncertainty = \"0.2 degC\"", "", &["study.toml:17:", "band"]);
     mistake(
         "tolerance = 0.02",
         "tolerance = 0.02\nwindow = { from = 1.9 }",
@@ -270,10 +190,7 @@ fn mistakes_of_curves() {
         let table = bench.read("measured.csv");
         let second = table.lines().nth(2).unwrap();
         let time = second.split(',').next().unwrap();
-        bench.write(
-            "broken.csv",
-            &table.replace(second, &format!("{time},{cell},1,1")),
-        );
+        bench.write("broken.csv", &table.replace(second, &format!("{time},{cell},1,1")));
         bench.write("broken.toml", &STUDY.replace("measured.csv", "broken.csv"));
         let said = bench.run(&["verify", "broken.toml", "--output", "out"]);
         said.is_mistake(&["broken.toml:14:", "broken.csv", words]);
@@ -307,17 +224,12 @@ unit = "degC"
 /// The probability that the rmse of a point is at most 0.03, where all rows are off by the same error z of standard deviation
 /// 0.02: (d - z)^2 = mean((e - z)^2) + (mean e)^2 - mean(e^2), so z lies between two limits.
 fn conforms(rate: f64) -> f64 {
-    let errors: Vec<f64> = times()
-        .into_iter()
-        .map(|t| model(rate, t) - measured(t))
-        .collect();
+    let errors: Vec<f64> = times().into_iter().map(|t| model(rate, t) - measured(t)).collect();
     let mean = errors.iter().sum::<f64>() / 40.0;
     let squares = errors.iter().map(|e| e * e).sum::<f64>() / 40.0;
     let rest = 0.03 * 0.03 + mean * mean - squares;
     match rest > 0.0 {
-        true => {
-            conformity::normal::between((mean - rest.sqrt()) / 0.02, (mean + rest.sqrt()) / 0.02)
-        }
+        true => conformity::normal::between((mean - rest.sqrt()) / 0.02, (mean + rest.sqrt()) / 0.02),
         false => 0.0,
     }
 }
@@ -335,75 +247,33 @@ fn the_risk_of_a_curve_joins_that_of_numbers() {
         // A point's probability is one of 256 draws.
         assert!((found - expected).abs() < 1.0 / 256.0, "{found} {expected}");
     };
-    near(
-        &risk["conformance_probability"],
-        mean(&|row| conforms(row[0])),
-    );
+    near(&risk["conformance_probability"], mean(&|row| conforms(row[0])));
     let consumer = |row: &[f64]| f64::from(u8::from(row[1] <= 0.03)) * (1.0 - conforms(row[0]));
     near(&risk["consumer"], mean(&consumer));
-    let number = |value: f64| {
-        conformity::normal::between((value - 8.9 - 0.3) / 0.1, (value - 8.9 + 0.3) / 0.1)
-    };
+    let number = |value: f64| conformity::normal::between((value - 8.9 - 0.3) / 0.1, (value - 8.9 + 0.3) / 0.1);
     let both = mean(&|row| conforms(row[0]) * number(row[2]));
     near(&summary["risk"]["conformance_probability"], both);
     let expected = summary["expected_verified"].as_f64().unwrap() / 24.0;
     near(&expected.into(), both);
     assert_eq!(summary["criteria"]["Y"]["row_correlation"], 1.0);
-    assert!(
-        said.out
-            .contains("risk presumes that all measured rows of Y share one error"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("risk presumes that all measured rows of Y share one error"), "{}", said.out);
     // The same numbers whatever the processes, and after the run was interrupted.
     for isolation in ["fresh", "reuse"] {
-        bench.run(&[
-            "verify",
-            "study.toml",
-            "--isolation",
-            isolation,
-            "--output",
-            isolation,
-        ]);
+        bench.run(&["verify", "study.toml", "--isolation", isolation, "--output", isolation]);
         assert_eq!(bench.summary(isolation)["risk"], summary["risk"]);
     }
     for half in ["1/2", "2/2"] {
-        bench.run(&[
-            "verify",
-            "study.toml",
-            "--shard",
-            half,
-            "--output",
-            &half[..1],
-        ]);
+        bench.run(&["verify", "study.toml", "--shard", half, "--output", &half[..1]]);
     }
     bench.run(&["merge", "1", "2", "--output", "merged"]);
     assert_eq!(bench.summary("merged")["risk"], summary["risk"]);
     // A table has no curve to compare with.
-    let judged = bench.run(&[
-        "judge",
-        "study.toml",
-        "out/points.csv",
-        "--output",
-        "judged",
-        "--verbose",
-    ]);
+    let judged = bench.run(&["judge", "study.toml", "out/points.csv", "--output", "judged", "--verbose"]);
     let of_table = bench.summary("judged");
     assert!(of_table["risk"].is_null() && of_table["criteria"]["Y"]["risk"].is_null());
-    let reason = of_table["criteria"]["Y"]["risk_not_stated"]
-        .as_str()
-        .unwrap();
-    assert!(
-        reason.contains("a table has the metric's value alone"),
-        "{reason}"
-    );
-    assert!(
-        judged
-            .out
-            .contains("of the curve Y, the points come without"),
-        "{}",
-        judged.out
-    );
+    let reason = of_table["criteria"]["Y"]["risk_not_stated"].as_str().unwrap();
+    assert!(reason.contains("a table has the metric's value alone"), "{reason}");
+    assert!(judged.out.contains("of the curve Y, the points come without"), "{}", judged.out);
     assert!(!of_table["criteria"]["T"]["risk"].is_null());
 }
 
@@ -415,32 +285,19 @@ fn curves_of_one_recording_share_their_errors() {
     verify(&bench_of_two);
     let alone = bench(UNCERTAIN);
     verify(&alone);
-    assert_eq!(
-        bench_of_two.summary("out")["risk"],
-        alone.summary("out")["risk"]
-    );
-    let noise = UNCERTAIN.replace(
-        "uncertainty = 0.04 }",
-        "uncertainty = 0.04, correlation = 0 }",
-    );
+    assert_eq!(bench_of_two.summary("out")["risk"], alone.summary("out")["risk"]);
+    let noise = UNCERTAIN.replace("uncertainty = 0.04 }", "uncertainty = 0.04, correlation = 0 }");
     let of_noise = bench(&noise);
     verify(&of_noise);
     let risk = &of_noise.summary("out")["criteria"]["Y"]["risk"];
     // sqrt(rmse^2 + 0.02^2) <= 0.03 leaves the points with an rmse below 0.0224.
-    let near = rows(&of_noise, &["Y"])
-        .iter()
-        .filter(|row| row[1] < 0.0224)
-        .count();
+    let near = rows(&of_noise, &["Y"]).iter().filter(|row| row[1] < 0.0224).count();
     let found = 24.0 * risk["conformance_probability"].as_f64().unwrap();
     assert!((found - near as f64).abs() < 2.0, "{found} {near}");
     let wrong = bench(&noise.replace("correlation = 0", "correlation = 1.5"));
-    wrong
-        .run(&["verify", "study.toml", "--output", "out"])
-        .is_mistake(&["study.toml:14:", "from 0 (noise) to 1"]);
+    wrong.run(&["verify", "study.toml", "--output", "out"]).is_mistake(&["study.toml:14:", "from 0 (noise) to 1"]);
     let guarded = bench(&format!("{UNCERTAIN}[verdict]\nshare = 0.1\nrisk = 0.05\n"));
-    guarded
-        .run(&["verify", "study.toml", "--output", "out"])
-        .is_mistake(&["study.toml:25:", "guard band", "curve Y"]);
+    guarded.run(&["verify", "study.toml", "--output", "out"]).is_mistake(&["study.toml:25:", "guard band", "curve Y"]);
 }
 
 /// The model rises, so its percentiles are its values after so much of the time, on straight lines between its steps.
@@ -455,19 +312,13 @@ fn percentiles_and_values_at_a_time_lie_between_steps() {
     let general = criterion("P", &percentile(95.0)) + &criterion("A", "at = \"320 ms\"");
     let windows = general.clone() + &criterion("W", &own);
     let warm = begin.replace("stop = 2", "stop = 2\nwarm-up = 1\nleap = true");
-    for (study, from) in [
-        (begin.to_owned() + &general, 0.0),
-        (begin.to_owned() + &windows, 0.0),
-        (warm + &windows, 1.0),
-    ] {
+    for (study, from) in
+        [(begin.to_owned() + &general, 0.0), (begin.to_owned() + &windows, 0.0), (warm + &windows, 1.0)]
+    {
         let bench = bench(&study);
         verify(&bench);
         let has_own = study.contains("[criteria.W]");
-        let names = if has_own {
-            &["P", "A", "W"][..]
-        } else {
-            &["P", "A"]
-        };
+        let names = if has_own { &["P", "A", "W"][..] } else { &["P", "A"] };
         for row in rows(&bench, names) {
             let close = |value: f64, time: f64| {
                 let expected = model(row[0], time);
@@ -485,22 +336,15 @@ fn percentiles_and_values_at_a_time_lie_between_steps() {
 #[test]
 fn a_percentile_without_percent_is_refused_with_its_line() {
     let begin = STUDY.split("[criteria.Y]").next().unwrap();
-    for (keys, message) in [
-        ("statistic = \"percentile\"", "needs `percent`"),
-        ("at = \"3 s\"", "not within the run from 0 s to 2 s"),
-    ] {
-        let study = format!(
-            "{begin}[criteria.P]\nvariable = \"lag.y\"\nnominal = 1\ntolerance = 0.1\n{keys}\n"
-        );
+    for (keys, message) in
+        [("statistic = \"percentile\"", "needs `percent`"), ("at = \"3 s\"", "not within the run from 0 s to 2 s")]
+    {
+        let study = format!("{begin}[criteria.P]\nvariable = \"lag.y\"\nnominal = 1\ntolerance = 0.1\n{keys}\n");
         let line = 1 + begin.lines().count();
         let said = bench(&study).run(&["verify", "study.toml", "--output", "out"]);
         assert_eq!(said.code, 2);
         assert!(said.err.contains(message), "{}", said.err);
-        assert!(
-            said.err.contains(&format!("study.toml:{line}:")),
-            "{}",
-            said.err
-        );
+        assert!(said.err.contains(&format!("study.toml:{line}:")), "{}", said.err);
     }
 }
 

@@ -52,26 +52,15 @@ const WHAT: [&str; 37] = [
 ];
 
 /// How it ends, likewise.
-const HOW: [&str; 6] = [
-    "plainly",
-    "with a warning",
-    "with discard",
-    "with an error",
-    "with NaN",
-    "with a logged error",
-];
+const HOW: [&str; 6] =
+    ["plainly", "with a warning", "with discard", "with an error", "with NaN", "with a logged error"];
 const PLAINLY: usize = 0;
 
 /// The trace that the library makes when it is loaded, in a fixture of its own.
 const IN_MADE: usize = 36;
 
 /// Traces that are seen however the point ends. A thread is not, where it has ended before anyone looks.
-const SEEN: [&str; 4] = [
-    "a thread that goes on",
-    "a process",
-    "a signal handler",
-    "a timer",
-];
+const SEEN: [&str; 4] = ["a thread that goes on", "a process", "a signal handler", "a timer"];
 
 /// The trace that is seen by looking at signals.
 const SIGNALS: &str = "an ignored signal";
@@ -210,16 +199,8 @@ fn points_that_always_warn_run_alone_and_the_files_say_why() {
     let summary = bench.summary("out");
     assert_eq!(summary["isolation"], "fresh");
     assert_eq!(summary["isolation_reason"], "complaints");
-    assert!(
-        said.out.contains("many points ended with a warning"),
-        "{}",
-        said.out
-    );
-    assert!(
-        bench
-            .read("out/report.html")
-            .contains("any points ended with a warning")
-    );
+    assert!(said.out.contains("many points ended with a warning"), "{}", said.out);
+    assert!(bench.read("out/report.html").contains("any points ended with a warning"));
 }
 
 /// All behaviours: prints a table.
@@ -251,9 +232,7 @@ fn all_behaviours() {
             }
         }
     }
-    println!(
-        "of {plain} that ended plainly {found} were found by audits; {expected:.2} chance of the others"
-    );
+    println!("of {plain} that ended plainly {found} were found by audits; {expected:.2} chance of the others");
     assert!(spoilt.is_empty(), "{}", spoilt.join("\n"));
 }
 
@@ -265,15 +244,7 @@ fn a_stall_of_the_clock_does_not_decide_how_processes_are_shared() {
     bench.write("study.toml", &STUDY.replace("1000", "3000"));
     for jobs in ["1", "2", "16"] {
         let count = bench.path("instances");
-        let mut command = bench.command(&[
-            "verify",
-            "study.toml",
-            "--verbose",
-            "--output",
-            jobs,
-            "--jobs",
-            jobs,
-        ]);
+        let mut command = bench.command(&["verify", "study.toml", "--verbose", "--output", jobs, "--jobs", jobs]);
         let output = command.env("LAG_INSTANCES", &count).output().unwrap();
         assert!(output.status.success());
         let instances = fs::read(&count).unwrap().len();
@@ -290,21 +261,9 @@ fn an_fmu_that_ignores_its_children_has_no_say_in_its_worker() {
     let bench = Bench::empty();
     bench.fmu("lag.fmu", &["IGNORES_CHILDREN"], &model("", ""));
     bench.write("study.toml", &STUDY.replace("1000", "8"));
-    let mut command = bench.command(&[
-        "verify",
-        "study.toml",
-        "--output",
-        "out",
-        "--jobs",
-        "1",
-        "--point-timeout",
-        "2",
-    ]);
-    let said: Said = command
-        .env("LAG_LOADS", bench.path("ignores"))
-        .output()
-        .unwrap()
-        .into();
+    let mut command =
+        bench.command(&["verify", "study.toml", "--output", "out", "--jobs", "1", "--point-timeout", "2"]);
+    let said: Said = command.env("LAG_LOADS", bench.path("ignores")).output().unwrap().into();
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(!bench.path("ignores").exists());
 }
@@ -316,10 +275,7 @@ fn a_worker_ends_with_its_supervisor_while_it_loads() {
     bench.fmu("lag.fmu", &["SLEEPS_WHEN_LOADED"], &model("", ""));
     bench.write("study.toml", STUDY);
     let mut command = bench.command(&["verify", "study.toml", "--output", "out", "--jobs", "1"]);
-    command
-        .env("LAG_LOADS", bench.path("loads"))
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    command.env("LAG_LOADS", bench.path("loads")).stdout(Stdio::null()).stderr(Stdio::null());
     let mut run = command.spawn().unwrap();
     let pid = loop {
         assert!(run.try_wait().unwrap().is_none());
@@ -333,8 +289,7 @@ fn a_worker_ends_with_its_supervisor_while_it_loads() {
     run.wait().unwrap();
     // It would sleep for a minute.
     let begun = Instant::now();
-    let runs =
-        || fs::read_to_string(format!("/proc/{pid}/stat")).is_ok_and(|stat| !stat.contains(") Z"));
+    let runs = || fs::read_to_string(format!("/proc/{pid}/stat")).is_ok_and(|stat| !stat.contains(") Z"));
     while runs() && begun.elapsed() < Duration::from_secs(20) {
         sleep(Duration::from_millis(5));
     }
@@ -347,17 +302,9 @@ fn a_licence_is_waited_for_once_and_told() {
         let bench = Bench::empty();
         bench.fmu("lag.fmu", &[&format!("SAYS=\"{says}\"")], &model("", ""));
         bench.write("study.toml", &STUDY.replace("1000", "6"));
-        let said = bench.run(&[
-            "verify",
-            "study.toml",
-            "--output",
-            "out",
-            "--point-timeout",
-            "1",
-        ]);
+        let said = bench.run(&["verify", "study.toml", "--output", "out", "--point-timeout", "1"]);
         assert_eq!(bench.summary("out")["failed"], 6, "{}", said.err);
-        ["waiting for one, up to 1s", "no licence came within 1s"]
-            .map(|words| said.err.matches(words).count())
+        ["waiting for one, up to 1s", "no licence came within 1s"].map(|words| said.err.matches(words).count())
     };
     assert_eq!(refused("no licence is free"), [1, 1]);
     assert_eq!(refused("lag 1.2, MIT License"), [0, 0]);
@@ -370,32 +317,14 @@ fn points_that_fail_because_of_others_are_repeated_alone() {
     bench.fmu("lag.fmu", &["PORT", "SLOW", "SLOW_START"], &model("", ""));
     bench.write("study.toml", &STUDY.replace("1000", "24"));
     for jobs in ["1", "2"] {
-        let mut command = bench.command(&[
-            "verify",
-            "study.toml",
-            "--verbose",
-            "--output",
-            jobs,
-            "--jobs",
-            jobs,
-        ]);
+        let mut command = bench.command(&["verify", "study.toml", "--verbose", "--output", jobs, "--jobs", jobs]);
         let port = bench.path("port");
         let said: Said = command.env("LAG_PORT", port).output().unwrap().into();
         assert_eq!(said.code, 0, "{}", said.err);
         let summary = bench.summary(jobs);
-        assert_eq!(
-            (&summary["failed"], &summary["reproducible"]),
-            (&0.into(), &true.into()),
-            "{}",
-            said.out
-        );
+        assert_eq!((&summary["failed"], &summary["reproducible"]), (&0.into(), &true.into()), "{}", said.out);
         let told = said.out.contains("passed alone");
-        assert_eq!(
-            told,
-            summary["passed_alone"].as_u64().unwrap_or(0) > 0,
-            "{}",
-            said.out
-        );
+        assert_eq!(told, summary["passed_alone"].as_u64().unwrap_or(0) > 0, "{}", said.out);
     }
     assert_eq!(bench.read("1/points.csv"), bench.read("2/points.csv"));
 }
@@ -412,11 +341,7 @@ fn an_interrupted_repetition_alone_goes_on_as_if_nothing_had_been() {
     for (command, state, files) in [
         (&verify[..], "", ["points.csv", "summary.json"]),
         (&until, "", ["points.csv", "summary.json"]),
-        (
-            &analysis,
-            "/sensitivity",
-            ["sensitivity.json", "sensitivity-runs.csv"],
-        ),
+        (&analysis, "/sensitivity", ["sensitivity.json", "sensitivity-runs.csv"]),
     ] {
         let bench = Bench::empty();
         bench.fmu("lag.fmu", &["PORT", "SLOW", "SLOW_START"], &model("", ""));
@@ -431,10 +356,7 @@ fn an_interrupted_repetition_alone_goes_on_as_if_nothing_had_been() {
             if files[1].starts_with('{') {
                 let summary = bench.summary(folder);
                 let told = ["failed", "verified", "repeated_alone", "passed_alone"];
-                return [
-                    files[0].clone(),
-                    told.map(|key| format!("{key} {}; ", summary[key])).concat(),
-                ];
+                return [files[0].clone(), told.map(|key| format!("{key} {}; ", summary[key])).concat()];
             }
             files
         };
@@ -444,28 +366,16 @@ fn an_interrupted_repetition_alone_goes_on_as_if_nothing_had_been() {
         let settled = lines.iter().position(|line| line.contains("\"Settled\""));
         let settled = settled.expect("two points at a time want the same port");
         let (_, repeated) = lines[settled].split_once("\"repeated\":").unwrap();
-        let repeated = repeated
-            .split(|c: char| !c.is_ascii_digit())
-            .next()
-            .unwrap();
+        let repeated = repeated.split(|c: char| !c.is_ascii_digit()).next().unwrap();
         let alone = (0..settled).rev().filter(|&k| is_of_point(lines[k]));
         let alone: Vec<usize> = alone.take(repeated.parse().unwrap()).collect();
         let first = alone.last().copied().unwrap();
         for end in [first, alone[alone.len() / 2], settled] {
             let into = format!("killed-{end}");
-            killed(
-                &bench,
-                &format!("whole{state}"),
-                &format!("{into}{state}"),
-                |journal| {
-                    journal.truncate(end);
-                },
-            );
-            assert_eq!(
-                run(&into, &["--jobs", "2", "--resume"]),
-                whole,
-                "{command:?} {end}"
-            );
+            killed(&bench, &format!("whole{state}"), &format!("{into}{state}"), |journal| {
+                journal.truncate(end);
+            });
+            assert_eq!(run(&into, &["--jobs", "2", "--resume"]), whole, "{command:?} {end}");
         }
     }
 }

@@ -70,9 +70,7 @@ pub const KEYS_OF_HOW: [&str; 10] = [
 pub fn without(object: &serde_json::Value, keys: &[&str]) -> String {
     let entries = object.as_object().unwrap().iter();
     let entries = entries.filter(|(key, _)| !keys.contains(&key.as_str()));
-    entries
-        .map(|(key, value)| format!("{key}: {value}\n"))
-        .collect()
+    entries.map(|(key, value)| format!("{key}: {value}\n")).collect()
 }
 
 /// The final files of a folder, without how they were computed and how long it took.
@@ -96,11 +94,9 @@ fn reference(bench: &Bench) -> (String, String, String) {
 fn workers_and_places_do_not_matter() {
     let bench = bench();
     let reference = reference(&bench);
-    for (folder, options) in [
-        ("one", &["--jobs", "1"][..]),
-        ("five", &["--jobs", "5"]),
-        ("here", &["--in-process", "--jobs", "3"]),
-    ] {
+    for (folder, options) in
+        [("one", &["--jobs", "1"][..]), ("five", &["--jobs", "5"]), ("here", &["--in-process", "--jobs", "3"])]
+    {
         assert_eq!(verify(&bench, folder, options).code, 0);
         assert!(files(&bench, folder) == reference, "{folder}");
     }
@@ -127,14 +123,7 @@ fn kill(points: u32, kills: u32, finished: u32) {
     assert!(run("whole", &[]).wait().unwrap().success());
     if finished > 0 {
         let fewer = finished.to_string();
-        let mut command = bench.command(&[
-            "verify",
-            "study.toml",
-            "--points",
-            &fewer,
-            "--output",
-            "killed",
-        ]);
+        let mut command = bench.command(&["verify", "study.toml", "--points", &fewer, "--output", "killed"]);
         assert!(command.output().unwrap().status.success());
     }
     let mut random = StdRng::seed_from_u64(kills.into());
@@ -143,11 +132,9 @@ fn kill(points: u32, kills: u32, finished: u32) {
         let mut child = run("killed", &["--resume"]);
         // Anywhere from before the first point to after many, slower where it would be done too early.
         let journal = fs::read_to_string(bench.path("killed/journal.txt")).unwrap_or_default();
-        let ahead = journal.lines().count() as u64 * u64::from(kills)
-            > u64::from(killed + 1) * points.parse::<u64>().unwrap();
-        sleep(Duration::from_micros(
-            random.random_range(0..if ahead { 15_000 } else { 80_000 }),
-        ));
+        let ahead =
+            journal.lines().count() as u64 * u64::from(kills) > u64::from(killed + 1) * points.parse::<u64>().unwrap();
+        sleep(Duration::from_micros(random.random_range(0..if ahead { 15_000 } else { 80_000 })));
         if killed % 3 == 0 {
             workers += u32::from(kill_worker(&mut child));
             sleep(Duration::from_micros(random.random_range(0..10_000)));
@@ -168,10 +155,7 @@ fn kill(points: u32, kills: u32, finished: u32) {
     println!("{killed} supervisors and {workers} workers killed over {points} points");
     assert!(files(&bench, "killed") == files(&bench, "whole"));
     for file in ["best.ssv", "best.srmd", "best-point.csv"] {
-        assert_eq!(
-            bench.read(&format!("killed/{file}")),
-            bench.read(&format!("whole/{file}"))
-        );
+        assert_eq!(bench.read(&format!("killed/{file}")), bench.read(&format!("whole/{file}")));
     }
     let entries = fs::read_dir(bench.path("killed")).unwrap().flatten();
     let mut left_over = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
@@ -195,9 +179,7 @@ fn kill_worker(supervisor: &mut Child) -> bool {
 
 /// The number of a process that another one has started: every thread has children of its own.
 fn worker_of(supervisor: u32) -> Option<String> {
-    let threads = fs::read_dir(format!("/proc/{supervisor}/task"))
-        .ok()?
-        .flatten();
+    let threads = fs::read_dir(format!("/proc/{supervisor}/task")).ok()?.flatten();
     let children = |thread: fs::DirEntry| fs::read_to_string(thread.path().join("children")).ok();
     threads.filter_map(children).find_map(|children| {
         let first = children.split_whitespace().next();
@@ -224,9 +206,7 @@ fn two_hundred_kills_over_five_thousand_points() {
 /// Runs a study with a limit on the size of its files, KiB, as on a full disk.
 fn verify_in(bench: &Bench, folder: &str, kibibytes: u32) -> crate::support::Said {
     let program = env!("CARGO_BIN_EXE_orchestrator");
-    let script = format!(
-        "trap '' XFSZ; ulimit -f {kibibytes}; exec {program} verify study.toml --output {folder}"
-    );
+    let script = format!("trap '' XFSZ; ulimit -f {kibibytes}; exec {program} verify study.toml --output {folder}");
     let mut command = Command::new("bash");
     command.args(["-c", &script]).current_dir(bench.path(""));
     command.output().unwrap().into()
@@ -245,12 +225,7 @@ fn a_full_disk_is_told_and_costs_nothing() {
         } else {
             // The page comes later, and costs itself alone.
             let page = bench.path(&format!("{folder}/report.html")).exists();
-            assert_eq!(
-                (said.code, said.err.lines().count()),
-                (0, usize::from(!page)),
-                "{}",
-                said.err
-            );
+            assert_eq!((said.code, said.err.lines().count()), (0, usize::from(!page)), "{}", said.err);
         }
         let said = verify(&bench, &folder, &["--resume"]);
         assert_eq!(said.code, 0, "{kibibytes} KiB: {}", said.err);
@@ -266,8 +241,7 @@ fn shards_join_to_the_same_files() {
         let folder = format!("part{}", &shard[..1]);
         assert_eq!(verify(&bench, &folder, &["--shard", shard]).code, 0);
     }
-    let merge =
-        |parts: &[&str], into: &str| bench.run(&[&["merge"], parts, &["--output", into]].concat());
+    let merge = |parts: &[&str], into: &str| bench.run(&[&["merge"], parts, &["--output", into]].concat());
     let said = merge(&["part3", "part1", "part2"], "joined");
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(files(&bench, "joined") == reference);
@@ -308,19 +282,12 @@ fn shards_share_the_dear_points_and_grow() {
     sorted.sort_by(f64::total_cmp);
     // Where the rate is in its upper tenth, a point may take 100 times as long.
     let cost = |index: usize| {
-        if rates[index] > sorted[3686] {
-            100.0
-        } else {
-            1.0
-        }
+        if rates[index] > sorted[3686] { 100.0 } else { 1.0 }
     };
     let costs = ["0", "1", "2", "3", "4", "5", "6", "7"].map(|index| {
         let shard = ["--shard-index", index, "--shards", "8"];
         let folder = format!("part{index}");
-        assert_eq!(
-            verify(&bench, &folder, &[&many[..], &shard].concat()).code,
-            0
-        );
+        assert_eq!(verify(&bench, &folder, &[&many[..], &shard].concat()).code, 0);
         let points = points_in(&bench, &folder);
         assert_eq!(points.len(), 512);
         points.into_iter().map(cost).sum::<f64>()
@@ -332,10 +299,7 @@ fn shards_share_the_dear_points_and_grow() {
     for shard in 1..=8 {
         let (folder, shard) = (format!("part{}", shard - 1), format!("{shard}/8"));
         let shard = ["--shard", &shard];
-        assert_eq!(
-            verify(&bench, &folder, &[&more[..], &shard].concat()).code,
-            0
-        );
+        assert_eq!(verify(&bench, &folder, &[&more[..], &shard].concat()).code, 0);
     }
     let parts: Vec<String> = (0..8).map(|part| format!("part{part}")).collect();
     let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
@@ -352,11 +316,7 @@ fn shards_share_the_dear_points_and_grow() {
 pub fn killed(bench: &Bench, from: &str, into: &str, change: impl Fn(&mut Vec<String>)) {
     fs::create_dir_all(bench.path(into)).unwrap();
     for file in ["request.json", "study.toml"] {
-        fs::copy(
-            bench.path(&format!("{from}/{file}")),
-            bench.path(&format!("{into}/{file}")),
-        )
-        .unwrap();
+        fs::copy(bench.path(&format!("{from}/{file}")), bench.path(&format!("{into}/{file}"))).unwrap();
     }
     let journal = bench.read(&format!("{from}/journal.txt"));
     let mut lines: Vec<String> = journal.lines().map(str::to_owned).collect();
@@ -366,9 +326,7 @@ pub fn killed(bench: &Bench, from: &str, into: &str, change: impl Fn(&mut Vec<St
 
 /// Whether a line of the journal is that of a point.
 pub fn is_of_point(line: &str) -> bool {
-    line.split(' ')
-        .nth(1)
-        .is_some_and(|word| word.parse::<u64>().is_ok())
+    line.split(' ').nth(1).is_some_and(|word| word.parse::<u64>().is_ok())
 }
 
 #[test]
@@ -384,10 +342,7 @@ fn a_study_that_waits_for_its_verdict_sees_all_finished_points_whatever_gaps_the
     killed(&bench, "whole", "gap", |lines| {
         lines.retain(|line| line.split(' ').nth(1) != Some("1"));
     });
-    assert_eq!(
-        verify(&bench, "gap", &[&until[..], &["--resume"]].concat()).code,
-        0
-    );
+    assert_eq!(verify(&bench, "gap", &[&until[..], &["--resume"]].concat()).code, 0);
     assert_eq!(bench.summary("gap")["run"]["computed"], 1);
     assert!(files(&bench, "gap") == files(&bench, "whole"));
 }
@@ -407,19 +362,11 @@ fn a_damaged_line_of_the_journal_costs_its_line() {
             journal[lines.clone()].iter_mut().for_each(flip);
         });
         let damaged = bench.read(&format!("{folder}/journal.txt"));
-        let lost = damaged
-            .lines()
-            .filter(|line| !line.contains(' ') || line.split(' ').next().unwrap().contains('!'));
-        let lost = lost
-            .filter(|line| is_of_point(&line.replacen('!', " ", 1)))
-            .count();
+        let lost = damaged.lines().filter(|line| !line.contains(' ') || line.split(' ').next().unwrap().contains('!'));
+        let lost = lost.filter(|line| is_of_point(&line.replacen('!', " ", 1))).count();
         let said = verify(&bench, folder, &[&few[..], &["--resume"]].concat());
         assert_eq!(said.code, 0, "{}", said.err);
-        assert!(
-            said.err.contains(told) && said.err.lines().count() == 1,
-            "{}",
-            said.err
-        );
+        assert!(said.err.contains(told) && said.err.lines().count() == 1, "{}", said.err);
         assert_eq!(bench.summary(folder)["run"]["computed"], lost);
         assert!(files(&bench, folder) == files(&bench, "whole"), "{folder}");
         // What has been told once is mended.
@@ -439,11 +386,7 @@ fn the_documents_name_all_that_differs_in_the_summary_of_a_resumed_run() {
     let engine = fs::read_to_string(engine).unwrap();
     let (_, named) = engine.split_once("`summary.json` except for").unwrap();
     for (key, value) in whole.as_object().unwrap() {
-        assert!(
-            *value == resumed[key] || named.contains(&format!("`{key}`")),
-            "{key}: {value} {}",
-            resumed[key]
-        );
+        assert!(*value == resumed[key] || named.contains(&format!("`{key}`")), "{key}: {value} {}", resumed[key]);
     }
     for key in KEYS_OF_HOW {
         assert!(named.contains(&format!("`{key}`")), "{key}");
@@ -454,10 +397,7 @@ fn the_documents_name_all_that_differs_in_the_summary_of_a_resumed_run() {
 fn shards_of_other_studies_are_not_joined() {
     let bench = bench();
     assert_eq!(verify(&bench, "a", &["--shard", "1/2"]).code, 0);
-    assert_eq!(
-        verify(&bench, "b", &["--shard", "2/2", "--seed", "8"]).code,
-        0
-    );
+    assert_eq!(verify(&bench, "b", &["--shard", "2/2", "--seed", "8"]).code, 0);
     let merge = |into: &str| bench.run(&["merge", "a", "b", "--output", into]);
     merge("c").is_mistake(&["b has another seed (8) than a (3)", "leave it out"]);
     assert!(!bench.path("c").exists());
@@ -474,17 +414,9 @@ fn what_has_changed_is_not_resumed() {
     bench.write("study.toml", STUDY);
     verify(&bench, "whole", &["--points", "10", "--resume"])
         .is_mistake(&["another number of points (20 then, 10 now)"]);
-    verify(
-        &bench,
-        "whole",
-        &["--points", "20", "--seed", "4", "--resume"],
-    )
-    .is_mistake(&["another seed (3 then, 4 now)"]);
-    bench.fmu(
-        "lag.fmu",
-        &["OTHER"],
-        &crate::support::model("A first-order lag", "Another lag"),
-    );
+    verify(&bench, "whole", &["--points", "20", "--seed", "4", "--resume"])
+        .is_mistake(&["another seed (3 then, 4 now)"]);
+    bench.fmu("lag.fmu", &["OTHER"], &crate::support::model("A first-order lag", "Another lag"));
     verify(&bench, "whole", &["--points", "20", "--resume"]).is_mistake(&["another FMU"]);
     fs::remove_file(bench.path("whole/summary.json")).unwrap();
     verify(&bench, "whole", &["--points", "20"]).is_mistake(&["begun already", "--resume"]);
@@ -495,10 +427,7 @@ fn a_run_that_came_to_no_point_is_begun_again() {
     let bench = bench();
     let binary: (&str, &[u8]) = ("binaries/linux64/lag.so", b"junk");
     let description = crate::support::model("", "");
-    bench.zip(
-        "lag.fmu",
-        &[("modelDescription.xml", description.as_bytes()), binary],
-    );
+    bench.zip("lag.fmu", &[("modelDescription.xml", description.as_bytes()), binary]);
     verify(&bench, "out", &[]).is_mistake(&["cannot load"]);
     bench.fmu("lag.fmu", &[], &description);
     let said = verify(&bench, "out", &[]);
@@ -515,27 +444,13 @@ fn a_point_can_be_run_again() {
     assert!(said.code < 2, "{}", said.err);
     let table = bench.read("whole/points.csv");
     let row: Vec<&str> = table.lines().nth(7).unwrap().split(',').collect();
-    assert!(
-        said.out.contains(&format!("lag.rate = {} 1/s", row[1])),
-        "{}",
-        said.out
-    );
-    assert!(
-        said.out.contains(&format!("Y = {}", row[3])),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains(&format!("lag.rate = {} 1/s", row[1])), "{}", said.out);
+    assert!(said.out.contains(&format!("Y = {}", row[3])), "{}", said.out);
     let trajectory = bench.read("whole/point-7.csv");
     assert_eq!(trajectory.lines().count(), 2002);
     let last = trajectory.lines().last().unwrap();
-    assert!(
-        last.starts_with(&format!("2,{}", row[3])),
-        "{last} {}",
-        row[3]
-    );
-    bench
-        .run(&["replay", "whole", "21"])
-        .is_mistake(&["no point 21"]);
+    assert!(last.starts_with(&format!("2,{}", row[3])), "{last} {}", row[3]);
+    bench.run(&["replay", "whole", "21"]).is_mistake(&["no point 21"]);
 }
 
 #[test]
@@ -546,10 +461,7 @@ fn a_study_ends_by_itself_when_enough_is_known() {
         .iter()
         .map(|jobs| {
             let folder = format!("until{jobs}");
-            assert_eq!(
-                verify(&bench, &folder, &[&until[..], &["--jobs", jobs]].concat()).code,
-                0
-            );
+            assert_eq!(verify(&bench, &folder, &[&until[..], &["--jobs", jobs]].concat()).code, 0);
             files(&bench, &folder)
         })
         .collect();
@@ -564,16 +476,7 @@ fn a_study_ends_by_itself_when_enough_is_known() {
 #[test]
 fn two_runs_do_not_write_the_same_folder() {
     let bench = bench();
-    let slow = [
-        "verify",
-        "study.toml",
-        "--output",
-        "busy",
-        "--points",
-        "100000",
-        "--jobs",
-        "1",
-    ];
+    let slow = ["verify", "study.toml", "--output", "busy", "--points", "100000", "--jobs", "1"];
     let mut child = bench.command(&slow).spawn().unwrap();
     while !bench.path("busy/journal.txt").exists() {
         sleep(Duration::from_millis(2));
@@ -602,13 +505,9 @@ fn a_finished_study_goes_on_with_more_points() {
         // Who wants every point alone gets those again that shared a process.
         let again = isolation == "fresh" && (400..=1000).contains(&computed);
         assert!(computed == 400 || again, "{method}: {computed}");
-        assert!(
-            files(&bench, &grown) == files(&bench, &folder("whole")),
-            "{method}"
-        );
+        assert!(files(&bench, &grown) == files(&bench, &folder("whole")), "{method}");
         // Points that there are do not go away.
-        verify(&bench, &grown, &["--resume"])
-            .is_mistake(&["another number of points (1000 then, 600 now)"]);
+        verify(&bench, &grown, &["--resume"]).is_mistake(&["another number of points (1000 then, 600 now)"]);
     }
     bench.write("study.toml", &STUDY.replace("sobol", "latin-hypercube"));
     assert_eq!(verify(&bench, "hypercube", &[]).code, 0);
@@ -639,9 +538,6 @@ fn a_table_of_points_may_grow_at_its_end() {
     assert_eq!(bench.summary("grown")["run"]["computed"], 10);
     assert!(files(&bench, "grown") == files(&bench, "whole"));
     // Another row among the first ones: another study.
-    bench.write(
-        "table.csv",
-        &format!("{head}{}", rows(31).replace("5,0.55", "5,0.56")),
-    );
+    bench.write("table.csv", &format!("{head}{}", rows(31).replace("5,0.55", "5,0.56")));
     verify(&bench, "grown", &more).is_mistake(&["another table of points"]);
 }

@@ -81,12 +81,8 @@ fn inputs_follow_a_recording() {
     let replay = bench.run(&["replay", "out", "3"]);
     assert_eq!(replay.code, 0, "{}", replay.err);
     bench.write("studies/drive.csv", "t,n\n0,1\n2,1\n");
-    bench
-        .run(&["replay", "out", "3"])
-        .is_mistake(&["another study"]);
-    bench
-        .run(&[&verify[..], &["--resume"]].concat())
-        .is_mistake(&["another study"]);
+    bench.run(&["replay", "out", "3"]).is_mistake(&["another study"]);
+    bench.run(&[&verify[..], &["--resume"]].concat()).is_mistake(&["another study"]);
 }
 
 #[test]
@@ -110,26 +106,17 @@ fn a_recording_that_does_not_cover_its_run_is_refused() {
     let case = "[[cases]]\nname = \"long\"\nsimulation = { stop = 3 }\n";
     bench.write("studies/drive.csv", "t,n\n0,0\n2,4\n");
     write(&(STUDY.to_owned() + case));
-    run().is_mistake(&[
-        "drive.csv",
-        "covers 0 s .. 2 s, the run goes from 0 s to 3 s",
-    ]);
+    run().is_mistake(&["drive.csv", "covers 0 s .. 2 s, the run goes from 0 s to 3 s"]);
     // Nothing in common: milliseconds, perhaps.
     bench.write("studies/drive.csv", "t,n\n500,0\n2500,4\n");
     write(STUDY);
-    run().is_mistake(&[
-        "covers 500 s .. 2500 s",
-        "correct its times, which are in s",
-    ]);
+    run().is_mistake(&["covers 500 s .. 2500 s", "correct its times, which are in s"]);
 }
 
 #[test]
 fn a_step_beyond_the_run_is_refused() {
     let bench = bench();
-    bench.write(
-        "studies/study.toml",
-        &STUDY.replace("step = 0.01", "step = 3"),
-    );
+    bench.write("studies/study.toml", &STUDY.replace("step = 0.01", "step = 3"));
     bench
         .run(&["verify", "studies/study.toml", "--output", "out"])
         .is_mistake(&["[simulation] the step 3.0 s is longer than the run from 0.0 s to 2.0 s"]);
@@ -145,19 +132,9 @@ fn the_dry_run_shows_the_units_of_bare_numbers() {
     bench.write("studies/study.toml", &format!("{study}{fixed}{criteria}"));
     let said = bench.run(&["verify", "studies/study.toml", "--dry-run"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(
-        said.out
-            .contains("  lag.length = 0.02 m; its display unit is mm"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("  lag.length = 0.02 m; its display unit is mm"), "{}", said.out);
     assert!(!said.out.contains("lag.rate ="), "{}", said.out);
-    assert!(
-        said.out
-            .contains("  drive.u -1.00000 .. 4.00000 (recorded)"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("  drive.u -1.00000 .. 4.00000 (recorded)"), "{}", said.out);
 }
 
 /// With the slopes, the lag follows the recording exactly, whatever the step: also where the jump lies within one.
@@ -171,10 +148,7 @@ fn an_input_ramps_within_a_step() {
     let expected = -1.0 + (middle + 1.0) * gone;
     for step in ["0.25", "0.01", "0.3", "2"] {
         let step_line = format!("step = {step}");
-        bench.write(
-            "studies/study.toml",
-            &ramping().replace("step = 0.01", &step_line),
-        );
+        bench.write("studies/study.toml", &ramping().replace("step = 0.01", &step_line));
         let said = bench.run(&["verify", "studies/study.toml", "--output", step]);
         assert_eq!(said.code, 0, "{}", said.err);
         let table = bench.read(&format!("{step}/points.csv"));
@@ -191,19 +165,12 @@ fn an_input_ramps_within_a_step() {
 fn held_values_change_at_their_rows() {
     let bench = bench();
     bench.write("studies/drive.csv", "t,n\n0,4\n0.7,-1\n1.0001,2\n");
-    let held = STUDY.replace(
-        "time = \"t\"",
-        "time = \"t\"\nhold = true\nextrapolate = \"hold\"",
-    );
+    let held = STUDY.replace("time = \"t\"", "time = \"t\"\nhold = true\nextrapolate = \"hold\"");
     // The last row counts as at 1 s: it lies within a thousandth of the step.
     let r: f64 = 2.5;
     let towards = |y: f64, u: f64, time: f64| u + (y - u) * (-r * time).exp();
     let expected = towards(towards(towards(0.0, 4.0, 0.7), -1.0, 0.3), 2.0, 1.0);
-    for (step, window) in [
-        ("0.5", ""),
-        ("1", ""),
-        ("0.5", "\nwindow = { from = \"1 s\" }"),
-    ] {
+    for (step, window) in [("0.5", ""), ("1", ""), ("0.5", "\nwindow = { from = \"1 s\" }")] {
         let study = held
             .replace("step = 0.01", &format!("step = {step}"))
             .replace("unit = \"degC\"", &format!("unit = \"degC\"{window}"));
@@ -224,36 +191,20 @@ fn held_values_change_at_their_rows() {
 #[test]
 fn rows_that_an_fmu_cannot_follow_are_told() {
     let bench = bench();
-    bench.write(
-        "studies/drive.csv",
-        "t,n\n0,0\n0.5,4\n0.7,9\n0.75,1\n1,4\n2,-1\n",
-    );
+    bench.write("studies/drive.csv", "t,n\n0,0\n0.5,4\n0.7,9\n0.75,1\n1,4\n2,-1\n");
     let study = ramping().replace("step = 0.01", "step = 0.5");
     bench.write("studies/study.toml", &study);
     let any = " canHandleVariableCommunicationStepSize=\"true\"";
     let concerns = |folder: &str| {
-        let said = bench.run(&[
-            "verify",
-            "studies/study.toml",
-            "--output",
-            folder,
-            "--verbose",
-        ]);
+        let said = bench.run(&["verify", "studies/study.toml", "--output", folder, "--verbose"]);
         assert_eq!(said.code, 0, "{}", said.err);
-        assert!(
-            !said.out.contains("another input") || folder == "fixed",
-            "{}",
-            said.out
-        );
+        assert!(!said.out.contains("another input") || folder == "fixed", "{}", said.out);
         bench.summary(folder)["concerns"].to_string()
     };
     assert!(!concerns("any").contains("another input"));
     bench.fmu("lag.fmu", &[], &crate::support::model(any, ""));
     let told = concerns("fixed");
-    assert!(
-        told.contains("drive.u: the FMU gets another input than the recorded one at 2 rows"),
-        "{told}"
-    );
+    assert!(told.contains("drive.u: the FMU gets another input than the recorded one at 2 rows"), "{told}");
     assert!(told.contains("by up to 5 (at 0.7 s)"), "{told}");
 }
 
@@ -261,14 +212,9 @@ fn rows_that_an_fmu_cannot_follow_are_told() {
 #[test]
 fn many_rows_between_communication_points_are_told() {
     let bench = bench();
-    let rows: String = (0..2000)
-        .map(|k| format!("{},{}\n", 1e-3 * f64::from(k), k % 7))
-        .collect();
+    let rows: String = (0..2000).map(|k| format!("{},{}\n", 1e-3 * f64::from(k), k % 7)).collect();
     bench.write("studies/drive.csv", &format!("t,n\n{rows}"));
-    bench.write(
-        "studies/study.toml",
-        &ramping().replace("step = 0.01", "step = 0.5"),
-    );
+    bench.write("studies/study.toml", &ramping().replace("step = 0.01", "step = 0.5"));
     let said = bench.run(&["verify", "studies/study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let told = bench.summary("out")["concerns"].to_string();
@@ -279,22 +225,11 @@ fn many_rows_between_communication_points_are_told() {
 fn only_an_fmu_that_interpolates_can_ramp() {
     let bench = bench();
     let verify = ["verify", "studies/study.toml", "--output", "out"];
-    bench.write(
-        "studies/study.toml",
-        &ramping().replace("ramp = true", "ramp = true\nhold = true"),
-    );
-    bench
-        .run(&verify)
-        .is_mistake(&["study.toml:", "drive.u: ramp = true, but hold"]);
+    bench.write("studies/study.toml", &ramping().replace("ramp = true", "ramp = true\nhold = true"));
+    bench.run(&verify).is_mistake(&["study.toml:", "drive.u: ramp = true, but hold"]);
     bench.write("studies/study.toml", &ramping());
-    bench.fmu(
-        "lag.fmu",
-        &[],
-        &crate::support::model(" canInterpolateInputs=\"true\"", ""),
-    );
-    bench
-        .run(&verify)
-        .is_mistake(&["canInterpolateInputs", "remove ramp"]);
+    bench.fmu("lag.fmu", &[], &crate::support::model(" canInterpolateInputs=\"true\"", ""));
+    bench.run(&verify).is_mistake(&["canInterpolateInputs", "remove ramp"]);
 }
 
 fn ramping() -> String {
@@ -304,12 +239,7 @@ fn ramping() -> String {
 #[test]
 fn the_best_point_is_a_parameter_set_with_its_provenance() {
     let bench = bench();
-    assert_eq!(
-        bench
-            .run(&["verify", "studies/study.toml", "--output", "out"])
-            .code,
-        0
-    );
+    assert_eq!(bench.run(&["verify", "studies/study.toml", "--output", "out"]).code, 0);
     let summary = bench.summary("out");
     let set = bench.read("out/best.ssv");
     let set: String = set.lines().map(str::trim).collect();
@@ -322,10 +252,7 @@ fn the_best_point_is_a_parameter_set_with_its_provenance() {
         assert!(set.contains(part), "no {part} in {set}");
     }
     let provenance = bench.read("out/best.srmd");
-    for part in [
-        &summary["provenance"]["fmu_sha256"],
-        &summary["provenance"]["study_sha256"],
-    ] {
+    for part in [&summary["provenance"]["fmu_sha256"], &summary["provenance"]["study_sha256"]] {
         assert!(provenance.contains(part.as_str().unwrap()), "{provenance}");
     }
     // Another program may use it; ours gets the same point from it.
@@ -340,14 +267,8 @@ fn the_best_point_is_a_parameter_set_with_its_provenance() {
         "run.csv",
     ]);
     assert_eq!(said.code, 0, "{}", said.err);
-    let length = summary["best_point"]["parameters"]["lag.length"]
-        .as_f64()
-        .unwrap();
-    let shown = said
-        .out
-        .lines()
-        .find_map(|line| line.strip_prefix("lag.micrometres = "))
-        .unwrap();
+    let length = summary["best_point"]["parameters"]["lag.length"].as_f64().unwrap();
+    let shown = said.out.lines().find_map(|line| line.strip_prefix("lag.micrometres = ")).unwrap();
     assert!((shown.trim().parse::<f64>().unwrap() - 1e3 * length).abs() < 1e-9);
 }
 
@@ -356,27 +277,16 @@ fn points_go_out_and_come_in_as_parquet() {
     let bench = bench();
     let verify = |more: &[&str]| bench.run(&[&["verify", "studies/study.toml"], more].concat());
     assert_eq!(verify(&["--output", "out", "--parquet"]).code, 0);
-    let said = verify(&[
-        "--output",
-        "again",
-        "--points-from",
-        "out/points.parquet",
-        "--parquet",
-    ]);
+    let said = verify(&["--output", "again", "--points-from", "out/points.parquet", "--parquet"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(bench.read("again/points.csv"), bench.read("out/points.csv"));
     let judged = |table: &str| bench.run(&["judge", "studies/study.toml", table]).out;
     assert_eq!(judged("out/points.parquet"), judged("out/points.csv"));
     let bytes = std::fs::read(bench.path("out/points.parquet")).unwrap();
-    assert_eq!(
-        std::fs::read(bench.path("again/points.parquet")).unwrap(),
-        bytes
-    );
+    assert_eq!(std::fs::read(bench.path("again/points.parquet")).unwrap(), bytes);
     std::fs::write(bench.path("cut.parquet"), &bytes[..bytes.len() / 2]).unwrap();
     verify(&["--output", "cut", "--points-from", "cut.parquet"]).is_mistake(&["cut.parquet"]);
-    bench
-        .run(&["judge", "studies/study.toml", "none.parquet"])
-        .is_mistake(&["none.parquet"]);
+    bench.run(&["judge", "studies/study.toml", "none.parquet"]).is_mistake(&["none.parquet"]);
 }
 
 #[test]
@@ -387,11 +297,7 @@ fn mistakes_in_files_of_others() {
         bench.write("studies/start.ssv", &SET.replace(from, to));
         verify()
     };
-    set("lag.rate", "lag.rato").is_mistake(&[
-        "study.toml:3:14",
-        "start.ssv:4",
-        "did you mean `lag.rate`?",
-    ]);
+    set("lag.rate", "lag.rato").is_mistake(&["study.toml:3:14", "start.ssv:4", "did you mean `lag.rate`?"]);
     set("1/s", "mm").is_mistake(&["start.ssv:4", "`mm`"]);
     set("\"3\"", "\"x\"").is_mistake(&["start.ssv:6", "whole number"]);
     set("</ssv:Parameters>", "").is_mistake(&["start.ssv"]);
@@ -404,12 +310,7 @@ fn mistakes_in_files_of_others() {
     drive("t,n\n0,1\n2,1\n1,1\n").is_mistake(&["study.toml:9:9", "t = 1", "not later"]);
     drive("t,n\n0,inf\n").is_mistake(&["drive.u", "not a finite number"]);
     drive("t,n\n0,1\n");
-    bench.write(
-        "studies/study.toml",
-        &STUDY.replace("stop = 2", "stop = 2\nwindow = 1\nleap = true"),
-    );
+    bench.write("studies/study.toml", &STUDY.replace("stop = 2", "stop = 2\nwindow = 1\nleap = true"));
     verify().is_mistake(&["drive.u", "leap"]);
-    bench
-        .run(&["simulate", "lag.fmu", "--set-from", "none.ssv"])
-        .is_mistake(&["none.ssv"]);
+    bench.run(&["simulate", "lag.fmu", "--set-from", "none.ssv"]).is_mistake(&["none.ssv"]);
 }

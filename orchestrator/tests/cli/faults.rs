@@ -35,15 +35,7 @@ tolerance = 10
         table += &format!("{point},{},{fault}\n", 0.5 + 0.07 * f64::from(point));
     }
     bench.write("points.csv", &table);
-    let command = [
-        "verify",
-        "study.toml",
-        "--points-from",
-        "points.csv",
-        "--verbose",
-        "--output",
-        "out",
-    ];
+    let command = ["verify", "study.toml", "--points-from", "points.csv", "--verbose", "--output", "out"];
     bench.run(&[&command, options].concat())
 }
 
@@ -75,10 +67,7 @@ fn fault(number: u32, options: &[&str]) -> (String, serde_json::Value) {
 
 fn is_confined(number: u32, options: &[&str], class: &str, words: &str) {
     let (status, summary) = fault(number, options);
-    assert!(
-        status.starts_with(class) && status.contains(words),
-        "{status}"
-    );
+    assert!(status.starts_with(class) && status.contains(words), "{status}");
     assert_eq!(summary["failed"], 1);
     assert_eq!(summary["failures"][class], 1);
     assert_eq!(summary["points"], 20);
@@ -114,12 +103,7 @@ fn exit_is_called() {
 #[test]
 fn an_error_with_its_message() {
     is_confined(6, &[], "fmi2Error", "the spring broke (fmi2DoStep)");
-    is_confined(
-        6,
-        &["--in-process"],
-        "fmi2Error",
-        "the spring broke (fmi2DoStep)",
-    );
+    is_confined(6, &["--in-process"], "fmi2Error", "the spring broke (fmi2DoStep)");
 }
 
 #[test]
@@ -163,10 +147,7 @@ fn warnings_before_a_failure_are_counted() {
         let said = verify(&bench, "warning.fmu", FAIL, &["--isolation", isolation]);
         assert!(status(&bench, &said).starts_with("fmi2Error"));
         let warnings = &bench.summary("out")["warnings"];
-        assert_eq!(
-            (&warnings["points"], &warnings["first"]["point"]),
-            (&1.into(), &5.into())
-        );
+        assert_eq!((&warnings["points"], &warnings["first"]["point"]), (&1.into(), &5.into()));
         // Once a step, up to the one that failed.
         assert!(warnings["count"].as_u64().unwrap() > 1, "{warnings}");
         assert!(said.out.contains("the oil is warm"), "{}", said.out);
@@ -199,32 +180,13 @@ fn all_kinds_at_once() {
         table += &format!("{point},1,{fault}\n");
     }
     bench.write("points.csv", &table);
-    let limits = [
-        "--point-timeout",
-        "2",
-        "--memory-limit",
-        "300MB",
-        "--jobs",
-        "3",
-    ];
-    let command = [
-        "verify",
-        "study.toml",
-        "--points-from",
-        "points.csv",
-        "--output",
-        "all",
-    ];
+    let limits = ["--point-timeout", "2", "--memory-limit", "300MB", "--jobs", "3"];
+    let command = ["verify", "study.toml", "--points-from", "points.csv", "--output", "all"];
     let said = bench.run(&[&command[..], &limits].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     let summary = bench.summary("all");
     // Leak, flood and warning do no harm.
-    assert_eq!(
-        (&summary["points"], &summary["failed"]),
-        (&120.into(), &9.into()),
-        "{}",
-        said.out
-    );
+    assert_eq!((&summary["points"], &summary["failed"]), (&120.into(), &9.into()), "{}", said.out);
 }
 
 #[test]
@@ -233,14 +195,7 @@ fn single_simulations_fail_with_one_line() {
     let crash = bench.run(&["simulate", "lag.fmu", "--set", "lag.fault=Crash"]);
     crash.is_mistake(&["the simulation failed: crashed: SIGSEGV"]);
     assert!(crash.out.starts_with("time,lag.y"), "{}", crash.out);
-    let exit = bench.run(&[
-        "simulate",
-        "lag.fmu",
-        "--set",
-        "lag.fault=Exit",
-        "--output",
-        "run.csv",
-    ]);
+    let exit = bench.run(&["simulate", "lag.fmu", "--set", "lag.fault=Exit", "--output", "run.csv"]);
     exit.is_mistake(&["the simulation failed: exited", "code 3"]);
     let error = bench.run(&["simulate", "lag.fmu", "--set", "lag.fault=Fail"]);
     error.is_mistake(&["the simulation failed: fmi2Error: the spring broke"]);
@@ -262,11 +217,7 @@ fn a_crash_is_replayed_without_crashing() {
     verify(&bench, "lag.fmu", 1, &[]);
     let said = bench.run(&["replay", "out", "5"]);
     assert_eq!(said.code, 1, "{}", said.err);
-    assert!(
-        said.out.contains("failed: crashed: SIGSEGV"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("failed: crashed: SIGSEGV"), "{}", said.out);
     assert!(bench.read("out/point-5.csv").starts_with("time,"));
 }
 
@@ -277,7 +228,8 @@ fn a_crash_of_the_best_points_trajectory_takes_nothing_away() {
     let said = verify(&bench, "coarse.fmu", 0, &[]);
     assert_eq!(status(&bench, &said), "ok");
     assert_eq!(said.err, "");
-    let left_out = "left out: best-point.csv holds the study's own steps: the FMU fails in finer ones: crashed: SIGSEGV";
+    let left_out =
+        "left out: best-point.csv holds the study's own steps: the FMU fails in finer ones: crashed: SIGSEGV";
     let told = said.out.lines().filter(|line| line.contains(left_out));
     assert_eq!(told.count(), 1, "{}", said.out);
     assert_eq!(bench.summary("out")["failed"], 0);
@@ -315,19 +267,9 @@ fn analyses_survive_crashes_too() {
     let said = bench.run(&sobol);
     assert_eq!(said.code, 0, "{}", said.err);
     let runs = bench.read("s/sensitivity-runs.csv");
-    let crashed = runs
-        .lines()
-        .filter(|line| line.ends_with("crashed: SIGSEGV"))
-        .count();
+    let crashed = runs.lines().filter(|line| line.ends_with("crashed: SIGSEGV")).count();
     assert!(crashed > 8 && crashed < 56, "{runs}");
-    let search = [
-        "pareto",
-        "study.toml",
-        "--generations",
-        "2",
-        "--population",
-        "12",
-    ];
+    let search = ["pareto", "study.toml", "--generations", "2", "--population", "12"];
     let said = bench.run(&[&search[..], &["--output", "p"]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(said.out.contains("Best compromise"), "{}", said.out);

@@ -57,9 +57,7 @@ fn verify(bench: &Bench, study: &str, more: &[&str]) -> Said {
 
 /// All files and folders in a folder.
 fn entries(folder: &Path) -> Vec<PathBuf> {
-    let inner = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path());
+    let inner = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let inner = inner.flat_map(|path| match path.is_dir() {
         true => entries(&path),
         false => vec![path],
@@ -72,11 +70,7 @@ fn the_umask_decides_who_may_read_every_file() {
     let bench = bench();
     bench.write("table.csv", "point,Y\n1,0.86\n");
     let program = env!("CARGO_BIN_EXE_orchestrator");
-    for (umask, file, folder) in [
-        ("027", 0o640, 0o750),
-        ("077", 0o600, 0o700),
-        ("002", 0o664, 0o775),
-    ] {
+    for (umask, file, folder) in [("027", 0o640, 0o750), ("077", 0o600, 0o700), ("002", 0o664, 0o775)] {
         let commands = [
             format!("verify study.toml --output {umask} --parquet"),
             format!("replay {umask} 2"),
@@ -87,12 +81,7 @@ fn the_umask_decides_who_may_read_every_file() {
         for command in commands {
             let script = format!("umask {umask}; exec {program} {command}");
             let mut shell = Command::new("sh");
-            let said: Said = shell
-                .args(["-c", &script])
-                .current_dir(bench.path(""))
-                .output()
-                .unwrap()
-                .into();
+            let said: Said = shell.args(["-c", &script]).current_dir(bench.path("")).output().unwrap().into();
             assert!(said.code < 2, "{command}: {}", said.err);
         }
         let all = entries(&bench.path(umask));
@@ -118,14 +107,8 @@ fn another_study_file_or_fmu_needs_force() {
         assert_eq!(bench.read("out/summary.json"), before);
     };
     refused(verify(&bench, "other.toml", &[]), "another study file, /");
-    refused(
-        verify(&bench, "other.toml", &["--resume"]),
-        "another study file",
-    );
-    refused(
-        verify(&bench, "study.toml", &["--fmu", "copy.fmu"]),
-        "another FMU, /",
-    );
+    refused(verify(&bench, "other.toml", &["--resume"]), "another study file");
+    refused(verify(&bench, "study.toml", &["--fmu", "copy.fmu"]), "another FMU, /");
     for command in [
         &["judge", "other.toml", "table.csv"][..],
         &["sensitivity", "other.toml", "--base", "4"],
@@ -137,42 +120,19 @@ fn another_study_file_or_fmu_needs_force() {
         refused(bench.run(&command), "another study file");
     }
     let shard = ["--output", "part", "--shard", "1/1"];
-    assert_eq!(
-        bench
-            .run(&[&["verify", "other.toml"], &shard[..]].concat())
-            .code,
-        0
-    );
-    refused(
-        bench.run(&["merge", "part", "--output", "out"]),
-        "another study file",
-    );
+    assert_eq!(bench.run(&[&["verify", "other.toml"], &shard[..]].concat()).code, 0);
+    refused(bench.run(&["merge", "part", "--output", "out"]), "another study file");
     // The same path by another name is the same file.
     let here = bench.path("lag.fmu");
     let same = ["--fmu", here.to_str().unwrap()];
     assert_eq!(verify(&bench, "./study.toml", &same).code, 0);
-    assert_eq!(
-        verify(&bench, "study.toml", &["--fmu", "copy.fmu", "--force"]).code,
-        0
-    );
+    assert_eq!(verify(&bench, "study.toml", &["--fmu", "copy.fmu", "--force"]).code, 0);
     // Without the option it is another FMU again.
     verify(&bench, "study.toml", &[]).is_mistake(&["another FMU, /", "copy.fmu"]);
-    let said = bench.run(&[
-        "judge",
-        "other.toml",
-        "table.csv",
-        "--output",
-        "out",
-        "--force",
-    ]);
+    let said = bench.run(&["judge", "other.toml", "table.csv", "--output", "out", "--force"]);
     assert_eq!(said.code, 0, "{}", said.err);
     verify(&bench, "study.toml", &[]).is_mistake(&["another study file", "other.toml"]);
-    assert_eq!(
-        bench
-            .run(&["merge", "part", "--output", "out", "--force"])
-            .code,
-        0
-    );
+    assert_eq!(bench.run(&["merge", "part", "--output", "out", "--force"]).code, 0);
     assert_eq!(bench.summary("out")["provenance"]["study"], "other.toml");
 }
 
@@ -181,36 +141,14 @@ fn changed_contents_of_the_same_files_replace_a_finished_run_and_say_so() {
     let bench = bench();
     assert_eq!(verify(&bench, "study.toml", &[]).err, "");
     assert_eq!(verify(&bench, "study.toml", &[]).err, "");
-    bench.write(
-        "study.toml",
-        &STUDY.replace("tolerance = 0.1", "tolerance = 0.2"),
-    );
+    bench.write("study.toml", &STUDY.replace("tolerance = 0.1", "tolerance = 0.2"));
     let said = verify(&bench, "study.toml", &[]);
-    assert_eq!(
-        (said.code, said.err.lines().count()),
-        (0, 1),
-        "{}",
-        said.err
-    );
-    assert!(
-        said.err.contains("another study (") && said.err.contains("they are replaced"),
-        "{}",
-        said.err
-    );
-    bench.fmu(
-        "lag.fmu",
-        &["OTHER"],
-        &model("A first-order lag", "Another lag"),
-    );
-    verify(&bench, "study.toml", &["--resume"])
-        .is_mistake(&["another FMU (", "--force instead of --resume"]);
+    assert_eq!((said.code, said.err.lines().count()), (0, 1), "{}", said.err);
+    assert!(said.err.contains("another study (") && said.err.contains("they are replaced"), "{}", said.err);
+    bench.fmu("lag.fmu", &["OTHER"], &model("A first-order lag", "Another lag"));
+    verify(&bench, "study.toml", &["--resume"]).is_mistake(&["another FMU (", "--force instead of --resume"]);
     let said = verify(&bench, "study.toml", &[]);
-    assert_eq!(
-        (said.code, said.err.lines().count()),
-        (0, 1),
-        "{}",
-        said.err
-    );
+    assert_eq!((said.code, said.err.lines().count()), (0, 1), "{}", said.err);
     assert!(said.err.contains("another FMU ("), "{}", said.err);
     // A study that names another FMU has changed, no more.
     fs::copy(bench.path("lag.fmu"), bench.path("copy.fmu")).unwrap();
@@ -220,10 +158,7 @@ fn changed_contents_of_the_same_files_replace_a_finished_run_and_say_so() {
     fs::remove_file(bench.path("out/summary.json")).unwrap();
     verify(&bench, "study.toml", &[]).is_mistake(&["begun already", "--resume", "--force"]);
     assert_eq!(verify(&bench, "study.toml", &["--force"]).code, 0);
-    assert_eq!(
-        verify(&bench, "study.toml", &["--force", "--resume"]).code,
-        2
-    );
+    assert_eq!(verify(&bench, "study.toml", &["--force", "--resume"]).code, 2);
 }
 
 #[test]
@@ -235,14 +170,9 @@ fn files_that_no_run_has_written_need_force() {
         fs::create_dir(bench.path(&place)).unwrap();
         let path = format!("{place}/{file}");
         bench.write(&path, "precious");
-        for command in [
-            &["verify", "study.toml"][..],
-            &["judge", "study.toml", "table.csv"],
-        ] {
+        for command in [&["verify", "study.toml"][..], &["judge", "study.toml", "table.csv"]] {
             let command = [command, &["--output", &place]].concat();
-            bench
-                .run(&command)
-                .is_mistake(&[&path, "before any run wrote", "--force"]);
+            bench.run(&command).is_mistake(&[&path, "before any run wrote", "--force"]);
         }
         assert_eq!(bench.read(&path), "precious");
         let said = bench.run(&["verify", "study.toml", "--output", &place, "--force"]);
@@ -275,13 +205,7 @@ fn a_folder_that_is_gone_is_told_before_all_that_follows_from_it() {
 fn a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
     let bench = bench();
     assert_eq!(verify(&bench, "study.toml", &[]).code, 0);
-    let files = [
-        "report.html",
-        "points.csv",
-        "summary.json",
-        "point-2.csv",
-        "plots/margins.svg",
-    ];
+    let files = ["report.html", "points.csv", "summary.json", "point-2.csv", "plots/margins.svg"];
     fs::create_dir_all(bench.path("out/plots")).unwrap();
     for file in files {
         let path = bench.path(&format!("out/{file}"));
@@ -309,15 +233,8 @@ fn a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
 fn in_its_finale(bench: &Bench, command: &[&str], folder: &str) -> Child {
     loop {
         let _ = fs::remove_dir_all(bench.path(folder));
-        let mut child = bench
-            .command(command)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        while !bench.path(&format!("{folder}/summary.json")).exists()
-            && child.try_wait().unwrap().is_none()
-        {
+        let mut child = bench.command(command).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        while !bench.path(&format!("{folder}/summary.json")).exists() && child.try_wait().unwrap().is_none() {
             sleep(Duration::from_micros(200));
         }
         signal(&child, "-STOP");
@@ -330,10 +247,7 @@ fn in_its_finale(bench: &Bench, command: &[&str], folder: &str) -> Child {
 fn signal(child: &Child, name: &str) {
     let number = child.id().to_string();
     // It may have ended by now.
-    let _ = Command::new("kill")
-        .args([name, &number])
-        .stderr(Stdio::null())
-        .status();
+    let _ = Command::new("kill").args([name, &number]).stderr(Stdio::null()).status();
 }
 
 fn hidden(bench: &Bench, folder: &str) -> Vec<String> {
@@ -351,15 +265,10 @@ fn a_folder_is_one_runs_until_the_end_of_its_finale() {
     bench.write("study.toml", STUDY);
     let part = ["verify", "study.toml", "--output", "part", "--shard", "1/1"];
     assert_eq!(bench.run(&part).code, 0);
-    for command in [
-        &["verify", "study.toml", "--output", "out"][..],
-        &["merge", "part", "--output", "out"],
-    ] {
+    for command in [&["verify", "study.toml", "--output", "out"][..], &["merge", "part", "--output", "out"]] {
         let mut first = in_its_finale(&bench, command, "out");
         let marks = hidden(&bench, "out");
-        bench
-            .run(command)
-            .is_mistake(&["another run is writing its results here"]);
+        bench.run(command).is_mistake(&["another run is writing its results here"]);
         assert_eq!(hidden(&bench, "out"), marks, "{command:?}");
         signal(&first, "-CONT");
         assert_eq!(first.wait().unwrap().code(), Some(0));
@@ -383,18 +292,12 @@ fn a_long_text_of_a_failure_costs_a_line() {
     bench.write("study.toml", STUDY);
     assert_ne!(verify(&bench, "study.toml", &[]).code, 2);
     for file in ["journal.txt", "points.csv", "summary.json"] {
-        let size = fs::metadata(bench.path(&format!("out/{file}")))
-            .unwrap()
-            .len();
+        let size = fs::metadata(bench.path(&format!("out/{file}"))).unwrap().len();
         assert!(size < 12_000, "{file}: {size}");
     }
     let points = bench.read("out/points.csv");
     let row = points.lines().nth(1).unwrap();
-    for part in [
-        "fmi2Error: begun xxx",
-        " characters left out] xxx",
-        "xxx (fmi2DoStep)",
-    ] {
+    for part in ["fmi2Error: begun xxx", " characters left out] xxx", "xxx (fmi2DoStep)"] {
         assert!(row.contains(part), "{row}");
     }
 }

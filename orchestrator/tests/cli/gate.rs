@@ -41,16 +41,10 @@ pub fn tests(bench: &Bench, file: &str) -> Vec<Test> {
     };
     let tests: Vec<Test> = cases.map(test).collect();
     let count = |what: &str| {
-        let of_it = tests
-            .iter()
-            .filter(|(.., inner)| inner.as_ref().is_some_and(|i| i.starts_with(what)));
+        let of_it = tests.iter().filter(|(.., inner)| inner.as_ref().is_some_and(|i| i.starts_with(what)));
         of_it.count().to_string()
     };
-    for (name, of) in [
-        ("failures", "failure"),
-        ("errors", "error"),
-        ("skipped", "skipped"),
-    ] {
+    for (name, of) in [("failures", "failure"), ("errors", "error"), ("skipped", "skipped")] {
         assert_eq!(suite.attribute(name), Some(&*count(of)), "{text}");
     }
     assert_eq!(suite.attribute("tests"), Some(&*tests.len().to_string()));
@@ -60,49 +54,23 @@ pub fn tests(bench: &Bench, file: &str) -> Vec<Test> {
 fn find<'a>(tests: &'a [Test], class: &str, name: &str) -> Option<&'a str> {
     let is_it = |test: &&Test| test.0 == class && test.1 == name;
     let test = tests.iter().find(is_it);
-    test.unwrap_or_else(|| panic!("no {class} {name} in {tests:?}"))
-        .2
-        .as_deref()
+    test.unwrap_or_else(|| panic!("no {class} {name} in {tests:?}")).2.as_deref()
 }
 
 #[test]
 fn a_verdict_has_a_test_a_criterion_and_a_case() {
     let bench = Bench::new();
     bench.write("study.toml", STUDY);
-    let said = bench.run(&[
-        "verify",
-        "study.toml",
-        "--output",
-        "out",
-        "--junit",
-        "new/junit.xml",
-    ]);
+    let said = bench.run(&["verify", "study.toml", "--output", "out", "--junit", "new/junit.xml"]);
     assert_eq!(said.code, 1, "{}", said.err);
     let all = tests(&bench, "new/junit.xml");
     assert_eq!(find(&all, "study.cold", "Y"), None);
     let failure = "failure: 3 +-0.1: 0 of 20 points meet it";
     assert_eq!(find(&all, "study.hot", "Y"), Some(failure));
-    assert!(
-        find(&all, "study.hot", "all criteria")
-            .unwrap()
-            .starts_with("failure: ")
-    );
-    assert!(
-        find(&all, "study", "verdict")
-            .unwrap()
-            .starts_with("failure: ")
-    );
+    assert!(find(&all, "study.hot", "all criteria").unwrap().starts_with("failure: "));
+    assert!(find(&all, "study", "verdict").unwrap().starts_with("failure: "));
     // A part of the points has no verdict.
-    bench
-        .run(&[
-            "verify",
-            "study.toml",
-            "--shard",
-            "1/2",
-            "--junit",
-            "junit.xml",
-        ])
-        .is_mistake(&["--junit", "merge"]);
+    bench.run(&["verify", "study.toml", "--shard", "1/2", "--junit", "junit.xml"]).is_mistake(&["--junit", "merge"]);
 }
 
 #[test]
@@ -112,10 +80,7 @@ fn warnings_end_a_strict_run_with_1() {
         + "[criteria.Y]\nvariable = \"lag.y\"\nnominal = 0.86\ntolerance = 0.1\nuncertainty = 0.2\n";
     bench.write("study.toml", &study);
     bench.write("table.csv", "Y\n0.86\n0.9\n");
-    for command in [
-        "verify study.toml --output out",
-        "judge study.toml table.csv",
-    ] {
+    for command in ["verify study.toml --output out", "judge study.toml table.csv"] {
         let arguments: Vec<&str> = command.split(' ').collect();
         let run = |more: &[&str]| bench.run(&[&arguments[..], more].concat());
         let said = run(&["--junit", "junit.xml"]);
@@ -124,11 +89,7 @@ fn warnings_end_a_strict_run_with_1() {
         let name = "uncertainty-above-tolerance";
         let doubt = |all: &[Test]| find(all, class, name).unwrap().to_owned();
         assert!(doubt(&tests(&bench, "junit.xml")).starts_with("skipped: warning: "));
-        let force: &[&str] = if command.starts_with("verify") {
-            &["--force"]
-        } else {
-            &[]
-        };
+        let force: &[&str] = if command.starts_with("verify") { &["--force"] } else { &[] };
         let said = run(&[force, &["--junit", "junit.xml", "--strict"]].concat());
         assert_eq!(said.code, 1, "{}{}", said.out, said.err);
         assert!(said.err.contains("--strict"), "{}", said.err);
@@ -143,62 +104,25 @@ fn findings_that_are_known_do_not_count_and_have_a_reason() {
     let bench = Bench::new();
     let broken = model("unit=\"K\" displayUnit=\"degC\"", "unit=\"kelvin\"");
     bench.fmu("lag.fmu", &[], &broken);
-    let said = bench.run(&[
-        "check",
-        "lag.fmu",
-        "--format",
-        "json",
-        "--junit",
-        "junit.xml",
-    ]);
+    let said = bench.run(&["check", "lag.fmu", "--format", "json", "--junit", "junit.xml"]);
     assert_eq!(said.code, 1, "{}{}", said.out, said.err);
     let report: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     let rule = report["findings"][0]["rule"].as_str().unwrap();
     let all = tests(&bench, "junit.xml");
-    assert!(
-        find(&all, "lag", "check")
-            .unwrap()
-            .starts_with("failure: 1 findings")
-    );
+    assert!(find(&all, "lag", "check").unwrap().starts_with("failure: 1 findings"));
     let entry = |more: &str| {
-        format!(
-            "[[ignore]]\nrule = \"{rule}\"\nvariable = \"lag.temperature\"\nreason = \"as delivered\"\n{more}"
-        )
+        format!("[[ignore]]\nrule = \"{rule}\"\nvariable = \"lag.temperature\"\nreason = \"as delivered\"\n{more}")
     };
     bench.write("known.toml", &entry(""));
-    let known = [
-        "check",
-        "lag.fmu",
-        "--ignore",
-        "known.toml",
-        "--junit",
-        "junit.xml",
-    ];
+    let known = ["check", "lag.fmu", "--ignore", "known.toml", "--junit", "junit.xml"];
     let said = bench.run(&known);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
-    assert!(
-        said.out.contains("nothing found, 1 known and ignored"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("nothing found, 1 known and ignored"), "{}", said.out);
     assert_eq!(said.err, "");
     let all = tests(&bench, "junit.xml");
     assert_eq!(find(&all, "lag", "check"), None);
-    assert!(
-        all[1]
-            .2
-            .as_deref()
-            .unwrap()
-            .starts_with("skipped: known: as delivered")
-    );
-    let said = bench.run(&[
-        "check",
-        "lag.fmu",
-        "--ignore",
-        "known.toml",
-        "--format",
-        "sarif",
-    ]);
+    assert!(all[1].2.as_deref().unwrap().starts_with("skipped: known: as delivered"));
+    let said = bench.run(&["check", "lag.fmu", "--ignore", "known.toml", "--format", "sarif"]);
     let log: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     let suppression = &log["runs"][0]["results"][0]["suppressions"][0];
     assert_eq!(suppression["justification"], "as delivered");
@@ -206,15 +130,9 @@ fn findings_that_are_known_do_not_count_and_have_a_reason() {
     bench.write("known.toml", &entry("").replace("lag.temperature", "lag.y"));
     let said = bench.run(&known);
     assert_eq!(said.code, 1, "{}", said.out);
-    assert!(
-        said.err.contains("of lag.y is left to ignore"),
-        "{}",
-        said.err
-    );
+    assert!(said.err.contains("of lag.y is left to ignore"), "{}", said.err);
     bench.write("known.toml", &entry("").replace(rule, "unit"));
-    bench
-        .run(&known)
-        .is_mistake(&["known.toml", "no rule `unit`"]);
+    bench.run(&known).is_mistake(&["known.toml", "no rule `unit`"]);
     bench.write("known.toml", &entry("").replace("as delivered", " "));
     bench.run(&known).is_mistake(&["has no reason"]);
     let no_reason = format!("[[ignore]]\nrule = \"{rule}\"\n");

@@ -39,16 +39,7 @@ criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertaint
 
 fn identify(bench: &Bench, study: &str, options: &[&str]) -> (Said, Value) {
     bench.write("study.toml", study);
-    let call = [
-        "identify",
-        "study.toml",
-        "--starts",
-        "4",
-        "--isolation",
-        "reuse",
-        "--output",
-        "out",
-    ];
+    let call = ["identify", "study.toml", "--starts", "4", "--isolation", "reuse", "--output", "out"];
     let said = bench.run(&[&call[..], options].concat());
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let outcome = serde_json::from_str(&bench.read("out/identification.json")).unwrap();
@@ -71,20 +62,15 @@ fn specimens_have_a_common_mean_and_a_spread() {
         let [low, high] = ends(&population[what]["intervals"][0]);
         assert!(low < truth && truth < high, "{what}: {low} .. {high}");
     }
-    for (free, (name, truth)) in outcome["free"].as_array().unwrap().iter().zip([
-        ("a/lag.rate", 1.0),
-        ("b/lag.rate", 1.1),
-        ("c/lag.rate", 1.2),
-    ]) {
+    for (free, (name, truth)) in
+        outcome["free"].as_array().unwrap().iter().zip([("a/lag.rate", 1.0), ("b/lag.rate", 1.1), ("c/lag.rate", 1.2)])
+    {
         assert_eq!(free["name"], name);
         let [low, high] = ends(&free["interval"]);
         assert!(low < truth && truth < high && high - low < 0.06, "{free}");
     }
     let table = bench.read("out/posterior.csv");
-    assert!(
-        table.contains("c/lag.rate,lag.rate.mean,lag.rate.spread,log_likelihood"),
-        "{table}"
-    );
+    assert!(table.contains("c/lag.rate,lag.rate.mean,lag.rate.spread,log_likelihood"), "{table}");
     for words in [
         "lag.rate differs from specimen to specimen",
         "lag.rate, mean of all cases",
@@ -104,18 +90,10 @@ fn specimens_have_a_common_mean_and_a_spread() {
         assert!(page.contains(words), "no `{words}` on the page");
     }
     // No other command knows which specimen is meant.
-    bench
-        .run(&["verify", "study.toml", "--output", "v"])
-        .is_mistake(&["varies"]);
-    let one = specimens()
-        .split("[[cases]]\nname = \"b\"")
-        .next()
-        .unwrap()
-        .to_owned();
+    bench.run(&["verify", "study.toml", "--output", "v"]).is_mistake(&["varies"]);
+    let one = specimens().split("[[cases]]\nname = \"b\"").next().unwrap().to_owned();
     bench.write("one.toml", &one);
-    bench
-        .run(&["identify", "one.toml"])
-        .is_mistake(&["shows no spread from case to case"]);
+    bench.run(&["identify", "one.toml"]).is_mistake(&["shows no spread from case to case"]);
 }
 
 #[test]
@@ -145,43 +123,16 @@ fn a_wrong_setting_loses_to_the_right_one() {
     let wrong = study.replacen("\"drive.u\" = 1.0", "\"drive.u\" = 0.8", 1);
     let options = ["--posterior", "200", "--against", "right"];
     let (said, outcome) = identify(&bench, &wrong, &options);
-    assert!(
-        said.out
-            .contains("the data favour the other one by a factor of"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("the data favour the other one by a factor of"), "{}", said.out);
     let ratio = &outcome["evidence"]["against"];
     assert!(ratio["log"].as_f64().unwrap() < -3.0, "{ratio}");
-    assert!(
-        bench
-            .read("out/report.html")
-            .contains("favour the other one")
-    );
+    assert!(bench.read("out/report.html").contains("favour the other one"));
     // Other measured values cannot be compared, and without a sample there is no evidence.
-    bench.write(
-        "other.toml",
-        &study.replacen("nominal = 0.", "nominal = 0.1", 1),
-    );
+    bench.write("other.toml", &study.replacen("nominal = 0.", "nominal = 0.1", 1));
     bench
-        .run(
-            &[
-                &["identify", "other.toml", "--output", "o"][..],
-                &options[..],
-            ]
-            .concat(),
-        )
+        .run(&[&["identify", "other.toml", "--output", "o"][..], &options[..]].concat())
         .is_mistake(&["other measured values"]);
-    bench
-        .run(&[
-            "identify",
-            "study.toml",
-            "--against",
-            "right",
-            "--output",
-            "n",
-        ])
-        .is_mistake(&["--posterior"]);
+    bench.run(&["identify", "study.toml", "--against", "right", "--output", "n"]).is_mistake(&["--posterior"]);
 }
 
 /// Euler's method with steps h makes (1 - r h)^(1/h) of exp(-r), so it takes 1.1 for (1 - exp(-1.1 h)) / h.
@@ -223,10 +174,7 @@ uncertainty = 0.006
     let text = concern["text"].as_str().unwrap();
     let begin = "the communication step of 0.25 s is too coarse: with finer ones lag.rate would be about 0.12 ";
     assert!(text.starts_with(begin), "{text}");
-    assert_eq!(
-        concern["remedy"],
-        "Choose a shorter `step` under [simulation]."
-    );
+    assert_eq!(concern["remedy"], "Choose a shorter `step` under [simulation].");
     let first = format!("warning: {text}. Choose a shorter `step` under [simulation].\n");
     assert!(said.out.starts_with(&first), "{}", said.out);
     let page = bench.read("out/report.html");
@@ -236,12 +184,7 @@ uncertainty = 0.006
         let (said, outcome) = identify(&bench, &study(fmu, step), &[]);
         assert_eq!(outcome["concerns"], serde_json::json!([]), "{fmu}");
         assert!(!said.out.contains("coarse"), "{fmu}: {}", said.out);
-        assert!(
-            outcome["numerical_error"]["free"][0]["part"]
-                .as_f64()
-                .unwrap()
-                < 0.1
-        );
+        assert!(outcome["numerical_error"]["free"][0]["part"].as_f64().unwrap() < 0.1);
     }
 }
 
@@ -284,11 +227,7 @@ lag = { min = "-60 ms", max = "60 ms" }
         let [low, high] = ends(&free["interval"]);
         assert!(low < truth && truth < high, "{name}: {low} .. {high}");
     }
-    assert!(
-        said.out.contains("rectangular limits of error"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("rectangular limits of error"), "{}", said.out);
     let page = bench.read("out/report.html");
     for words in [
         "Fit and residuals",
@@ -304,9 +243,7 @@ lag = { min = "-60 ms", max = "60 ms" }
     assert!(said.code < 2, "{}", said.err);
     let found = study.replace("\"20 ms\"", "{ from = \"0 ms\", to = \"40 ms\" }");
     bench.write("study.toml", &found);
-    bench
-        .run(&["identify", "study.toml"])
-        .is_mistake(&["`lag` adds to a known `delay`"]);
+    bench.run(&["identify", "study.toml"]).is_mistake(&["`lag` adds to a known `delay`"]);
 }
 
 /// A product has the noise of its factor: it is no second measurement, whatever it is measured with.
@@ -350,11 +287,7 @@ criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertaint
 #[test]
 fn correlated_errors_are_whole_ones() {
     let bench = Bench::functions();
-    for error in [
-        "noise = 0.05",
-        "uncertainty = 0.1",
-        "uncertainty = 0.08\nnoise = 0.03",
-    ] {
+    for error in ["noise = 0.05", "uncertainty = 0.1", "uncertainty = 0.08\nnoise = 0.03"] {
         let of = |name: &str, statistic: &str| {
             format!(
                 "[criteria.{name}]\nvariable = \"first\"\nstatistic = \"{statistic}\"\nnominal = 0.5\ntolerance = 0.1\n{error}\n"
@@ -369,10 +302,7 @@ fn correlated_errors_are_whole_ones() {
         let (_, outcome) = identify(&bench, &study, &[]);
         let deviation = outcome["free"][0]["deviation"].as_f64().unwrap();
         let expected = 0.05 * 0.9_f64.sqrt();
-        assert!(
-            (deviation / expected - 1.0).abs() < 0.01,
-            "{error}: {deviation}"
-        );
+        assert!((deviation / expected - 1.0).abs() < 0.01, "{error}: {deviation}");
     }
 }
 
@@ -420,30 +350,17 @@ max = 2
     assert_eq!(free[1]["name"], "drive.u/offset");
     for (free, truth) in free.iter().zip([rate, 0.05]) {
         let [low, high] = ends(&free["interval"]);
-        assert!(
-            low < truth && truth < high && high - low < 0.02,
-            "{truth}: {low} .. {high}"
-        );
+        assert!(low < truth && truth < high && high - low < 0.02, "{truth}: {low} .. {high}");
     }
     assert!(!said.out.contains("count as exact"), "{}", said.out);
     assert!(!bench.read("out/optimum.toml").contains("offset"));
     let exact = study.replace(", uncertainty = 0.1", "");
     let (said, outcome) = identify(&bench, &exact, &["--force"]);
-    assert!(
-        said.out
-            .contains("Recorded inputs without an `uncertainty` count as exact: drive.u"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("Recorded inputs without an `uncertainty` count as exact: drive.u"), "{}", said.out);
     let [low, high] = ends(&outcome["free"][0]["interval"]);
     assert!(high < rate || low > rate, "{low} .. {high}");
     let wrong = study.replace("uncertainty = 0.1", "uncertainty = \"2 %\"");
     bench.write("study.toml", &wrong);
     let said = bench.run(&["identify", "study.toml", "--output", "wrong"]);
-    assert!(
-        said.err
-            .contains("must be a positive number in the input's unit"),
-        "{}",
-        said.err
-    );
+    assert!(said.err.contains("must be a positive number in the input's unit"), "{}", said.err);
 }

@@ -62,46 +62,26 @@ fn ball(time: f64, height: f64, restitution: f64) -> (f64, f64) {
 fn inspect_and_check_know_the_interface() {
     let bench = bench();
     let said = bench.run(&["inspect", "ball.fmu"]);
-    assert!(
-        said.out.contains("Ball (FMI 2.0 for Model Exchange)"),
-        "{}{}",
-        said.out,
-        said.err
-    );
+    assert!(said.out.contains("Ball (FMI 2.0 for Model Exchange)"), "{}{}", said.out, said.err);
     let said = bench.run(&["check", "ball.fmu"]);
-    assert_eq!(
-        (said.code, said.out.trim()),
-        (0, "ball.fmu: nothing found"),
-        "{}",
-        said.err
-    );
+    assert_eq!((said.code, said.out.trim()), (0, "ball.fmu: nothing found"), "{}", said.err);
     bench.ball("spoilt.fmu", &["SPOILT"], BALL);
     let said = bench.run(&["check", "spoilt.fmu"]);
     assert_eq!(said.code, 1);
-    assert!(
-        said.out
-            .contains("the rate of the continuous state 3 is NaN at 0 s"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("the rate of the continuous state 3 is NaN at 0 s"), "{}", said.out);
 }
 
 #[test]
 fn simulate_finds_every_bounce() {
     let bench = bench();
-    let said = bench.run(&[
-        "simulate", "ball.fmu", "--step", "0.01", "--stop", "2", "--output", "out.csv",
-    ]);
+    let said = bench.run(&["simulate", "ball.fmu", "--step", "0.01", "--stop", "2", "--output", "out.csv"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let text = bench.read("out.csv");
     assert!(text.starts_with("time,h,v,y,s,count,bounces\n"), "{text}");
     for line in text.lines().skip(1) {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let (height, speed) = ball(cells[0], 1.0, 0.7);
-        assert!(
-            (cells[1] - height).abs() < 1e-7 && (cells[2] - speed).abs() < 1e-7,
-            "{line}"
-        );
+        assert!((cells[1] - height).abs() < 1e-7 && (cells[2] - speed).abs() < 1e-7, "{line}");
         assert_eq!(cells[5], (cells[0] / 0.25 + 1e-9).floor(), "{line}");
     }
     assert_eq!(text.lines().count(), 202);
@@ -115,26 +95,13 @@ fn an_input_from_a_file_is_followed_within_steps() {
         "[parameters.height]",
         "[inputs.u]\nfile = \"u.csv\"\ncolumn = \"u\"\nramp = true\n[parameters.height]",
     );
-    let ramped = ramped
-        + "[criteria.y]\nvariable = \"y\"\nstatistic = \"final\"\nnominal = 1\ntolerance = 1\n";
+    let ramped = ramped + "[criteria.y]\nvariable = \"y\"\nstatistic = \"final\"\nnominal = 1\ntolerance = 1\n";
     bench.write("ramped.toml", &ramped);
-    let said = bench.run(&[
-        "verify",
-        "ramped.toml",
-        "--points",
-        "4",
-        "--output",
-        "ramped",
-    ]);
+    let said = bench.run(&["verify", "ramped.toml", "--points", "4", "--output", "ramped"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let text = bench.read("ramped/points.csv");
     let mut rows = csv::Reader::from_reader(text.as_bytes());
-    let place = rows
-        .headers()
-        .unwrap()
-        .iter()
-        .position(|cell| cell == "y")
-        .unwrap();
+    let place = rows.headers().unwrap().iter().position(|cell| cell == "y").unwrap();
     // y' = 2 (t - y).
     let exact = 1.5 - 0.5 + 0.5 * (-3.0_f64).exp();
     for row in rows.records() {
@@ -147,16 +114,7 @@ fn an_input_from_a_file_is_followed_within_steps() {
 fn verify_gives_the_same_in_every_way() {
     let bench = bench();
     let run = |isolation: &str, jobs: &str, output: &str| {
-        let said = bench.run(&[
-            "verify",
-            "study.toml",
-            "--isolation",
-            isolation,
-            "--jobs",
-            jobs,
-            "--output",
-            output,
-        ]);
+        let said = bench.run(&["verify", "study.toml", "--isolation", isolation, "--jobs", jobs, "--output", output]);
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);
         bench.read(&format!("{output}/points.csv"))
     };

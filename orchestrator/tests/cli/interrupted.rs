@@ -58,28 +58,12 @@ const SCREENING: Analysis = Analysis {
     files: &["sensitivity.json", "sensitivity-runs.csv"],
 };
 const PARETO: Analysis = Analysis {
-    command: &[
-        "pareto",
-        "study.toml",
-        "--generations",
-        "6",
-        "--population",
-        "10",
-    ],
+    command: &["pareto", "study.toml", "--generations", "6", "--population", "10"],
     state: "pareto",
     files: &["pareto.json"],
 };
 const ROBUSTNESS: Analysis = Analysis {
-    command: &[
-        "robustness",
-        "study.toml",
-        "--from",
-        "verified",
-        "--confirm",
-        "40",
-        "--level",
-        "0.8",
-    ],
+    command: &["robustness", "study.toml", "--from", "verified", "--confirm", "40", "--level", "0.8"],
     state: "robustness",
     files: &["robustness.json"],
 };
@@ -164,16 +148,11 @@ fn bench() -> Bench {
     bench.write("identify.toml", IDENTIFY);
     let table = "[identify]\ncases = \"cases.csv\"\nknown.\"drive.u\" = { column = \"u\" }";
     let cases = IDENTIFY.replace("[identify]", table);
-    bench.write(
-        "cases.toml",
-        &cases.replace("value = 0.86", "column = \"y\""),
-    );
+    bench.write("cases.toml", &cases.replace("value = 0.86", "column = \"y\""));
     bench.write("cases.csv", CASES);
     // The rate must be 3.3 to 4.1 deviations above its mean.
     let (one, _) = STUDY.split_once("[criteria.Z]").unwrap();
-    let rare = one
-        .replace("0.86", "0.935")
-        .replace("tolerance = 0.02", "tolerance = 0.005");
+    let rare = one.replace("0.86", "0.935").replace("tolerance = 0.02", "tolerance = 0.005");
     bench.write("rare.toml", &rare);
     let said = bench.run(&["verify", "study.toml", "--output", "verified"]);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -193,9 +172,7 @@ impl Analysis {
     /// The contents of the analysis's result files.
     fn results(&self, bench: &Bench, folder: &str) -> Vec<String> {
         let files = self.files.iter();
-        files
-            .map(|file| bench.read(&format!("{folder}/{file}")))
-            .collect()
+        files.map(|file| bench.read(&format!("{folder}/{file}"))).collect()
     }
 
     /// The results of an undisturbed run, and its standard output.
@@ -283,10 +260,7 @@ fn stop(child: Child, signal: &str) -> bool {
     if output.status.code() == Some(130) {
         let message = String::from_utf8(output.stderr).unwrap();
         // A run that is not in order within 0.6 s, on a busy machine, leaves without the count.
-        assert!(
-            message.starts_with("interrupted") && message.ends_with("; --resume goes on\n"),
-            "{message}"
-        );
+        assert!(message.starts_with("interrupted") && message.ends_with("; --resume goes on\n"), "{message}");
         return true;
     }
     false
@@ -326,32 +300,18 @@ fn cross_validation_goes_on_from_a_fit_and_predicts_each_case_from_the_others() 
         let (uy, uu) = others.fold((0.0, 0.0), |(uy, uu), (_, (u, y))| (uy + u * y, uu + u * u));
         let expected = rows[left_out].0 * uy / uu;
         let predicted: f64 = record[6].parse().unwrap();
-        assert!(
-            (predicted - expected).abs() < 1e-6,
-            "{record:?}: {expected}"
-        );
+        assert!((predicted - expected).abs() < 1e-6, "{record:?}: {expected}");
     }
     // Without the option there is no such file, not even an earlier run's.
     assert_eq!(bench.run(&plain).code, 0);
     assert!(!bench.path("later/cross-validation.csv").exists());
-    bench
-        .run(&["identify", "identify.toml", "--cross-validate"])
-        .is_mistake(&["--cross-validate", "one case only"]);
+    bench.run(&["identify", "identify.toml", "--cross-validate"]).is_mistake(&["--cross-validate", "one case only"]);
 }
 
 #[test]
 #[ignore = "takes minutes: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn every_analysis_goes_on_from_twenty_moments() {
-    for analysis in [
-        SENSITIVITY,
-        SCREENING,
-        PARETO,
-        ROBUSTNESS,
-        RARE,
-        IDENTIFICATION,
-        POSTERIOR,
-        CROSS_VALIDATION,
-    ] {
+    for analysis in [SENSITIVITY, SCREENING, PARETO, ROBUSTNESS, RARE, IDENTIFICATION, POSTERIOR, CROSS_VALIDATION] {
         for signal in BOTH {
             analysis.stop_and_resume(20, &[signal]);
         }
@@ -398,44 +358,23 @@ fn result(bench: &Bench, file: &str) -> String {
 
 /// Kills a command with SIGKILL at moments spread over its points, and resumes it each time. Returns how many simulations
 /// all runs began together.
-fn kill_and_resume(
-    bench: &Bench,
-    command: &[&str],
-    journal: &str,
-    files: &[&str],
-    kills: u64,
-) -> u64 {
-    let all = |folder: &str| -> Vec<String> {
-        files
-            .iter()
-            .map(|file| result(bench, &format!("{folder}/{file}")))
-            .collect()
-    };
+fn kill_and_resume(bench: &Bench, command: &[&str], journal: &str, files: &[&str], kills: u64) -> u64 {
+    let all =
+        |folder: &str| -> Vec<String> { files.iter().map(|file| result(bench, &format!("{folder}/{file}"))).collect() };
     let noted = |folder: &str| {
-        let text =
-            fs::read_to_string(bench.path(&format!("{folder}/{journal}"))).unwrap_or_default();
+        let text = fs::read_to_string(bench.path(&format!("{folder}/{journal}"))).unwrap_or_default();
         let word = |line: &str| line.split(' ').nth(2).map(str::to_owned);
         let done = ["ok", "forked", "used", "failed"];
-        text.lines()
-            .filter(|line| word(line).is_some_and(|word| done.contains(&&*word)))
-            .count() as u64
+        text.lines().filter(|line| word(line).is_some_and(|word| done.contains(&&*word))).count() as u64
     };
     let begun = bench.path("begun");
     let run = |folder: &str| {
         let mut own = bench.command(&[command, &["--output", folder, "--resume"]].concat());
-        own.env("LAG_INSTANCES", &begun)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null());
+        own.env("LAG_INSTANCES", &begun).stdout(Stdio::null()).stderr(Stdio::null());
         own.spawn().unwrap()
     };
     let simulations = || fs::metadata(&begun).map_or(0, |file| file.len());
-    assert!(
-        run("whole")
-            .wait()
-            .unwrap()
-            .code()
-            .is_some_and(|code| code < 2)
-    );
+    assert!(run("whole").wait().unwrap().code().is_some_and(|code| code < 2));
     let (points, undisturbed) = (noted("whole"), simulations());
     fs::remove_file(&begun).unwrap();
     let mut done = 0;
@@ -457,18 +396,10 @@ fn kill_and_resume(
         child.wait().unwrap();
         done += 1;
     }
-    assert!(
-        run("stopped")
-            .wait()
-            .unwrap()
-            .code()
-            .is_some_and(|code| code < 2)
-    );
+    assert!(run("stopped").wait().unwrap().code().is_some_and(|code| code < 2));
     assert!(all("stopped") == all("whole"), "{command:?}");
     let more = simulations().saturating_sub(undisturbed);
-    println!(
-        "{command:?}: {points} points, {kills} kills, {more} simulations more than undisturbed"
-    );
+    println!("{command:?}: {points} points, {kills} kills, {more} simulations more than undisturbed");
     for folder in ["whole", "stopped"] {
         fs::remove_dir_all(bench.path(folder)).unwrap();
     }
@@ -494,22 +425,10 @@ fn a_hundred_kills_with_one_two_and_five_workers_cost_a_batch_a_worker_at_most()
         "0",
     ];
     let commands: [(&[&str], &str, &[&str]); 4] = [
-        (
-            until,
-            "journal.txt",
-            &["points.csv", "summary.json", "best.srmd"],
-        ),
+        (until, "journal.txt", &["points.csv", "summary.json", "best.srmd"]),
         (POSTERIOR.command, "identify/journal.txt", POSTERIOR.files),
-        (
-            SENSITIVITY.command,
-            "sensitivity/journal.txt",
-            SENSITIVITY.files,
-        ),
-        (
-            ROBUSTNESS.command,
-            "robustness/journal.txt",
-            ROBUSTNESS.files,
-        ),
+        (SENSITIVITY.command, "sensitivity/journal.txt", SENSITIVITY.files),
+        (ROBUSTNESS.command, "robustness/journal.txt", ROBUSTNESS.files),
     ];
     for jobs in [1, 2, 5] {
         let number = jobs.to_string();
@@ -536,11 +455,7 @@ fn shards_join_to_the_same_results() {
             let said = analysis.run(&bench, &folder, &["--shard", shard]);
             assert_eq!(said.code, 0, "{}", said.err);
             assert!(said.out.contains("`orchestrator merge`"), "{}", said.out);
-            assert!(
-                !bench
-                    .path(&format!("{folder}/{}", analysis.files[0]))
-                    .exists()
-            );
+            assert!(!bench.path(&format!("{folder}/{}", analysis.files[0])).exists());
             folders.push(folder);
         }
         let merge = |parts: &[String], into: &str| {
@@ -557,11 +472,7 @@ fn shards_join_to_the_same_results() {
         }
         assert_eq!(said.code, 0, "{}", said.err);
         assert_eq!(said.out, text.replace("in whole", "in joined"));
-        assert!(
-            analysis.results(&bench, "joined") == whole,
-            "{}",
-            analysis.state
-        );
+        assert!(analysis.results(&bench, "joined") == whole, "{}", analysis.state);
         for folder in ["part1", "part2", "part3", "joined", "whole"] {
             fs::remove_dir_all(bench.path(folder)).unwrap();
         }
@@ -572,32 +483,12 @@ fn shards_join_to_the_same_results() {
 fn what_has_no_parts_is_refused_with_the_reason() {
     let bench = bench();
     let shard = ["--shard", "1/2"];
-    PARETO
-        .run(&bench, "p", &shard)
-        .is_mistake(&["--shard", "each generation depends on the one before"]);
-    IDENTIFICATION
-        .run(&bench, "i", &shard)
-        .is_mistake(&["--shard", "depends on the one before"]);
+    PARETO.run(&bench, "p", &shard).is_mistake(&["--shard", "each generation depends on the one before"]);
+    IDENTIFICATION.run(&bench, "i", &shard).is_mistake(&["--shard", "depends on the one before"]);
     bench
-        .run(&[
-            "pareto",
-            "study.toml",
-            "--from",
-            "verified",
-            "--shard",
-            "1/2",
-        ])
+        .run(&["pareto", "study.toml", "--from", "verified", "--shard", "1/2"])
         .is_mistake(&["--shard", "a single point"]);
-    bench
-        .run(&[
-            "robustness",
-            "study.toml",
-            "--from",
-            "verified",
-            "--shard",
-            "1/2",
-        ])
-        .is_mistake(&["--confirm"]);
+    bench.run(&["robustness", "study.toml", "--from", "verified", "--shard", "1/2"]).is_mistake(&["--confirm"]);
 }
 
 #[test]
@@ -608,13 +499,11 @@ fn other_analyses_are_not_resumed_and_an_unfinished_one_is_not_overwritten() {
     let other = |more: &[&str]| SENSITIVITY.run(&bench, "s", &[&["--shard", "1/2"], more].concat());
     other(&["--resume", "--seed", "9"]).is_mistake(&["another seed (1 then, 9 now)"]);
     other(&[]).is_mistake(&["begun already", "--resume"]);
-    SCREENING
-        .run(&bench, "s", &["--resume", "--shard", "1/2"])
-        .is_mistake(&[
-            "another analysis",
-            "20 base points then",
-            "20 trajectories now",
-        ]);
+    SCREENING.run(&bench, "s", &["--resume", "--shard", "1/2"]).is_mistake(&[
+        "another analysis",
+        "20 base points then",
+        "20 trajectories now",
+    ]);
     // One that is complete is simply done again.
     for _ in 0..2 {
         assert_eq!(SENSITIVITY.run(&bench, "whole", &[]).code, 0);
@@ -625,14 +514,7 @@ fn other_analyses_are_not_resumed_and_an_unfinished_one_is_not_overwritten() {
 fn a_search_over_more_generations_goes_on_with_the_earlier_ones() {
     let bench = bench();
     let (whole, _) = PARETO.undisturbed(&bench);
-    let fewer = [
-        "pareto",
-        "study.toml",
-        "--population",
-        "10",
-        "--output",
-        "more",
-    ];
+    let fewer = ["pareto", "study.toml", "--population", "10", "--output", "more"];
     let said = bench.run(&[&fewer[..], &["--generations", "3"]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(PARETO.run(&bench, "more", &["--resume"]).code, 0);

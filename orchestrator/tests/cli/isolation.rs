@@ -27,31 +27,14 @@ tolerance = 0.2
 /// An FMU whose start takes so long that reuse pays.
 fn bench(macros: &[&str]) -> Bench {
     let bench = Bench::empty();
-    bench.fmu(
-        "lag.fmu",
-        &[&["SLOW_START"], macros].concat(),
-        &model("", ""),
-    );
+    bench.fmu("lag.fmu", &[&["SLOW_START"], macros].concat(), &model("", ""));
     bench.write("study.toml", STUDY);
     bench
 }
 
 fn verify(bench: &Bench, folder: &str, options: &[&str]) -> Said {
-    let said = bench.run(
-        &[
-            &[
-                "verify",
-                "study.toml",
-                "--verbose",
-                "--jobs",
-                "2",
-                "--output",
-                folder,
-            ],
-            options,
-        ]
-        .concat(),
-    );
+    let said =
+        bench.run(&[&["verify", "study.toml", "--verbose", "--jobs", "2", "--output", folder], options].concat());
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     said
 }
@@ -64,18 +47,11 @@ fn reuse_is_audited() {
     assert_eq!(summary["isolation"], "audited");
     assert!(summary["audits_of_shared"].as_u64().unwrap() > 0);
     assert_eq!(summary["audit_mismatches"], 0);
-    assert!(
-        said.out.contains("\npoints shared processes; "),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("\npoints shared processes; "), "{}", said.out);
     assert!(bench.read("shared/report.html").contains("1-(1-f)^"));
     verify(&bench, "fresh", &["--isolation", "fresh"]);
     assert_eq!(bench.summary("fresh")["isolation"], "fresh");
-    assert_eq!(
-        bench.read("shared/points.csv"),
-        bench.read("fresh/points.csv")
-    );
+    assert_eq!(bench.read("shared/points.csv"), bench.read("fresh/points.csv"));
 }
 
 #[test]
@@ -89,23 +65,12 @@ fn reuse_that_errs_later_is_found_and_undone() {
     assert_eq!(summary["isolation"], "fresh");
     assert!(summary["audit_mismatches"].as_u64().unwrap() > 0);
     assert_eq!(summary["reproducible"], true);
-    assert!(
-        said.out
-            .contains("all points were computed again, each alone"),
-        "{}",
-        said.out
-    );
-    assert_eq!(
-        drifting.read("out/points.csv"),
-        right.read("out/points.csv")
-    );
+    assert!(said.out.contains("all points were computed again, each alone"), "{}", said.out);
+    assert_eq!(drifting.read("out/points.csv"), right.read("out/points.csv"));
     // Whoever wants that gets it.
     verify(&drifting, "reuse", &["--isolation", "reuse"]);
     assert_eq!(drifting.summary("reuse")["isolation"], "reuse");
-    assert_ne!(
-        drifting.read("reuse/points.csv"),
-        right.read("out/points.csv")
-    );
+    assert_ne!(drifting.read("reuse/points.csv"), right.read("out/points.csv"));
 }
 
 #[test]
@@ -127,10 +92,7 @@ fn a_resumed_run_does_not_share_processes_again_after_a_refutation() {
     verify(&bench, "killed", &["--resume"]);
     assert_eq!(refutations(), 1);
     assert_eq!(bench.summary("killed")["isolation"], "fresh");
-    assert_eq!(
-        bench.read("killed/points.csv"),
-        bench.read("right/points.csv")
-    );
+    assert_eq!(bench.read("killed/points.csv"), bench.read("right/points.csv"));
 }
 
 #[test]
@@ -203,9 +165,7 @@ fn libraries_are_found_by_relative_paths() {
         .status();
     assert!(compiled.unwrap().success());
     let study = ["verify", "study.toml", "--points", "4", "--output"];
-    bench
-        .run(&[&study[..], &["without"]].concat())
-        .is_mistake(&["lag_absent"]);
+    bench.run(&[&study[..], &["without"]].concat()).is_mistake(&["lag_absent"]);
     for (folder, library) in [("path", "libhelper.so"), ("file", "own/libhelper.so")] {
         let said: Said = bench
             .command(&[&study[..], &[folder]].concat())

@@ -41,21 +41,13 @@ fn the_study_itself_is_right() {
 #[test]
 fn no_such_file() {
     let bench = Bench::empty();
-    bench
-        .run(&["inspect", "none.fmu"])
-        .is_mistake(&["none.fmu: no such file"]);
-    bench
-        .run(&["verify", "none.toml"])
-        .is_mistake(&["none.toml: no such file"]);
-    verify("lag.fmu", "lost.fmu").is_mistake(&[
-        "study.toml:2:7: lost.fmu: no such file in ",
-        "did you mean `lag.fmu`?",
-    ]);
+    bench.run(&["inspect", "none.fmu"]).is_mistake(&["none.fmu: no such file"]);
+    bench.run(&["verify", "none.toml"]).is_mistake(&["none.toml: no such file"]);
+    verify("lag.fmu", "lost.fmu")
+        .is_mistake(&["study.toml:2:7: lost.fmu: no such file in ", "did you mean `lag.fmu`?"]);
     verify("lag.fmu", "models/lag.fmu").is_mistake(&["study.toml:2:7: ", "there is no folder "]);
     let bench = Bench::new();
-    bench
-        .run(&["inspect", "lga.fmu"])
-        .is_mistake(&["lga.fmu: no such file in ", "did you mean `lag.fmu`?"]);
+    bench.run(&["inspect", "lga.fmu"]).is_mistake(&["lga.fmu: no such file in ", "did you mean `lag.fmu`?"]);
 }
 
 #[test]
@@ -63,27 +55,18 @@ fn one_file_in_the_place_of_another() {
     let bench = Bench::new();
     bench.write("study.toml", STUDY);
     bench.write("table.csv", "Y\n0.8\n");
-    bench.run(&["verify", "lag.fmu"]).is_mistake(&[
-        "lag.fmu: is an FMU",
-        "`orchestrator init lag.fmu` writes one",
-    ]);
+    bench.run(&["verify", "lag.fmu"]).is_mistake(&["lag.fmu: is an FMU", "`orchestrator init lag.fmu` writes one"]);
     bench
         .run(&["judge", "table.csv", "study.toml"])
         .is_mistake(&["table.csv: is a table, where a study (a TOML file) is needed"]);
-    bench
-        .run(&["judge", "study.toml", "lag.fmu"])
-        .is_mistake(&["lag.fmu: a zip archive", "save the table as csv"]);
-    bench
-        .run(&["simulate", "lag.fmu", "--set-from", "study.toml"])
-        .is_mistake(&["study.toml: no SSP parameter set"]);
+    bench.run(&["judge", "study.toml", "lag.fmu"]).is_mistake(&["lag.fmu: a zip archive", "save the table as csv"]);
+    bench.run(&["simulate", "lag.fmu", "--set-from", "study.toml"]).is_mistake(&["study.toml: no SSP parameter set"]);
     for folder in ["study.toml", "study.toml/below"] {
         bench
             .run(&["verify", "study.toml", "--output", folder])
             .is_mistake(&["study.toml is a file, where a folder is needed"]);
     }
-    bench
-        .run(&["report", "study.toml"])
-        .is_mistake(&["study.toml is a file, where a folder is needed"]);
+    bench.run(&["report", "study.toml"]).is_mistake(&["study.toml is a file, where a folder is needed"]);
     if cfg!(target_os = "linux") {
         bench
             .run(&["verify", "study.toml", "--output", "/proc/x"])
@@ -102,55 +85,35 @@ fn one_file_in_the_place_of_another() {
 fn not_a_zip() {
     let bench = Bench::empty();
     bench.write("text.fmu", "This is not a zip.");
-    bench
-        .run(&["inspect", "text.fmu"])
-        .is_mistake(&["text.fmu", "not a zip"]);
+    bench.run(&["inspect", "text.fmu"]).is_mistake(&["text.fmu", "not a zip"]);
     bench.zip("other.fmu", &[("readme.txt", b"hello")]);
-    bench
-        .run(&["simulate", "other.fmu"])
-        .is_mistake(&["other.fmu", "no modelDescription.xml"]);
+    bench.run(&["simulate", "other.fmu"]).is_mistake(&["other.fmu", "no modelDescription.xml"]);
 }
 
 #[test]
 fn another_version() {
     let bench = Bench::empty();
-    bench.fmu(
-        "four.fmu",
-        &[],
-        &model("fmiVersion=\"2.0\"", "fmiVersion=\"4.0\""),
-    );
-    bench.run(&["inspect", "four.fmu"]).is_mistake(&[
-        "four.fmu",
-        "FMI 4.0",
-        "FMI 2.0 or 3.0 is needed",
-    ]);
+    bench.fmu("four.fmu", &[], &model("fmiVersion=\"2.0\"", "fmiVersion=\"4.0\""));
+    bench.run(&["inspect", "four.fmu"]).is_mistake(&["four.fmu", "FMI 4.0", "FMI 2.0 or 3.0 is needed"]);
 }
 
 #[test]
 fn no_interface_and_no_functions_of_it() {
     let bench = Bench::empty();
     bench.fmu("none.fmu", &[], &model("<CoSimulation", "<Nothing"));
-    bench
-        .run(&["simulate", "none.fmu"])
-        .is_mistake(&["none.fmu", "no Co-Simulation or Model Exchange"]);
+    bench.run(&["simulate", "none.fmu"]).is_mistake(&["none.fmu", "no Co-Simulation or Model Exchange"]);
     bench.fmu("me.fmu", &[], &model("<CoSimulation", "<ModelExchange"));
-    bench
-        .run(&["simulate", "me.fmu"])
-        .is_mistake(&["me.fmu", "does not export `fmi2EnterEventMode`"]);
+    bench.run(&["simulate", "me.fmu"]).is_mistake(&["me.fmu", "does not export `fmi2EnterEventMode`"]);
 }
 
 #[test]
 fn no_binary_for_this_platform() {
     let bench = Bench::empty();
     let description = model("", "");
-    let entries: [(&str, &[u8]); 2] = [
-        ("modelDescription.xml", description.as_bytes()),
-        ("binaries/win64/lag.dll", b""),
-    ];
+    let entries: [(&str, &[u8]); 2] =
+        [("modelDescription.xml", description.as_bytes()), ("binaries/win64/lag.dll", b"")];
     bench.zip("windows.fmu", &entries);
-    bench
-        .run(&["simulate", "windows.fmu"])
-        .is_mistake(&["windows.fmu", "platform", "win64"]);
+    bench.run(&["simulate", "windows.fmu"]).is_mistake(&["windows.fmu", "platform", "win64"]);
     // `inspect` needs no binary for this machine.
     assert_eq!(bench.run(&["inspect", "windows.fmu"]).code, 0);
 }
@@ -159,14 +122,10 @@ fn no_binary_for_this_platform() {
 fn a_damaged_binary() {
     let bench = Bench::empty();
     let description = model("", "");
-    let entries: [(&str, &[u8]); 2] = [
-        ("modelDescription.xml", description.as_bytes()),
-        ("binaries/linux64/lag.so", b"junk"),
-    ];
+    let entries: [(&str, &[u8]); 2] =
+        [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/lag.so", b"junk")];
     bench.zip("junk.fmu", &entries);
-    bench
-        .run(&["simulate", "junk.fmu"])
-        .is_mistake(&["failed: junk.fmu: cannot load binaries/linux64/lag.so: file"]);
+    bench.run(&["simulate", "junk.fmu"]).is_mistake(&["failed: junk.fmu: cannot load binaries/linux64/lag.so: file"]);
 }
 
 #[test]
@@ -210,8 +169,7 @@ fn values_that_make_no_sense() {
         ("window = 1\nwarm-up = 1", "7:1"),
         ("tolerance = -1", "6:1"),
     ] {
-        verify("stop = 2", &format!("stop = 2\n{line}"))
-            .is_mistake(&[&format!("study.toml:{place}: [simulation] ")]);
+        verify("stop = 2", &format!("stop = 2\n{line}")).is_mistake(&[&format!("study.toml:{place}: [simulation] ")]);
     }
     verify("points = 8", "points = 0").is_mistake(&["study.toml:8:1: [design] points"]);
     verify("points = 8", "seed = 1\nmethod = \"full-factorial\"")
@@ -259,17 +217,9 @@ fn why_points_fail_is_said() {
     let said = verify("[design]", "[fixed]\n\"lag.length\" = 0\n\n[design]");
     // Nothing was compared, so nothing is contradicted.
     assert_eq!(said.code, 3, "{}", said.err);
-    assert!(
-        said.out.contains("\n8 points, 8 of them failed"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("\n8 points, 8 of them failed"), "{}", said.out);
     assert!(said.out.contains("point 1: fmi2Error: "), "{}", said.out);
-    assert!(
-        said.out.contains("length 0 must be positive"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("length 0 must be positive"), "{}", said.out);
 }
 
 #[test]
@@ -287,12 +237,7 @@ fn a_reader_that_has_gone_is_no_error() {
     let bench = Bench::new();
     // More than a pipe holds.
     let arguments = ["simulate", "lag.fmu", "--stop", "100", "--step", "0.001"];
-    let mut child = bench
-        .command(&arguments)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = bench.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let said: crate::support::Said = child.wait_with_output().unwrap().into();
     assert_eq!((said.code, said.err.as_str()), (0, ""));
@@ -302,26 +247,20 @@ fn a_reader_that_has_gone_is_no_error() {
 fn designs_that_cannot_be() {
     let design = |text: &str| verify("points = 8", text);
     design("method = \"full-factorial\"").is_mistake(&["`levels`"]);
-    design("method = \"full-factorial\"\npoints = 8")
-        .is_mistake(&["study.toml:9:10", "remove `points`"]);
+    design("method = \"full-factorial\"\npoints = 8").is_mistake(&["study.toml:9:10", "remove `points`"]);
     design("method = \"optimised-latin-hypercube\"\npoints = 5000").is_mistake(&["at most 4096"]);
-    let correlated = |text: &str| {
-        verify(
-            "[criteria.Y]",
-            &format!("[[correlations]]\n{text}\n[criteria.Y]"),
-        )
-    };
+    let correlated = |text: &str| verify("[criteria.Y]", &format!("[[correlations]]\n{text}\n[criteria.Y]"));
     correlated("between = [\"lag.rate\", \"lag.rato\"]\ncoefficient = 0.5")
         .is_mistake(&["study.toml:16:24", "did you mean `lag.rate`?"]);
-    correlated("between = [\"lag.rate\", \"lag.rate\"]\ncoefficient = 0.5")
-        .is_mistake(&["study.toml:15:1", "itself"]);
-    correlated("between = [\"lag.rate\", \"lag.rate\"]\nrho = 0.5")
-        .is_mistake(&["study.toml:17:1", "`rho`"]);
+    correlated("between = [\"lag.rate\", \"lag.rate\"]\ncoefficient = 0.5").is_mistake(&["study.toml:15:1", "itself"]);
+    correlated("between = [\"lag.rate\", \"lag.rate\"]\nrho = 0.5").is_mistake(&["study.toml:17:1", "`rho`"]);
     // What lies beyond the two would be lost.
-    correlated("between = [\"lag.rate\", \"lag.length\", \"lag.y\"]\ncoefficient = 0.5")
-        .is_mistake(&["study.toml:16:11", "a list of two", "has 3"]);
-    verify("deviation = 0.1", "deviation = 0.1\nlevels = 3")
-        .is_mistake(&["study.toml:14:10", "full-factorial"]);
+    correlated("between = [\"lag.rate\", \"lag.length\", \"lag.y\"]\ncoefficient = 0.5").is_mistake(&[
+        "study.toml:16:11",
+        "a list of two",
+        "has 3",
+    ]);
+    verify("deviation = 0.1", "deviation = 0.1\nlevels = 3").is_mistake(&["study.toml:14:10", "full-factorial"]);
 }
 
 #[test]
@@ -332,11 +271,8 @@ fn typing_errors_in_a_study() {
     verify("deviation = 0.1", "min = 0.1").is_mistake(&["study.toml:10", "does not use `min`"]);
     verify("nominal = 0.86\n", "").is_mistake(&["study.toml:", "nominal"]);
     // Where a section is needed, none of the program's own words is said.
-    verify(
-        "[criteria.Y]",
-        "[inputs]\n\"drive.u\" = \"drive.csv\"\n[criteria.Y]",
-    )
-    .is_mistake(&["study.toml:16:13", "{ file = \"drive.csv\" }"]);
+    verify("[criteria.Y]", "[inputs]\n\"drive.u\" = \"drive.csv\"\n[criteria.Y]")
+        .is_mistake(&["study.toml:16:13", "{ file = \"drive.csv\" }"]);
 }
 
 #[test]
@@ -347,14 +283,10 @@ fn no_key_of_a_study_is_unread() {
         ("[sensitivity]\nsize = \"many\"", "expected a whole number"),
         ("[robustness]\nlevle = 0.8", "did you mean `level`?"),
         ("[identify]\nstrats = 3", "did you mean `starts`?"),
-        (
-            "[identify.free.\"lag.rate\"]\nmin = 1\nmax = 2\nscael = \"log\"",
-            "did you mean `scale`?",
-        ),
+        ("[identify.free.\"lag.rate\"]\nmin = 1\nmax = 2\nscael = \"log\"", "did you mean `scale`?"),
     ] {
         let place = format!("study.toml:{}:", 18 + section.lines().count());
-        verify("tolerance = 0.02", &format!("tolerance = 0.02\n{section}"))
-            .is_mistake(&[&place, message]);
+        verify("tolerance = 0.02", &format!("tolerance = 0.02\n{section}")).is_mistake(&[&place, message]);
     }
 }
 
@@ -366,8 +298,7 @@ fn values_for_single_commands() {
         bench.run(command)
     };
     let sensitivity = ["sensitivity", "study.toml"];
-    say("[sensitivity]\nmethod = \"morris\"\nsize = 1", &sensitivity)
-        .is_mistake(&["study.toml:21:8", "1 is too few"]);
+    say("[sensitivity]\nmethod = \"morris\"\nsize = 1", &sensitivity).is_mistake(&["study.toml:21:8", "1 is too few"]);
     say("[sensitivity]\nmethod = \"moris\"", &sensitivity).is_mistake(&[
         "study.toml:20:10",
         "`moris`",
@@ -375,11 +306,9 @@ fn values_for_single_commands() {
     ]);
     say("[sensitivity]\nestimator = \"sobol\"", &sensitivity)
         .is_mistake(&["study.toml:20:13", "`combined`, `jansen` and `saltelli`"]);
-    say("", &["sensitivity", "study.toml", "--method", "moris"])
-        .is_mistake(&["--method", "sobol, morris"]);
+    say("", &["sensitivity", "study.toml", "--method", "moris"]).is_mistake(&["--method", "sobol, morris"]);
     let estimator = ["--estimator", "jansen", "--morris", "4"];
-    say("", &[&sensitivity[..], &estimator].concat())
-        .is_mistake(&["--estimator", "morris has no estimators"]);
+    say("", &[&sensitivity[..], &estimator].concat()).is_mistake(&["--estimator", "morris has no estimators"]);
     say("[fixed]\n\"lag.length\" = [3]", &["verify", "study.toml"])
         .is_mistake(&["study.toml:20:", "a start value is a number"]);
     say("[robustness]\nlevel = 2", &["robustness", "study.toml"])
@@ -391,13 +320,9 @@ fn no_criteria() {
     let (before, _) = STUDY.split_once("[criteria").unwrap();
     let bench = Bench::new();
     bench.write("study.toml", before);
-    bench
-        .run(&["verify", "study.toml"])
-        .is_mistake(&["study.toml", "no criteria"]);
+    bench.run(&["verify", "study.toml"]).is_mistake(&["study.toml", "no criteria"]);
     bench.write("table.csv", "Y\n1\n");
-    bench
-        .run(&["judge", "study.toml", "table.csv"])
-        .is_mistake(&["no criteria"]);
+    bench.run(&["judge", "study.toml", "table.csv"]).is_mistake(&["no criteria"]);
 }
 
 #[test]
@@ -441,16 +366,10 @@ fn tables_of_other_programs() {
     };
     // As a spreadsheet in German saves it.
     let said = judge("\u{feff}point;Y\r\n1;0,85\r\n2;\"0,9\"\r\n");
-    assert!(
-        said.contains("all criteria: verified                     1"),
-        "{said}"
-    );
+    assert!(said.contains("all criteria: verified                     1"), "{said}");
     // A point that failed in the other program counts as failed here, too.
     let said = judge("point,Y\n1,0.85\n2,\n3,nan\n");
-    assert!(
-        said.contains("\n3 points, 2 of them failed\n       2 as point 2: not finite: lag.y\n"),
-        "{said}"
-    );
+    assert!(said.contains("\n3 points, 2 of them failed\n       2 as point 2: not finite: lag.y\n"), "{said}");
 }
 
 /// FMI 2.0.5, 2.2.7: a constant never changes, whatever its causality.

@@ -124,14 +124,9 @@ fn mutate(original: &[u8], random: &mut StdRng) -> Vec<u8> {
 
 /// Changes a number, or removes, doubles or moves a line.
 fn rearrange(bytes: &mut Vec<u8>, random: &mut StdRng) {
-    let digits: Vec<usize> = (0..bytes.len())
-        .filter(|&k| bytes[k].is_ascii_digit())
-        .collect();
+    let digits: Vec<usize> = (0..bytes.len()).filter(|&k| bytes[k].is_ascii_digit()).collect();
     let mut lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
-    let (from, to) = (
-        random.random_range(0..lines.len()),
-        random.random_range(0..lines.len()),
-    );
+    let (from, to) = (random.random_range(0..lines.len()), random.random_range(0..lines.len()));
     match random.random_range(0..5) {
         0 => drop(lines.remove(from)),
         1 => lines.insert(to, lines[from]),
@@ -181,9 +176,7 @@ fn journal(folder: &Path) -> Attempt {
     }
     let header = lines::header(folder).map_err(text)?;
     let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
-    journal
-        .append(3, &Ok(vec![1.0]), Separation::New, None)
-        .map_err(text)
+    journal.append(3, &Ok(vec![1.0]), Separation::New, None).map_err(text)
 }
 
 fn table(bench: &Bench, path: &Path) -> Attempt {
@@ -191,19 +184,13 @@ fn table(bench: &Bench, path: &Path) -> Attempt {
     let study = Study::read(&bench.path("study.toml")).map_err(text)?;
     let plan = Plan::new(&study, package.description()).map_err(text)?;
     let source = Source::from_table(&study, &plan.inputs, path).map_err(text)?;
-    let _ = (
-        source.label(0),
-        source.parameters(source.len() - 1),
-        source.index_of(7),
-    );
+    let _ = (source.label(0), source.parameters(source.len() - 1), source.index_of(7));
     Table::read(path, &[]).map(drop).map_err(text)
 }
 
 fn set(bench: &Bench, path: &Path) -> Attempt {
     let package = Package::open(&bench.path("lag.fmu")).map_err(text)?;
-    ssv::read(path, package.description())
-        .map(drop)
-        .map_err(text)
+    ssv::read(path, package.description()).map(drop).map_err(text)
 }
 
 /// A folder with everything in it, and a finished study in `out`.
@@ -215,10 +202,7 @@ fn bench() -> Bench {
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     fs::create_dir(bench.path("folder")).unwrap();
-    bench.write(
-        "folder/modelDescription.xml",
-        &crate::support::model("", ""),
-    );
+    bench.write("folder/modelDescription.xml", &crate::support::model("", ""));
     bench
 }
 
@@ -229,25 +213,13 @@ fn kinds(bench: &Bench) -> Vec<Kind<'_>> {
     let results = |_: &Path| table::read(&bench.path("out")).map(drop).map_err(text);
     vec![
         ("lag.fmu", Box::new(|path| fmu(bench, path))),
-        (
-            "folder/modelDescription.xml",
-            Box::new(|_| study(&bench.path("folder"), &bench.path("study.toml"))),
-        ),
-        (
-            "study.toml",
-            Box::new(|path| study(&bench.path("lag.fmu"), path)),
-        ),
+        ("folder/modelDescription.xml", Box::new(|_| study(&bench.path("folder"), &bench.path("study.toml")))),
+        ("study.toml", Box::new(|path| study(&bench.path("lag.fmu"), path))),
         ("out/journal.txt", Box::new(|_| journal(&bench.path("out")))),
-        (
-            "out/points.csv",
-            Box::new(move |path| table(bench, path).and_then(|()| results(path))),
-        ),
+        ("out/points.csv", Box::new(move |path| table(bench, path).and_then(|()| results(path)))),
         ("out/summary.json", Box::new(results)),
         ("start.ssv", Box::new(|path| set(bench, path))),
-        (
-            "drive.csv",
-            Box::new(|_| study(&bench.path("lag.fmu"), &bench.path("study.toml"))),
-        ),
+        ("drive.csv", Box::new(|_| study(&bench.path("lag.fmu"), &bench.path("study.toml")))),
     ]
 }
 
@@ -266,10 +238,7 @@ fn mutations(seeds: Range<u64>) {
                 Ok(Ok(())) => sound += 1,
                 Ok(Err(error)) => {
                     errors += 1;
-                    assert!(
-                        !error.trim().is_empty() && !error.contains('\n'),
-                        "{name}, seed {seed}: {error}"
-                    );
+                    assert!(!error.trim().is_empty() && !error.contains('\n'), "{name}, seed {seed}: {error}");
                 }
                 Err(_) => panic!("{name}, seed {seed}: a panic"),
             }
@@ -284,9 +253,7 @@ fn note_of_damage(journal: &[u8]) -> String {
     let is_sound = |line: &[u8]| {
         let text = std::str::from_utf8(line).ok();
         let parts = text.and_then(|text| text.split_once(' '));
-        parts.is_some_and(|(sum, text)| {
-            u32::from_str_radix(sum, 16) == Ok(crc32fast::hash(text.as_bytes()))
-        })
+        parts.is_some_and(|(sum, text)| u32::from_str_radix(sum, 16) == Ok(crc32fast::hash(text.as_bytes())))
     };
     let lines = journal.split_inclusive(|&byte| byte == b'\n');
     let whole = lines.filter_map(|line| line.strip_suffix(b"\n"));
@@ -304,15 +271,9 @@ fn commands(seeds: Range<u64>) {
     let dry = ["verify", "study.toml", "--dry-run"];
     let cases: [(&str, &[&str]); 6] = [
         ("lag.fmu", &["inspect", "lag.fmu"]),
-        (
-            "folder/modelDescription.xml",
-            &["inspect", "folder", "--json"],
-        ),
+        ("folder/modelDescription.xml", &["inspect", "folder", "--json"]),
         ("study.toml", &dry),
-        (
-            "out/journal.txt",
-            &["verify", "study.toml", "--output", "out", "--resume"],
-        ),
+        ("out/journal.txt", &["verify", "study.toml", "--output", "out", "--resume"]),
         ("out/points.csv", &["judge", "study.toml", "out/points.csv"]),
         ("start.ssv", &dry),
     ];

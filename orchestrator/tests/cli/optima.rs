@@ -31,25 +31,14 @@ fn six_exact_solutions_are_six_optima() {
     bench.write("study.toml", STUDY);
     let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    for words in [
-        "6 distinct sets of parameters fit",
-        "optimum 6: ",
-        "none of them is \"the\" value",
-    ] {
+    for words in ["6 distinct sets of parameters fit", "optimum 6: ", "none of them is \"the\" value"] {
         assert!(said.out.contains(words), "{}", said.out);
     }
-    assert!(
-        !said.out.contains("determine every parameter"),
-        "{}",
-        said.out
-    );
+    assert!(!said.out.contains("determine every parameter"), "{}", said.out);
     let found = json(&bench, "out/identification.json");
     assert_eq!(found["ambiguous"], true);
     let optima = found["optima"].as_array().unwrap();
-    let mut places: Vec<f64> = optima
-        .iter()
-        .map(|own| own["free"][0]["value"].as_f64().unwrap())
-        .collect();
+    let mut places: Vec<f64> = optima.iter().map(|own| own["free"][0]["value"].as_f64().unwrap()).collect();
     places.sort_by(f64::total_cmp);
     // The roots of sin(6 x) + 0.3 x = 0.5 between 0.1 and 3.1, by halving.
     let exact = [0.46197, 1.07684, 1.56575, 2.07398, 2.66889, 3.06921];
@@ -68,11 +57,7 @@ fn six_exact_solutions_are_six_optima() {
     bench.write("study.toml", &format!("{STUDY}{decided}"));
     let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(
-        said.out.contains("The intervals are normal approximations"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("The intervals are normal approximations"), "{}", said.out);
     assert!(bench.path("out/optimum.toml").exists());
     assert!(!bench.path("out/optimum-1.toml").exists());
     assert!(!bench.path("out/optimum-6.toml").exists());
@@ -81,18 +66,13 @@ fn six_exact_solutions_are_six_optima() {
 #[test]
 fn a_product_is_one_valley_and_not_determined() {
     let bench = Bench::functions();
-    let study = STUDY.replace("\"wave\"", "\"product\"").replace(
-        "[identify.measured",
-        "[identify.free.x2]\nmin = 0.1\nmax = 3.1\n[identify.measured",
-    );
+    let study = STUDY
+        .replace("\"wave\"", "\"product\"")
+        .replace("[identify.measured", "[identify.free.x2]\nmin = 0.1\nmax = 3.1\n[identify.measured");
     bench.write("study.toml", &study);
     let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(
-        said.out.contains("The data do not determine:"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("The data do not determine:"), "{}", said.out);
     let found = json(&bench, "out/identification.json");
     assert_eq!(found["optima"].as_array().unwrap().len(), 1);
 }
@@ -103,20 +83,13 @@ fn a_sample_of_the_posterior_holds_all_modes_and_can_be_predicted_from() {
     bench.write("study.toml", STUDY);
     let said = identify(&bench, &["--posterior", "240", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    for words in [
-        "posterior sample: 240 particles (",
-        "near optimum 6: ",
-        " or 3.0",
-    ] {
+    for words in ["posterior sample: 240 particles (", "near optimum 6: ", " or 3.0"] {
         assert!(said.out.contains(words), "no `{words}` in {}", said.out);
     }
     let sample = &json(&bench, "out/identification.json")["posterior"];
     assert_eq!(sample["free"][0]["intervals"].as_array().unwrap().len(), 6);
     let table = bench.read("out/posterior.csv");
-    assert!(
-        table.starts_with("# x1 in 1\npoint,x1,log_likelihood\n1,"),
-        "{table}"
-    );
+    assert!(table.starts_with("# x1 in 1\npoint,x1,log_likelihood\n1,"), "{table}");
     assert_eq!(table.lines().count(), 242);
     // The file is a table of points: what the model predicts with them is what was measured.
     let study = r#"
@@ -133,12 +106,7 @@ nominal = 0.5
 tolerance = 0.04
 "#;
     bench.write("predict.toml", study);
-    let predict = [
-        "verify",
-        "predict.toml",
-        "--points-from",
-        "out/posterior.csv",
-    ];
+    let predict = ["verify", "predict.toml", "--points-from", "out/posterior.csv"];
     let said = bench.run(&[&predict[..], &["--output", "predicted"]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     let summary = bench.summary("predicted");
@@ -151,28 +119,21 @@ tolerance = 0.04
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(!bench.path("out/posterior.csv").exists());
     assert!(json(&bench, "out/identification.json")["posterior"].is_null());
-    bench
-        .run(&["identify", "study.toml", "--posterior", "20"])
-        .is_mistake(&["--posterior", "20 particles", "give 200 or more"]);
-    let few = STUDY.replace(
-        "[identify.free.x1]",
-        "[identify]\nposterior = 20\n[identify.free.x1]",
-    );
-    bench.write("few.toml", &few);
-    bench.run(&["identify", "few.toml"]).is_mistake(&[
-        "few.toml:6",
+    bench.run(&["identify", "study.toml", "--posterior", "20"]).is_mistake(&[
+        "--posterior",
         "20 particles",
         "give 200 or more",
     ]);
+    let few = STUDY.replace("[identify.free.x1]", "[identify]\nposterior = 20\n[identify.free.x1]");
+    bench.write("few.toml", &few);
+    bench.run(&["identify", "few.toml"]).is_mistake(&["few.toml:6", "20 particles", "give 200 or more"]);
 }
 
 /// y = x1 x2 at ten known x2, with misfits ten times as large as the stated accuracy.
 #[test]
 fn a_discrepancy_of_the_model_is_found_and_widens_the_interval() {
     let bench = Bench::functions();
-    let misfits = [
-        0.09, -0.12, 0.05, 0.14, -0.07, -0.02, 0.11, -0.1, 0.06, -0.13,
-    ];
+    let misfits = [0.09, -0.12, 0.05, 0.14, -0.07, -0.02, 0.11, -0.1, 0.06, -0.13];
     let rows = misfits.iter().enumerate().map(|(k, misfit)| {
         let x2 = 1.0 + 0.1 * k as f64;
         format!("{},{x2},{}\n", k + 1, 2.0 * x2 + misfit)
@@ -209,20 +170,11 @@ accuracy = 0.01
         (found["free"][0]["deviation"].as_f64().unwrap(), said.out)
     };
     let (narrow, said) = deviation(&study(""), &[]);
-    assert!(
-        said.contains("A right model would miss by this much in fewer than 1 of a million tests"),
-        "{said}"
-    );
+    assert!(said.contains("A right model would miss by this much in fewer than 1 of a million tests"), "{said}");
     let (known, _) = deviation(&study("discrepancy = \"0.1\""), &[]);
-    assert!(
-        (known / narrow - 0.0101_f64.sqrt() / 0.01).abs() < 0.01,
-        "{known} {narrow}"
-    );
+    assert!((known / narrow - 0.0101_f64.sqrt() / 0.01).abs() < 0.01, "{known} {narrow}");
     let (found, said) = deviation(&study("discrepancy = \"unknown\""), &[]);
-    assert!(
-        said.contains("the model misses Y by a discrepancy of its own: 0.1"),
-        "{said}"
-    );
+    assert!(said.contains("the model misses Y by a discrepancy of its own: 0.1"), "{said}");
     assert!((found / known - 1.0).abs() < 0.15, "{found} {known}");
     let own = &json(&bench, "out/identification.json")["discrepancies"][0];
     // The mean square of the misfits over nine degrees of freedom, without that of the accuracy.
@@ -230,9 +182,7 @@ accuracy = 0.01
     let size = own["deviation"].as_f64().unwrap();
     assert!((size / square.sqrt() - 1.0).abs() < 0.02, "{size} {square}");
     bench.write("study.toml", &study("discrepancy = \"unheard\""));
-    bench
-        .run(&["identify", "study.toml"])
-        .is_mistake(&["study.toml:16", "unknown"]);
+    bench.run(&["identify", "study.toml"]).is_mistake(&["study.toml:16", "unknown"]);
 }
 
 /// x1 + x3 without a value where x1 > 0.8 and x2 > 0.7, next to the optimum; and a model without a value where the answer is.
@@ -264,14 +214,7 @@ accuracy = 0.02
     let second = "[identify.measured.Z]\nvariable = \"second\"\nvalue = 0.65\naccuracy = 0.1\n";
     let holed = study("holed", 1.0, 1.4) + second;
     bench.write("study.toml", &holed);
-    let command = [
-        "identify",
-        "study.toml",
-        "--output",
-        "out",
-        "--posterior",
-        "400",
-    ];
+    let command = ["identify", "study.toml", "--output", "out", "--posterior", "400"];
     let said = bench.run(&command);
     assert_eq!(said.code, 0, "{}", said.err);
     let found = json(&bench, "out/identification.json");
@@ -293,11 +236,7 @@ accuracy = 0.02
     ] {
         assert!(said.out.contains(words), "{words}: {}", said.out);
     }
-    assert!(
-        !said.out.contains("determine every parameter"),
-        "{}",
-        said.out
-    );
+    assert!(!said.out.contains("determine every parameter"), "{}", said.out);
     // x1 = 5 is the answer, and the model has no value above 4.75.
     bench.write("study.toml", &study("gap", 6.0, 5.0));
     let said = bench.run(&["identify", "study.toml", "--output", "out"]);
@@ -335,57 +274,34 @@ accuracy = 0.02
 "#;
     bench.write("study.toml", study);
     let command = ["identify", "study.toml", "--output", "out"];
-    let more = [
-        "--posterior",
-        "400",
-        "--surrogate",
-        "60",
-        "--isolation",
-        "reuse",
-    ];
+    let more = ["--posterior", "400", "--surrogate", "60", "--isolation", "reuse"];
     let said = bench.run(&[&command[..], &more].concat());
     assert_eq!(said.code, 0, "{}", said.err);
-    for words in [
-        "stand in for the model",
-        "its error is largest in",
-        "run again in the model",
-    ] {
+    for words in ["stand in for the model", "its error is largest in", "run again in the model"] {
         assert!(said.out.contains(words), "no `{words}` in {}", said.out);
     }
     let found = json(&bench, "out/identification.json");
     let own = &found["surrogate"];
-    assert!(
-        own["runs"].as_u64().unwrap() <= 60 && own["rounds"].as_u64().unwrap() > 1,
-        "{own}"
-    );
+    assert!(own["runs"].as_u64().unwrap() <= 60 && own["rounds"].as_u64().unwrap() > 1, "{own}");
     // sin(8 x1) + x2 = 1.8 +- 0.02 at x1 = 0.2 +- 0.02.
     let value = |k: usize| found["free"][k]["value"].as_f64().unwrap();
     let interval = |k: usize| [0, 1].map(|end| found["free"][k]["interval"][end].as_f64().unwrap());
     assert!((value(0) - 0.2).abs() < 0.02, "{}", found["free"]);
     let x2 = 1.8 - 1.6_f64.sin();
     let [low, high] = interval(1);
-    assert!(
-        low < x2 && x2 < high && high - low < 0.4,
-        "{}",
-        found["free"]
-    );
+    assert!(low < x2 && x2 < high && high - low < 0.4, "{}", found["free"]);
     // The same call with the same seed gives the same bytes, and asks for no further run.
     let first = bench.read("out/identification.json");
     let said = bench.run(&[&command[..], &more, &["--resume"]].concat());
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(bench.read("out/identification.json"), first);
-    bench
-        .run(&["identify", "study.toml", "--surrogate", "20"])
-        .is_mistake(&["--surrogate", "20 runs", "give 30 or more"]);
-    bench.write(
-        "study.toml",
-        &study.replace("surrogate = 40", "surrogate = 10"),
-    );
-    bench.run(&["identify", "study.toml"]).is_mistake(&[
-        "study.toml:6",
-        "10 runs",
+    bench.run(&["identify", "study.toml", "--surrogate", "20"]).is_mistake(&[
+        "--surrogate",
+        "20 runs",
         "give 30 or more",
     ]);
+    bench.write("study.toml", &study.replace("surrogate = 40", "surrogate = 10"));
+    bench.run(&["identify", "study.toml"]).is_mistake(&["study.toml:6", "10 runs", "give 30 or more"]);
 }
 
 /// Where the runs next to every start fail, the best place is told, and that it is no minimum.

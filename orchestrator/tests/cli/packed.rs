@@ -50,14 +50,7 @@ fn bench() -> Bench {
 }
 
 fn packed(bench: &Bench) {
-    let said = bench.run(&[
-        "pack",
-        "studies/lag.toml",
-        "--from",
-        "out",
-        "--output",
-        "new/carrier.fmu",
-    ]);
+    let said = bench.run(&["pack", "studies/lag.toml", "--from", "out", "--output", "new/carrier.fmu"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
 }
 
@@ -75,10 +68,7 @@ fn entries(bench: &Bench, name: &str) -> Vec<(String, Vec<u8>)> {
 }
 
 fn repacked(bench: &Bench, name: &str, entries: &[(String, Vec<u8>)]) {
-    let entries: Vec<(&str, &[u8])> = entries
-        .iter()
-        .map(|(name, content)| (&**name, &**content))
-        .collect();
+    let entries: Vec<(&str, &[u8])> = entries.iter().map(|(name, content)| (&**name, &**content)).collect();
     bench.zip(name, &entries);
 }
 
@@ -93,34 +83,16 @@ fn a_packed_study_is_run_elsewhere_and_gives_its_result() {
     let said = bench.run(&["check", "new/carrier.fmu", "--strict"]);
     assert_eq!(said.code, 0, "{}", said.out);
     let folder = "extra/org.fmi-standard.fmi-ls-ref/";
-    let manifest = after
-        .iter()
-        .find(|(name, _)| name.ends_with("fmi-ls-manifest.xml"))
-        .unwrap();
+    let manifest = after.iter().find(|(name, _)| name.ends_with("fmi-ls-manifest.xml")).unwrap();
     let manifest = String::from_utf8(manifest.1.clone()).unwrap();
-    for (name, _) in after
-        .iter()
-        .filter(|(name, _)| name.starts_with(folder) && !name.ends_with(".xml"))
-    {
+    for (name, _) in after.iter().filter(|(name, _)| name.starts_with(folder) && !name.ends_with(".xml")) {
         let source = name.strip_prefix(folder).unwrap().replace(' ', "%20");
-        assert!(
-            manifest.contains(&format!("source=\"{source}\"")),
-            "{source} in {manifest}"
-        );
+        assert!(manifest.contains(&format!("source=\"{source}\"")), "{source} in {manifest}");
     }
     for gone in ["studies", "data", "models", "out"] {
         fs::remove_dir_all(bench.path(gone)).unwrap();
     }
-    let verify = [
-        "verify",
-        "new/carrier.fmu",
-        "--output",
-        "there",
-        "--jobs",
-        "1",
-        "--junit",
-        "junit.xml",
-    ];
+    let verify = ["verify", "new/carrier.fmu", "--output", "there", "--jobs", "1", "--junit", "junit.xml"];
     let said = bench.run(&verify);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let words = "The study lag, which the FMU carries, against its result: No difference";
@@ -136,10 +108,7 @@ fn a_packed_study_is_run_elsewhere_and_gives_its_result() {
         assert_eq!(test.2, None, "{name}");
     }
     // The folder is as any other one.
-    assert_eq!(
-        bench.run(&["replay", "there", "3"]).code,
-        bench.run(&["replay", "there", "3"]).code
-    );
+    assert_eq!(bench.run(&["replay", "there", "3"]).code, bench.run(&["replay", "there", "3"]).code);
     let said = bench.run(&["verify", "new/carrier.fmu", "--study", "lga"]);
     said.is_mistake(&["no study `lga`, but lag"]);
 }
@@ -151,12 +120,9 @@ fn a_changed_model_does_not_give_the_carried_result() {
     // The same model with another binary: told, and nothing else.
     let whole = entries(&bench, "new/carrier.fmu");
     let with = |change: Change<'_>| {
-        let changed = whole.iter().map(|(name, content)| {
-            (
-                name.clone(),
-                change(name, content).unwrap_or_else(|| content.clone()),
-            )
-        });
+        let changed = whole
+            .iter()
+            .map(|(name, content)| (name.clone(), change(name, content).unwrap_or_else(|| content.clone())));
         repacked(&bench, "changed.fmu", &changed.collect::<Vec<_>>());
         let usual = ["verify", "changed.fmu", "--output", "there", "--force"];
         bench.run(&[&usual[..], &["--junit", "junit.xml"]].concat())
@@ -203,11 +169,7 @@ fn a_changed_model_does_not_give_the_carried_result() {
         Some((lines.join("\n") + "\n").into_bytes())
     });
     assert_eq!(said.code, 1, "{}{}", said.out, said.err);
-    assert!(
-        said.out.contains("Y changed at 1 point beyond rounding"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("Y changed at 1 point beyond rounding"), "{}", said.out);
     // A trajectory that it does not give, in both files: their difference is what numerical errors may be.
     let said = with(&|name, content| {
         let text = String::from_utf8_lossy(content);
@@ -228,91 +190,38 @@ fn a_changed_model_does_not_give_the_carried_result() {
     said.is_mistake(&["ties.json", "is no path within the study's folder"]);
     // A path that leads out of the folder is refused.
     let mut evil = whole.clone();
-    evil.push((
-        "extra/org.fmi-standard.fmi-ls-ref/lag/../../../evil".to_owned(),
-        Vec::new(),
-    ));
+    evil.push(("extra/org.fmi-standard.fmi-ls-ref/lag/../../../evil".to_owned(), Vec::new()));
     repacked(&bench, "evil.fmu", &evil);
-    bench
-        .run(&["verify", "evil.fmu", "--output", "evil"])
-        .is_mistake(&["leads out"]);
-    bench
-        .run(&["verify", "models/lag.fmu"])
-        .is_mistake(&["carries no study", "orchestrator pack"]);
+    bench.run(&["verify", "evil.fmu", "--output", "evil"]).is_mistake(&["leads out"]);
+    bench.run(&["verify", "models/lag.fmu"]).is_mistake(&["carries no study", "orchestrator pack"]);
 }
 
 #[test]
 fn the_study_that_was_packed_last_is_run_and_the_others_are_named() {
     let bench = bench();
     packed(&bench);
-    bench.write(
-        "studies/other.toml",
-        &STUDY.replace("points = 40", "points = 20"),
-    );
+    bench.write("studies/other.toml", &STUDY.replace("points = 40", "points = 20"));
     let said = bench.run(&["verify", "studies/other.toml", "--output", "other"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    let both = [
-        "pack",
-        "studies/other.toml",
-        "--from",
-        "other",
-        "--fmu",
-        "new/carrier.fmu",
-        "--output",
-        "both.fmu",
-    ];
+    let both = ["pack", "studies/other.toml", "--from", "other", "--fmu", "new/carrier.fmu", "--output", "both.fmu"];
     let said = bench.run(&both);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let said = bench.run(&["verify", "both.fmu", "--output", "there"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
-    assert!(
-        said.out.contains("The study other,") && said.out.contains("It also carries lag:"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("The study other,") && said.out.contains("It also carries lag:"), "{}", said.out);
     let said = bench.run(&["verify", "both.fmu", "--study", "lag", "--output", "lag"]);
-    assert_eq!(
-        (said.code, &bench.summary("lag")["points"]),
-        (0, &40.into())
-    );
+    assert_eq!((said.code, &bench.summary("lag")["points"]), (0, &40.into()));
     // One that is packed again replaces itself.
-    let again = [
-        "pack",
-        "studies/lag.toml",
-        "--from",
-        "out",
-        "--fmu",
-        "both.fmu",
-        "--output",
-        "both.fmu",
-    ];
+    let again = ["pack", "studies/lag.toml", "--from", "out", "--fmu", "both.fmu", "--output", "both.fmu"];
     assert_eq!(bench.run(&again).code, 0);
     let said = bench.run(&["verify", "both.fmu", "--output", "again"]);
-    assert!(
-        said.out.contains("The study lag,") && said.out.contains("It also carries other:"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("The study lag,") && said.out.contains("It also carries other:"), "{}", said.out);
     assert_eq!(bench.run(&["check", "both.fmu", "--strict"]).code, 0);
     // Results of another study or another model do not belong to it.
-    let said = bench.run(&[
-        "pack",
-        "studies/lag.toml",
-        "--from",
-        "other",
-        "--output",
-        "wrong.fmu",
-    ]);
+    let said = bench.run(&["pack", "studies/lag.toml", "--from", "other", "--output", "wrong.fmu"]);
     said.is_mistake(&["other holds results of another study"]);
     bench.fmu("models/lag.fmu", &["SILENT"], &model("", ""));
-    let said = bench.run(&[
-        "pack",
-        "studies/lag.toml",
-        "--from",
-        "out",
-        "--output",
-        "wrong.fmu",
-    ]);
+    let said = bench.run(&["pack", "studies/lag.toml", "--from", "out", "--output", "wrong.fmu"]);
     said.is_mistake(&["out holds results of another FMU"]);
     assert!(!bench.path("wrong.fmu").exists());
 }
@@ -328,45 +237,23 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(bench.path("results/carrier.fmu/lag/summary.json").exists());
     // Results of the study with its own FMU are none of the carrier: packed anew into itself, it says what to do.
-    let said = bench.run(&[
-        "pack",
-        "studies/lag.toml",
-        "--fmu",
-        "carrier.fmu",
-        "--output",
-        "carrier.fmu",
-    ]);
+    let said = bench.run(&["pack", "studies/lag.toml", "--fmu", "carrier.fmu", "--output", "carrier.fmu"]);
     said.is_mistake(&["another FMU", "name that by --from"]);
     assert!(!said.err.contains("--force"), "{}", said.err);
     // The folder of the study's results is that of another study.
     bench.write("models/lag.toml", STUDY);
     let said = bench.run(&["pack", "models/lag.toml", "--output", "carrier.fmu"]);
-    said.is_mistake(&[
-        "results/lag holds results of another study file",
-        "name that by --from",
-    ]);
+    said.is_mistake(&["results/lag holds results of another study file", "name that by --from"]);
     assert!(!said.err.contains("--force"), "{}", said.err);
     // A study in the folder itself.
     bench.write("here.toml", &STUDY.replace("../", ""));
     let said = bench.run(&["pack", "here.toml", "--output", "carrier.fmu"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
-    assert_eq!(
-        bench
-            .run(&["verify", "carrier.fmu", "--output", "here"])
-            .code,
-        0
-    );
+    assert_eq!(bench.run(&["verify", "carrier.fmu", "--output", "here"]).code, 0);
     let absolute = bench.path("data").display().to_string();
     bench.write("studies/lag.toml", &STUDY.replace("../data", &absolute));
     bench.run(&["verify", "studies/lag.toml", "--output", "out", "--force"]);
-    let said = bench.run(&[
-        "pack",
-        "studies/lag.toml",
-        "--from",
-        "out",
-        "--output",
-        "carrier.fmu",
-    ]);
+    let said = bench.run(&["pack", "studies/lag.toml", "--from", "out", "--output", "carrier.fmu"]);
     said.is_mistake(&["absolute path"]);
 }
 

@@ -18,9 +18,7 @@ deviation = 1
 "#;
 
 fn criterion(variable: &str, nominal: f64, tolerance: f64) -> String {
-    format!(
-        "[criteria.C]\nvariable = \"{variable}\"\nnominal = {nominal}\ntolerance = {tolerance}\n"
-    )
+    format!("[criteria.C]\nvariable = \"{variable}\"\nnominal = {nominal}\ntolerance = {tolerance}\n")
 }
 
 /// A study with these further lines, run with these further options.
@@ -54,15 +52,10 @@ fn holds(bench: &Bench, exact: f64) -> serde_json::Value {
     let share = found["share"].as_f64().unwrap();
     let [low, high] = [0, 1].map(|k| found["interval"][k].as_f64().unwrap());
     assert!(low < share && share < high);
-    assert!(
-        low * low / share < exact && exact < high * high / share,
-        "{exact}: {found}"
-    );
+    assert!(low * low / share < exact && exact < high * high / share, "{exact}: {found}");
     let text = bench.read("out/rare.csv");
     let mut table = csv::Reader::from_reader(text.as_bytes());
-    let weights = table
-        .records()
-        .map(|row| row.unwrap()[0].parse::<f64>().unwrap());
+    let weights = table.records().map(|row| row.unwrap()[0].parse::<f64>().unwrap());
     assert!((weights.sum::<f64>() / share - 1.0).abs() < 1e-6);
     found
 }
@@ -71,15 +64,9 @@ fn holds(bench: &Bench, exact: f64) -> serde_json::Value {
 #[test]
 fn points_far_inside_of_a_limit_lead_to_it() {
     let bench = Bench::functions();
-    let lines =
-        "[criteria.C]\nvariable = \"first\"\nat-most = 5\nmeasured = 0\nuncertainty = 0.01\n";
+    let lines = "[criteria.C]\nvariable = \"first\"\nat-most = 5\nmeasured = 0\nuncertainty = 0.01\n";
     let said = searched(&bench, lines, "40000", &["--rare", "not-conforming"]);
-    assert!(
-        said.out.contains("e−7 of the space"),
-        "{}{}",
-        said.out,
-        said.err
-    );
+    assert!(said.out.contains("e−7 of the space"), "{}{}", said.out, said.err);
     holds(&bench, 2.866_516e-7);
 }
 
@@ -91,12 +78,7 @@ fn a_share_of_verified_points_is_told() {
     let said = searched(&bench, &lines, "40000", &["--rare"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(said.out.contains("e−10 of the space"), "{}", said.out);
-    assert!(
-        said.out
-            .contains("nothing shows regions that none of them reached"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("nothing shows regions that none of them reached"), "{}", said.out);
     let found = holds(&bench, 7.042_718e-10);
     assert_eq!(found["event"], "verified");
     assert_eq!(found["method"], "weighted draws");
@@ -185,11 +167,7 @@ fn mistakes_are_one_line_with_a_remedy() {
     let few = bench.run(&["verify", "study.toml", "--rare", "--points", "100"]);
     few.is_mistake(&["--points", "5000"]);
     let guard = "[verdict]\nshare = \"5 %\"\nguard-band = 0.5\n";
-    let said = rare(
-        &bench,
-        &format!("{guard}{lines}uncertainty = 0.05\n"),
-        &["--rare"],
-    );
+    let said = rare(&bench, &format!("{guard}{lines}uncertainty = 0.05\n"), &["--rare"]);
     said.is_mistake(&["guard-band", "remove"]);
     let said = rare(&bench, &lines, &["--rare", "often"]);
     assert_eq!(said.code, 2);

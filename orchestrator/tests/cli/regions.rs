@@ -23,9 +23,7 @@ max = 1
 "#;
 
 fn criterion(variable: &str, nominal: f64, tolerance: f64) -> String {
-    format!(
-        "[criteria.{variable}]\nvariable = \"{variable}\"\nnominal = {nominal}\ntolerance = {tolerance}\n"
-    )
+    format!("[criteria.{variable}]\nvariable = \"{variable}\"\nnominal = {nominal}\ntolerance = {tolerance}\n")
 }
 
 /// Verifies a study, and tells how far its parameters may go.
@@ -49,9 +47,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 fn part(limits: &Value, holds: impl Fn(f64, f64) -> bool) -> f64 {
     const CELLS: u32 = 400;
     let [x1, x2] = [0, 1].map(|k| numbers(&limits[k]));
-    let place = |side: &[f64], k: u32| {
-        side[0] + (side[1] - side[0]) * (f64::from(k) + 0.5) / f64::from(CELLS)
-    };
+    let place = |side: &[f64], k: u32| side[0] + (side[1] - side[0]) * (f64::from(k) + 0.5) / f64::from(CELLS);
     let cells = (0..CELLS).flat_map(|a| (0..CELLS).map(move |b| (a, b)));
     let held = cells.filter(|&(a, b)| holds(place(&x1, a), place(&x2, b)));
     held.count() as f64 / f64::from(CELLS * CELLS)
@@ -61,20 +57,13 @@ fn part(limits: &Value, holds: impl Fn(f64, f64) -> bool) -> f64 {
 fn a_corner_of_a_tenth_of_the_space_is_found() {
     // x1 > 0.7 and x2 > 0.7: 9 % of the space, all of it one box.
     let bench = Bench::functions();
-    let study = format!(
-        "{HEAD}{}{}",
-        criterion("first", 0.85, 0.15),
-        criterion("second", 0.85, 0.15)
-    );
+    let study = format!("{HEAD}{}{}", criterion("first", 0.85, 0.15), criterion("second", 0.85, 0.15));
     let (said, found) = robust(&bench, &study, &["--confirm", "400"]);
     assert_eq!(found["answer"]["answer"], "confirmed", "{}", said.out);
     let region = &found["region"];
     assert!(region["share"].as_f64().unwrap() > 0.088, "{region}");
     assert!(region["probability"].as_f64().unwrap() >= 0.9, "{region}");
-    assert!(
-        part(&region["limits"], |a, b| a >= 0.7 && b >= 0.7) > 0.89,
-        "{region}"
-    );
+    assert!(part(&region["limits"], |a, b| a >= 0.7 && b >= 0.7) > 0.89, "{region}");
 }
 
 #[test]
@@ -85,9 +74,7 @@ fn a_box_in_a_curved_band_is_found() {
     assert_eq!(found["answer"]["answer"], "confirmed", "{}", said.out);
     let region = &found["region"];
     assert!(region["probability"].as_f64().unwrap() >= 0.9, "{region}");
-    let exact = part(&region["limits"], |a, b| {
-        ((8.0 * a).sin() + b - 0.5).abs() <= 0.4
-    });
+    let exact = part(&region["limits"], |a, b| ((8.0 * a).sin() + b - 0.5).abs() <= 0.4);
     assert!(exact > 0.87, "{exact} {region}");
 }
 
@@ -116,17 +103,10 @@ fn what_few_points_cannot_show_is_said() {
     let region = &found["region"];
     assert!(region["probability"].as_f64().unwrap() >= 0.9, "{region}");
     assert!(numbers(&region["interval"])[0] < 0.9, "{region}");
-    for words in [
-        "which the study's points cannot show",
-        "not shown to be 90.0 %",
-    ] {
+    for words in ["which the study's points cannot show", "not shown to be 90.0 %"] {
         assert!(said.out.contains(words), "{}", said.out);
     }
-    assert!(
-        bench
-            .read("out/report.html")
-            .contains("%), not shown to be 90.0 % or more")
-    );
+    assert!(bench.read("out/report.html").contains("%), not shown to be 90.0 % or more"));
 }
 
 #[test]
@@ -148,28 +128,16 @@ fn failed_points_are_not_verified_though_surrogates_know_nothing_of_them() {
 #[test]
 fn what_cannot_be_is_told_from_what_was_not_found() {
     let bench = Bench::functions();
-    let (said, found) = robust(
-        &bench,
-        &format!("{HEAD}{}", criterion("first", 5.0, 0.1)),
-        &[],
-    );
+    let (said, found) = robust(&bench, &format!("{HEAD}{}", criterion("first", 5.0, 0.1)), &[]);
     assert_eq!(found["answer"]["answer"], "none-seen");
     assert_eq!(found["answer"]["criterion"], "first");
-    assert!(
-        said.out.contains("The surrogates see no box; 0 of "),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("The surrogates see no box; 0 of "), "{}", said.out);
     // A band so thin that no box of the sample is good enough: points in it are verified all the same.
     let thin = format!("{HEAD}{}", criterion("ripple", 0.5, 0.01));
     let (said, found) = robust(&bench, &thin, &[]);
     assert_eq!(found["answer"]["answer"], "not-found", "{}", said.out);
     assert!(found["answer"]["verified"].as_u64().unwrap() > 0);
-    assert!(
-        said.out.contains("does not show that there is none") && !said.out.contains("impossible"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("does not show that there is none") && !said.out.contains("impossible"), "{}", said.out);
 }
 
 #[test]

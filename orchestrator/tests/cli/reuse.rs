@@ -25,16 +25,9 @@ fn instances(macros: &[&str], description: &str) -> (usize, String) {
     bench.write("study.toml", STUDY);
     let count = bench.path("instances");
     let command = ["verify", "study.toml", "--output", "out", "--jobs", "1"];
-    let in_process = bench
-        .command(&[&command[..], &["--in-process"]].concat())
-        .env("LAG_INSTANCES", &count)
-        .output()
-        .unwrap();
-    assert!(
-        in_process.status.success(),
-        "{}",
-        String::from_utf8_lossy(&in_process.stderr)
-    );
+    let in_process =
+        bench.command(&[&command[..], &["--in-process"]].concat()).env("LAG_INSTANCES", &count).output().unwrap();
+    assert!(in_process.status.success(), "{}", String::from_utf8_lossy(&in_process.stderr));
     // One more runs the report's best point, and one the extra run with finer steps: one for ten points.
     let instances = fs::read(count).unwrap().len() - 2;
     let points = bench.read("out/points.csv");
@@ -57,11 +50,7 @@ fn a_reset_instance_is_compared_with_a_fresh_one_once() {
 fn without_a_sound_reset_every_point_gets_an_instance() {
     let (_, right) = instances(&[], &model("", ""));
     for macros in [["NO_RESET"], ["FAILING_RESET"]] {
-        assert_eq!(
-            instances(&macros, &model("", "")),
-            (12, right.clone()),
-            "{macros:?}"
-        );
+        assert_eq!(instances(&macros, &model("", "")), (12, right.clone()), "{macros:?}");
     }
     // Found out by the second point, which ran twice.
     assert_eq!(instances(&["BROKEN_RESET"], &model("", "")), (12, right));
@@ -72,19 +61,12 @@ fn a_state_is_restored_where_there_is_no_reset() {
     let (_, right) = instances(&[], &model("", ""));
     // The first instance is without a saved state; the second one is compared with a third.
     for macros in [["NO_RESET", "STATES"], ["FAILING_RESET", "STATES"]] {
-        assert_eq!(
-            instances(&macros, &with_states()),
-            (3, right.clone()),
-            "{macros:?}"
-        );
+        assert_eq!(instances(&macros, &with_states()), (3, right.clone()), "{macros:?}");
     }
 }
 
 #[test]
 fn an_fmu_that_allows_one_instance_is_not_compared() {
-    let once = model(
-        "canHandle",
-        "canBeInstantiatedOnlyOncePerProcess=\"true\" canHandle",
-    );
+    let once = model("canHandle", "canBeInstantiatedOnlyOncePerProcess=\"true\" canHandle");
     assert_eq!(instances(&[], &once).0, 1);
 }

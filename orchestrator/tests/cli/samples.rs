@@ -15,10 +15,7 @@ fn parameters_from_a_sample_are_drawn_together() {
         format!("{},{x},{x}\n", k + 1)
     });
     let rows: String = rows.collect();
-    bench.write(
-        "sample.csv",
-        &format!("# a in 1, x2 in 1\npoint,a,x2\n{rows}"),
-    );
+    bench.write("sample.csv", &format!("# a in 1, x2 in 1\npoint,a,x2\n{rows}"));
     let study = r#"
 fmu = "functions.fmu"
 [simulation]
@@ -45,8 +42,7 @@ tolerance = 0.03
     bench.write("study.toml", study);
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    let mut table =
-        csv::Reader::from_reader(bench.read("out/points.csv").into_bytes().leak() as &[u8]);
+    let mut table = csv::Reader::from_reader(bench.read("out/points.csv").into_bytes().leak() as &[u8]);
     let mut low = 0;
     for record in table.records() {
         let record = record.unwrap();
@@ -59,21 +55,10 @@ tolerance = 0.03
     // A net takes just as many rows of each half, and the product of the low ones is within the tolerance.
     assert_eq!(low, 32);
     assert_eq!(bench.summary("out")["verified"], 32);
-    let robust = [
-        "robustness",
-        "study.toml",
-        "--from",
-        "out",
-        "--output",
-        "safe",
-    ];
+    let robust = ["robustness", "study.toml", "--from", "out", "--output", "safe"];
     let said = bench.run(&robust);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(
-        said.out.contains("x1, x2 are drawn together"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("x1, x2 are drawn together"), "{}", said.out);
     let result = json(&bench, "safe/robustness.json");
     let margins = result["margins"].as_array().unwrap();
     assert_eq!(margins.len(), 1);
@@ -81,10 +66,7 @@ tolerance = 0.03
     assert!(result["maps"].as_array().unwrap().is_empty());
     // The rows of one half are verified, and half of the rows stay inside.
     let region = &result["region"];
-    assert!(
-        (region["share"].as_f64().unwrap() - 0.5).abs() < 0.06,
-        "{region}"
-    );
+    assert!((region["share"].as_f64().unwrap() - 0.5).abs() < 0.06, "{region}");
     let ranked = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
     assert_eq!(ranked.code, 0, "{}", ranked.err);
     assert!(ranked.out.contains("drawn together"), "{}", ranked.out);
@@ -96,59 +78,31 @@ tolerance = 0.03
         &["verify", "study.toml", "--rare", "verified"],
     ];
     for command in one_alone {
-        bench
-            .run(&[command, &["--output", "none"]].concat())
-            .is_mistake(&["study.toml", "x1", "from a sample"]);
+        bench.run(&[command, &["--output", "none"]].concat()).is_mistake(&["study.toml", "x1", "from a sample"]);
     }
     assert!(!bench.path("none").join("points.csv").exists());
     let mistakes = [
-        (
-            "column = \"a\"",
-            "column = \"b\"",
-            vec!["wrong.toml:10", "sample.csv", "column"],
-        ),
-        (
-            "file = \"sample.csv\"\ncolumn",
-            "column",
-            vec!["wrong.toml:8", "`file` is missing"],
-        ),
-        (
-            "sample.csv\"\n[crit",
-            "none.csv\"\n[crit",
-            vec!["wrong.toml:18", "none.csv"],
-        ),
-        (
-            "method = \"sobol\"\npoints = 64",
-            "method = \"full-factorial\"",
-            vec!["levels do not say"],
-        ),
-        (
-            "column = \"a\"",
-            "column = \"a\"\nmin = 0",
-            vec!["wrong.toml:8", "does not use `min`"],
-        ),
+        ("column = \"a\"", "column = \"b\"", vec!["wrong.toml:10", "sample.csv", "column"]),
+        ("file = \"sample.csv\"\ncolumn", "column", vec!["wrong.toml:8", "`file` is missing"]),
+        ("sample.csv\"\n[crit", "none.csv\"\n[crit", vec!["wrong.toml:18", "none.csv"]),
+        ("method = \"sobol\"\npoints = 64", "method = \"full-factorial\"", vec!["levels do not say"]),
+        ("column = \"a\"", "column = \"a\"\nmin = 0", vec!["wrong.toml:8", "does not use `min`"]),
     ];
     for (from, to, words) in mistakes {
         assert!(study.contains(from), "{from}");
         bench.write("wrong.toml", &study.replacen(from, to, 1));
-        bench
-            .run(&["verify", "wrong.toml", "--output", "none"])
-            .is_mistake(&words);
+        bench.run(&["verify", "wrong.toml", "--output", "none"]).is_mistake(&words);
     }
     let pair = "[[correlations]]\nbetween = [\"x1\", \"x3\"]\ncoefficient = 0.5\n";
     bench.write("wrong.toml", &format!("{study}{pair}"));
-    bench
-        .run(&["verify", "wrong.toml", "--output", "none"])
-        .is_mistake(&["wrong.toml:24", "comes from a sample"]);
+    bench.run(&["verify", "wrong.toml", "--output", "none"]).is_mistake(&["wrong.toml:24", "comes from a sample"]);
     let other = bench.read("sample.csv").replace("a in 1", "a in mm");
     bench.write("sample.csv", &other);
-    bench
-        .run(&["verify", "study.toml", "--output", "none"])
-        .is_mistake(&[
-            "study.toml:8",
-            "has it in mm, the study in 1",
-            "unit = \"mm\"",
-        ]);
+    bench.run(&["verify", "study.toml", "--output", "none"]).is_mistake(&[
+        "study.toml:8",
+        "has it in mm, the study in 1",
+        "unit = \"mm\"",
+    ]);
 }
 
 /// y = x1 + 2 x2 + 3 x3 with x1 + 2 x2 = 1 in each row of the sample: the share within the tolerance is that of x3 alone.
@@ -160,10 +114,7 @@ fn tolerances_scale_what_is_no_sample() {
         let x1 = f64::from(k) / 100.0;
         format!("{x1},{}\n", 0.5 * (1.0 - x1))
     });
-    bench.write(
-        "sample.csv",
-        &format!("x1,x2\n{}", rows.collect::<String>()),
-    );
+    bench.write("sample.csv", &format!("x1,x2\n{}", rows.collect::<String>()));
     let study = r#"
 fmu = "functions.fmu"
 [simulation]
@@ -206,27 +157,15 @@ share = "90 %"
         assert!((scale - 1.0 / 1.6449).abs() < 0.02, "{scale}");
         assert_eq!(found["confirmed"]["decision"], "verified");
     }
-    bench.write(
-        "wrong.toml",
-        &format!("{study}[tolerances.costs]\nx1 = 2\n"),
-    );
-    bench
-        .run(&["tolerances", "wrong.toml", "--output", "none"])
-        .is_mistake(&["wrong.toml", "`x1` has a tolerance"]);
+    bench.write("wrong.toml", &format!("{study}[tolerances.costs]\nx1 = 2\n"));
+    bench.run(&["tolerances", "wrong.toml", "--output", "none"]).is_mistake(&["wrong.toml", "`x1` has a tolerance"]);
     // Half of the rows miss y = 1 +- 0.5 by themselves.
     let rows = (0..400).map(|k| format!("{},{}\n", k % 2, 0));
-    bench.write(
-        "sample.csv",
-        &format!("x1,x2\n{}", rows.collect::<String>()),
-    );
+    bench.write("sample.csv", &format!("x1,x2\n{}", rows.collect::<String>()));
     let narrow = study.replace("tolerance = 1.5", "tolerance = 0.5");
     bench.write("study.toml", &narrow);
     let said = bench.run(&["tolerances", "study.toml", "--output", "out"]);
-    assert!(
-        said.out.contains("50 % of 128 rows of the sample conform"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("50 % of 128 rows of the sample conform"), "{}", said.out);
 }
 
 /// Points that follow the posterior of y = x1 x2 = 1 +- 0.1 on the square from 0.5 to 2: a curved valley. Shares are
@@ -253,14 +192,7 @@ value = 1
 accuracy = 0.1
 "#,
     );
-    let said = bench.run(&[
-        "identify",
-        "fit.toml",
-        "--posterior",
-        "1000",
-        "--output",
-        "fit",
-    ]);
+    let said = bench.run(&["identify", "fit.toml", "--posterior", "1000", "--output", "fit"]);
     assert_eq!(said.code, 0, "{}", said.err);
     bench.write(
         "study.toml",
@@ -289,8 +221,7 @@ tolerance = 0.5
     );
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    let good =
-        |x1: f64, x2: f64| (x1 * x2 - 1.0).abs() <= 0.1 && (x1 + 2.0 * x2 + 1.5 - 4.3).abs() <= 0.5;
+    let good = |x1: f64, x2: f64| (x1 * x2 - 1.0).abs() <= 0.1 && (x1 + 2.0 * x2 + 1.5 - 4.3).abs() <= 0.5;
     let text = bench.read("fit/posterior.csv");
     let mut table = csv::ReaderBuilder::new();
     let mut table = table.comment(Some(b'#')).from_reader(text.as_bytes());
@@ -319,8 +250,5 @@ tolerance = 0.5
     // 1000 draws that the sample is said to be worth less than.
     let worth = json(&bench, "fit/identification.json")["posterior"]["effective_draws"].as_f64();
     let error = (exact * (1.0 - exact) / worth.unwrap_or(200.0)).sqrt();
-    assert!(
-        (found - exact).abs() < 4.0 * error,
-        "{found} {exact} {error}"
-    );
+    assert!((found - exact).abs() < 4.0 * error, "{found} {exact} {error}");
 }

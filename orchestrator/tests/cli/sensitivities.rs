@@ -19,9 +19,7 @@ x4 = { distribution = "uniform", min = 0, max = 1 }
 "#;
 
 fn criteria(names: &[&str]) -> String {
-    let criterion = |name: &&str| {
-        format!("[criteria.{name}]\nvariable = \"{name}\"\nnominal = 1\ntolerance = 0.9\n")
-    };
+    let criterion = |name: &&str| format!("[criteria.{name}]\nvariable = \"{name}\"\nnominal = 1\ntolerance = 0.9\n");
     names.iter().map(criterion).collect()
 }
 
@@ -55,14 +53,11 @@ fn a_failure_of_one_output_costs_that_output_only() {
     let mean = |of: &dyn Fn(&Value) -> f64| results.iter().map(of).sum::<f64>() / 4.0;
     // Without failures both are 0.5.
     for k in [0, 2] {
-        let end = |side: usize| {
-            mean(&|both| number(&output(both, "holed")["sobol"]["total_bounds"][k][side]))
-        };
+        let end = |side: usize| mean(&|both| number(&output(both, "holed")["sobol"]["total_bounds"][k][side]));
         assert!(end(0) < 0.5 && end(1) > 0.5, "{} {}", end(0), end(1));
     }
     // The corner is one of x1 and x2.
-    let total =
-        |both: &Value, k: usize, of: &str| number(&output(both, "failed")["sobol"]["total"][k][of]);
+    let total = |both: &Value, k: usize, of: &str| number(&output(both, "failed")["sobol"]["total"][k][of]);
     for k in [0, 1] {
         let low = mean(&|both| total(both, k, "low"));
         assert!(low > 0.2, "{low}");
@@ -86,25 +81,13 @@ fn holed(options: &[&str]) -> Value {
     assert_eq!(linear["sobol"], output(&alone, "linear")["sobol"]);
     let missing = number(&output(&both, "holed")["missing"]);
     assert!(missing > 20.0 && both["failed"] == missing, "{both}");
-    for words in [
-        "holed: ",
-        " of 768 runs have no value of it",
-        "lie between",
-        "{",
-    ] {
+    for words in ["holed: ", " of 768 runs have no value of it", "lie between", "{"] {
         assert!(said.out.contains(words), "no `{words}` in {}", said.out);
     }
     // The runs' table has the values that there are.
     let runs = bench.read("s/sensitivity-runs.csv");
-    let failed: Vec<&str> = runs
-        .lines()
-        .filter(|line| line.contains("not finite"))
-        .collect();
-    assert!(
-        failed
-            .iter()
-            .all(|line| line.ends_with(",,false,not finite: holed"))
-    );
+    let failed: Vec<&str> = runs.lines().filter(|line| line.contains("not finite")).collect();
+    assert!(failed.iter().all(|line| line.ends_with(",,false,not finite: holed")));
     assert_eq!(failed.len() as f64, missing);
     both
 }
@@ -112,10 +95,7 @@ fn holed(options: &[&str]) -> Value {
 #[test]
 fn points_of_a_study_keep_the_values_that_a_failed_run_has() {
     let bench = Bench::functions();
-    bench.write(
-        "study.toml",
-        &format!("{HEAD}{}", criteria(&["linear", "holed"])),
-    );
+    bench.write("study.toml", &format!("{HEAD}{}", criteria(&["linear", "holed"])));
     assert!(bench.run(&["verify", "study.toml", "--output", "out"]).code < 2);
     let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -128,19 +108,10 @@ fn points_of_a_study_keep_the_values_that_a_failed_run_has() {
     // Most important for whether a run fails: x1 or x2, of which none is told from the other.
     let median = |k: usize| number(&output(&found, "failed")["ranks"]["spearman"][k]["value"]);
     assert!(median(0).min(median(1)) > 0.2 && median(2).abs().max(median(3).abs()) < 0.15);
-    assert!(
-        bench
-            .read("out/report.html")
-            .contains("runs have no value of it")
-    );
+    assert!(bench.read("out/report.html").contains("runs have no value of it"));
     // Surrogates are told of, too.
     let said = bench.run(&["robustness", "study.toml", "--from", "out"]);
-    assert!(
-        said.out.contains("of 512 points failed"),
-        "{}{}",
-        said.out,
-        said.err
-    );
+    assert!(said.out.contains("of 512 points failed"), "{}{}", said.out, said.err);
 }
 
 #[test]
@@ -151,24 +122,11 @@ fn numbers_of_correlated_parameters_are_told_apart() {
     for (section, told) in [("", false), (correlated, true)] {
         bench.write("study.toml", &format!("{study}{section}"));
         let folder = if told { "correlated" } else { "free" };
-        assert!(
-            bench
-                .run(&["verify", "study.toml", "--output", folder])
-                .code
-                < 2
-        );
+        assert!(bench.run(&["verify", "study.toml", "--output", folder]).code < 2);
         let said = bench.run(&["sensitivity", "study.toml", "--from", folder]);
-        assert_eq!(
-            said.out.contains("warning: the parameters are correlated"),
-            told,
-            "{}",
-            said.out
-        );
+        assert_eq!(said.out.contains("warning: the parameters are correlated"), told, "{}", said.out);
         let found = result(&bench, folder);
-        assert_eq!(
-            found["warnings"].as_array().unwrap().len(),
-            usize::from(told)
-        );
+        assert_eq!(found["warnings"].as_array().unwrap().len(), usize::from(told));
         // The model does not know x4.
         let ranks = &output(&found, "first")["ranks"]["spearman"][3]["value"];
         assert_eq!(number(ranks) > 0.8, told);
@@ -185,29 +143,17 @@ fn shapley_effects_divide_the_variance_among_correlated_parameters() {
     sobol.is_mistake(&["correlated ones cannot be changed alone", "--shapley N"]);
     let (said, found) = sensitive(&bench, &study, &["--shapley", "256"]);
     assert_eq!(found["runs"], 256 * 8);
-    assert!(
-        said.out.contains("warning: the parameters are correlated"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("warning: the parameters are correlated"), "{}", said.out);
     let effects = |name: &str| -> Vec<f64> {
-        let effects = output(&found, name)["shapley"]["effects"]
-            .as_array()
-            .unwrap();
-        effects
-            .iter()
-            .map(|effect| number(&effect["value"]))
-            .collect()
+        let effects = output(&found, name)["shapley"]["effects"].as_array().unwrap();
+        effects.iter().map(|effect| number(&effect["value"])).collect()
     };
     for name in ["linear", "first"] {
         assert!((effects(name).iter().sum::<f64>() - 1.0).abs() < 1e-9);
     }
     // x1 explains all of its own output, and x4 some 0.8 of it; half of what both explain goes to each.
     let first = effects("first");
-    assert!(
-        (first[3] - 0.4).abs() < 0.05 && first[1].abs() < 0.03,
-        "{first:?}"
-    );
+    assert!((first[3] - 0.4).abs() < 0.05 && first[1].abs() < 0.03, "{first:?}");
     let linear = effects("linear");
     assert!((linear[1] - 4.0 / 14.0).abs() < 0.03 && (linear[2] - 9.0 / 14.0).abs() < 0.05);
     // A part of a study, and the whole of it again.
@@ -217,13 +163,7 @@ fn shapley_effects_divide_the_variance_among_correlated_parameters() {
         let said = bench.run(&[&part[..], &[shard, "--output", &folder]].concat());
         assert_eq!(said.code, 0, "{}", said.err);
     }
-    let parts = [
-        "merge",
-        "part-1/sensitivity",
-        "part-2/sensitivity",
-        "--output",
-        "whole",
-    ];
+    let parts = ["merge", "part-1/sensitivity", "part-2/sensitivity", "--output", "whole"];
     let said = bench.run(&parts);
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(result(&bench, "whole")["outputs"], found["outputs"]);
@@ -238,9 +178,6 @@ fn screening_bounds_what_failed_runs_hide() {
     // mu* is the slope times the width: 0.98, and no more than what the range allows.
     for k in [0, 2] {
         let bounds = &effects[k]["mu_star_bounds"];
-        assert!(
-            number(&bounds[0]) < 0.98 && number(&bounds[1]) > 0.98,
-            "{effects}"
-        );
+        assert!(number(&bounds[0]) < 0.98 && number(&bounds[1]) > 0.98, "{effects}");
     }
 }

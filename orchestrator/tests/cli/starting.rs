@@ -43,11 +43,7 @@ fn a_starting_study_runs_at_once_and_verifies_nothing() {
 
     let said = bench.run(&["verify", "studies/new.toml", "--output", "out"]);
     assert_eq!(said.code, 1, "{}{}", said.out, said.err);
-    assert!(
-        said.out.starts_with("? No measured value yet\n"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.starts_with("? No measured value yet\n"), "{}", said.out);
     assert!(!said.out.contains("erified"), "{}", said.out);
     let summary = bench.summary("out");
     assert_eq!(summary["verdict"], "not verified");
@@ -60,10 +56,7 @@ fn a_starting_study_runs_at_once_and_verifies_nothing() {
     assert_eq!(summary["validation"], serde_json::json!({}));
     let page = bench.read("out/report.html");
     let verdict = page.split("<section").nth(1).unwrap();
-    assert!(
-        verdict.contains("<h2 id=\"verdict-title\">No measured value yet</h2>"),
-        "{verdict}"
-    );
+    assert!(verdict.contains("<h2 id=\"verdict-title\">No measured value yet</h2>"), "{verdict}");
     assert!(!verdict.contains("erified:") && !page.contains("Select verified"));
 }
 
@@ -77,10 +70,7 @@ fn a_step_that_is_too_coarse_is_halved_until_the_values_settle() {
     let told = "a step of 0.5 s is too coarse: lag.y is 0.9375 with it, 0.8732 with 0.0625 s, and ";
     assert!(said.err.contains(told), "{}", said.err);
     let study = bench.read("study.toml");
-    for lines in [
-        &format!("\nstep = 0.0625 # s; {told}"),
-        "\nnominal = 0.873211",
-    ] {
+    for lines in [&format!("\nstep = 0.0625 # s; {told}"), "\nnominal = 0.873211"] {
         assert!(study.contains(lines), "no {lines} in {study}");
     }
     // What the user asks for stays.
@@ -88,17 +78,9 @@ fn a_step_that_is_too_coarse_is_halved_until_the_values_settle() {
     assert!(said.err.contains("; the study has 0.5 s"), "{}", said.err);
     assert!(said.out.contains("\nnominal = 0.9375 #"), "{}", said.out);
     // What it swings about at first is lost in the mean of a long run, and not in its course.
-    bench.fmu(
-        "swing.fmu",
-        &["EULER"],
-        &model("stepSize=\"0.01\"", "stepSize=\"1.5\""),
-    );
+    bench.fmu("swing.fmu", &["EULER"], &model("stepSize=\"0.01\"", "stepSize=\"1.5\""));
     let said = good(bench.run(&["init", "swing.fmu", "--stop", "60"]));
-    assert!(
-        said.err.contains("a step of 1.5 s is too coarse"),
-        "{}",
-        said.err
-    );
+    assert!(said.err.contains("a step of 1.5 s is too coarse"), "{}", said.err);
     // An FMU with a solver of its own has no such step.
     bench.fmu("exact.fmu", &[], &coarse);
     let said = good(bench.run(&["init", "exact.fmu"]));
@@ -114,17 +96,11 @@ fn a_step_that_is_too_coarse_is_halved_until_the_values_settle() {
 #[test]
 fn measured_values_in_place_of_the_models_verify_it() {
     let (bench, study) = started(&model("Lag", "Lag"), &[]);
-    let lines = study
-        .lines()
-        .filter(|line| !line.starts_with("nominal-from"));
+    let lines = study.lines().filter(|line| !line.starts_with("nominal-from"));
     let measured: Vec<&str> = lines.collect();
     bench.write("measured.toml", &measured.join("\n"));
     let said = good(bench.run(&["verify", "measured.toml", "--output", "out"]));
-    assert!(
-        said.out.contains(" The model can be right: it meets "),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains(" The model can be right: it meets "), "{}", said.out);
     let concerns = bench.summary("out")["concerns"].to_string();
     assert!(!concerns.contains("nominal-from-model"), "{concerns}");
     // One that is left is enough.
@@ -143,8 +119,7 @@ fn a_starting_study_keeps_to_the_limits_of_the_fmu() {
         "min=\"0.95\" max=\"1.2\" start=\"1\" && start=\"0\"",
     );
     let (bench, study) = started(&near, &[]);
-    let rate =
-        "\"lag.rate\" = { distribution = \"uniform\", min = 0.95, max = 1.1, unit = \"1/s\" }";
+    let rate = "\"lag.rate\" = { distribution = \"uniform\", min = 0.95, max = 1.1, unit = \"1/s\" }";
     assert!(study.contains(rate), "{study}");
     // What starts at 0 stays there.
     assert!(!study.contains("lag.length"), "{study}");
@@ -161,10 +136,7 @@ fn a_starting_study_of_a_strange_fmu_is_a_study() {
     ] {
         let text = model("min=\"0\" start=\"2e-5\"", limits);
         // A line break would turn the rest of a comment into a part of the study.
-        let text = text.replace(
-            "name=\"lag.y\"",
-            "name=\"lag.y\" description=\"first&#10;second=3 &quot;\"",
-        );
+        let text = text.replace("name=\"lag.y\"", "name=\"lag.y\" description=\"first&#10;second=3 &quot;\"");
         let bench = Bench::empty();
         bench.fmu("lag.fmu", &[], &text);
         good(bench.run(&["init", "lag.fmu", "--output", "study.toml"]));
@@ -183,9 +155,7 @@ fn what_cannot_vary_is_no_study() {
         "start=\"0\" && start=\"0\" && <Real start=\"0\"/>",
     );
     bench.fmu("lag.fmu", &[], &text);
-    bench
-        .run(&["init", "lag.fmu"])
-        .is_mistake(&["lag.fmu", "start value other than 0"]);
+    bench.run(&["init", "lag.fmu"]).is_mistake(&["lag.fmu", "start value other than 0"]);
 }
 
 const MEASURED: &str = "time,lag.y,lag.temperature [degC],drive.u,lag.yy,lag.text,lag.micrometres\n\
@@ -195,14 +165,7 @@ const MEASURED: &str = "time,lag.y,lag.temperature [degC],drive.u,lag.yy,lag.tex
 fn measured_columns_become_curves() {
     let bench = Bench::new();
     bench.write("data.csv", MEASURED);
-    let said = good(bench.run(&[
-        "init",
-        "lag.fmu",
-        "--measured",
-        "data.csv",
-        "--output",
-        "study.toml",
-    ]));
+    let said = good(bench.run(&["init", "lag.fmu", "--measured", "data.csv", "--output", "study.toml"]));
     for words in [
         "`drive.u`: it is an input",
         "`lag.yy`: the FMU has no such variable; did you mean `lag.y`?",
@@ -236,15 +199,9 @@ fn rows_without_a_time_are_repeats() {
     bench.write("study.toml", &study);
     good(bench.run(&["verify", "study.toml"]));
     bench.write("data.csv", "lag.yy,drive.u\n1,2\n");
-    bench.run(&measured).is_mistake(&[
-        "no column is an output",
-        "lag.yy: the FMU",
-        "drive.u: it is an input",
-    ]);
+    bench.run(&measured).is_mistake(&["no column is an output", "lag.yy: the FMU", "drive.u: it is an input"]);
     bench.write("data.csv", "time,lag.y\n0,1\n0,2\n");
-    bench
-        .run(&measured)
-        .is_mistake(&["`time`", "times that grow"]);
+    bench.run(&measured).is_mistake(&["`time`", "times that grow"]);
     bench.write("data.csv", "time [ms],lag.y\n0,1\n1,2\n");
     bench.run(&measured).is_mistake(&["seconds"]);
 }
@@ -252,25 +209,15 @@ fn rows_without_a_time_are_repeats() {
 #[test]
 fn a_nominal_value_of_the_model_has_no_uncertainty() {
     let (bench, study) = started(&model("Lag", "Lag"), &[]);
-    for (key, words) in [
-        ("uncertainty = \"1 %\"", "no error of a measurement"),
-        ("noise = 0.1", "no error of a measurement"),
-    ] {
+    for (key, words) in
+        [("uncertainty = \"1 %\"", "no error of a measurement"), ("noise = 0.1", "no error of a measurement")]
+    {
         let wrong = study.replacen("nominal-from =", &format!("{key}\nnominal-from ="), 1);
         bench.write("wrong.toml", &wrong);
-        bench
-            .run(&["verify", "wrong.toml"])
-            .is_mistake(&["wrong.toml:", words]);
+        bench.run(&["verify", "wrong.toml"]).is_mistake(&["wrong.toml:", words]);
     }
-    let without =
-        study
-            .replacen("nominal =", "at-most =", 1)
-            .replacen("\ntolerance =", "\n# tolerance =", 1);
+    let without = study.replacen("nominal =", "at-most =", 1).replacen("\ntolerance =", "\n# tolerance =", 1);
     bench.write("wrong.toml", &without);
-    bench
-        .run(&["verify", "wrong.toml"])
-        .is_mistake(&["`nominal-from` says where `nominal` comes from"]);
-    bench
-        .run(&["verify", "study.toml", "--rare"])
-        .is_mistake(&["needs measured values"]);
+    bench.run(&["verify", "wrong.toml"]).is_mistake(&["`nominal-from` says where `nominal` comes from"]);
+    bench.run(&["verify", "study.toml", "--rare"]).is_mistake(&["needs measured values"]);
 }

@@ -71,11 +71,7 @@ fn the_time_of_an_event_is_judged() {
     assert_eq!(said.code, 3, "{}", said.err);
     assert!(said.out.contains("not finite: 6"), "{}", said.out);
     let why = "not finite: lag.temperature never falls to 278.15 K, but stays within 273.15 .. ";
-    assert!(
-        said.out.contains(&format!("       6 as point 1: {why}")),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains(&format!("       6 as point 1: {why}")), "{}", said.out);
     assert!(bench.read("never/report.html").contains(why));
     for (keys, words) in [
         (own.replace("level = 0.5\n", ""), "needs `level`"),
@@ -95,29 +91,15 @@ fn the_strongest_oscillation_is_judged() {
     let bench = Bench::new();
     let wave = |time: f64| 1.0 + 0.4 * (std::f64::consts::TAU * 3.0 * time).sin();
     let rows = (0..=2000).map(|k| 1e-3 * f64::from(k));
-    let rows: String = rows
-        .map(|time| format!("{time},{}\n", wave(time)))
-        .collect();
+    let rows: String = rows.map(|time| format!("{time},{}\n", wave(time))).collect();
     bench.write("u.csv", &format!("time,drive.u\n{rows}"));
     let keys = "variable = \"lag.y\"\nwindow = 1.7\nnominal = 3\ntolerance = 0.1";
-    let study = STUDY
-        .replace("0.9", "39.9")
-        .replace("1.4", "40.1")
-        .replace("0.05", "0.01")
+    let study = STUDY.replace("0.9", "39.9").replace("1.4", "40.1").replace("0.05", "0.01")
         + "[inputs.\"drive.u\"]\nfile = \"u.csv\"\nramp = true\n"
         + &criterion("F", &format!("{keys}\nstatistic = \"frequency\""))
-        + &criterion(
-            "R",
-            &format!("{keys}\nstatistic = \"frequency\"\nunit = \"rpm\""),
-        )
-        + &criterion(
-            "A",
-            &format!("{keys}\nstatistic = \"oscillation-amplitude\""),
-        )
-        + &criterion(
-            "P",
-            &format!("{keys}\nstatistic = \"mean\"\nperiods = \"lag.y\""),
-        );
+        + &criterion("R", &format!("{keys}\nstatistic = \"frequency\"\nunit = \"rpm\""))
+        + &criterion("A", &format!("{keys}\nstatistic = \"oscillation-amplitude\""))
+        + &criterion("P", &format!("{keys}\nstatistic = \"mean\"\nperiods = \"lag.y\""));
     for row in points(&bench, &study) {
         assert!((row[1] - 3.0).abs() < 1e-4, "{row:?}");
         assert!((row[2] - 60.0 * row[1]).abs() < 1e-9, "{row:?}");
@@ -144,9 +126,7 @@ fn a_mean_goes_over_whole_turns() {
         let (rate, turn) = (row[0], std::f64::consts::TAU / 10.0);
         let end = crossing(rate, turn);
         let whole = (end / 0.05) as u32;
-        let mut integral: f64 = (0..whole)
-            .map(|k| 0.025 * (y(rate, k) + y(rate, k + 1)))
-            .sum();
+        let mut integral: f64 = (0..whole).map(|k| 0.025 * (y(rate, k) + y(rate, k + 1))).sum();
         integral += 0.5 * (end - 0.05 * f64::from(whole)) * (y(rate, whole) + turn);
         assert!((row[1] - integral / end).abs() < 1e-12, "{row:?}");
     }
@@ -156,7 +136,5 @@ fn a_mean_goes_over_whole_turns() {
     assert!(said.out.contains("not finite: 6"), "{}", said.out);
     bench.fmu("lag.fmu", &[], &model("Lag", "Lag"));
     bench.write("study.toml", &study);
-    bench
-        .run(&["verify", "study.toml", "--output", "kelvin"])
-        .is_mistake(&["study.toml:", "turns must name an angle"]);
+    bench.run(&["verify", "study.toml", "--output", "kelvin"]).is_mistake(&["study.toml:", "turns must name an angle"]);
 }

@@ -53,10 +53,7 @@ fn no_output_steers_the_terminal() {
         ("init lag.fmu", SHOWN),
         ("simulate lag.fmu --stop 0.1", SHOWN),
         ("simulate lag.fmu --stop 0.1 --output run.csv", SHOWN),
-        (
-            "simulate lag.fmu --set lag.fault=Fail",
-            r"the \u001b]0;owned\u0007 broke",
-        ),
+        ("simulate lag.fmu --set lag.fault=Fail", r"the \u001b]0;owned\u0007 broke"),
         ("simulate lag.fmu --set lag.rat\u{9b}=1", SHOWN),
         ("verify study.toml", r"the \u001b]0;owned\u0007 broke"),
         ("verify \u{9b}.toml", r"\u009b.toml"),
@@ -69,10 +66,7 @@ fn no_output_steers_the_terminal() {
     }
     // A line end in a description makes no line of its own.
     let said = bench.run(&["inspect", "lag.fmu"]).out;
-    assert!(
-        said.contains(&format!(r"A first\u000a{SHOWN} lag")),
-        "{said}"
-    );
+    assert!(said.contains(&format!(r"A first\u000a{SHOWN} lag")), "{said}");
     let json = bench.run(&["inspect", "lag.fmu", "--json"]).out;
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["variables"][3]["name"], format!("lag.y{STEER}"));
@@ -116,10 +110,7 @@ fn texts_of_a_csv_file_come_back() {
     let again = ["verify", "study.toml", "--output", "again", "--points-from"];
     let again = bench.run(&[&again[..], &["results/study/points.csv"]].concat());
     assert!(again.code < 2, "{}", again.err);
-    assert_eq!(
-        bench.read("again/points.csv"),
-        bench.read("results/study/points.csv")
-    );
+    assert_eq!(bench.read("again/points.csv"), bench.read("results/study/points.csv"));
 }
 
 #[cfg(unix)]
@@ -133,9 +124,7 @@ fn devices_and_pipes_are_no_files() {
     assert!(made.unwrap().success());
     for endless in ["/dev/zero", &pipe] {
         let refused = |command: &[&str]| {
-            bench
-                .run(command)
-                .is_mistake(&[endless, "a device or a pipe, which may have no end"]);
+            bench.run(command).is_mistake(&[endless, "a device or a pipe, which may have no end"]);
         };
         refused(&["verify", endless]);
         refused(&["verify", "study.toml", "--points-from", endless]);
@@ -146,14 +135,8 @@ fn devices_and_pipes_are_no_files() {
         for keys in [
             format!("fixed-from = \"{endless}\"\n{plain}"),
             format!("{plain}[inputs]\n\"drive.u\" = {{ file = \"{endless}\" }}\n"),
-            plain.replace(
-                "nominal = 0.86",
-                &format!("reference = {{ file = \"{endless}\" }}\nmetric = \"rmse\""),
-            ),
-            plain.replace(
-                "\"uniform\"\nmin = 1\nmax = 2",
-                &format!("\"sample\"\nfile = \"{endless}\""),
-            ),
+            plain.replace("nominal = 0.86", &format!("reference = {{ file = \"{endless}\" }}\nmetric = \"rmse\"")),
+            plain.replace("\"uniform\"\nmin = 1\nmax = 2", &format!("\"sample\"\nfile = \"{endless}\"")),
         ] {
             bench.write("other.toml", &keys);
             refused(&["verify", "other.toml"]);
@@ -170,9 +153,7 @@ fn a_recording_of_a_whole_number_has_no_others() {
     bench.fmu("lag.fmu", &[], &model(parameter, input));
     let run = ["simulate", "lag.fmu", "--stop", "1", "--input", "count.csv"];
     bench.write("count.csv", "time,lag.count\n0,1\n0.5,2.5\n1,3\n");
-    bench
-        .run(&run)
-        .is_mistake(&["time = 0.5: 2.5 is no whole number"]);
+    bench.run(&run).is_mistake(&["time = 0.5: 2.5 is no whole number"]);
     bench.write("count.csv", "time,lag.count\n0,1\n0.5,2.0\n1,3\n");
     let said = bench.run(&run);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -187,46 +168,23 @@ fn a_hole_in_a_recording_is_told() {
         times.filter(|time| is_there(*time)).collect()
     };
     for (times, hole) in [
-        (
-            even(|time| !(1.05..8.95).contains(&time)),
-            "between 1 s and 9 s, 80 % of the run",
-        ),
+        (even(|time| !(1.05..8.95).contains(&time)), "between 1 s and 9 s, 80 % of the run"),
         (even(|time| !(1.05..1.85).contains(&time)), ""),
         (even(|_| true), ""),
         (vec![0.0, 10.0], ""),
         (vec![0.0, 0.1, 0.1, 9.0, 10.0], ""),
     ] {
         let rows = times.iter().map(|time| format!("{time:.1},1\n"));
-        bench.write(
-            "drive.csv",
-            &format!("time,drive.u\n{}", rows.collect::<String>()),
-        );
-        let said = bench.run(&[
-            "simulate",
-            "lag.fmu",
-            "--stop",
-            "10",
-            "--input",
-            "drive.csv",
-        ]);
+        bench.write("drive.csv", &format!("time,drive.u\n{}", rows.collect::<String>()));
+        let said = bench.run(&["simulate", "lag.fmu", "--stop", "10", "--input", "drive.csv"]);
         assert_eq!(said.code, 0, "{}", said.err);
-        assert_eq!(
-            said.err.lines().count(),
-            usize::from(!hole.is_empty()),
-            "{}",
-            said.err
-        );
+        assert_eq!(said.err.lines().count(), usize::from(!hole.is_empty()), "{}", said.err);
         assert!(said.err.contains(hole), "{}", said.err);
         let study = STUDY.replace(r"\u009b2J\u202e", "").replace("Fail", "None");
-        let study = format!(
-            "{study}[inputs]\n\"drive.u\" = {{ file = \"drive.csv\" }}\n[simulation]\nstop = 10\n"
-        );
+        let study = format!("{study}[inputs]\n\"drive.u\" = {{ file = \"drive.csv\" }}\n[simulation]\nstop = 10\n");
         bench.write("study.toml", &study);
         assert!(bench.run(&["verify", "study.toml"]).code < 2);
         let concerns = bench.summary("results/study")["concerns"].to_string();
-        assert_eq!(
-            concerns.contains(r#""code":"hole","severity":"warning""#),
-            !hole.is_empty()
-        );
+        assert_eq!(concerns.contains(r#""code":"hole","severity":"warning""#), !hole.is_empty());
     }
 }

@@ -57,10 +57,8 @@ impl Bench {
         let bench = Self::empty();
         let binary = bench.compiled("functions", &[]);
         let description = functions();
-        let entries: [(&str, &[u8]); 2] = [
-            ("modelDescription.xml", description.as_bytes()),
-            ("binaries/linux64/functions.so", &binary),
-        ];
+        let entries: [(&str, &[u8]); 2] =
+            [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/functions.so", &binary)];
         bench.zip("functions.fmu", &entries);
         bench
     }
@@ -68,20 +66,16 @@ impl Bench {
     /// Packs `damage.fmu`, of which each point may spoil what it leaves.
     pub fn damage(&self, macros: &[&str]) {
         let binary = self.compiled("damage", macros);
-        let entries: [(&str, &[u8]); 2] = [
-            ("modelDescription.xml", DAMAGE.as_bytes()),
-            ("binaries/linux64/damage.so", &binary),
-        ];
+        let entries: [(&str, &[u8]); 2] =
+            [("modelDescription.xml", DAMAGE.as_bytes()), ("binaries/linux64/damage.so", &binary)];
         self.zip("damage.fmu", &entries);
     }
 
     /// Compiles the fixture with these macros and packs it with a model description.
     pub fn fmu(&self, name: &str, macros: &[&str], description: &str) {
         let binary = self.binary(macros);
-        let entries: [(&str, &[u8]); 2] = [
-            ("modelDescription.xml", description.as_bytes()),
-            ("binaries/linux64/lag.so", &binary),
-        ];
+        let entries: [(&str, &[u8]); 2] =
+            [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/lag.so", &binary)];
         self.zip(name, &entries);
     }
 
@@ -105,22 +99,12 @@ impl Bench {
         self.of_importer(name, "linux64", "ball", macros, description);
     }
 
-    fn of_importer(
-        &self,
-        name: &str,
-        platform: &str,
-        fixture: &str,
-        macros: &[&str],
-        description: &str,
-    ) {
+    fn of_importer(&self, name: &str, platform: &str, fixture: &str, macros: &[&str], description: &str) {
         let folder = "../crates/fmu-import/tests/fixtures";
         let folder = format!("{}/{folder}", env!("CARGO_MANIFEST_DIR"));
         let binary = self.compiled_in(&folder, fixture, macros);
         let path = format!("binaries/{platform}/{fixture}.so");
-        let entries: [(&str, &[u8]); 2] = [
-            ("modelDescription.xml", description.as_bytes()),
-            (&path, &binary),
-        ];
+        let entries: [(&str, &[u8]); 2] = [("modelDescription.xml", description.as_bytes()), (&path, &binary)];
         self.zip(name, &entries);
     }
 
@@ -189,11 +173,7 @@ impl Bench {
 impl From<Output> for Said {
     fn from(output: Output) -> Self {
         let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
-        Self {
-            code: output.status.code().unwrap_or(-1),
-            out: text(&output.stdout),
-            err: text(&output.stderr),
-        }
+        Self { code: output.status.code().unwrap_or(-1), out: text(&output.stdout), err: text(&output.stderr) }
     }
 }
 
@@ -209,9 +189,8 @@ impl Said {
 }
 
 /// The outputs of `functions.c`, from value reference 101 on.
-const OUTPUTS: [&str; 10] = [
-    "wave", "first", "second", "ripple", "product", "radius", "gap", "linear", "holed", "stripes",
-];
+const OUTPUTS: [&str; 10] =
+    ["wave", "first", "second", "ripple", "product", "radius", "gap", "linear", "holed", "stripes"];
 
 /// The model description of `functions.c`.
 fn functions() -> String {
@@ -226,13 +205,8 @@ fn functions() -> String {
             r#"<ScalarVariable name="{name}" valueReference="{reference}" causality="output"><Real/></ScalarVariable>"#
         )
     };
-    let variables: String = (1..=30)
-        .map(parameter)
-        .chain(OUTPUTS.iter().enumerate().map(output))
-        .collect();
-    let unknowns: String = (31..31 + OUTPUTS.len())
-        .map(|index| format!(r#"<Unknown index="{index}"/>"#))
-        .collect();
+    let variables: String = (1..=30).map(parameter).chain(OUTPUTS.iter().enumerate().map(output)).collect();
+    let unknowns: String = (31..31 + OUTPUTS.len()).map(|index| format!(r#"<Unknown index="{index}"/>"#)).collect();
     format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Functions" guid="functions">

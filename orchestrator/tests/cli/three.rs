@@ -54,12 +54,7 @@ fn inspect_and_init_show_its_variables() {
     let bench = bench();
     let said = bench.run(&["inspect", "three.fmu"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    for words in [
-        "FMI 3.0 for Co-Simulation",
-        "x86_64-linux",
-        "weights[3]",
-        "up",
-    ] {
+    for words in ["FMI 3.0 for Co-Simulation", "x86_64-linux", "weights[3]", "up"] {
         assert!(said.out.contains(words), "no {words} in {}", said.out);
     }
     let said = bench.run(&["inspect", "three.fmu", "--json"]);
@@ -85,9 +80,7 @@ fn clocks_without_event_mode_are_refused_with_a_reason() {
     bench.three("three.fmu", &[], &with);
     let said = bench.run(&["inspect", "three.fmu"]);
     assert!(said.out.contains("tick (a Clock"), "{}", said.out);
-    bench
-        .run(&["simulate", "three.fmu", "--set", "tick=1"])
-        .is_mistake(&["`tick` cannot be used", "event mode"]);
+    bench.run(&["simulate", "three.fmu", "--set", "tick=1"]).is_mistake(&["`tick` cannot be used", "event mode"]);
     let said = bench.run(&["simulate", "three.fmu", "--output", "out.csv"]);
     assert_eq!(said.code, 0, "{}", said.err);
 }
@@ -97,11 +90,7 @@ fn simulate_gives_the_exact_solution() {
     let bench = bench();
     let too_much = "u64=18446744073709551616";
     let said = bench.run(&["simulate", "three.fmu", "--set", too_much]);
-    assert!(
-        said.err.contains("does not fit into UInt64"),
-        "{}",
-        said.err
-    );
+    assert!(said.err.contains("does not fit into UInt64"), "{}", said.err);
     let said = bench.run(&[
         "simulate",
         "three.fmu",
@@ -119,10 +108,7 @@ fn simulate_gives_the_exact_solution() {
     assert_eq!(said.code, 0, "{}", said.err);
     let text = bench.read("out.csv");
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(
-        lines[0].split(',').take(4).collect::<Vec<_>>(),
-        ["time", "y", "weighted", "gained"]
-    );
+    assert_eq!(lines[0].split(',').take(4).collect::<Vec<_>>(), ["time", "y", "weighted", "gained"]);
     assert_eq!(lines.len(), 202);
     for line in &lines[1..] {
         let cell = |k: usize| line.split(',').nth(k).unwrap().parse::<f64>().unwrap();
@@ -131,42 +117,17 @@ fn simulate_gives_the_exact_solution() {
         assert!((cell(2) - 10.0 * y).abs() < 1e-12, "{line}");
         assert_eq!(cell(3), f64::from(0.25_f32 * cell(1) as f32));
     }
-    bench
-        .run(&["simulate", "three.fmu", "--set", "u8=256"])
-        .is_mistake(&["u8", "255"]);
-    let ended = bench.run(&[
-        "simulate",
-        "three.fmu",
-        "--set",
-        "until=0.5",
-        "--output",
-        "end.csv",
-    ]);
+    bench.run(&["simulate", "three.fmu", "--set", "u8=256"]).is_mistake(&["u8", "255"]);
+    let ended = bench.run(&["simulate", "three.fmu", "--set", "until=0.5", "--output", "end.csv"]);
     assert_eq!(ended.code, 0, "{}", ended.err);
-    assert!(
-        bench
-            .read("end.csv")
-            .lines()
-            .last()
-            .unwrap()
-            .starts_with("0.5,")
-    );
+    assert!(bench.read("end.csv").lines().last().unwrap().starts_with("0.5,"));
 }
 
 #[test]
 fn verify_gives_the_same_in_every_way() {
     let bench = bench();
     let run = |isolation: &str, jobs: &str, output: &str| {
-        let said = bench.run(&[
-            "verify",
-            "study.toml",
-            "--isolation",
-            isolation,
-            "--jobs",
-            jobs,
-            "--output",
-            output,
-        ]);
+        let said = bench.run(&["verify", "study.toml", "--isolation", isolation, "--jobs", jobs, "--output", output]);
         assert_eq!(said.code, 0, "{}", said.err);
         bench.read(&format!("{output}/points.csv"))
     };
@@ -174,10 +135,7 @@ fn verify_gives_the_same_in_every_way() {
     assert_eq!(run("audited", "2", "audited"), alone);
     assert_eq!(run("reuse", "2", "reuse"), alone);
     let summary = bench.summary("reuse");
-    assert_eq!(
-        (&summary["points"], &summary["failed"]),
-        (&64.into(), &0.into())
-    );
+    assert_eq!((&summary["points"], &summary["failed"]), (&64.into(), &0.into()));
     let mut rows = csv::Reader::from_reader(alone.as_bytes());
     let head = rows.headers().unwrap().clone();
     let place = |name: &str| head.iter().position(|cell| cell == name).unwrap();
@@ -199,36 +157,18 @@ fn verify_gives_the_same_in_every_way() {
 #[test]
 fn a_failed_point_has_the_words_of_its_version() {
     let bench = bench();
-    bench.write(
-        "short.toml",
-        &STUDY.replace("[fixed]", "[fixed]\nuntil = 1\nfatal = true"),
-    );
-    let said = bench.run(&[
-        "verify",
-        "short.toml",
-        "--points",
-        "4",
-        "--output",
-        "failed",
-    ]);
+    bench.write("short.toml", &STUDY.replace("[fixed]", "[fixed]\nuntil = 1\nfatal = true"));
+    let said = bench.run(&["verify", "short.toml", "--points", "4", "--output", "failed"]);
     assert_eq!(said.code, 3, "{}{}", said.out, said.err);
     let points = bench.read("failed/points.csv");
-    assert!(
-        points.contains("fmi3Fatal") && !points.contains("fmi2"),
-        "{points}"
-    );
+    assert!(points.contains("fmi3Fatal") && !points.contains("fmi2"), "{points}");
 }
 
 #[test]
 fn a_good_fmu_has_nothing() {
     let bench = bench();
     let said = bench.run(&["check", "three.fmu"]);
-    assert_eq!(
-        (said.code, said.out.trim()),
-        (0, "three.fmu: nothing found"),
-        "{}",
-        said.err
-    );
+    assert_eq!((said.code, said.out.trim()), (0, "three.fmu: nothing found"), "{}", said.err);
 }
 
 /// The columns of a csv file by their names.
@@ -244,62 +184,29 @@ fn column(text: &str, name: &str) -> Vec<String> {
 fn clocks_tick_and_arrays_are_resized() {
     for interface in ["<ModelExchange ", "<CoSimulation "] {
         let bench = Bench::empty();
-        let lines = TICKS
-            .lines()
-            .filter(|line| !line.trim().starts_with(interface));
+        let lines = TICKS.lines().filter(|line| !line.trim().starts_with(interface));
         bench.ticks("ticks.fmu", &lines.collect::<Vec<_>>().join("\n"));
         let said = bench.run(&["inspect", "ticks.fmu"]);
-        for words in [
-            "Sizes of arrays",
-            "constant clock 0.25 s",
-            "18446744073709551615",
-            "\"00ff\"",
-        ] {
+        for words in ["Sizes of arrays", "constant clock 0.25 s", "18446744073709551615", "\"00ff\""] {
             assert!(said.out.contains(words), "no {words} in {}", said.out);
         }
-        let pushes =
-            "time,push,amount\n0,false,0\n0.5,TRUE,2\n0.6,false,2\n1,true,3\n1.1,0,3\n2,0,3\n";
+        let pushes = "time,push,amount\n0,false,0\n0.5,TRUE,2\n0.6,false,2\n1,true,3\n1.1,0,3\n2,0,3\n";
         bench.write("pushes.csv", pushes);
-        let arguments = [
-            "simulate",
-            "ticks.fmu",
-            "--input",
-            "pushes.csv",
-            "--set",
-            "weights[3]=5",
-            "--set",
-            "N=3",
-        ];
-        let more = [
-            "--set",
-            "data=0a0B",
-            "--record",
-            "sum,doubled[3],N,big,turned,grown,sample",
-            "--output",
-            "out.csv",
-        ];
+        let arguments = ["simulate", "ticks.fmu", "--input", "pushes.csv", "--set", "weights[3]=5", "--set", "N=3"];
+        let more =
+            ["--set", "data=0a0B", "--record", "sum,doubled[3],N,big,turned,grown,sample", "--output", "out.csv"];
         let said = bench.run(&[&arguments[..], &more[..]].concat());
         // Where the description has no start values for a size, those of the FMU count.
         assert_eq!(said.code, 0, "{}", said.err);
         let text = bench.read("out.csv");
         let sums = column(&text, "sum");
-        assert_eq!(
-            [0, 5, 6, 10, 11, 20].map(|row| &*sums[row]),
-            ["0", "0", "2", "2", "5", "5"]
-        );
-        for (name, value) in [
-            ("doubled[3]", "10"),
-            ("N", "3"),
-            ("big", "18446744073709551615"),
-            ("turned", "0b0a"),
-            ("grown", "5"),
-        ] {
+        assert_eq!([0, 5, 6, 10, 11, 20].map(|row| &*sums[row]), ["0", "0", "2", "2", "5", "5"]);
+        for (name, value) in
+            [("doubled[3]", "10"), ("N", "3"), ("big", "18446744073709551615"), ("turned", "0b0a"), ("grown", "5")]
+        {
             assert_eq!(column(&text, name)[20], value, "{name}");
         }
-        let ticks = column(&text, "sample")
-            .iter()
-            .filter(|cell| *cell == "1")
-            .count();
+        let ticks = column(&text, "sample").iter().filter(|cell| *cell == "1").count();
         assert_eq!(ticks, 8);
     }
 }
@@ -347,25 +254,13 @@ tolerance = 2
     bench.ticks("ticks.fmu", TICKS);
     bench.write("study.toml", study);
     for isolation in ["fresh", "audited", "reuse"] {
-        let said = bench.run(&[
-            "verify",
-            "study.toml",
-            "--isolation",
-            isolation,
-            "--output",
-            isolation,
-        ]);
+        let said = bench.run(&["verify", "study.toml", "--isolation", isolation, "--output", isolation]);
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     }
     let points = bench.read("fresh/points.csv");
     assert_eq!(points, bench.read("reuse/points.csv"));
     let smaller = study.replace("[3]", "[1]").replace("[4]", "[2]");
     let varied = smaller.replace("N = 4\n", "");
-    bench.write(
-        "study.toml",
-        &varied.replace("[parameters.period]", "[parameters.N]"),
-    );
-    bench
-        .run(&["verify", "study.toml"])
-        .is_mistake(&["the size of arrays", "[fixed]"]);
+    bench.write("study.toml", &varied.replace("[parameters.period]", "[parameters.N]"));
+    bench.run(&["verify", "study.toml"]).is_mistake(&["the size of arrays", "[fixed]"]);
 }

@@ -50,23 +50,16 @@ fn numbers(rows: u32) {
     let precise = STUDY
         .replace("\"0.615 degC\"", "\"0.15375 degC\"")
         .replace("uncertainty = \"7 %\"", "uncertainty = \"13.125 N\"");
-    for (study, expected) in [
-        (STUDY, [[0.1338, 0.0984], [0.0837, 0.0685]]),
-        (&precise, [[0.0351, 0.0322], [0.0199, 0.0188]]),
-    ] {
+    for (study, expected) in
+        [(STUDY, [[0.1338, 0.0984], [0.0837, 0.0685]]), (&precise, [[0.0351, 0.0322], [0.0199, 0.0188]])]
+    {
         let (code, summary) = judge(study, rows);
         assert_eq!(code, 0);
         for (name, [consumer, producer]) in ["T_bearing", "F_N"].into_iter().zip(expected) {
             let risk = &summary["criteria"][name]["risk"];
             let found = |key: &str| risk[key].as_f64().unwrap();
-            assert!(
-                (found("consumer") - consumer).abs() < 1e-4,
-                "{name}: {risk}"
-            );
-            assert!(
-                (found("producer") - producer).abs() < 1e-4,
-                "{name}: {risk}"
-            );
+            assert!((found("consumer") - consumer).abs() < 1e-4, "{name}: {risk}");
+            assert!((found("producer") - producer).abs() < 1e-4, "{name}: {risk}");
         }
         let expected = summary["expected_verified"].as_f64().unwrap() / f64::from(rows);
         let joint = summary["risk"]["conformance_probability"].as_f64().unwrap();
@@ -101,17 +94,9 @@ fn nothing_is_stated_without_uncertainties() {
 /// About 29 % of the points meet both criteria.
 #[test]
 fn verdicts_have_their_exit_codes() {
-    for (share, code, verdict) in [
-        ("10 %", 0, "verified"),
-        ("60 %", 1, "not verified"),
-        ("28 %", 3, "inconclusive"),
-    ] {
+    for (share, code, verdict) in [("10 %", 0, "verified"), ("60 %", 1, "not verified"), ("28 %", 3, "inconclusive")] {
         let (found, summary) = judge(&format!("{STUDY}[verdict]\nshare = \"{share}\"\n"), 200);
-        assert_eq!(
-            (found, summary["verdict"].as_str()),
-            (code, Some(verdict)),
-            "{summary}"
-        );
+        assert_eq!((found, summary["verdict"].as_str()), (code, Some(verdict)), "{summary}");
         assert_eq!(summary["rule"], "share");
     }
 }
@@ -121,17 +106,11 @@ fn the_risk_sets_the_guard_band() {
     let guarded = format!("{STUDY}[verdict]\nshare = \"1 %\"\nrisk = \"30 %\"\n");
     let (_, summary) = judge(&guarded, 2000);
     let band = summary["guard_band"].as_f64().unwrap();
-    let share = summary["risk"]["not_conforming_given_accepted"]
-        .as_f64()
-        .unwrap();
+    let share = summary["risk"]["not_conforming_given_accepted"].as_f64().unwrap();
     assert!(band > 0.0 && share <= 0.3 && share > 0.29, "{band} {share}");
     assert!(summary["accepted"].as_u64() < summary["verified"].as_u64());
-    let [narrowest, widest] =
-        [0, 1].map(|k| summary["required"]["guard_bands"][k].as_f64().unwrap());
-    assert!(
-        narrowest < band && band < widest,
-        "{narrowest} {band} {widest}"
-    );
+    let [narrowest, widest] = [0, 1].map(|k| summary["required"]["guard_bands"][k].as_f64().unwrap());
+    assert!(narrowest < band && band < widest, "{narrowest} {band} {widest}");
     let given = guarded.replace("risk = \"30 %\"", &format!("guard-band = {band}"));
     assert_eq!(judge(&given, 2000).1["accepted"], summary["accepted"]);
 }
@@ -189,18 +168,9 @@ fn a_study_ends_when_its_verdict_is_known() {
     assert_eq!(verify(&bench, &nets, &waiting).1["points"], 128);
     let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
     let (said, summary) = verify(&bench, &near, &["--until", "verdict", "--points", "60"]);
-    assert_eq!(
-        (said.code, summary["points"].as_u64()),
-        (3, Some(60)),
-        "{}",
-        said.out
-    );
+    assert_eq!((said.code, summary["points"].as_u64()), (3, Some(60)), "{}", said.out);
     assert!(summary["required"]["points_needed"].as_u64().unwrap() > 60);
-    assert!(
-        said.out.contains("independent points decide"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("independent points decide"), "{}", said.out);
 }
 
 #[test]
@@ -208,26 +178,12 @@ fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
     let bench = Bench::new();
     for (from, to, words) in [
         ("monte-carlo", "sobol", ["until", "replicates = 8"]),
-        (
-            "monte-carlo",
-            "optimised-latin-hypercube",
-            ["until", "this design needs all its points"],
-        ),
-        (
-            "[verdict]\nshare = \"5 %\"\n",
-            "",
-            ["until", "add [verdict]"],
-        ),
-        (
-            "share = \"5 %\"",
-            "share = 0.05\nrisk = 0.1",
-            ["until", "guard-band"],
-        ),
+        ("monte-carlo", "optimised-latin-hypercube", ["until", "this design needs all its points"]),
+        ("[verdict]\nshare = \"5 %\"\n", "", ["until", "add [verdict]"]),
+        ("share = \"5 %\"", "share = 0.05\nrisk = 0.1", ["until", "guard-band"]),
     ] {
         bench.write("study.toml", &LAG.replace(from, to));
-        bench
-            .run(&["verify", "study.toml", "--until", "verdict"])
-            .is_mistake(&words);
+        bench.run(&["verify", "study.toml", "--until", "verdict"]).is_mistake(&words);
     }
 }
 
@@ -238,14 +194,7 @@ fn shards_have_no_verdict_and_their_union_has() {
     bench.write("study.toml", &study);
     for shard in ["1/2", "2/2"] {
         let folder = shard.replace('/', "-");
-        let said = bench.run(&[
-            "verify",
-            "study.toml",
-            "--shard",
-            shard,
-            "--output",
-            &folder,
-        ]);
+        let said = bench.run(&["verify", "study.toml", "--shard", shard, "--output", &folder]);
         assert_eq!(said.code, 0, "{}", said.err);
     }
     let said = bench.run(&["merge", "1-2", "2-2", "--output", "out"]);
@@ -268,22 +217,15 @@ fn the_dossier_is_in_all_files() {
     let task = bench.read("out/verdict.stmd");
     for file in [&resource, &task] {
         let document = roxmltree::Document::parse(file).unwrap();
-        let entries = document
-            .descendants()
-            .filter(|node| node.has_attribute("keyword"));
-        let found: std::collections::HashMap<_, _> = entries
-            .map(|node| (node.attribute("keyword").unwrap(), node.text().unwrap()))
-            .collect();
+        let entries = document.descendants().filter(|node| node.has_attribute("keyword"));
+        let found: std::collections::HashMap<_, _> =
+            entries.map(|node| (node.attribute("keyword").unwrap(), node.text().unwrap())).collect();
         assert_eq!(found["verdict"], "verified");
         assert_eq!(found["required.share"], "0.05");
         assert_eq!(found["dossier.responsible"], "A. Engineer <test>");
         assert_eq!(found["study.sha256"], summary["provenance"]["study_sha256"]);
         assert!(found["parameter.lag.rate"].starts_with("normal, mean 1.0, deviation 0.3"));
-        assert!(
-            found["criterion.Y"].contains("uncertainty 0.0172 (k = 2)"),
-            "{}",
-            found["criterion.Y"]
-        );
+        assert!(found["criterion.Y"].contains("uncertainty 0.0172 (k = 2)"), "{}", found["criterion.Y"]);
         assert!(found.contains_key("risk.consumer"));
     }
     assert!(resource.contains("data=\"summary.json\""));
@@ -334,11 +276,7 @@ fn accepted(bench: &Bench, folder: &str) -> Vec<(f64, bool)> {
 fn points_tell_which_of_them_a_guard_band_accepts() {
     let bench = Bench::new();
     let (_, _) = verify(&bench, LAG, &[]);
-    assert!(
-        !bench
-            .read("out/points.csv")
-            .starts_with("point,lag.rate,Y,Y.ok,verified,accepted")
-    );
+    assert!(!bench.read("out/points.csv").starts_with("point,lag.rate,Y,Y.ok,verified,accepted"));
     for rule in ["risk = \"3 %\"", "guard-band = 0.8"] {
         let study = LAG.replace("share = \"5 %\"", &format!("share = \"5 %\"\n{rule}"));
         let (_, summary) = verify(&bench, &study, &[]);
@@ -355,39 +293,21 @@ fn points_tell_which_of_them_a_guard_band_accepts() {
 
         let said = bench.run(&["judge", "study.toml", "out/points.csv", "--output", "again"]);
         assert_eq!(said.code, 0, "{}", said.err);
-        assert_eq!(
-            accepted_only(&accepted(&bench, "again")),
-            accepted_only(&rows)
-        );
+        assert_eq!(accepted_only(&accepted(&bench, "again")), accepted_only(&rows));
         for shard in ["1/2", "2/2"] {
             let folder = shard.replace('/', "-");
-            bench.run(&[
-                "verify",
-                "study.toml",
-                "--shard",
-                shard,
-                "--output",
-                &folder,
-            ]);
+            bench.run(&["verify", "study.toml", "--shard", shard, "--output", &folder]);
         }
         bench.run(&["merge", "1-2", "2-2", "--output", "joined"]);
-        assert_eq!(
-            bench.read("joined/points.csv"),
-            bench.read("out/points.csv")
-        );
+        assert_eq!(bench.read("joined/points.csv"), bench.read("out/points.csv"));
         let page = bench.run(&["report", "out"]);
         assert_eq!(page.code, 0, "{}", page.err);
         for (within, code) in [(true, 0), (false, 1)] {
-            let outside = |(value, accepted): &(f64, bool)| {
-                *accepted == within && (value - 0.86).abs() <= 0.043
-            };
+            let outside = |(value, accepted): &(f64, bool)| *accepted == within && (value - 0.86).abs() <= 0.043;
             let point = rows.iter().position(outside).unwrap() + 1;
             let said = bench.run(&["replay", "out", &point.to_string()]);
             assert_eq!(said.code, code, "{}{}", said.out, said.err);
-            assert_eq!(
-                said.out.contains("not accepted, with the guard band"),
-                !within
-            );
+            assert_eq!(said.out.contains("not accepted, with the guard band"), !within);
         }
         for folder in ["1-2", "2-2", "joined", "again"] {
             std::fs::remove_dir_all(bench.path(folder)).unwrap();
@@ -401,14 +321,7 @@ fn accepted_only(rows: &[(f64, bool)]) -> Vec<bool> {
 
 /// The verdict of a folder with so many points, which goes on from what is there.
 fn resumed(bench: &Bench, options: &[&str]) -> (crate::support::Said, Value) {
-    let call = [
-        "verify",
-        "study.toml",
-        "--verbose",
-        "--output",
-        "out",
-        "--resume",
-    ];
+    let call = ["verify", "study.toml", "--verbose", "--output", "out", "--resume"];
     let said = bench.run(&[&call[..], options].concat());
     assert!(said.code != 2, "{}", said.err);
     (said, bench.summary("out"))
@@ -425,11 +338,7 @@ fn a_study_that_is_looked_at_again_has_an_interval_for_that() {
     let (said, first) = verify(&bench, &near, &["--points", "100"]);
     assert_eq!(first["required"]["method"], "Clopper and Pearson's");
     assert_eq!(first["required"]["looks"], 1);
-    assert!(
-        !said.out.contains("The study was looked at"),
-        "{}",
-        said.out
-    );
+    assert!(!said.out.contains("The study was looked at"), "{}", said.out);
     // The same points once more are no further look.
     let (_, again) = resumed(&bench, &["--points", "100"]);
     assert_eq!(again["required"], first["required"]);
@@ -439,20 +348,10 @@ fn a_study_that_is_looked_at_again_has_an_interval_for_that() {
     assert_eq!(second["required"]["looks"], 2);
     assert!(said.out.contains("looked at 2 times"), "{}", said.out);
     // Who asks for as many points at once looks once.
-    let fresh = bench.run(&[
-        "verify",
-        "study.toml",
-        "--output",
-        "once",
-        "--points",
-        "200",
-    ]);
+    let fresh = bench.run(&["verify", "study.toml", "--output", "once", "--points", "200"]);
     assert!(fresh.code != 2, "{}", fresh.err);
     let (once, twice) = (interval(&bench.summary("once")), interval(&second));
-    assert!(
-        twice[0] < once[0] && once[1] < twice[1],
-        "{once:?} {twice:?}"
-    );
+    assert!(twice[0] < once[0] && once[1] < twice[1], "{once:?} {twice:?}");
     // Beginning anew with the same seed shows the same points.
     let anew = bench.run(&["verify", "study.toml", "--output", "out", "--points", "150"]);
     assert!(anew.code != 2, "{}", anew.err);
@@ -483,14 +382,7 @@ fn shards_that_grow_and_are_joined_again_are_looked_at_again() {
     for (points, output, looks) in [("60", "first", 1), ("120", "second", 2)] {
         for shard in ["1/2", "2/2"] {
             let folder = shard.replace('/', "-");
-            let call = [
-                "verify",
-                "study.toml",
-                "--shard",
-                shard,
-                "--output",
-                &folder,
-            ];
+            let call = ["verify", "study.toml", "--shard", shard, "--output", &folder];
             let said = bench.run(&[&call[..], &["--points", points, "--resume"]].concat());
             assert_eq!(said.code, 0, "{}", said.err);
         }
@@ -505,17 +397,10 @@ fn shards_that_grow_and_are_joined_again_are_looked_at_again() {
 fn a_grid_has_neither_a_verdict_by_share_nor_intervals() {
     let bench = Bench::new();
     let grid = LAG
-        .replace(
-            "method = \"monte-carlo\"\npoints = 300\nseed = 3",
-            "method = \"full-factorial\"",
-        )
+        .replace("method = \"monte-carlo\"\npoints = 300\nseed = 3", "method = \"full-factorial\"")
         .replace("deviation = 0.3", "deviation = 0.3\nlevels = 8");
     bench.write("study.toml", &grid);
-    bench.run(&["verify", "study.toml"]).is_mistake(&[
-        "study.toml:19:",
-        "full-factorial grid",
-        "replicates = 16",
-    ]);
+    bench.run(&["verify", "study.toml"]).is_mistake(&["study.toml:19:", "full-factorial grid", "replicates = 16"]);
     let (before, after) = grid.split_once("[verdict]\nshare = \"5 %\"\n").unwrap();
     let (said, summary) = verify(&bench, &format!("{before}{after}"), &[]);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -537,11 +422,7 @@ fn a_grid_has_neither_a_verdict_by_share_nor_intervals() {
 fn a_measurement_that_cannot_decide_leaves_the_model_open() {
     let bad = format!("{STUDY}[verdict]\nshare = \"5 %\"\nrisk = \"0.1 %\"\n");
     let (code, summary) = judge(&bad, 200);
-    assert_eq!(
-        (code, summary["verdict"].as_str()),
-        (3, Some("inconclusive")),
-        "{summary}"
-    );
+    assert_eq!((code, summary["verdict"].as_str()), (3, Some("inconclusive")), "{summary}");
     let words = summary["verdict_words"].as_str().unwrap();
     assert!(words.contains("the measurement cannot decide"), "{words}");
     assert!(summary["required"]["interval"].is_null());
@@ -552,18 +433,9 @@ fn a_measurement_that_cannot_decide_leaves_the_model_open() {
     bench.write("table.csv", &format!("T,F\n{}", "82,750\n".repeat(9)));
     let said = bench.run(&["judge", "study.toml", "table.csv"]);
     assert_eq!(said.code, 3, "{}", said.out);
-    assert!(
-        said.err.contains("study.toml:21:") && said.err.contains("leaves nothing"),
-        "{}",
-        said.err
-    );
+    assert!(said.err.contains("study.toml:21:") && said.err.contains("leaves nothing"), "{}", said.err);
     assert!(said.out.contains("as wide as a tolerance"), "{}", said.out);
-    assert!(
-        said.out
-            .contains("within all tolerances                      9"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("within all tolerances                      9"), "{}", said.out);
 }
 
 #[test]
@@ -571,12 +443,7 @@ fn every_command_with_a_verdict_tells_its_exit_codes() {
     let bench = Bench::new();
     let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let all = words(bench.run(&["--help"]).out);
-    for words in [
-        "1 not verified",
-        "3 inconclusive",
-        "130 interrupted",
-        "[verdict]",
-    ] {
+    for words in ["1 not verified", "3 inconclusive", "130 interrupted", "[verdict]"] {
         assert!(all.contains(words), "{all}");
     }
     for command in ["verify", "judge", "merge"] {
@@ -601,10 +468,7 @@ fn the_page_shows_the_share_that_was_decided() {
     let [accepted, verified] = ["accepted", "verified"].map(|key| summary[key].as_u64().unwrap());
     assert!(0 < accepted && accepted < verified);
     let page = bench.read("out/report.html");
-    let headline = format!(
-        "Yes: at {accepted} of {} points, which is ",
-        summary["points"]
-    );
+    let headline = format!("Yes: at {accepted} of {} points, which is ", summary["points"]);
     let row = format!("within all tolerances</th>|<strong>{verified}</strong>");
     for part in std::iter::once(headline.as_str()).chain(row.split('|')) {
         assert!(page.contains(part), "no {part}");
@@ -630,11 +494,7 @@ fn half_an_uncertainty_halves_what_follows_from_it() {
     assert_eq!(names, ["M"]);
     let close = |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-9;
     for key in ["consumer", "producer", "conformance_probability"] {
-        assert!(
-            close(&changes[0][key], &half["risk"][key]),
-            "{key}: {changes:?} {}",
-            half["risk"]
-        );
+        assert!(close(&changes[0][key], &half["risk"][key]), "{key}: {changes:?} {}", half["risk"]);
         assert!(!close(&whole["risk"][key], &half["risk"][key]), "{key}");
     }
 }
@@ -645,34 +505,17 @@ fn the_answer_fits_a_terminal() {
     let bench = Bench::new();
     let (head, criterion) = LAG.split_once("[criteria.Y]").unwrap();
     let (criterion, _) = criterion.split_once("[verdict]").unwrap();
-    let names =
-        |k: u32| format!("[criteria.a-criterion-with-a-name-of-some-length-{k}]{criterion}");
+    let names = |k: u32| format!("[criteria.a-criterion-with-a-name-of-some-length-{k}]{criterion}");
     let all: String = (0..12).map(names).collect();
     bench.write("study.toml", &format!("{head}{all}"));
     let folder = format!("out-{}", "x".repeat(90));
-    let command = [
-        "verify",
-        "study.toml",
-        "--points",
-        "40",
-        "--output",
-        &folder,
-    ];
+    let command = ["verify", "study.toml", "--points", "40", "--output", &folder];
     let said = bench.run(&command);
     assert!(said.code < 2, "{}", said.err);
     let lines = said.out.lines();
-    let height: usize = lines
-        .map(|line| line.chars().count().div_ceil(80).max(1))
-        .sum();
+    let height: usize = lines.map(|line| line.chars().count().div_ceil(80).max(1)).sum();
     assert!(height <= 24, "{height}: {}", said.out);
-    for words in [
-        "Asked ",
-        "Answer ",
-        "Decides ",
-        "Next ",
-        " more criteria",
-        "results in out-",
-    ] {
+    for words in ["Asked ", "Answer ", "Decides ", "Next ", " more criteria", "results in out-"] {
         assert!(said.out.contains(words), "no {words}: {}", said.out);
     }
     let long = bench.run(&[&command[..], &["--verbose", "--force"]].concat());
@@ -690,11 +533,7 @@ fn amplitudes_and_slopes_convert_as_differences() {
     for (statistic, stated, expected) in [
         ("amplitude", "at-most = \"3 degC\"", 3.0),
         ("slope", "at-least = \"-1 degC\"", -1.0),
-        (
-            "amplitude",
-            "nominal = \"2 K\"\ntolerance = 3\nunit = \"degC\"",
-            2.0,
-        ),
+        ("amplitude", "nominal = \"2 K\"\ntolerance = 3\nunit = \"degC\"", 2.0),
         ("max", "at-most = \"3 degC\"", 276.15),
     ] {
         let study = format!(
@@ -707,10 +546,7 @@ fn amplitudes_and_slopes_convert_as_differences() {
         let criterion = &bench.summary("out")["criteria"]["T"];
         let mut keys = ["nominal", "upper", "lower"].into_iter();
         let limit = keys.find_map(|key| criterion[key].as_f64()).unwrap();
-        assert!(
-            (limit - expected).abs() < 1e-9,
-            "{statistic} {stated}: {limit}"
-        );
+        assert!((limit - expected).abs() < 1e-9, "{statistic} {stated}: {limit}");
     }
 }
 

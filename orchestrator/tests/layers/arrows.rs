@@ -20,11 +20,7 @@ pub struct Tree {
 impl Tree {
     /// Reads the sources in a folder.
     pub fn read(folder: &Path) -> Self {
-        let mut tree = Self {
-            modules: HashMap::new(),
-            handed_on: HashMap::new(),
-            used: BTreeSet::new(),
-        };
+        let mut tree = Self { modules: HashMap::new(), handed_on: HashMap::new(), used: BTreeSet::new() };
         let mut parsed = Vec::new();
         for file in files(folder, "") {
             let text = fs::read_to_string(folder.join(&file)).unwrap();
@@ -59,18 +55,13 @@ impl Tree {
     }
 
     fn children(&self, module: &[String]) -> BTreeSet<String> {
-        let below = self
-            .modules
-            .keys()
-            .filter(|other| other.len() == module.len() + 1 && other.starts_with(module));
+        let below = self.modules.keys().filter(|other| other.len() == module.len() + 1 && other.starts_with(module));
         below.filter_map(|other| other.last().cloned()).collect()
     }
 
     /// The file in which a path ends, and the name that is used of it.
     fn resolve(&self, path: &[String], depth: usize) -> Option<(String, String)> {
-        let length = (0..=path.len())
-            .rev()
-            .find(|&n| self.modules.contains_key(&path[..n]))?;
+        let length = (0..=path.len()).rev().find(|&n| self.modules.contains_key(&path[..n]))?;
         let (module, rest) = path.split_at(length);
         let name = rest.first().or(module.last())?.clone();
         if let Some(first) = rest.first()
@@ -109,15 +100,10 @@ fn files(folder: &Path, prefix: &str) -> Vec<String> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder.join(prefix)).unwrap().flatten() {
         let name = entry.file_name().into_string().unwrap();
-        let path = if prefix.is_empty() {
-            name.clone()
-        } else {
-            format!("{prefix}/{name}")
-        };
+        let path = if prefix.is_empty() { name.clone() } else { format!("{prefix}/{name}") };
         if entry.file_type().unwrap().is_dir() {
             found.extend(files(folder, &path));
-        } else if name.ends_with(".rs") && !name.ends_with("tests.rs") && !path.starts_with("bin/")
-        {
+        } else if name.ends_with(".rs") && !name.ends_with("tests.rs") && !path.starts_with("bin/") {
             found.push(path);
         }
     }
@@ -152,9 +138,7 @@ impl Reader {
             _ => return None,
         };
         let mut rest = path[..].iter().peekable();
-        while let Some(word) =
-            rest.next_if(|word| ["crate", "self", "super"].contains(&word.as_str()))
-        {
+        while let Some(word) = rest.next_if(|word| ["crate", "self", "super"].contains(&word.as_str())) {
             if word == "super" {
                 from.pop();
             }
@@ -270,33 +254,19 @@ pub fn circles(tree: &Tree) -> Vec<Circle> {
     for (from, to, _) in tree.arrows() {
         next.entry(from).or_default().insert(to);
     }
-    let reached: BTreeMap<&str, BTreeSet<&str>> = next
-        .keys()
-        .map(|&file| (file, reach(&next, file)))
-        .collect();
+    let reached: BTreeMap<&str, BTreeSet<&str>> = next.keys().map(|&file| (file, reach(&next, file))).collect();
     let mut circles: Vec<Circle> = Vec::new();
     for (&file, own) in &reached {
-        let known = circles
-            .iter()
-            .any(|circle| circle.files.iter().any(|other| other == file));
+        let known = circles.iter().any(|circle| circle.files.iter().any(|other| other == file));
         if known || !own.contains(file) {
             continue;
         }
         let mutual = |other: &&&str| reached.get(**other).is_some_and(|back| back.contains(file));
-        let files: Vec<String> = own
-            .iter()
-            .filter(mutual)
-            .map(|&other| other.to_owned())
-            .collect();
+        let files: Vec<String> = own.iter().filter(mutual).map(|&other| other.to_owned()).collect();
         let inside = |file: &str| files.iter().any(|other| other == file);
-        let arrows = tree
-            .arrows()
-            .filter(|(from, to, _)| inside(from) && inside(to));
+        let arrows = tree.arrows().filter(|(from, to, _)| inside(from) && inside(to));
         let arrows = arrows.map(|(from, to, name)| format!("{from} uses {name} of {to}"));
-        circles.push(Circle {
-            arrows: arrows.collect(),
-            files,
-        });
+        circles.push(Circle { arrows: arrows.collect(), files });
     }
     circles
 }

@@ -28,11 +28,7 @@ fn places(bound: &Bound, stand: &Stand) -> Vec<f64> {
         .map(|(free, conversion)| {
             let value = conversion.inverse().value(get(stand, &free.name));
             let place = free.place(value);
-            assert!(
-                (0.0..=1.0).contains(&place),
-                "{} = {value} is out of bounds",
-                free.name
-            );
+            assert!((0.0..=1.0).contains(&place), "{} = {value} is out of bounds", free.name);
             place
         })
         .collect()
@@ -46,19 +42,11 @@ fn table3(look: impl FnOnce(&Bound, &Objective<'_>, Minimum)) {
     let bound = Bound::new(&calibration, &settings(&calibration), description).unwrap();
     let model = StandModel::new(&bound, description);
     let objective = Objective::new(&bound.problem, &model, 1e-3);
-    let task = Plan::new(&study("paper-table3"), description)
-        .unwrap()
-        .cases
-        .remove(0)
-        .task;
+    let task = Plan::new(&study("paper-table3"), description).unwrap().cases.remove(0).task;
     let mut start = places(&bound, &stand(&task, description));
     start.resize(bound.problem.unknowns(), 0.5);
     let held: Vec<usize> = (0..bound.problem.free.len()).collect();
-    let limits = Limits {
-        iterations: 30,
-        decrease: 1e-6,
-        deadline: None,
-    };
+    let limits = Limits { iterations: 30, decrease: 1e-6, deadline: None };
     let minimum = minimise(&objective, start, &held, Differences::Forward, &limits).unwrap();
     look(&bound, &objective, minimum);
 }
@@ -66,23 +54,14 @@ fn table3(look: impl FnOnce(&Bound, &Objective<'_>, Minimum)) {
 #[test]
 fn all_rows_of_table_3_are_reproduced() {
     table3(|bound, _, minimum| {
-        let names: Vec<&str> = bound
-            .problem
-            .quantities
-            .iter()
-            .map(|q| q.name.as_str())
-            .collect();
+        let names: Vec<&str> = bound.problem.quantities.iter().map(|q| q.name.as_str()).collect();
         assert_eq!(names, ["F_N", "P_fr", "T_oil", "T_bearing"]);
         assert_eq!(bound.problem.cases.len(), 12);
         for (case, predicted) in bound.problem.cases.iter().zip(&minimum.misfit.predicted) {
             let misfit = |q: usize| (predicted[q] - case.measured[q].value).abs();
             let row = &case.label;
             assert!(misfit(0) < 0.3, "row {row}: F_N {}", predicted[0]);
-            assert!(
-                misfit(1) < 0.02 * case.measured[1].value,
-                "row {row}: P_fr {}",
-                predicted[1]
-            );
+            assert!(misfit(1) < 0.02 * case.measured[1].value, "row {row}: P_fr {}", predicted[1]);
             assert!(misfit(2) < 0.02, "row {row}: T_oil {}", predicted[2]);
             assert!(misfit(3) < 0.08, "row {row}: T_bearing {}", predicted[3]);
         }
@@ -95,11 +74,7 @@ fn the_verdicts_on_table_3_are_the_papers() {
     let package = package();
     let study = study("paper-table3");
     let judge = Judge::new(&study, Some(package.description())).unwrap();
-    let order: Vec<&str> = judge
-        .criteria
-        .iter()
-        .map(|criterion| criterion.name.as_str())
-        .collect();
+    let order: Vec<&str> = judge.criteria.iter().map(|criterion| criterion.name.as_str()).collect();
     assert_eq!(order, ["T_oil", "T_bearing", "F_N", "P_fr"]);
     let absolute = &judge.variants[0];
     table3(|bound, _, minimum| {
@@ -109,9 +84,7 @@ fn the_verdicts_on_table_3_are_the_papers() {
             .iter()
             .zip(&minimum.misfit.predicted)
             .map(|(case, predicted)| {
-                let [force, power, oil, bearing] = predicted[..] else {
-                    panic!("four quantities")
-                };
+                let [force, power, oil, bearing] = predicted[..] else { panic!("four quantities") };
                 let values = [oil, bearing, force, power];
                 let printed = judge.verdict(Some(&values)).verified();
                 let absolute = judge.variant_verdict(absolute, Some(&values)).verified();
@@ -128,20 +101,9 @@ fn the_verdicts_on_table_3_are_the_papers() {
 #[test]
 fn the_shipped_constants_are_the_calibrations_optimum() {
     table3(|_, objective, minimum| {
-        let limits = Limits {
-            iterations: 4,
-            decrease: 1e-6,
-            deadline: None,
-        };
+        let limits = Limits { iterations: 4, decrease: 1e-6, deadline: None };
         let before = minimum.misfit.cost();
-        let after = minimise(
-            objective,
-            minimum.places,
-            &[],
-            Differences::Forward,
-            &limits,
-        )
-        .unwrap();
+        let after = minimise(objective, minimum.places, &[], Differences::Forward, &limits).unwrap();
         let gain = before - after.misfit.cost();
         // Rounding to four digits costs a little; a step towards anything better would gain more.
         assert!(gain < 0.01 * before, "{before} falls by {gain}");
@@ -156,25 +118,13 @@ fn the_rigs_start_values_are_the_measured_steady_state() {
     let bound = Bound::new(&calibration, &settings(&calibration), description).unwrap();
     let model = StandModel::new(&bound, description);
     let objective = Objective::new(&bound.problem, &model, 1e-3);
-    let misfit = objective
-        .misfit(&places(&bound, &Stand::default()))
-        .unwrap();
-    let names: Vec<&str> = bound
-        .problem
-        .quantities
-        .iter()
-        .map(|q| q.name.as_str())
-        .collect();
+    let misfit = objective.misfit(&places(&bound, &Stand::default())).unwrap();
+    let names: Vec<&str> = bound.problem.quantities.iter().map(|q| q.name.as_str()).collect();
     assert_eq!(names, ["T_oil", "T_bearing", "F_N", "M", "P_fr", "mu"]);
     // A quarter of Table 2's accuracy each; mu within the stated +-0.002.
     let allowed = [0.125, 0.154, 13.1, 0.0055, 0.75, 0.002];
     let measured = &bound.problem.cases[0].measured;
-    for (((name, value), measured), allowed) in names
-        .iter()
-        .zip(&misfit.predicted[0])
-        .zip(measured)
-        .zip(allowed)
-    {
+    for (((name, value), measured), allowed) in names.iter().zip(&misfit.predicted[0]).zip(measured).zip(allowed) {
         assert!((value - measured.value).abs() < allowed, "{name} = {value}");
     }
 }
@@ -185,17 +135,9 @@ fn the_rig_stays_at_its_steady_state_for_1000_seconds() {
     let experiment = Experiment::default();
     stand.initialise(&experiment, &mut ()).unwrap();
     for part in 0..20 {
-        stand
-            .advance(50.0 * f64::from(part), 50.0, &mut ())
-            .unwrap();
+        stand.advance(50.0 * f64::from(part), 50.0, &mut ()).unwrap();
         let readings = stand.readings();
-        assert!(
-            (readings.oil_temperature - 321.15).abs() < 0.1,
-            "{readings:?}"
-        );
-        assert!(
-            (readings.bearing_temperature - 355.15).abs() < 0.1,
-            "{readings:?}"
-        );
+        assert!((readings.oil_temperature - 321.15).abs() < 0.1, "{readings:?}");
+        assert!((readings.bearing_temperature - 355.15).abs() < 0.1, "{readings:?}");
     }
 }

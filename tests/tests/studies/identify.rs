@@ -43,14 +43,8 @@ fn mistakes_have_a_place_and_a_remedy() {
             ("oil.viscosityScale", "oil.viscosityScael"),
             "s.toml:7:16: the FMU has no variable `oil.viscosityScael`; did you mean `oil.viscosityScale`?",
         ),
-        (
-            ("scale = \"log\"", "scale = \"lgo\""),
-            "s.toml:10:9: unknown variant `lgo`, expected `linear` or `log`",
-        ),
-        (
-            ("max = 100", "max = 100\nmena = 3"),
-            "s.toml:10:1: unknown field `mena`; did you mean `mean`?",
-        ),
+        (("scale = \"log\"", "scale = \"lgo\""), "s.toml:10:9: unknown variant `lgo`, expected `linear` or `log`"),
+        (("max = 100", "max = 100\nmena = 3"), "s.toml:10:1: unknown field `mena`; did you mean `mean`?"),
         (
             ("max = 100", "max = 1"),
             "s.toml:7:16: oil.viscosityScale: the bounds 1 and 1 must be two numbers in rising order",
@@ -71,10 +65,7 @@ fn mistakes_have_a_place_and_a_remedy() {
             ("value = \"14 W\"", "column = \"P_W\""),
             "s.toml:11:20: column `P_W` of which table? `cases` is missing under [identify]",
         ),
-        (
-            ("accuracy = \"1 %\"", "accuracy = \"0 W\""),
-            "s.toml:11:20: P: the accuracy 0 W of 14 must be positive",
-        ),
+        (("accuracy = \"1 %\"", "accuracy = \"0 W\""), "s.toml:11:20: P: the accuracy 0 W of 14 must be positive"),
         (
             ("accuracy = \"1 %\"", "accuracy = \"1 degC\""),
             "s.toml:11:20: P: unit `degC` does not fit: the value is in W; use W",
@@ -93,8 +84,5 @@ fn a_column_that_is_missing_is_answered_with_the_nearest() {
         STUDY.replace("value = \"14 W\"", "column = \"P_fr\"")
     );
     let error = bind(&text).unwrap_err();
-    assert!(
-        error.contains("no column `P_fr` for P; did you mean `P_fr_W`?"),
-        "{error}"
-    );
+    assert!(error.contains("no column `P_fr` for P; did you mean `P_fr_W`?"), "{error}");
 }

@@ -26,9 +26,7 @@ use sampling::statistics::moments::{mean, variance};
 use super::errors::Errors;
 use super::local::{End, Limits, Minimum, minimise};
 use super::objective::{Differences, Objective, finite};
-use super::problem::{
-    Effect, Interval, NoPrediction, NotNormal, Prediction, Problem, Query, Simulate, Source,
-};
+use super::problem::{Effect, Interval, NoPrediction, NotNormal, Prediction, Problem, Query, Simulate, Source};
 use outcome::{CrossValidation, HeldOut, Needed};
 
 /// Points over the intervals of latent parameters that a prediction is averaged over.
@@ -58,11 +56,7 @@ pub struct Whole<'a> {
 
 impl Whole<'_> {
     fn limits(&self, decrease: f64) -> Limits {
-        Limits {
-            iterations: self.iterations,
-            decrease,
-            deadline: self.deadline,
-        }
+        Limits { iterations: self.iterations, decrease, deadline: self.deadline }
     }
 }
 
@@ -70,20 +64,14 @@ impl Whole<'_> {
 ///
 /// # Errors
 /// When there are no further predictions.
-pub fn cross_validate(
-    whole: &Whole<'_>,
-    observe: &dyn Fn(usize),
-) -> Result<CrossValidation, NoPrediction> {
+pub fn cross_validate(whole: &Whole<'_>, observe: &dyn Fn(usize)) -> Result<CrossValidation, NoPrediction> {
     let cases = 0..whole.problem.cases.len();
     let plain = outcome::plain(whole);
     let held_out = |case| {
         observe(case);
         let told = HeldOut::new(whole, case, &plain);
         match predicted(whole, case, told.clone()) {
-            Err(NoPrediction::Here(message)) => Ok(HeldOut {
-                failure: Some(message),
-                ..told
-            }),
+            Err(NoPrediction::Here(message)) => Ok(HeldOut { failure: Some(message), ..told }),
             told => told,
         }
     };
@@ -109,10 +97,7 @@ fn predicted(whole: &Whole<'_>, case: usize, mut told: HeldOut) -> Result<HeldOu
     // What is measured is the truth and what the others say of the errors that this case shares with them.
     let shifts = whole.problem.shifts(sources);
     for (result, shift) in told.results.iter_mut().zip(&shifts[case]) {
-        for value in [&mut result.predicted, &mut result.own]
-            .into_iter()
-            .flatten()
-        {
+        for value in [&mut result.predicted, &mut result.own].into_iter().flatten() {
             *value += shift;
         }
     }
@@ -127,27 +112,18 @@ struct Part<'a> {
 
 impl Simulate for Part<'_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        let whole = |query: &Query| Query {
-            case: self.cases[query.case],
-            ..query.clone()
-        };
-        self.model
-            .simulate(&queries.iter().map(whole).collect::<Vec<_>>())
+        let whole = |query: &Query| Query { case: self.cases[query.case], ..query.clone() };
+        self.model.simulate(&queries.iter().map(whole).collect::<Vec<_>>())
     }
 }
 
 /// The free parameters from all cases but one, and the problem that these cases are.
 fn without(whole: &Whole<'_>, left_out: usize) -> Result<(Problem, Minimum), NoPrediction> {
-    let cases: Vec<usize> = (0..whole.problem.cases.len())
-        .filter(|&case| case != left_out)
-        .collect();
+    let cases: Vec<usize> = (0..whole.problem.cases.len()).filter(|&case| case != left_out).collect();
     let mut places = whole.minimum.places.clone();
     places.drain(whole.problem.latents_of(left_out));
     let problem = with_cases(whole.problem, &cases);
-    let model = Part {
-        model: whole.model,
-        cases,
-    };
+    let model = Part { model: whole.model, cases };
     let objective = Objective::new(&problem, &model, whole.difference);
     let [rough, fine] = [1e-4, 1e-7].map(|decrease| whole.limits(decrease));
     let near = minimise(&objective, places, &[], Differences::Forward, &rough)?;
@@ -163,21 +139,13 @@ fn with_cases(problem: &Problem, cases: &[usize]) -> Problem {
             let case = cases.iter().position(|&case| case == effect.case)?;
             Some(Effect { case, ..*effect })
         });
-        Source {
-            effects: effects.collect(),
-            rectangular: source.rectangular,
-        }
+        Source { effects: effects.collect(), rectangular: source.rectangular }
     });
     let not_normal = problem.not_normal.iter().filter_map(|value| {
         let case = cases.iter().position(|&case| case == value.case)?;
         Some(NotNormal { case, ..*value })
     });
-    Problem {
-        cases: some.collect(),
-        sources: sources.collect(),
-        not_normal: not_normal.collect(),
-        ..problem.clone()
-    }
+    Problem { cases: some.collect(), sources: sources.collect(), not_normal: not_normal.collect(), ..problem.clone() }
 }
 
 /// The problem of a single case when others have told of the shared errors: their means are taken from the measured values,
@@ -194,16 +162,9 @@ fn alone(whole: &Problem, case: usize, (others, means): (&Problem, &[f64])) -> P
         let sources = problem.sources.iter().enumerate();
         let effects = sources.flat_map(|(number, source)| {
             let part = left[(row, number)];
-            source.effects.iter().map(move |effect| Effect {
-                part: None,
-                change: part * effect.change,
-                ..*effect
-            })
+            source.effects.iter().map(move |effect| Effect { part: None, change: part * effect.change, ..*effect })
         });
-        Source {
-            effects: effects.filter(|effect| effect.change != 0.0).collect(),
-            rectangular: false,
-        }
+        Source { effects: effects.filter(|effect| effect.change != 0.0).collect(), rectangular: false }
     });
     problem.sources = mixed.collect();
     problem
@@ -214,13 +175,7 @@ fn forecast(whole: &Whole<'_>, case: usize, told: &mut HeldOut) -> Result<(), No
     let intervals = &whole.problem.cases[case].latents;
     let query = |places: Vec<f64>| {
         let pairs = intervals.iter().zip(places);
-        Query {
-            case,
-            free: told.free.clone(),
-            latents: pairs
-                .map(|(interval, place)| interval.value(place))
-                .collect(),
-        }
+        Query { case, free: told.free.clone(), latents: pairs.map(|(interval, place)| interval.value(place)).collect() }
     };
     let queries: Vec<Query> = lattice(intervals.len()).into_iter().map(query).collect();
     let mut rows = Vec::new();
@@ -254,9 +209,7 @@ fn lattice(dimensions: usize) -> Vec<Vec<f64>> {
         0 => (i as f64 + 0.5) / POINTS as f64,
         _ => (0.5 + i as f64 * IRRATIONAL.powi(k as i32)).fract(),
     };
-    (0..POINTS)
-        .map(|i| (0..dimensions).map(|k| place(i, k)).collect())
-        .collect()
+    (0..POINTS).map(|i| (0..dimensions).map(|k| place(i, k)).collect()).collect()
 }
 
 /// The latent parameters of a case, from the free ones given as places.
@@ -282,27 +235,17 @@ fn own_latents(
     }
     let known = whole.problem.latents.iter().zip(known);
     let values = wide.iter().zip(&needed.places[free.len()..]);
-    let needed = known
-        .zip(values)
-        .map(|((latent, known), (interval, &place))| {
-            let (Interval { min, max }, value) = (*known, interval.value(place));
-            Needed {
-                name: latent.name.clone(),
-                interval: [min, max],
-                value,
-                outside: !(min..=max).contains(&value),
-            }
-        });
+    let needed = known.zip(values).map(|((latent, known), (interval, &place))| {
+        let (Interval { min, max }, value) = (*known, interval.value(place));
+        Needed { name: latent.name.clone(), interval: [min, max], value, outside: !(min..=max).contains(&value) }
+    });
     told.latents = needed.collect();
     Ok(())
 }
 
 fn widened(interval: &Interval) -> Interval {
     let more = 0.5 * BEYOND * (interval.max - interval.min);
-    Interval {
-        min: interval.min - more,
-        max: interval.max + more,
-    }
+    Interval { min: interval.min - more, max: interval.max + more }
 }
 
 /// The latent parameters of a case within intervals, the free parameters held.
@@ -314,10 +257,7 @@ fn latents(
 ) -> Result<Minimum, NoPrediction> {
     let mut problem = alone.clone();
     problem.cases[0].latents = intervals.to_vec();
-    let model = Part {
-        model: whole.model,
-        cases: vec![case],
-    };
+    let model = Part { model: whole.model, cases: vec![case] };
     let objective = Objective::new(&problem, &model, whole.difference);
     let mut places = free.to_vec();
     places.resize(problem.unknowns(), 0.5);

@@ -128,12 +128,8 @@ impl CrossValidation {
     pub(super) fn new(whole: &Whole<'_>, cases: Vec<HeldOut>) -> Self {
         let quantities = whole.problem.quantities.iter().enumerate();
         Self {
-            quantities: quantities
-                .map(|(k, quantity)| errors(quantity, &cases, k))
-                .collect(),
-            free: (0..whole.problem.free.len())
-                .map(|index| moves(whole, &cases, index))
-                .collect(),
+            quantities: quantities.map(|(k, quantity)| errors(quantity, &cases, k)).collect(),
+            free: (0..whole.problem.free.len()).map(|index| moves(whole, &cases, index)).collect(),
             cases,
         }
     }
@@ -169,12 +165,8 @@ fn row((known, case): (&Vec<f64>, &Case)) -> Vec<f64> {
 impl HeldOut {
     /// A case without predictions by the model.
     pub(super) fn new(whole: &Whole<'_>, case: usize, plain: &[Plain]) -> Self {
-        let Case {
-            label, measured, ..
-        } = &whole.problem.cases[case];
-        let shifts = whole
-            .problem
-            .shifts(whole.minimum.misfit.sources(whole.problem));
+        let Case { label, measured, .. } = &whole.problem.cases[case];
+        let shifts = whole.problem.shifts(whole.minimum.misfit.sources(whole.problem));
         let result = |(k, quantity): (usize, &Quantity)| HeldOutResult {
             quantity: quantity.name.clone(),
             measured: measured[k].value,
@@ -185,11 +177,7 @@ impl HeldOut {
             ..HeldOutResult::default()
         };
         let quantities = whole.problem.quantities.iter().enumerate();
-        Self {
-            label: label.clone(),
-            results: quantities.map(result).collect(),
-            ..Self::default()
-        }
+        Self { label: label.clone(), results: quantities.map(result).collect(), ..Self::default() }
     }
 }
 
@@ -207,11 +195,7 @@ fn errors(quantity: &Quantity, cases: &[HeldOut], index: usize) -> QuantityError
 }
 
 /// The size of the errors over all cases that were predicted; `None` where one of these has no value.
-fn size(
-    cases: &[HeldOut],
-    index: usize,
-    value: impl Fn(&HeldOutResult) -> Option<f64>,
-) -> Option<ErrorSize> {
+fn size(cases: &[HeldOut], index: usize, value: impl Fn(&HeldOutResult) -> Option<f64>) -> Option<ErrorSize> {
     let (mut count, mut squares, mut largest) = (0, 0.0, None);
     for case in cases.iter().filter(|case| case.failure.is_none()) {
         let result = &case.results[index];
@@ -223,18 +207,12 @@ fn size(
         }
     }
     let (largest, case) = largest?;
-    Some(ErrorSize {
-        rms: (squares / f64::from(count)).sqrt(),
-        largest,
-        case: case.clone(),
-    })
+    Some(ErrorSize { rms: (squares / f64::from(count)).sqrt(), largest, case: case.clone() })
 }
 
 fn moves(whole: &Whole<'_>, cases: &[HeldOut], index: usize) -> Moves {
     let predicted = cases.iter().filter(|case| case.failure.is_none());
-    let values: Vec<(f64, String)> = predicted
-        .map(|case| (case.free[index], case.label.clone()))
-        .collect();
+    let values: Vec<(f64, String)> = predicted.map(|case| (case.free[index], case.label.clone())).collect();
     let order = |a: &&(f64, String), b: &&(f64, String)| a.0.total_cmp(&b.0);
     let free = &whole.problem.free[index];
     Moves {

@@ -9,9 +9,7 @@ const RANK: f64 = 1e-9;
 /// others' mean). `None` where the others are too few: as many as there are coefficients, or fewer.
 pub fn leave_one_out(rows: &[Vec<f64>], y: &[f64]) -> Vec<Option<f64>> {
     let scaled = standardised(rows);
-    (0..y.len())
-        .map(|left_out| predicted(&scaled, y, left_out))
-        .collect()
+    (0..y.len()).map(|left_out| predicted(&scaled, y, left_out)).collect()
 }
 
 /// Columns of mean 0 and size 1, so that ranks can be told; constant columns say nothing and go.
@@ -25,9 +23,7 @@ fn standardised(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     });
     let columns: Vec<_> = columns.collect();
     let row = |row: &Vec<f64>| {
-        let scaled = columns
-            .iter()
-            .map(|&(k, mean, size)| (row[k] - mean) / size);
+        let scaled = columns.iter().map(|&(k, mean, size)| (row[k] - mean) / size);
         std::iter::once(1.0).chain(scaled).collect()
     };
     rows.iter().map(row).collect()
@@ -67,10 +63,7 @@ mod tests {
             let residual = my + xy / xx * (x - mx) - y;
             let leverage = 1.0 / n + (x - mx).powi(2) / xx;
             let error = predicted.unwrap() - y;
-            assert!(
-                (error - residual / (1.0 - leverage)).abs() < 1e-9,
-                "{error}"
-            );
+            assert!((error - residual / (1.0 - leverage)).abs() < 1e-9, "{error}");
         }
     }
 
@@ -84,12 +77,7 @@ mod tests {
 
     #[test]
     fn too_few_cases_have_no_line() {
-        let rows = [
-            vec![1.0, 0.0],
-            vec![2.0, 1.0],
-            vec![3.0, 5.0],
-            vec![4.0, 2.0],
-        ];
+        let rows = [vec![1.0, 0.0], vec![2.0, 1.0], vec![3.0, 5.0], vec![4.0, 2.0]];
         assert_eq!(leave_one_out(&rows, &[1.0, 2.0, 3.0, 5.0]), [None; 4]);
     }
 }

@@ -4,9 +4,7 @@ use std::cell::Cell;
 
 use super::super::local::{End, Minimum, minimise};
 use super::super::objective::{Differences, Objective};
-use super::super::problem::{
-    Free, Interval, NoPrediction, Prediction, Problem, Query, Simulate, Spacing,
-};
+use super::super::problem::{Free, Interval, NoPrediction, Prediction, Problem, Query, Simulate, Spacing};
 use super::super::testing::{self, limits, measured, named};
 use super::outcome::CrossValidation;
 use super::{Whole, cross_validate, text};
@@ -34,21 +32,8 @@ fn fit(problem: &Problem, model: &dyn Simulate) -> Minimum {
     minimise(&objective, start, &[], Differences::Central, &limits).unwrap()
 }
 
-fn whole<'a>(
-    problem: &'a Problem,
-    model: &'a dyn Simulate,
-    known: &'a [Vec<f64>],
-    minimum: &'a Minimum,
-) -> Whole<'a> {
-    Whole {
-        problem,
-        model,
-        difference: 1e-3,
-        minimum,
-        known,
-        iterations: 100,
-        deadline: None,
-    }
+fn whole<'a>(problem: &'a Problem, model: &'a dyn Simulate, known: &'a [Vec<f64>], minimum: &'a Minimum) -> Whole<'a> {
+    Whole { problem, model, difference: 1e-3, minimum, known, iterations: 100, deadline: None }
 }
 
 /// Fits all cases, leaves out each, and gathers it.
@@ -77,12 +62,7 @@ fn a_line_is_predicted_as_the_hat_matrix_says() {
     let n = X.len() as f64;
     let (mx, my) = (X.iter().sum::<f64>() / n, Y.iter().sum::<f64>() / n);
     let xx: f64 = X.iter().map(|x| (x - mx).powi(2)).sum();
-    let slope = X
-        .iter()
-        .zip(Y)
-        .map(|(x, y)| (x - mx) * (y - my))
-        .sum::<f64>()
-        / xx;
+    let slope = X.iter().zip(Y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / xx;
     let mut squares = [0.0; 2];
     for ((x, y), case) in X.iter().zip(Y).zip(&told.cases) {
         let residual = my + slope * (x - mx) - y;
@@ -112,11 +92,8 @@ fn a_line_is_predicted_as_the_hat_matrix_says() {
 #[test]
 fn a_model_that_is_right_beats_a_line() {
     // Saturating growth, exactly: a line through the others misses its bend.
-    let curve =
-        |case: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * (1.0 - (-p[1] * X[case]).exp())]);
-    let exact: Vec<f64> = (0..X.len())
-        .map(|case| curve(case, &[8.0, 0.3], &[]).unwrap()[0])
-        .collect();
+    let curve = |case: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * (1.0 - (-p[1] * X[case]).exp())]);
+    let exact: Vec<f64> = (0..X.len()).map(|case| curve(case, &[8.0, 0.3], &[]).unwrap()[0]).collect();
     let unknown = vec![free("a", 1.0, 20.0), free("b", 0.05, 2.0)];
     let problem = problem(unknown, &exact);
     let told = validated(&problem, &curve, &known());
@@ -143,10 +120,7 @@ fn an_unknown_of_the_case_left_out_is_averaged_over_its_interval() {
     problem.quantities.push(named("G"));
     let pairs = middles.iter().zip(gaps);
     for (case, (middle, gap)) in problem.cases.iter_mut().zip(pairs) {
-        case.latents = vec![Interval {
-            min: middle - 0.5,
-            max: middle + 0.5,
-        }];
+        case.latents = vec![Interval { min: middle - 0.5, max: middle + 0.5 }];
         case.measured.extend(measured(&[gap], 0.01));
     }
     let model = |_: usize, p: &[f64], latent: &[f64]| Ok(vec![p[0] / latent[0], latent[0]]);
@@ -157,10 +131,7 @@ fn an_unknown_of_the_case_left_out_is_averaged_over_its_interval() {
         let a = case.free[0];
         // The mean of a / gap over the interval; 16 midpoints integrate it within 2e-4.
         let mean = a * ((middle + 0.5) / (middle - 0.5)).ln();
-        assert!(
-            (result.predicted.unwrap() - mean).abs() < 3e-4 * mean,
-            "{result:?}"
-        );
+        assert!((result.predicted.unwrap() - mean).abs() < 3e-4 * mean, "{result:?}");
         // The variance of 1 / gap is 1 / (l u) less the square of its mean.
         let square = a * a / ((middle + 0.5) * (middle - 0.5)) - mean * mean;
         let spread = result.spread.unwrap();
@@ -176,10 +147,7 @@ fn an_unknown_of_the_case_left_out_is_averaged_over_its_interval() {
     let [within, needed] = last.squares.unwrap();
     assert!(needed < 1.0 && within > 1000.0, "{within} {needed}");
     let text = text::summary(&told);
-    assert!(
-        text.contains("case r5: its results need gap = ") && text.contains("outside of 4.5 .. 5.5"),
-        "{text}"
-    );
+    assert!(text.contains("case r5: its results need gap = ") && text.contains("outside of 4.5 .. 5.5"), "{text}");
     assert_eq!(text.matches("outside of").count(), 1, "{text}");
 }
 
@@ -187,11 +155,7 @@ fn an_unknown_of_the_case_left_out_is_averaged_over_its_interval() {
 fn a_case_that_cannot_be_simulated_is_named_and_left_out_of_the_sums() {
     // The last case fails where the line through the others leads, whose slope is 0.77473.
     let fragile = |case: usize, p: &[f64], latent: &[f64]| {
-        if case == 5 && (p[1] - 0.77473).abs() < 5e-4 {
-            Err("too steep".to_owned())
-        } else {
-            line(case, p, latent)
-        }
+        if case == 5 && (p[1] - 0.77473).abs() < 5e-4 { Err("too steep".to_owned()) } else { line(case, p, latent) }
     };
     let told = validated(&straight(), &fragile, &known());
     let last = &told.cases[5];
@@ -211,10 +175,7 @@ fn time_that_is_up_is_no_prediction() {
     let problem = straight();
     let minimum = fit(&problem, &line);
     let known = known();
-    let whole = Whole {
-        deadline: Some(std::time::Instant::now()),
-        ..whole(&problem, &line, &known, &minimum)
-    };
+    let whole = Whole { deadline: Some(std::time::Instant::now()), ..whole(&problem, &line, &known, &minimum) };
     assert_eq!(minimum.end, End::Converged);
     for case in cross_validate(&whole, &|_| ()).unwrap().cases {
         assert!(case.failure.unwrap().contains("time limit"));

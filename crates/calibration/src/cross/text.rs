@@ -78,9 +78,7 @@ fn explanation(told: &CrossValidation) -> String {
         )
     });
     let linear = match told.quantities.iter().any(|q| q.linear.is_some()) {
-        true => {
-            "linear regression: least squares of each result on the known values of the other cases"
-        }
+        true => "linear regression: least squares of each result on the known values of the other cases",
         false => "no linear regression: the known values are none, or too many for so few cases",
     };
     format!(
@@ -101,9 +99,7 @@ fn parameters(told: &CrossValidation) -> String {
         format!("{name:width$}  {value:>11}  {least} .. {greatest}\n")
     };
     let lines: String = told.free.iter().map(line).collect();
-    format!(
-        "\nparameters as cases are left out: all cases, least (without case), greatest\n{lines}"
-    )
+    format!("\nparameters as cases are left out: all cases, least (without case), greatest\n{lines}")
 }
 
 /// Sentences on one case that its reader must know.
@@ -129,9 +125,7 @@ fn case(case: &HeldOut) -> String {
     for latent in case.latents.iter().filter(|latent| latent.outside) {
         let (name, value) = (&latent.name, digits(latent.value));
         let [low, high] = latent.interval.map(digits);
-        text += &format!(
-            "case {label}: its results need {name} = {value}, outside of {low} .. {high}{squares}\n"
-        );
+        text += &format!("case {label}: its results need {name} = {value}, outside of {low} .. {high}{squares}\n");
     }
     text
 }
@@ -167,11 +161,7 @@ pub fn rows(told: &CrossValidation) -> Vec<Vec<String>> {
                 result.linear,
                 result.mean,
             ];
-            let texts = [
-                case.label.clone(),
-                result.quantity.clone(),
-                quantity.unit.clone().unwrap_or_default(),
-            ];
+            let texts = [case.label.clone(), result.quantity.clone(), quantity.unit.clone().unwrap_or_default()];
             rows.push(texts.into_iter().chain(numbers.map(number)).collect());
         }
     }

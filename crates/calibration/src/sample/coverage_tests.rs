@@ -19,17 +19,13 @@ fn held(accuracy: f64, seed: u64) -> [[u32; 2]; 2] {
     for record in 0..100 {
         let places = [random.random::<f64>(), random.random()];
         let truth = problem(unknown_decay(), vec![]).free_values(&places);
-        let noise = |value: f64, random: &mut StdRng| {
-            value + accuracy * random.sample::<f64, _>(StandardNormal)
-        };
+        let noise = |value: f64, random: &mut StdRng| value + accuracy * random.sample::<f64, _>(StandardNormal);
         let exact = decay(&truth).into_iter();
         let values: Vec<f64> = exact.map(|value| noise(value, &mut random)).collect();
         let problem = problem(unknown_decay(), vec![measured(&values, accuracy)]);
         let model = |_: usize, p: &[f64], _: &[f64]| Ok(decay(p));
         let objective = Objective::new(&problem, &model, 1e-4);
-        let starts: Vec<Vec<f64>> = (0..32)
-            .map(|_| vec![random.random(), random.random()])
-            .collect();
+        let starts: Vec<Vec<f64>> = (0..32).map(|_| vec![random.random(), random.random()]).collect();
         let (optima, progress) = search(&objective, &starts, &effort(8, 40), &|_| ()).unwrap();
         let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
         let settings = settings(400, record);

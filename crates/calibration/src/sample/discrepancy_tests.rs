@@ -40,10 +40,7 @@ fn decay(p: &[f64], time: f64) -> f64 {
 }
 
 fn problem(values: &[f64]) -> Problem {
-    let free = vec![
-        free("amplitude", Spacing::Linear, 0.0, 5.0),
-        free("rate", Spacing::Linear, 0.0, 2.0),
-    ];
+    let free = vec![free("amplitude", Spacing::Linear, 0.0, 5.0), free("rate", Spacing::Linear, 0.0, 2.0)];
     let cases = values.iter().map(|&value| measured(&[value], ACCURACY));
     testing::problem(free, cases.collect())
 }
@@ -64,10 +61,7 @@ struct Record {
 fn record(setting: &Setting, random: &mut StdRng, seed: u64) -> Record {
     let places = [random.random::<f64>(), random.random()];
     let truth = problem(&[]).free_values(&places);
-    let prior = Unknown {
-        quantity: 0,
-        scale: ACCURACY,
-    };
+    let prior = Unknown { quantity: 0, scale: ACCURACY };
     let drawn = prior.deviation(random.random());
     let discrepancy = setting.discrepancy.unwrap_or(drawn);
     let spread = ACCURACY.hypot(discrepancy);
@@ -82,20 +76,11 @@ fn record(setting: &Setting, random: &mut StdRng, seed: u64) -> Record {
     let starts = (0..32).map(|_| vec![random.random(), random.random()]);
     let starts: Vec<Vec<f64>> = starts.collect();
     let unknown = [Unknown::of(&problem, 0)];
-    let task = Task {
-        problem: &problem,
-        unknown: &unknown,
-        difference: 1e-4,
-        starts: &starts,
-        effort: effort(8, 40),
-    };
+    let task = Task { problem: &problem, unknown: &unknown, difference: 1e-4, starts: &starts, effort: effort(8, 40) };
     let searched = searched(&task, &model, &|_| ()).unwrap();
     let outcome = searched.outcome();
     let known = [(unknown[0], searched.discrepancies[0].deviation)];
-    let settings = Settings {
-        discrepancies: &known,
-        ..testing::settings(400, seed)
-    };
+    let settings = Settings { discrepancies: &known, ..testing::settings(400, seed) };
     let objective = Objective::new(&problem, &model, 1e-4);
     let sample = sample(&objective, &searched.optima, &settings, &|_, _| ()).unwrap();
     Record {
@@ -131,14 +116,9 @@ fn held(setting: &Setting) -> Held {
 fn on_a_grid(values: &[f64]) -> [[f64; 2]; 2] {
     const CELLS: [usize; 3] = [200, 160, 60];
     let middle = |k: usize, axis: usize| (k as f64 + 0.5) / CELLS[axis] as f64;
-    let prior = Unknown {
-        quantity: 0,
-        scale: ACCURACY,
-    };
+    let prior = Unknown { quantity: 0, scale: ACCURACY };
     let variances = (0..CELLS[2]).map(|k| prior.deviation(middle(k, 2)).powi(2));
-    let variances: Vec<f64> = variances
-        .map(|variance| variance + ACCURACY * ACCURACY)
-        .collect();
+    let variances: Vec<f64> = variances.map(|variance| variance + ACCURACY * ACCURACY).collect();
     let mut sums = [[0.0; 3]; 2];
     for i in 0..CELLS[0] {
         for j in 0..CELLS[1] {
@@ -146,9 +126,8 @@ fn on_a_grid(values: &[f64]) -> [[f64; 2]; 2] {
             let misfits = values.iter().enumerate();
             let misfits = misfits.map(|(case, value)| decay(&p, time(case, values.len())) - value);
             let squares: f64 = misfits.map(|misfit| misfit * misfit).sum();
-            let density = |variance: &f64| {
-                (-0.5 * squares / variance).exp() * variance.powf(-0.5 * values.len() as f64)
-            };
+            let density =
+                |variance: &f64| (-0.5 * squares / variance).exp() * variance.powf(-0.5 * values.len() as f64);
             let density: f64 = variances.iter().map(density).sum();
             for (sums, value) in sums.iter_mut().zip(p) {
                 for (power, sum) in sums.iter_mut().enumerate() {
@@ -166,11 +145,7 @@ fn on_a_grid(values: &[f64]) -> [[f64; 2]; 2] {
 /// Where the true discrepancy is five times the accuracy, the sample is still that of the exact posterior.
 #[test]
 fn the_sample_is_the_posterior_on_a_grid() {
-    let setting = Setting {
-        cases: 12,
-        discrepancy: Some(0.5),
-        seed: 24,
-    };
+    let setting = Setting { cases: 12, discrepancy: Some(0.5), seed: 24 };
     let mut random = StdRng::seed_from_u64(setting.seed);
     for number in 0..3 {
         let record = record(&setting, &mut random, number);
@@ -181,11 +156,7 @@ fn the_sample_is_the_posterior_on_a_grid() {
             assert!(off.abs() < 4.0, "record {number}, {}: {off}", marginal.name);
             // A standard deviation of so many draws scatters by about 4 %.
             let ratio = marginal.deviation / deviation;
-            assert!(
-                (0.82..1.22).contains(&ratio),
-                "record {number}, {}: {ratio}",
-                marginal.name
-            );
+            assert!((0.82..1.22).contains(&ratio), "record {number}, {}: {ratio}", marginal.name);
         }
     }
 }
@@ -195,11 +166,7 @@ fn the_sample_is_the_posterior_on_a_grid() {
 /// such, 48 to 60 hold with a probability of 99.9 %.
 fn intervals_hold(settings: &[(usize, Option<f64>, u64)]) {
     for &(cases, discrepancy, seed) in settings {
-        let held = held(&Setting {
-            cases,
-            discrepancy,
-            seed,
-        });
+        let held = held(&Setting { cases, discrepancy, seed });
         println!("{cases} cases, discrepancy {discrepancy:?}: {held:?} of 60");
         let least = if discrepancy.is_none() { 51 } else { 48 };
         assert!(held.sampled.iter().all(|count| *count >= least), "{held:?}");

@@ -22,10 +22,7 @@ fn linear(unknowns: usize, seed: u64) -> (Problem, DMatrix<f64>) {
     let measured: Vec<(f64, f64)> = measured.map(|(y, e)| (y + 0.3 * e, 0.3)).collect();
     let mut problem = one_case(&vec![(-8.0, 8.0); unknowns], &measured);
     for free in &mut problem.free {
-        free.prior = Some(Prior {
-            centre: 0.0,
-            spread: 1.0,
-        });
+        free.prior = Some(Prior { centre: 0.0, spread: 1.0 });
     }
     (problem, rows)
 }
@@ -43,10 +40,7 @@ fn exact(problem: &Problem, rows: &DMatrix<f64>) -> f64 {
 
 fn sampled(problem: &Problem, rows: &DMatrix<f64>, seed: u64) -> Evidence {
     let model = |_: usize, p: &[f64], _: &[f64]| -> Prediction {
-        Ok((rows * DVector::from_column_slice(p))
-            .iter()
-            .copied()
-            .collect())
+        Ok((rows * DVector::from_column_slice(p)).iter().copied().collect())
     };
     let objective = Objective::new(problem, &model, 1e-5);
     let sample = sample(&objective, &[], &settings(1000, seed), &|_, _| ()).unwrap();
@@ -60,15 +54,9 @@ fn of_friction(measured: &[(f64, f64)], contact: bool, seed: u64) -> Evidence {
     let unknowns = if contact { 3 } else { 1 };
     let model = |_: usize, p: &[f64], _: &[f64]| {
         let contact = |speed: f64| {
-            if contact {
-                p[1] * (-speed / p[2]).exp()
-            } else {
-                0.0
-            }
+            if contact { p[1] * (-speed / p[2]).exp() } else { 0.0 }
         };
-        Ok(SPEEDS
-            .map(|speed| p[0] * speed.sqrt() + contact(speed))
-            .to_vec())
+        Ok(SPEEDS.map(|speed| p[0] * speed.sqrt() + contact(speed)).to_vec())
     };
     let problem = one_case(&bounds[..unknowns], measured);
     let objective = Objective::new(&problem, &model, 1e-5);
@@ -91,17 +79,13 @@ fn a_model_without_contact_loses_to_the_right_one() {
             let exact = 0.02 * speed.sqrt() + 0.03 * (-speed / 0.8).exp();
             (exact + 0.001 * random.normal(), 0.001)
         });
-        let [mut right, mut wrong] =
-            [true, false].map(|contact| of_friction(&measured, contact, seed));
+        let [mut right, mut wrong] = [true, false].map(|contact| of_friction(&measured, contact, seed));
         right.compare(&wrong).unwrap();
         wrong.compare(&right).unwrap();
         let ratio = right.against.as_ref().unwrap();
         by_bounds += u32::from(ratio.interval.is_none());
         assert!(ratio.log > 0.0, "{seed}: {ratio:?}");
-        assert!(
-            ratio.interval.is_none_or(|[low, _]| low > 0.0),
-            "{seed}: {ratio:?}"
-        );
+        assert!(ratio.interval.is_none_or(|[low, _]| low > 0.0), "{seed}: {ratio:?}");
         assert!(wrong.against.as_ref().unwrap().log < 0.0);
         let words = right.words();
         assert!(words.contains("favour this one by a factor of"), "{words}");
@@ -115,19 +99,11 @@ fn a_model_without_contact_loses_to_the_right_one() {
 fn bounds_of_doubtful_evidences_hold() {
     let (problem, rows) = linear(2, 5);
     let exact = exact(&problem, &rows);
-    let told = Evidence {
-        trusted: false,
-        bounds: Some([exact - 1.0, exact + 2.0]),
-        ..sampled(&problem, &rows, 5)
-    };
-    let with = |bounds| Evidence {
-        bounds: Some(bounds),
-        ..told.clone()
-    };
+    let told = Evidence { trusted: false, bounds: Some([exact - 1.0, exact + 2.0]), ..sampled(&problem, &rows, 5) };
+    let with = |bounds| Evidence { bounds: Some(bounds), ..told.clone() };
     let ratio = |other: [f64; 2]| {
         let mut this = told.clone();
-        this.compare(&with(other))
-            .map(|()| this.against.unwrap().log)
+        this.compare(&with(other)).map(|()| this.against.unwrap().log)
     };
     assert_eq!(ratio([exact - 9.0, exact - 4.0]), Ok(3.0));
     assert_eq!(ratio([exact + 6.0, exact + 9.0]), Ok(-4.0));
@@ -166,18 +142,12 @@ fn the_ratio_of_evidences_is_told_of_the_same_data_alone() {
     both.compare(&one).unwrap();
     let interval = both.against.as_ref().unwrap().interval.unwrap();
     let wanted = exact(&problem, &rows) - exact(&fewer, &part);
-    assert!(
-        (interval[0]..=interval[1]).contains(&wanted),
-        "{interval:?} {wanted}"
-    );
+    assert!((interval[0]..=interval[1]).contains(&wanted), "{interval:?} {wanted}");
     assert!(wanted > 2.0, "{wanted}");
     let mut other = problem.clone();
     other.cases[0].measured[0].value += 1e-12;
     let other = sampled(&other, &rows, 1);
     assert!(other.is_of(&problem).is_err() && both.is_of(&problem).is_ok());
-    let doubtful = Evidence {
-        trusted: false,
-        ..one
-    };
+    let doubtful = Evidence { trusted: false, ..one };
     assert!(both.compare(&doubtful).unwrap_err().contains("relied"));
 }

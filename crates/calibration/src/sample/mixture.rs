@@ -111,8 +111,7 @@ impl Mixture {
         let (_, whole) = moments(points, weights, &all);
         let least = (effective.min(2.0 * (d + 1) as f64)) as usize;
         let share = (OVERLAP / count as f64).min(1.0);
-        let metric = Cholesky::new(floored(whole.clone(), &whole))
-            .and_then(|factor| factor.l().try_inverse())?;
+        let metric = Cholesky::new(floored(whole.clone(), &whole)).and_then(|factor| factor.l().try_inverse())?;
         let metric = rows(&metric);
         let parts = anchors(weights, count, random).into_iter().map(|anchor| {
             let near = nearest(points, weights, &metric, anchor, share, least);
@@ -132,18 +131,14 @@ impl Mixture {
         for part in &mut mixture.parts {
             part.weight *= 0.5;
         }
-        mixture
-            .parts
-            .push(Part::new(0.5, &mean, floored(whole.clone(), &whole))?);
+        mixture.parts.push(Part::new(0.5, &mean, floored(whole.clone(), &whole))?);
         Some(mixture)
     }
 
     /// The logarithm of each part's share of the density, with all deviations `scale` times as large.
     fn logs(&self, place: &[f64], scale: f64) -> Vec<f64> {
         let parts = self.parts.iter();
-        parts
-            .map(|part| part.weight.ln() + part.log_density(place, scale))
-            .collect()
+        parts.map(|part| part.weight.ln() + part.log_density(place, scale)).collect()
     }
 
     /// The logarithm of the density, with all deviations `scale` times as large.
@@ -204,9 +199,7 @@ fn anchors(weights: &[f64], count: usize, random: &mut Random) -> Vec<usize> {
     random.shuffle(&mut order);
     let first = random.unit();
     let levels = (0..count).map(|k| (k as f64 + first) / count as f64);
-    levels
-        .map(|level| order[chosen(order.iter().map(|&index| weights[index]), level)])
-        .collect()
+    levels.map(|level| order[chosen(order.iter().map(|&index| weights[index]), level)]).collect()
 }
 
 /// The points nearest to one of them: so many that they hold a share of the weight, and at least `least`.
@@ -219,9 +212,8 @@ fn nearest(
     least: usize,
 ) -> Vec<usize> {
     let weighty = (0..points.len()).filter(|&index| weights[index] > 0.0);
-    let mut near: Vec<(f64, usize)> = weighty
-        .map(|index| (squared(metric, points[anchor], points[index]), index))
-        .collect();
+    let mut near: Vec<(f64, usize)> =
+        weighty.map(|index| (squared(metric, points[anchor], points[index]), index)).collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut sum = 0.0;
     let mut kept = Vec::new();
@@ -247,11 +239,7 @@ fn moments(points: &[&[f64]], weights: &[f64], which: &[usize]) -> (DVector<f64>
     }
     let mut covariance = DMatrix::zeros(d, d);
     for &index in which {
-        let way: Vec<f64> = points[index]
-            .iter()
-            .zip(&mean)
-            .map(|(a, b)| a - b)
-            .collect();
+        let way: Vec<f64> = points[index].iter().zip(&mean).map(|(a, b)| a - b).collect();
         for (i, a) in way.iter().enumerate() {
             for (j, b) in way.iter().enumerate() {
                 covariance[(i, j)] += a * b * weights[index] / all;

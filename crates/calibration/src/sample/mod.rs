@@ -96,9 +96,7 @@ pub enum SampleError {
     #[error("a run failed at each of the {0} places where the posterior's sample starts")]
     NoStart(usize),
     /// The method does not get on.
-    #[error(
-        "the posterior's sample came no further than an exponent of {0:.2e} in {MOST_STAGES} stages"
-    )]
+    #[error("the posterior's sample came no further than an exponent of {0:.2e} in {MOST_STAGES} stages")]
     Stuck(f64),
     /// Time was up.
     #[error("the time limit ended the posterior's sample")]
@@ -183,9 +181,7 @@ impl Sample {
 
     /// The places of the particles in one of their unknowns.
     pub fn places(&self, unknown: usize) -> impl Iterator<Item = f64> {
-        self.particles
-            .iter()
-            .map(move |particle| particle.places[unknown])
+        self.particles.iter().map(move |particle| particle.places[unknown])
     }
 }
 
@@ -220,10 +216,8 @@ pub fn sample(
     let weights = walk.weights()?;
     let failures = objective.failures();
     let placed = |particles: Vec<Particle>| {
-        let particles = particles.into_iter().map(|particle| Particle {
-            places: target.places(particle.places),
-            ..particle
-        });
+        let particles =
+            particles.into_iter().map(|particle| Particle { places: target.places(particle.places), ..particle });
         particles.collect::<Vec<Particle>>()
     };
     let groups = groups.into_iter().map(|(log, group)| (log, placed(group)));
@@ -256,11 +250,7 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn begin(
-        target: &'a Target<'a>,
-        optima: &[Optimum],
-        settings: &Settings<'_>,
-    ) -> Result<Self, SampleError> {
+    fn begin(target: &'a Target<'a>, optima: &[Optimum], settings: &Settings<'_>) -> Result<Self, SampleError> {
         let mut random = Random::new(settings.seed, Purpose::Posterior, 0);
         let size = (settings.particles.max(FEWEST) as usize).div_ceil(GROUPS);
         let seeded = (size as f64 * (1.0 - DEFENCE)).round() as usize;
@@ -294,11 +284,7 @@ impl<'a> Walk<'a> {
         for (index, particle) in walk.particles.iter_mut().enumerate() {
             particle.ancestor = index;
         }
-        match walk
-            .particles
-            .iter()
-            .any(|particle| particle.log_ratio().is_finite())
-        {
+        match walk.particles.iter().any(|particle| particle.log_ratio().is_finite()) {
             true => Ok(walk),
             false => Err(SampleError::NoStart(walk.particles.len())),
         }
@@ -375,10 +361,7 @@ impl<'a> Walk<'a> {
         for (mover, (particles, weights)) in self.movers.iter_mut().zip(parts) {
             let all: f64 = weights.iter().sum();
             let weights: Vec<f64> = weights.iter().map(|weight| weight / all).collect();
-            let places: Vec<&[f64]> = particles
-                .iter()
-                .map(|particle| &particle.places[..])
-                .collect();
+            let places: Vec<&[f64]> = particles.iter().map(|particle| &particle.places[..]).collect();
             if all > 0.0 {
                 let fitted = Mixture::fitted(&places, &weights, &mut self.random);
                 mover.mixture = fitted.or(mover.mixture.take());
@@ -407,11 +390,7 @@ impl<'a> Walk<'a> {
     fn weights(&mut self) -> Result<Vec<f64>, SampleError> {
         const FROM_PRIOR: f64 = 0.1;
         const MOST_ROUNDS: usize = 5;
-        let points: Vec<&[f64]> = self
-            .particles
-            .iter()
-            .map(|particle| &particle.places[..])
-            .collect();
+        let points: Vec<&[f64]> = self.particles.iter().map(|particle| &particle.places[..]).collect();
         let Some(mixture) = Mixture::covering(&points, &mut self.random) else {
             return Ok(Vec::new());
         };
@@ -450,10 +429,7 @@ impl<'a> Walk<'a> {
         for (particles, mover) in parts {
             proposals.extend(mover.propose(particles, &mut self.random));
         }
-        let places = proposals
-            .iter()
-            .map(|proposal| proposal.places.clone())
-            .collect();
+        let places = proposals.iter().map(|proposal| proposal.places.clone()).collect();
         let there = self.weighed(places)?;
         let mut taken = Vec::with_capacity(there.len());
         let parts = self.particles.chunks_mut(size).zip(&mut self.movers);
@@ -477,8 +453,7 @@ impl<'a> Walk<'a> {
         let mut moved = vec![false; count];
         let (mut moves, mut accepted) = (0, 0);
         let before = self.target.objective.failures();
-        let still =
-            |moved: &[bool]| moved.iter().filter(|moved| !**moved).count() as f64 / count as f64;
+        let still = |moved: &[bool]| moved.iter().filter(|moved| !**moved).count() as f64 / count as f64;
         while moves < MOST_MOVES && (moves < 2 || still(&moved) > unmoved) {
             observe(self.exponent, moves + 1);
             let taken = self.step()?;
@@ -488,11 +463,7 @@ impl<'a> Walk<'a> {
             }
             moves += 1;
         }
-        let mut ancestors: Vec<usize> = self
-            .particles
-            .iter()
-            .map(|particle| particle.ancestor)
-            .collect();
+        let mut ancestors: Vec<usize> = self.particles.iter().map(|particle| particle.ancestor).collect();
         ancestors.sort_unstable();
         ancestors.dedup();
         let after = self.target.objective.failures();
@@ -518,21 +489,13 @@ fn seeds(optima: &[Optimum], discrepancies: &[(Unknown, f64)]) -> Option<Mixture
     let parts = optima.iter().map(|optimum| {
         let known = optimum.minimum.places.len();
         let mut mean = optimum.minimum.places.clone();
-        mean.extend(
-            discrepancies
-                .iter()
-                .map(|(unknown, deviation)| unknown.place(*deviation)),
-        );
+        mean.extend(discrepancies.iter().map(|(unknown, deviation)| unknown.place(*deviation)));
         let covariance = DMatrix::from_fn(mean.len(), mean.len(), |i, j| match (i, j) {
             (i, j) if i < known && j < known => optimum.posterior.covariance[(i, j)] * WIDER,
             (i, j) if i == j => ROUGH * ROUGH,
             _ => 0.0,
         });
-        (
-            optimum.weight.max(LEAST),
-            DVector::from_vec(mean),
-            covariance,
-        )
+        (optimum.weight.max(LEAST), DVector::from_vec(mean), covariance)
     });
     Mixture::new(parts.collect())
 }
@@ -550,8 +513,7 @@ fn step(ratios: &[f64], rest: f64) -> f64 {
     let most = alive.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let effective = |step: f64| {
         let weights = alive.iter().map(|ratio| (step * (ratio - most)).exp());
-        let (sum, squares) =
-            weights.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+        let (sum, squares) = weights.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
         sum * sum / squares
     };
     let wanted = EFFECTIVE * alive.len() as f64;
@@ -573,12 +535,7 @@ fn step(ratios: &[f64], rest: f64) -> f64 {
 
 /// Particles drawn in proportion to their weights, evenly spread over these (systematic resampling; Kitagawa 1996, Monte
 /// Carlo filter and smoother, J. Computational and Graphical Statistics 5, 1-25).
-fn resampled(
-    particles: &[Particle],
-    weights: &[f64],
-    count: usize,
-    random: &mut Random,
-) -> Vec<Particle> {
+fn resampled(particles: &[Particle], weights: &[f64], count: usize, random: &mut Random) -> Vec<Particle> {
     let all: f64 = weights.iter().sum();
     if all <= 0.0 {
         // A group without a living particle has no evidence: its particles wait until the groups are joined.

@@ -38,12 +38,7 @@ pub(super) struct Proposal {
 
 impl Mover {
     pub(super) fn new(unknowns: usize) -> Self {
-        Self {
-            mixture: None,
-            scale: 1.0,
-            leaps: 0.5,
-            unknowns,
-        }
+        Self { mixture: None, scale: 1.0, leaps: 0.5, unknowns }
     }
 
     /// A place to move to for each particle.
@@ -51,11 +46,7 @@ impl Mover {
         let proposals = particles.iter().map(|particle| match &self.mixture {
             Some(mixture) => self.proposal(mixture, &particle.places, random),
             // Nothing could be fitted: the particles stay.
-            None => Proposal {
-                places: particle.places.clone(),
-                leap: false,
-                back: 0.0,
-            },
+            None => Proposal { places: particle.places.clone(), leap: false, back: 0.0 },
         });
         proposals.collect()
     }
@@ -87,8 +78,7 @@ impl Mover {
         let mut taken = Vec::with_capacity(particles.len());
         for ((particle, there), proposal) in particles.iter_mut().zip(there).zip(proposals) {
             let level = random.unit();
-            let log =
-                log_density(there, exponent) - log_density(particle, exponent) + proposal.back;
+            let log = log_density(there, exponent) - log_density(particle, exponent) + proposal.back;
             // A particle outside of the posterior waits to be resampled, and so does one that would go there.
             let accepted = there.log_ratio().is_finite() && level.ln() < log;
             let [yes, all] = &mut counts[usize::from(proposal.leap)];
@@ -96,10 +86,7 @@ impl Mover {
             if accepted {
                 *yes += 1.0;
                 let ancestor = particle.ancestor;
-                *particle = Particle {
-                    ancestor,
-                    ..there.clone()
-                };
+                *particle = Particle { ancestor, ..there.clone() };
             }
             taken.push(accepted);
         }
@@ -122,11 +109,7 @@ impl Mover {
 /// Some walks are much shorter: where a part of the mixture is wider than the mode that a particle is in, they still move.
 fn shorter(random: &mut Random) -> f64 {
     let (some, by) = (random.unit(), random.unit());
-    if some < 0.2 {
-        10.0_f64.powf(-2.0 * by)
-    } else {
-        1.0
-    }
+    if some < 0.2 { 10.0_f64.powf(-2.0 * by) } else { 1.0 }
 }
 
 /// The logarithm of the density on the way from the start to the posterior.

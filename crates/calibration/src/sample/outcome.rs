@@ -112,12 +112,7 @@ pub struct Ratio {
 impl Evidence {
     /// That of a problem, by a sample that can be relied on or not. `optima` are the best fits; none where they were found with
     /// other errors than the sample has.
-    pub fn new(
-        objective: &Objective<'_>,
-        optima: &[Optimum],
-        sample: &Sample,
-        trusted: bool,
-    ) -> Self {
+    pub fn new(objective: &Objective<'_>, optima: &[Optimum], sample: &Sample, trusted: bool) -> Self {
         /// A number that is not negative exceeds its mean so many times with a probability of 5 % at most.
         const TIMES: f64 = 20.0;
         let problem = objective.problem;
@@ -126,13 +121,9 @@ impl Evidence {
         let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0);
         let error = error.sqrt();
         let target = Target::new(objective, Vec::new());
-        let fits = optima
-            .iter()
-            .map(|optimum| target.log_likelihood(&optimum.minimum));
+        let fits = optima.iter().map(|optimum| target.log_likelihood(&optimum.minimum));
         let particles = sample.particles.iter();
-        let best = particles
-            .map(|particle| particle.log_likelihood)
-            .chain(fits);
+        let best = particles.map(|particle| particle.log_likelihood).chain(fits);
         let bounds = [log - TIMES.ln(), best.fold(f64::NEG_INFINITY, f64::max)];
         let is_told = !optima.is_empty() && bounds.iter().all(|bound| bound.is_finite());
         Self {
@@ -186,10 +177,7 @@ impl Evidence {
                 "{which} sample of the posterior is not to be relied on, and neither model is plainly better; draw more"
             )
         })?;
-        self.against = Some(Ratio {
-            log,
-            interval: None,
-        });
+        self.against = Some(Ratio { log, interval: None });
         Ok(())
     }
 }
@@ -268,10 +256,7 @@ impl<'a> Groups<'a> {
         let groups = sample.groups.iter().map(|(_, particles)| &particles[..]);
         let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
         let all = ln_sum(&logs);
-        Self {
-            parts: logs.iter().map(|log| (log - all).exp()).collect(),
-            groups: groups.collect(),
-        }
+        Self { parts: logs.iter().map(|log| (log - all).exp()).collect(), groups: groups.collect() }
     }
 
     fn estimate(&self, f: &dyn Fn(&Particle) -> f64) -> Estimate {
@@ -283,10 +268,7 @@ impl<'a> Groups<'a> {
         let squares = pairs.map(|(part, of_group)| (part * (of_group - mean)).powi(2));
         let squares: f64 = squares.sum();
         let count = GROUPS as f64;
-        Estimate {
-            mean,
-            error: (squares * count / (count - 1.0)).sqrt(),
-        }
+        Estimate { mean, error: (squares * count / (count - 1.0)).sqrt() }
     }
 }
 
@@ -331,12 +313,9 @@ impl PosteriorOutcome {
         let (effective, error) = (self.effective, disagreement(sample));
         let last = sample.stages.last();
         let doubts = [
-            (dead > 0)
-                .then(|| format!("{dead} of {GROUPS} groups found no place that can be simulated")),
+            (dead > 0).then(|| format!("{dead} of {GROUPS} groups found no place that can be simulated")),
             (effective < ENOUGH).then(|| {
-                format!(
-                    "the particles are worth about {effective:.0} independent ones, and {ENOUGH} are needed"
-                )
+                format!("the particles are worth about {effective:.0} independent ones, and {ENOUGH} are needed")
             }),
             (error.is_nan() || error > AGREE).then(|| {
                 format!(
@@ -379,9 +358,7 @@ impl PosteriorOutcome {
             ));
         }
         let last = sample.stages.iter().filter(|stage| stage.exponent >= 1.0);
-        let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| {
-            [asked + stage.asked, failed + stage.failed]
-        });
+        let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| [asked + stage.asked, failed + stage.failed]);
         if failed > 0 {
             notes.push(format!(
                 "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
@@ -403,9 +380,7 @@ impl PosteriorOutcome {
         // A place of so much higher density is no place that the search was at.
         const HIGHER: f64 = 0.5;
         let target = Target::new(objective, Vec::new());
-        let known = optima
-            .iter()
-            .map(|optimum| target.log_density(&optimum.minimum));
+        let known = optima.iter().map(|optimum| target.log_density(&optimum.minimum));
         let known = known.fold(f64::NEG_INFINITY, f64::max);
         let particles = sample.particles.iter();
         let sampled = particles.map(|particle| particle.log_prior + particle.log_likelihood);
@@ -421,12 +396,7 @@ impl PosteriorOutcome {
 
     /// The median of an unknown discrepancy, and the interval that holds it with 95 % probability; it is that of number
     /// `index`.
-    pub fn discrepancy(
-        problem: &Problem,
-        sample: &Sample,
-        unknown: &Unknown,
-        index: usize,
-    ) -> (f64, [f64; 2]) {
+    pub fn discrepancy(problem: &Problem, sample: &Sample, unknown: &Unknown, index: usize) -> (f64, [f64; 2]) {
         let place = problem.unknowns() + index;
         let places = sorted(sample.places(place).collect());
         let at = |part| unknown.deviation(quantile(&places, part));
@@ -472,8 +442,7 @@ fn disagreement(sample: &Sample) -> f64 {
 }
 
 fn distinct(particles: &[Particle]) -> usize {
-    let bits =
-        |particle: &Particle| -> Vec<u64> { particle.places.iter().map(|p| p.to_bits()).collect() };
+    let bits = |particle: &Particle| -> Vec<u64> { particle.places.iter().map(|p| p.to_bits()).collect() };
     let mut all: Vec<Vec<u64>> = particles.iter().map(bits).collect();
     all.sort_unstable();
     all.dedup();
@@ -500,10 +469,7 @@ impl<'a> Near<'a> {
 
     /// The optimum that is nearest to a particle.
     fn nearest(&self, particle: &Particle) -> Option<usize> {
-        let distances = self
-            .optima
-            .iter()
-            .map(|optimum| Self::distance(optimum, particle));
+        let distances = self.optima.iter().map(|optimum| Self::distance(optimum, particle));
         let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
         least.map(|(index, _)| index)
     }
@@ -512,8 +478,7 @@ impl<'a> Near<'a> {
         let one_or_none = |is: bool| f64::from(u8::from(is));
         let share = |(index, optimum): (usize, &Optimum)| {
             let nearest = |particle: &Particle| one_or_none(self.nearest(particle) == Some(index));
-            let within =
-                |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
+            let within = |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
             let Estimate { mean, error } = groups.estimate(&nearest);
             Share {
                 optimum: index + 1,
@@ -570,9 +535,7 @@ fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
         PopulationOutcome {
             name: name.clone(),
             mean: marginal(sample, at, [0.0, 1.0], named, &|place| free.value(place)),
-            spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| {
-                free.spread(place)
-            }),
+            spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| free.spread(place)),
         }
     });
     outcomes.collect()
@@ -581,9 +544,7 @@ fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
 fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
     let marginal = |(unknown, free): (usize, &Free)| {
         let named = (&free.name[..], &free.unit, free.scale);
-        marginal(sample, unknown, [0.0, 1.0], named, &|place| {
-            free.value(place)
-        })
+        marginal(sample, unknown, [0.0, 1.0], named, &|place| free.value(place))
     };
     problem.free.iter().enumerate().map(marginal).collect()
 }
@@ -594,9 +555,7 @@ fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
         let latents = problem.latents_of(case).zip(pairs);
         let marginals = latents.map(|(unknown, (latent, interval))| {
             let named = (&latent.name[..], &latent.unit, Spacing::Linear);
-            marginal(sample, unknown, [0.0, 1.0], named, &|place| {
-                interval.value(place)
-            })
+            marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
         });
         marginals.collect()
     };
@@ -607,20 +566,11 @@ fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
 fn shared(problem: &Problem, sample: &Sample) -> Vec<SharedOutcome> {
     let channels = problem.channels.iter().enumerate();
     let outcomes = channels.map(|(number, channel)| {
-        let parts = sample
-            .particles
-            .iter()
-            .map(|particle| particle.shared[number]);
+        let parts = sample.particles.iter().map(|particle| particle.shared[number]);
         let parts: Vec<[f64; 2]> = parts.collect();
         let means: Vec<f64> = parts.iter().map(|[mean, _]| *mean).collect();
-        let squares: Vec<f64> = parts
-            .iter()
-            .map(|[_, deviation]| deviation * deviation)
-            .collect();
-        let [centre, spread] = [
-            mean(&means),
-            (mean(&squares) + deviation(&means, 1).powi(2)).sqrt(),
-        ];
+        let squares: Vec<f64> = parts.iter().map(|[_, deviation]| deviation * deviation).collect();
+        let [centre, spread] = [mean(&means), (mean(&squares) + deviation(&means, 1).powi(2)).sqrt()];
         let mut interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
         let mut sources = channel.sources.iter();
         if sources.all(|(source, _)| problem.sources[*source].rectangular) {
@@ -638,9 +588,7 @@ fn of_mixture(parts: &[[f64; 2]], part: f64, [centre, spread]: [f64; 2]) -> f64 
     const HALVINGS: usize = 40;
     let normal = Normal::standard();
     let below = |x: f64| -> f64 {
-        let each = parts
-            .iter()
-            .map(|[mean, deviation]| normal.cdf((x - mean) / deviation));
+        let each = parts.iter().map(|[mean, deviation]| normal.cdf((x - mean) / deviation));
         each.sum::<f64>() / parts.len() as f64
     };
     let (mut low, mut high) = (centre - REACH * spread, centre + REACH * spread);

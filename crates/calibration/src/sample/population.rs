@@ -161,11 +161,6 @@ pub(super) fn before(prior: Option<(f64, f64)>) -> Distribution {
     let [min, max] = [0.0, 1.0];
     match prior {
         None => Distribution::Uniform { min, max },
-        Some((mean, deviation)) => Distribution::TruncatedNormal {
-            mean,
-            deviation,
-            min: Some(min),
-            max: Some(max),
-        },
+        Some((mean, deviation)) => Distribution::TruncatedNormal { mean, deviation, min: Some(min), max: Some(max) },
     }
 }

@@ -15,17 +15,11 @@ fn specimens(values: &[f64], accuracy: f64) -> Problem {
     problem.free = (0..values.len())
         .map(|case| {
             let mut free = free(&format!("{case}/c"), Spacing::Linear, -5.0, 45.0);
-            free.prior = Some(Prior {
-                centre: 20.0,
-                spread: 5.0,
-            });
+            free.prior = Some(Prior { centre: 20.0, spread: 5.0 });
             free
         })
         .collect();
-    problem.populations = vec![Population {
-        name: "c".to_owned(),
-        members: (0..values.len()).collect(),
-    }];
+    problem.populations = vec![Population { name: "c".to_owned(), members: (0..values.len()).collect() }];
     problem
 }
 
@@ -47,16 +41,10 @@ fn on_grid(values: &[f64], accuracy: f64) -> [[f64; 2]; 2] {
         for k in 0..1000 {
             let spread = 25.0 * (f64::from(k) + 0.5) / 1000.0;
             let variance = spread * spread + accuracy * accuracy;
-            let misfit = values
-                .iter()
-                .map(|y| (y - mean).powi(2) / variance + variance.ln());
-            let squares =
-                misfit.sum::<f64>() + ((mean - 20.0) / 5.0).powi(2) + (spread / 5.0).powi(2);
+            let misfit = values.iter().map(|y| (y - mean).powi(2) / variance + variance.ln());
+            let squares = misfit.sum::<f64>() + ((mean - 20.0) / 5.0).powi(2) + (spread / 5.0).powi(2);
             let density = (-0.5 * squares).exp();
-            for (sum, power) in
-                sums.iter_mut()
-                    .zip([1.0, mean, mean * mean, spread, spread * spread])
-            {
+            for (sum, power) in sums.iter_mut().zip([1.0, mean, mean * mean, spread, spread * spread]) {
                 *sum += density * power;
             }
         }
@@ -72,9 +60,7 @@ fn on_grid(values: &[f64], accuracy: f64) -> [[f64; 2]; 2] {
 fn drawn(spread: f64, accuracy: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut random = Random::new(seed, Purpose::Search, 1);
     let truths: Vec<f64> = (0..8).map(|_| 20.0 + spread * random.normal()).collect();
-    let measured = truths
-        .iter()
-        .map(|truth| truth + accuracy * random.normal());
+    let measured = truths.iter().map(|truth| truth + accuracy * random.normal());
     let measured = measured.collect();
     (truths, measured)
 }
@@ -94,18 +80,10 @@ fn mean_and_spread_are_those_of_an_integration() {
             sample.evaluated,
             outcome.doubts
         );
-        for ([mean, deviation], marginal) in
-            exact.iter().zip([&population.mean, &population.spread])
-        {
+        for ([mean, deviation], marginal) in exact.iter().zip([&population.mean, &population.spread]) {
             println!("  {} +- {}", marginal.mean, marginal.deviation);
-            assert!(
-                (marginal.mean - mean).abs() < 0.05 * mean.min(2.0 * deviation),
-                "{accuracy}"
-            );
-            assert!(
-                (marginal.deviation / deviation - 1.0).abs() < 0.05,
-                "{accuracy}"
-            );
+            assert!((marginal.mean - mean).abs() < 0.05 * mean.min(2.0 * deviation), "{accuracy}");
+            assert!((marginal.deviation / deviation - 1.0).abs() < 0.05, "{accuracy}");
         }
         assert!(outcome.trusted);
     }
@@ -119,23 +97,14 @@ fn intervals_of_mean_spread_and_values_hold() {
         let (truths, values) = drawn(2.0, 0.5, 100 + seed);
         let (_, outcome) = sampled(&specimens(&values, 0.5), 1000, seed);
         let inside = |intervals: &[[f64; 2]], truth: f64| {
-            u32::from(
-                intervals
-                    .iter()
-                    .any(|[low, high]| (*low..=*high).contains(&truth)),
-            )
+            u32::from(intervals.iter().any(|[low, high]| (*low..=*high).contains(&truth)))
         };
         let population = &outcome.populations[0];
         means += inside(&population.mean.intervals, 20.0);
         spreads += inside(&population.spread.intervals, 2.0);
         let pairs = outcome.free.iter().zip(&truths);
-        all += pairs
-            .map(|(free, &truth)| inside(&free.intervals, truth))
-            .sum::<u32>();
+        all += pairs.map(|(free, &truth)| inside(&free.intervals, truth)).sum::<u32>();
     }
     println!("mean {means}, spread {spreads} of 20; values {all} of 160");
-    assert!(
-        means >= 17 && spreads >= 17 && all >= 144,
-        "{means} {spreads} {all}"
-    );
+    assert!(means >= 17 && spreads >= 17 && all >= 144, "{means} {spreads} {all}");
 }

@@ -72,19 +72,13 @@ mod tests {
         let [[low, high]] = regions(&values, [0.0, 50.0])[..] else {
             panic!("one interval");
         };
-        assert!(
-            low == 0.0 && (high - 20.0_f64.ln()).abs() < 0.01,
-            "{low} .. {high}"
-        );
+        assert!(low == 0.0 && (high - 20.0_f64.ln()).abs() < 0.01, "{low} .. {high}");
         // Nothing but the bounds is known: the middle 95 % of them.
         let even: Vec<f64> = (0..4000).map(|k| (f64::from(k) + 0.5) / 4000.0).collect();
         let [[low, high]] = regions(&even, [0.0, 1.0])[..] else {
             panic!("one interval");
         };
-        assert!(
-            (low - 0.025).abs() < 1e-3 && (high - 0.975).abs() < 1e-3,
-            "{low} .. {high}"
-        );
+        assert!((low - 0.025).abs() < 1e-3 && (high - 0.975).abs() < 1e-3, "{low} .. {high}");
     }
 
     /// The density of a lognormal number vanishes at 0: its interval does not begin there, though that would be shorter.
@@ -92,9 +86,7 @@ mod tests {
     fn a_skewed_sample_that_keeps_off_a_bound_has_two_ends() {
         let normal = Normal::standard();
         let at = |part: f64| (0.8 * normal.inverse_cdf(part)).exp();
-        let values: Vec<f64> = (0..4000)
-            .map(|k| at((f64::from(k) + 0.5) / 4000.0))
-            .collect();
+        let values: Vec<f64> = (0..4000).map(|k| at((f64::from(k) + 0.5) / 4000.0)).collect();
         let [[low, high]] = regions(&values, [0.0, f64::INFINITY])[..] else {
             panic!("one interval");
         };
@@ -129,11 +121,7 @@ mod tests {
         let mut random = StdRng::seed_from_u64(5);
         let mut held = 0.0;
         let draw = |random: &mut StdRng| {
-            let mode = if random.random::<f64>() < 0.2 {
-                3.0
-            } else {
-                0.0
-            };
+            let mode = if random.random::<f64>() < 0.2 { 3.0 } else { 0.0 };
             mode + 0.1 * random.sample::<f64, _>(StandardNormal)
         };
         for _ in 0..200 {

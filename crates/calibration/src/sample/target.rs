@@ -36,10 +36,7 @@ pub(super) struct Likelihood {
 impl Likelihood {
     /// That of a place that is impossible, or at which nothing is known.
     fn none() -> Self {
-        Self {
-            log: f64::NEG_INFINITY,
-            shared: Vec::new(),
-        }
+        Self { log: f64::NEG_INFINITY, shared: Vec::new() }
     }
 }
 
@@ -49,8 +46,7 @@ impl<'a> Target<'a> {
         let free = problem.free.iter().map(|free| before(free.prior_place()));
         let populations = problem.populations.iter().enumerate();
         let first = problem.unknowns() + discrepancies.len();
-        let populations =
-            populations.map(|(number, each)| Common::new(problem, each, first + 2 * number));
+        let populations = populations.map(|(number, each)| Common::new(problem, each, first + 2 * number));
         let populations: Vec<Common> = populations.collect();
         let others = first - problem.free.len() + 2 * populations.len();
         let before = free.chain(std::iter::repeat_n(before(None), others));
@@ -66,11 +62,7 @@ impl<'a> Target<'a> {
     /// The coordinates that have a prior of their own.
     fn alone(&self) -> impl Iterator<Item = (usize, &Distribution)> {
         let common = 2 * self.populations.len();
-        let alone = self
-            .before
-            .iter()
-            .enumerate()
-            .take(self.before.len() - common);
+        let alone = self.before.iter().enumerate().take(self.before.len() - common);
         alone.filter(|(index, _)| !self.populations.iter().any(|each| each.has(*index)))
     }
 
@@ -89,9 +81,7 @@ impl<'a> Target<'a> {
     /// The logarithm of the prior density: minus infinity outside of the bounds.
     pub(super) fn log_prior(&self, coordinates: &[f64]) -> f64 {
         let alone = self.alone();
-        let alone: f64 = alone
-            .map(|(index, distribution)| distribution.ln_density(coordinates[index]))
-            .sum();
+        let alone: f64 = alone.map(|(index, distribution)| distribution.ln_density(coordinates[index])).sum();
         let populations = self.populations.iter();
         let common: f64 = populations.map(|each| each.log_prior(coordinates)).sum();
         // Where the spread is not positive, one of the terms may be no number.
@@ -120,9 +110,7 @@ impl<'a> Target<'a> {
     /// # Errors
     /// When there are no further predictions.
     pub(super) fn likelihoods(&self, sets: &[Vec<f64>]) -> Result<Vec<Likelihood>, NoPrediction> {
-        let inside: Vec<usize> = (0..sets.len())
-            .filter(|&index| self.log_prior(&sets[index]).is_finite())
-            .collect();
+        let inside: Vec<usize> = (0..sets.len()).filter(|&index| self.log_prior(&sets[index]).is_finite()).collect();
         let asked = inside.iter().map(|&index| self.places(sets[index].clone()));
         let asked: Vec<Vec<f64>> = asked.collect();
         let misfits = self.objective.misfits(&asked)?;
@@ -148,8 +136,7 @@ impl<'a> Target<'a> {
     fn likelihood(&self, places: &[f64], misfit: &Misfit) -> Likelihood {
         let problem = self.objective.problem;
         let at = |errors: &Errors, stated: &Stated, squares: f64, sources: &[f64]| Likelihood {
-            log: errors.log_density(squares)
-                + stated.ln_beyond(problem, errors, &misfit.predicted, sources),
+            log: errors.log_density(squares) + stated.ln_beyond(problem, errors, &misfit.predicted, sources),
             shared: stated.channels(problem, errors.channels(problem, sources), sources),
         };
         let likelihood = match self.discrepancies.is_empty() {
@@ -160,12 +147,9 @@ impl<'a> Target<'a> {
             false => {
                 let places = places.iter().skip(problem.unknowns());
                 let pairs = self.discrepancies.iter().zip(places);
-                let deviations: Vec<f64> = pairs
-                    .map(|(unknown, &place)| unknown.deviation(place))
-                    .collect();
-                let errors = Errors::with(problem, |_, quantity| {
-                    of_quantity(&self.discrepancies, &deviations, quantity)
-                });
+                let deviations: Vec<f64> = pairs.map(|(unknown, &place)| unknown.deviation(place)).collect();
+                let errors =
+                    Errors::with(problem, |_, quantity| of_quantity(&self.discrepancies, &deviations, quantity));
                 let residuals = errors.residuals(problem, &misfit.predicted);
                 let sources = &residuals.as_slice()[problem.values()..];
                 let stated = Stated::new(problem, &errors);

@@ -23,12 +23,7 @@ fn optima(objective: &Objective<'_>, starts: &[Vec<f64>]) -> Vec<Optimum> {
     optima.weighed()
 }
 
-fn sampled(
-    problem: &Problem,
-    model: &dyn Simulate,
-    starts: &[Vec<f64>],
-    seed: u64,
-) -> (Sample, PosteriorOutcome) {
+fn sampled(problem: &Problem, model: &dyn Simulate, starts: &[Vec<f64>], seed: u64) -> (Sample, PosteriorOutcome) {
     let objective = Objective::new(problem, model, 1e-5);
     let optima = optima(&objective, starts);
     let settings = settings(1000, seed);
@@ -41,10 +36,7 @@ fn sampled(
 fn linear() -> (Problem, DMatrix<f64>) {
     let measured = [(2.1, 0.05), (1.2, 0.1), (0.3, 0.08), (1.9, 0.2)];
     let mut problem = one_case(&[(-5.0, 5.0), (-5.0, 5.0), (-5.0, 5.0)], &measured);
-    problem.free[2].prior = Some(Prior {
-        centre: 0.4,
-        spread: 0.3,
-    });
+    problem.free[2].prior = Some(Prior { centre: 0.4, spread: 0.3 });
     let rows = [1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.5, 1.0, 2.0];
     (problem, DMatrix::from_row_slice(4, 3, &rows))
 }
@@ -52,10 +44,7 @@ fn linear() -> (Problem, DMatrix<f64>) {
 /// Mean, covariance and the logarithm of the evidence of a linear model.
 fn exact(problem: &Problem, a: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>, f64) {
     let measured = &problem.cases[0].measured;
-    let weight = DMatrix::from_diagonal(&DVector::from_iterator(
-        4,
-        measured.iter().map(|m| m.accuracy.powi(-2)),
-    ));
+    let weight = DMatrix::from_diagonal(&DVector::from_iterator(4, measured.iter().map(|m| m.accuracy.powi(-2))));
     let y = DVector::from_iterator(4, measured.iter().map(|m| m.value));
     let mut precision = a.transpose() * &weight * a;
     let mut right = a.transpose() * &weight * &y;
@@ -68,18 +57,9 @@ fn exact(problem: &Problem, a: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>, f6
     let tau = std::f64::consts::TAU;
     let misfit = a * &mean - &y;
     let normal = |squares: f64, deviation: f64| -0.5 * squares - deviation.ln() - 0.5 * tau.ln();
-    let likelihood: f64 = (0..4)
-        .map(|k| {
-            normal(
-                (misfit[k] / measured[k].accuracy).powi(2),
-                measured[k].accuracy,
-            )
-        })
-        .sum();
-    let before = normal(
-        ((mean[2] - prior.centre) / prior.spread).powi(2),
-        prior.spread,
-    );
+    let likelihood: f64 =
+        (0..4).map(|k| normal((misfit[k] / measured[k].accuracy).powi(2), measured[k].accuracy)).sum();
+    let before = normal(((mean[2] - prior.centre) / prior.spread).powi(2), prior.spread);
     let uniform = -2.0 * 10.0_f64.ln();
     let posterior = -0.5 * (3.0 * tau.ln() + covariance.determinant().ln());
     let evidence = likelihood + before + uniform - posterior;
@@ -163,10 +143,7 @@ fn six_modes_have_their_parts_and_an_interval_each() {
         let intervals = &outcome.free[0].intervals;
         assert_eq!(intervals.len(), 6, "{intervals:?}");
         for ([low, high], root) in intervals.iter().zip(roots) {
-            assert!(
-                *low < root && root < *high && high - low < 0.06,
-                "{low} {high}"
-            );
+            assert!(*low < root && root < *high && high - low < 0.06, "{low} {high}");
         }
         let shares: f64 = outcome.optima.iter().map(|optimum| optimum.share).sum();
         assert!(starts.is_empty() || (shares - 1.0).abs() < 1e-9);
@@ -186,10 +163,7 @@ fn a_curved_valley_has_its_moments() {
             let p = [-3.0 + 6.0 * place(i), -2.0 + 8.0 * place(j)];
             let y = banana(&p);
             let density = (-0.5 * (y[0] * y[0] + (y[1] / 0.1).powi(2))).exp();
-            for (sum, f) in sums
-                .iter_mut()
-                .zip([1.0, p[0], p[1], p[0] * p[0], p[1] * p[1]])
-            {
+            for (sum, f) in sums.iter_mut().zip([1.0, p[0], p[1], p[0] * p[0], p[1] * p[1]]) {
                 *sum += density * f;
             }
         }
@@ -203,10 +177,7 @@ fn a_curved_valley_has_its_moments() {
             let deviation = (moment(k + 3) - moment(k + 1).powi(2)).sqrt();
             let error = (marginal.mean - moment(k + 1)) / deviation * outcome.effective.sqrt();
             assert!(error.abs() < 4.0, "{k}: {error} {outcome:?}");
-            assert!(
-                (marginal.deviation / deviation - 1.0).abs() < 0.12,
-                "{k}: {marginal:?} {deviation}"
-            );
+            assert!((marginal.deviation / deviation - 1.0).abs() < 0.12, "{k}: {marginal:?} {deviation}");
         }
     }
 }
@@ -222,19 +193,12 @@ fn latent_unknowns_are_sampled_within_their_intervals() {
     assert!(outcome.trusted, "{:?}", outcome.doubts);
     let uniform = 1.0 / 12.0_f64.sqrt();
     for marginal in [&outcome.free[0], &outcome.latents[0][0]] {
-        assert!(
-            (marginal.deviation / uniform - 1.0).abs() < 0.1,
-            "{marginal:?}"
-        );
+        assert!((marginal.deviation / uniform - 1.0).abs() < 0.1, "{marginal:?}");
     }
     let [low, high] = outcome.latents[0][0].intervals[0];
-    assert!(
-        (low - 2.025).abs() < 0.02 && (high - 2.975).abs() < 0.02,
-        "{low} {high}"
-    );
+    assert!((low - 2.025).abs() < 0.02 && (high - 2.975).abs() < 0.02, "{low} {high}");
     for particle in &sample.particles {
-        let sum = problem.free_values(&particle.places)[0]
-            + problem.latent_values(0, &particle.places)[0];
+        let sum = problem.free_values(&particle.places)[0] + problem.latent_values(0, &particle.places)[0];
         assert!((sum - 7.0).abs() < 0.05);
     }
 }
@@ -244,20 +208,11 @@ fn failed_runs_count_as_impossible_and_are_counted() {
     // Half of the normal posterior around 0.5 cannot be run.
     let problem = one_case(&[(0.0, 1.0)], &[(0.5, 0.1)]);
     let model = |_: usize, p: &[f64], _: &[f64]| {
-        if p[0] > 0.5 {
-            Err("too far".to_owned())
-        } else {
-            Ok(vec![p[0]])
-        }
+        if p[0] > 0.5 { Err("too far".to_owned()) } else { Ok(vec![p[0]]) }
     };
     let (sample, outcome) = sampled(&problem, &model, &[], 5);
     assert!(outcome.trusted, "{:?}", outcome.doubts);
-    assert!(
-        sample
-            .particles
-            .iter()
-            .all(|particle| particle.places[0] <= 0.5)
-    );
+    assert!(sample.particles.iter().all(|particle| particle.places[0] <= 0.5));
     // The mean of half a normal distribution is sqrt(2 / pi) deviations from its edge.
     let exact = 0.5 - 0.1 * (2.0 / std::f64::consts::PI).sqrt();
     assert!((outcome.free[0].mean - exact).abs() < 0.01, "{outcome:?}");
@@ -286,11 +241,7 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
         };
         let [hill, peak] = [about(0.3, 0.3, 12.7), about(0.85, 0.03, 0.0)];
         let squares = |all: &[f64]| all.iter().map(|x| x * x).sum::<f64>();
-        Ok(if squares(&hill) < squares(&peak) {
-            hill
-        } else {
-            peak
-        })
+        Ok(if squares(&hill) < squares(&peak) { hill } else { peak })
     };
     // The peak's part of the posterior; the hill is cut at the bounds, the peak is not.
     let normal = Normal::standard();
@@ -304,15 +255,9 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
     for (seeds, from_optima) in [(&optima[..], true), (&[][..], false)] {
         let sample = sample(&objective, seeds, &settings(1000, 1), &|_, _| ()).unwrap();
         let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
-        let near = sample
-            .particles
-            .iter()
-            .filter(|particle| particle.places[0] > 0.7);
+        let near = sample.particles.iter().filter(|particle| particle.places[0] > 0.7);
         let share = near.count() as f64 / sample.particles.len() as f64;
-        println!(
-            "{share} {part} {} {:?} {:?}",
-            outcome.effective, outcome.doubts, outcome.optima
-        );
+        println!("{share} {part} {} {:?} {:?}", outcome.effective, outcome.doubts, outcome.optima);
         assert_eq!(outcome.trusted, from_optima, "{share} {outcome:?}");
         assert!(!from_optima || (share - part).abs() < 0.1, "{share} {part}");
     }
@@ -323,13 +268,8 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
 fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
     let values = [4.1, 5.3, 4.8, 5.9, 4.4, 5.2, 5.6, 4.0, 5.1, 4.7, 5.5, 4.9];
     let mut problem = one_case(&[(0.0, 10.0)], &[(0.0, 0.2)]);
-    problem.cases = values
-        .iter()
-        .map(|&value| Case {
-            measured: measured(&[value], 0.2),
-            ..problem.cases[0].clone()
-        })
-        .collect();
+    problem.cases =
+        values.iter().map(|&value| Case { measured: measured(&[value], 0.2), ..problem.cases[0].clone() }).collect();
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
     let objective = Objective::new(&problem, &model, 1e-5);
     let optima = optima(&objective, &[vec![0.5]]);
@@ -338,10 +278,7 @@ fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
     let discrepancy = Discrepancy::estimate(&unknown, &problem, &predicted, 1);
     assert!(discrepancy.told);
     let discrepancies = [(unknown, discrepancy.deviation)];
-    let settings = Settings {
-        discrepancies: &discrepancies,
-        ..settings(2000, 6)
-    };
+    let settings = Settings { discrepancies: &discrepancies, ..settings(2000, 6) };
     let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
     assert!(outcome.trusted, "{:?}", outcome.doubts);
@@ -374,26 +311,11 @@ fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
     };
     let marginal = &outcome.free[0];
     assert!((marginal.mean - mean).abs() < 4.0 * deviation / outcome.effective.sqrt());
-    assert!(
-        (marginal.deviation / deviation - 1.0).abs() < 0.1,
-        "{marginal:?} {deviation}"
-    );
+    assert!((marginal.deviation / deviation - 1.0).abs() < 0.1, "{marginal:?} {deviation}");
     let (median, [low, high]) = PosteriorOutcome::discrepancy(&problem, &sample, &unknown, 0);
-    assert!(
-        (median / quantile(0.5) - 1.0).abs() < 0.05,
-        "{median} {}",
-        quantile(0.5)
-    );
-    assert!(
-        (low / quantile(0.025) - 1.0).abs() < 0.15,
-        "{low} {}",
-        quantile(0.025)
-    );
-    assert!(
-        (high / quantile(0.975) - 1.0).abs() < 0.15,
-        "{high} {}",
-        quantile(0.975)
-    );
+    assert!((median / quantile(0.5) - 1.0).abs() < 0.05, "{median} {}", quantile(0.5));
+    assert!((low / quantile(0.025) - 1.0).abs() < 0.15, "{low} {}", quantile(0.025));
+    assert!((high / quantile(0.975) - 1.0).abs() < 0.15, "{high} {}", quantile(0.975));
 }
 
 #[test]
@@ -401,9 +323,6 @@ fn time_ends_a_sample() {
     let problem = one_case(&[(0.0, 1.0)], &[(0.5, 0.1)]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
     let objective = Objective::new(&problem, &model, 1e-5);
-    let settings = Settings {
-        deadline: Some(std::time::Instant::now()),
-        ..settings(200, 1)
-    };
+    let settings = Settings { deadline: Some(std::time::Instant::now()), ..settings(200, 1) };
     assert_eq!(sample_of(&objective, &settings), Err(SampleError::Time));
 }

@@ -11,21 +11,12 @@ const NAMED: usize = 8;
 
 /// A summary for people.
 pub fn summary(outcome: &PosteriorOutcome, of_data: &Evidence) -> String {
-    let PosteriorOutcome {
-        particles,
-        effective,
-        evaluated,
-        ..
-    } = outcome;
+    let PosteriorOutcome { particles, effective, evaluated, .. } = outcome;
     let judged = match outcome.trusted {
-        true => format!(
-            "{GROUPS} independent groups agree; worth about {effective:.0} independent draws"
-        ),
+        true => format!("{GROUPS} independent groups agree; worth about {effective:.0} independent draws"),
         false => "NOT to be relied on, see below".to_owned(),
     };
-    let mut text = format!(
-        "\nposterior sample: {particles} particles ({judged}), from {evaluated} evaluations\n"
-    );
+    let mut text = format!("\nposterior sample: {particles} particles ({judged}), from {evaluated} evaluations\n");
     let mut all = outcome.free.clone();
     for population in &outcome.populations {
         let named = |what: &str, marginal: &Marginal| Marginal {
@@ -91,19 +82,12 @@ impl Evidence {
                 factor(log.abs())
             ),
             Some([low, high]) if low * high > 0.0 => {
-                let [least, most] =
-                    [low.abs().min(high.abs()), low.abs().max(high.abs())].map(factor);
-                format!(
-                    "favour {which} one by a factor of {} ({least} .. {most}, 95 %)",
-                    factor(log.abs())
-                )
+                let [least, most] = [low.abs().min(high.abs()), low.abs().max(high.abs())].map(factor);
+                format!("favour {which} one by a factor of {} ({least} .. {most}, 95 %)", factor(log.abs()))
             }
             Some(ends) => {
                 let [least, most] = ends.map(factor);
-                format!(
-                    "do not tell the two apart: their ratio is {} ({least} .. {most}, 95 %)",
-                    factor(*log)
-                )
+                format!("do not tell the two apart: their ratio is {} ({least} .. {most}, 95 %)", factor(*log))
             }
         };
         format!("ln evidence {own}: the data {how}, each with its own prior")
@@ -111,15 +95,8 @@ impl Evidence {
 }
 
 fn marginals(free: &[Marginal]) -> String {
-    let width = free
-        .iter()
-        .map(|marginal| marginal.name.len())
-        .max()
-        .unwrap_or(0);
-    let mut text = format!(
-        "{:width$}  {:>11} {:>11} {:>11}  95 % of it\n",
-        "parameter", "mean", "deviation", "median"
-    );
+    let width = free.iter().map(|marginal| marginal.name.len()).max().unwrap_or(0);
+    let mut text = format!("{:width$}  {:>11} {:>11} {:>11}  95 % of it\n", "parameter", "mean", "deviation", "median");
     for marginal in free {
         let parts = marginal.intervals.iter().take(NAMED);
         let parts = parts.map(|ends| ends.map(digits).join(" .. "));
@@ -154,8 +131,7 @@ pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
         format!("{name}.discrepancy")
     });
     let populations = problem.populations.iter();
-    let populations =
-        populations.flat_map(|each| ["mean", "spread"].map(|what| format!("{}.{what}", each.name)));
+    let populations = populations.flat_map(|each| ["mean", "spread"].map(|what| format!("{}.{what}", each.name)));
     ["point".to_owned()]
         .into_iter()
         .chain(free)
@@ -169,10 +145,7 @@ pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
 /// The units of the table's columns, as a comment.
 pub fn units(problem: &Problem) -> String {
     let free = problem.free.iter().map(|free| (&free.name, &free.unit));
-    let latents = problem
-        .latents
-        .iter()
-        .map(|latent| (&latent.name, &latent.unit));
+    let latents = problem.latents.iter().map(|latent| (&latent.name, &latent.unit));
     let units = free.chain(latents).map(|(name, unit)| {
         let unit = unit.as_deref().unwrap_or("1");
         format!("{name} in {unit}")
@@ -186,36 +159,21 @@ pub fn rows<'a>(
     unknown: &'a [Unknown],
     sample: &'a Sample,
 ) -> impl Iterator<Item = Vec<String>> + 'a {
-    sample
-        .particles
-        .iter()
-        .enumerate()
-        .map(move |(index, particle)| {
-            let free = problem.free_values(&particle.places).into_iter();
-            let latents = (0..problem.cases.len())
-                .flat_map(|case| problem.latent_values(case, &particle.places));
-            let places = particle.places.iter().skip(problem.unknowns());
-            let deviations = unknown.iter().zip(places);
-            let deviations = deviations.map(|(unknown, &place)| unknown.deviation(place));
-            let first = problem.unknowns() + unknown.len();
-            let common = problem.populations.iter().enumerate();
-            let common = common.flat_map(|(number, population)| {
-                let free = &problem.free[population.members[0]];
-                let at = first + 2 * number;
-                [
-                    free.value(particle.places[at]),
-                    free.spread(particle.places[at + 1]),
-                ]
-            });
-            let numbers = free
-                .chain(latents)
-                .chain(deviations)
-                .chain(common)
-                .chain([particle.log_likelihood]);
-            let label = (index + 1).to_string();
-            [label]
-                .into_iter()
-                .chain(numbers.map(|value| value.to_string()))
-                .collect()
-        })
+    sample.particles.iter().enumerate().map(move |(index, particle)| {
+        let free = problem.free_values(&particle.places).into_iter();
+        let latents = (0..problem.cases.len()).flat_map(|case| problem.latent_values(case, &particle.places));
+        let places = particle.places.iter().skip(problem.unknowns());
+        let deviations = unknown.iter().zip(places);
+        let deviations = deviations.map(|(unknown, &place)| unknown.deviation(place));
+        let first = problem.unknowns() + unknown.len();
+        let common = problem.populations.iter().enumerate();
+        let common = common.flat_map(|(number, population)| {
+            let free = &problem.free[population.members[0]];
+            let at = first + 2 * number;
+            [free.value(particle.places[at]), free.spread(particle.places[at + 1])]
+        });
+        let numbers = free.chain(latents).chain(deviations).chain(common).chain([particle.log_likelihood]);
+        let label = (index + 1).to_string();
+        [label].into_iter().chain(numbers.map(|value| value.to_string())).collect()
+    })
 }

@@ -47,19 +47,11 @@ impl Layer {
             Surrogate::fit_to(&inputs, &outputs, DEGREE)
         };
         let quantities = problem.quantities.len();
-        let all: Vec<(usize, usize)> = (0..problem.cases.len())
-            .flat_map(|case| (0..quantities).map(move |quantity| (case, quantity)))
-            .collect();
-        let fits: Option<Vec<Surrogate>> = all
-            .par_iter()
-            .map(|&(case, quantity)| value(case, quantity))
-            .collect();
+        let all: Vec<(usize, usize)> =
+            (0..problem.cases.len()).flat_map(|case| (0..quantities).map(move |quantity| (case, quantity))).collect();
+        let fits: Option<Vec<Surrogate>> = all.par_iter().map(|&(case, quantity)| value(case, quantity)).collect();
         let fits: Vec<Vec<Surrogate>> = fits?.chunks(quantities).map(<[_]>::to_vec).collect();
-        Some(Self {
-            together: together(&fits),
-            region,
-            fits,
-        })
+        Some(Self { together: together(&fits), region, fits })
     }
 
     /// Root mean square and largest leave-one-out error of each measured value, case by case.
@@ -69,9 +61,7 @@ impl Layer {
             [fit.quality.error, largest]
         };
         let cases = self.fits.iter();
-        cases
-            .map(|fits| fits.iter().map(errors).collect())
-            .collect()
+        cases.map(|fits| fits.iter().map(errors).collect()).collect()
     }
 }
 
@@ -115,11 +105,7 @@ pub struct Surrogates {
 
 impl Surrogates {
     pub(super) fn new(problem: &Problem) -> Self {
-        Self {
-            problem: problem.clone(),
-            layers: Vec::new(),
-            ended: Vec::new(),
-        }
+        Self { problem: problem.clone(), layers: Vec::new(), ended: Vec::new() }
     }
 
     /// Adds a layer from the runs within a box. False where they are too few.
@@ -135,9 +121,7 @@ impl Surrogates {
 
     /// The layer that is nearest to the posterior.
     pub(super) fn last(&self) -> &Layer {
-        self.layers
-            .last()
-            .expect("surrogates are asked after the first fit")
+        self.layers.last().expect("surrogates are asked after the first fit")
     }
 
     /// Where a query stands between the bounds.
@@ -146,8 +130,7 @@ impl Surrogates {
         let free = free.map(|(free, value)| free.place(*value));
         let intervals = self.problem.cases[query.case].latents.iter();
         let latents = intervals.zip(&query.latents);
-        let latents =
-            latents.map(|(interval, value)| (value - interval.min) / (interval.max - interval.min));
+        let latents = latents.map(|(interval, value)| (value - interval.min) / (interval.max - interval.min));
         free.chain(latents).collect()
     }
 

@@ -83,17 +83,8 @@ pub fn fewest(problem: &Problem) -> u64 {
 ///
 /// # Errors
 /// When so many runs failed that there is nothing to fit, or those of the search and of the sample.
-pub fn replaced(
-    task: &Task<'_>,
-    model: &dyn Simulate,
-    observe: &dyn Fn(String),
-) -> Result<Replaced, SearchError> {
-    let rounds::Task {
-        problem,
-        difference,
-        effort,
-        ..
-    } = task.search;
+pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String)) -> Result<Replaced, SearchError> {
+    let rounds::Task { problem, difference, effort, .. } = task.search;
     let mut work = Work {
         task,
         model: Objective::new(problem, model, difference),
@@ -115,10 +106,7 @@ pub fn replaced(
         && work.runs.len() + check < task.runs
         && !is_over(effort.deadline)
     {
-        observe(format!(
-            "surrogate of round {rounds}, {} runs a case",
-            work.runs.len()
-        ));
+        observe(format!("surrogate of round {rounds}, {} runs a case", work.runs.len()));
         let particles = work.sample(LARGEST, rounds as u64)?;
         let region = around(&particles);
         let room = task.runs - check - work.runs.len();
@@ -129,9 +117,7 @@ pub fn replaced(
         }
         rounds += 1;
     }
-    observe(format!(
-        "surrogate of round {rounds}, checked at {check} particles"
-    ));
+    observe(format!("surrogate of round {rounds}, checked at {check} particles"));
     let particles = work.sample(RMS, rounds as u64)?;
     let places = evenly(&particles, check);
     let checked = work.check(&places)?;
@@ -139,13 +125,7 @@ pub fn replaced(
     let counts = (rounds, work.runs.len() + check, failures.failed);
     let mut told = SurrogateOutcome::new(problem, &work.surrogates, counts, &checked);
     told.check_failed = places.len() - checked.len();
-    Ok(Replaced {
-        problem: told.widened(problem),
-        model: work.surrogates,
-        told,
-        failures,
-        screened,
-    })
+    Ok(Replaced { problem: told.widened(problem), model: work.surrogates, told, failures, screened })
 }
 
 /// Which of two errors is counted.
@@ -164,10 +144,10 @@ impl Work<'_> {
     /// Runs the model with all cases at these places.
     fn asked(&self, places: &[Vec<f64>]) -> Result<Vec<Run>, NoPrediction> {
         let misfits = self.model.misfits(places)?;
-        let runs = places.iter().zip(misfits).map(|(places, misfit)| Run {
-            places: places.clone(),
-            predicted: misfit.map(|misfit| misfit.predicted),
-        });
+        let runs = places
+            .iter()
+            .zip(misfits)
+            .map(|(places, misfit)| Run { places: places.clone(), predicted: misfit.map(|misfit| misfit.predicted) });
         Ok(runs.collect())
     }
 
@@ -178,13 +158,9 @@ impl Work<'_> {
 
     fn too_few(&self) -> SearchError {
         let ended = self.runs.iter().filter(|run| run.predicted.is_ok()).count();
-        let mut failed = self
-            .runs
-            .iter()
-            .filter_map(|run| run.predicted.as_ref().err());
-        let last = failed.next_back().map_or_else(String::new, |reason| {
-            format!("; the last one failed with: {reason}")
-        });
+        let mut failed = self.runs.iter().filter_map(|run| run.predicted.as_ref().err());
+        let last =
+            failed.next_back().map_or_else(String::new, |reason| format!("; the last one failed with: {reason}"));
         SearchError::Surrogate(format!(
             "the first {} runs a case leave {ended} to fit a surrogate to, which is too few: give more with --surrogate{last}",
             self.runs.len()
@@ -204,25 +180,16 @@ impl Work<'_> {
         let widened = self.widened(which);
         let pairs = self.model.problem.cases.iter().zip(&widened.cases);
         let pairs = pairs.flat_map(|(a, b)| a.measured.iter().zip(&b.measured));
-        pairs
-            .map(|(a, b)| b.accuracy / a.accuracy - 1.0)
-            .fold(0.0, f64::max)
+        pairs.map(|(a, b)| b.accuracy / a.accuracy - 1.0).fold(0.0, f64::max)
     }
 
     /// Particles of the posterior by the surrogates, with one of their errors.
     fn sample(&self, which: usize, round: u64) -> Result<Vec<Vec<f64>>, SearchError> {
         let problem = self.widened(which);
-        let search = rounds::Task {
-            problem: &problem,
-            ..self.task.search
-        };
+        let search = rounds::Task { problem: &problem, ..self.task.search };
         let searched = searched(&search, &self.surrogates, &|_| ())?;
-        let deviations = searched
-            .discrepancies
-            .iter()
-            .map(|discrepancy| discrepancy.deviation);
-        let discrepancies: Vec<(Unknown, f64)> =
-            search.unknown.iter().copied().zip(deviations).collect();
+        let deviations = searched.discrepancies.iter().map(|discrepancy| discrepancy.deviation);
+        let discrepancies: Vec<(Unknown, f64)> = search.unknown.iter().copied().zip(deviations).collect();
         let unknowns = (problem.unknowns() + search.unknown.len()) as u64;
         let settings = Settings {
             particles: FEWEST.max(20 * unknowns),
@@ -241,19 +208,11 @@ impl Work<'_> {
     }
 
     /// The next places: half of them spread over the box, half at particles.
-    fn next(
-        &self,
-        particles: &[Vec<f64>],
-        region: &Bounds,
-        count: usize,
-        round: u64,
-    ) -> Vec<Vec<f64>> {
+    fn next(&self, particles: &[Vec<f64>], region: &Bounds, count: usize, round: u64) -> Vec<Vec<f64>> {
         let spread = (self.task.spread)(count.div_ceil(2), round);
         let inside = |places: &Vec<f64>| -> Vec<f64> {
             let pairs = places.iter().zip(region);
-            pairs
-                .map(|(place, [low, high])| low + place * (high - low))
-                .collect()
+            pairs.map(|(place, [low, high])| low + place * (high - low)).collect()
         };
         let mut places: Vec<Vec<f64>> = spread.iter().map(inside).collect();
         places.extend(evenly(particles, count / 2));
@@ -264,22 +223,14 @@ impl Work<'_> {
     /// the model's runs fail are left out.
     fn check(&self, places: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, NoPrediction> {
         let runs = self.asked(places)?;
-        let rounds::Task {
-            problem,
-            difference,
-            ..
-        } = self.task.search;
+        let rounds::Task { problem, difference, .. } = self.task.search;
         let ours = Objective::new(problem, &self.surrogates, difference).misfits(places)?;
         let pairs = runs.iter().zip(ours);
         let errors = pairs.filter_map(|(run, ours)| {
             let theirs = run.predicted.as_ref().ok()?.iter().flatten();
             let ours = ours.ok()?;
             let ours = ours.predicted.iter().flatten();
-            Some(
-                ours.zip(theirs)
-                    .map(|(ours, theirs)| ours - theirs)
-                    .collect(),
-            )
+            Some(ours.zip(theirs).map(|(ours, theirs)| ours - theirs).collect())
         });
         Ok(errors.collect())
     }

@@ -9,40 +9,21 @@ use sampling::design::cube;
 
 use super::super::problem::{Free, Interval, Query, Spacing};
 use super::super::sample::outcome::PosteriorOutcome;
-use super::super::testing::{
-    decay, effort, free, measured, named, problem, settings, unknown_decay,
-};
+use super::super::testing::{decay, effort, free, measured, named, problem, settings, unknown_decay};
 use super::*;
 
 /// Surrogates of a model from so many runs.
-fn made(
-    problem: &Problem,
-    model: &dyn Simulate,
-    runs: usize,
-    seed: u64,
-) -> Result<Replaced, SearchError> {
+fn made(problem: &Problem, model: &dyn Simulate, runs: usize, seed: u64) -> Result<Replaced, SearchError> {
     let unknowns = problem.unknowns();
-    let spread =
-        |count: usize, round: u64| cube(unknowns, count as u64, 1000 * seed + round, 1).unwrap();
+    let spread = |count: usize, round: u64| cube(unknowns, count as u64, 1000 * seed + round, 1).unwrap();
     let starts = spread(64, 99);
     let search = search(problem, &starts);
-    let task = Task {
-        search,
-        runs,
-        spread: &spread,
-        seed,
-    };
+    let task = Task { search, runs, spread: &spread, seed };
     replaced(&task, model, &|_| ())
 }
 
 fn search<'a>(problem: &'a Problem, starts: &'a [Vec<f64>]) -> rounds::Task<'a> {
-    rounds::Task {
-        problem,
-        unknown: &[],
-        difference: 1e-3,
-        starts,
-        effort: effort(8, 40),
-    }
+    rounds::Task { problem, unknown: &[], difference: 1e-3, starts, effort: effort(8, 40) }
 }
 
 /// A model with unknowns, whose values are measured.
@@ -54,12 +35,7 @@ struct Trial {
     runs: usize,
 }
 
-const DECAY: Trial = Trial {
-    unknown: unknown_decay,
-    model: decay,
-    accuracy: 0.01,
-    runs: 30,
-};
+const DECAY: Trial = Trial { unknown: unknown_decay, model: decay, accuracy: 0.01, runs: 30 };
 
 /// How many of so many truths are in the sample's intervals, for each parameter; and the mean number of runs.
 fn held(trial: &Trial, records: u64, seed: u64) -> (Vec<u32>, f64) {
@@ -104,11 +80,7 @@ fn intervals_on_rough_surrogates_hold() {
 
 /// A figure of docs/evidence/coverage.md. Of 60 intervals that hold with 95 %, 51 to 60 hold with a probability of 99.9 %.
 fn row(accuracy: f64, runs: usize, seed: u64) {
-    let trial = Trial {
-        accuracy,
-        runs,
-        ..DECAY
-    };
+    let trial = Trial { accuracy, runs, ..DECAY };
     let (held, asked) = held(&trial, 60, seed);
     println!("accuracy {accuracy}, at most {runs} runs: {held:?} of 60, {asked:.0} runs each");
     assert!(held.iter().all(|count| *count >= 51), "{held:?}");
@@ -146,11 +118,7 @@ fn kinks_and_jumps() {
         runs: 30,
     };
     let ridge = Trial {
-        unknown: || {
-            ["x1", "x2"]
-                .map(|x| free(x, Spacing::Linear, 0.0, 1.0))
-                .to_vec()
-        },
+        unknown: || ["x1", "x2"].map(|x| free(x, Spacing::Linear, 0.0, 1.0)).to_vec(),
         model: |p| vec![1.0 / (1.0 + (-200.0 * (p[0] + p[1] / 2.0 - 0.7)).exp())],
         accuracy: 0.05,
         runs: 60,
@@ -169,40 +137,22 @@ fn the_error_counted_is_that_of_the_posterior() {
     let problem = problem(unknown_decay(), vec![measured(&decay(&truth), 0.02)]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(decay(p));
     let replaced = made(&problem, &model, 100, 5).unwrap();
-    assert!(
-        replaced.told.rounds > 1 && replaced.told.checked > 10,
-        "{:?}",
-        replaced.told
-    );
+    assert!(replaced.told.rounds > 1 && replaced.told.checked > 10, "{:?}", replaced.told);
     assert!(replaced.told.largest < 0.2, "{:?}", replaced.told);
     // Places near the truth, about two deviations wide.
     let mut random = StdRng::seed_from_u64(3);
     let mut squares = [0.0; 6];
     for _ in 0..200 {
-        let mut near =
-            |value: f64, width: f64| value * (1.0 + width * (random.random::<f64>() - 0.5));
+        let mut near = |value: f64, width: f64| value * (1.0 + width * (random.random::<f64>() - 0.5));
         let free = vec![near(truth[0], 0.08), near(truth[1], 0.12)];
-        let query = Query {
-            case: 0,
-            free: free.clone(),
-            latents: Vec::new(),
-        };
-        let ours = replaced
-            .model
-            .simulate(&[query])
-            .unwrap()
-            .remove(0)
-            .unwrap();
+        let query = Query { case: 0, free: free.clone(), latents: Vec::new() };
+        let ours = replaced.model.simulate(&[query]).unwrap().remove(0).unwrap();
         for (square, (a, b)) in squares.iter_mut().zip(ours.iter().zip(decay(&free))) {
             *square += (a - b).powi(2) / 200.0;
         }
     }
     for (square, stated) in squares.iter().zip(&replaced.told.errors[0]) {
-        assert!(
-            square.sqrt() <= 2.0 * stated.counted,
-            "{} {stated:?}",
-            square.sqrt()
-        );
+        assert!(square.sqrt() <= 2.0 * stated.counted, "{} {stated:?}", square.sqrt());
     }
 }
 
@@ -224,21 +174,13 @@ fn errors_that_go_together_count_more() {
     let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0)];
     let problem = problem(unknown, vec![measured(&[0.3; 6], 0.5)]);
     let replaced = made(&problem, &bent, 24, 1).unwrap();
-    assert!(
-        (replaced.told.together - 6.0).abs() < 1e-6,
-        "{}",
-        replaced.told.together
-    );
+    assert!((replaced.told.together - 6.0).abs() < 1e-6, "{}", replaced.told.together);
 }
 
 #[test]
 fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
-    let model = |case: usize, p: &[f64], latent: &[f64]| {
-        Ok(vec![
-            p[0] * (1.0 + case as f64) / latent[0],
-            p[0] * latent[0],
-        ])
-    };
+    let model =
+        |case: usize, p: &[f64], latent: &[f64]| Ok(vec![p[0] * (1.0 + case as f64) / latent[0], p[0] * latent[0]]);
     let values = (0..4).map(|case| measured(&[2.0 * (1.0 + f64::from(case)), 2.0], 0.05));
     let mut problem = problem(vec![free("p", Spacing::Log, 1.0, 4.0)], values.collect());
     problem.latents = vec![named("c")];
@@ -255,17 +197,8 @@ fn latent_parameters_of_several_cases_have_surrogates_of_their_own() {
         // The root mean square of twelve fresh runs scatters by a fifth about the true one.
         assert!(error.counted <= 2.0 * part * error.accuracy, "{error:?}");
     }
-    let query = Query {
-        case: 2,
-        free: vec![2.0],
-        latents: vec![1.1],
-    };
-    let predicted = replaced
-        .model
-        .simulate(&[query])
-        .unwrap()
-        .remove(0)
-        .unwrap();
+    let query = Query { case: 2, free: vec![2.0], latents: vec![1.1] };
+    let predicted = replaced.model.simulate(&[query]).unwrap().remove(0).unwrap();
     let pairs = predicted.iter().zip([6.0 / 1.1, 2.2]);
     for ((predicted, exact), error) in pairs.zip(&replaced.told.errors[2]) {
         let off = (predicted - exact).abs();
@@ -285,10 +218,7 @@ fn a_sample_at_which_the_model_fails_is_told() {
     let told = made(&problem, &stripes, 60, 1).unwrap().told;
     assert!(told.check_failed > 0, "{told:?}");
     let text = text::summary(&told);
-    assert!(
-        text.contains("intervals of the sample do not hold"),
-        "{text}"
-    );
+    assert!(text.contains("intervals of the sample do not hold"), "{text}");
 }
 
 #[test]
@@ -297,18 +227,11 @@ fn where_the_nearest_run_failed_there_is_no_surrogate() {
         true => Err("too thin".to_owned()),
         false => Ok(vec![p[0] + p[1]]),
     };
-    let unknown = vec![
-        free("x", Spacing::Linear, 0.0, 3.0),
-        free("y", Spacing::Linear, 0.0, 1.0),
-    ];
+    let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0), free("y", Spacing::Linear, 0.0, 1.0)];
     let problem = problem(unknown, vec![measured(&[1.0], 0.05)]);
     let replaced = made(&problem, &holed, 80, 1).unwrap();
     let at = |x: f64, y: f64| {
-        let query = Query {
-            case: 0,
-            free: vec![x, y],
-            latents: Vec::new(),
-        };
+        let query = Query { case: 0, free: vec![x, y], latents: Vec::new() };
         replaced.model.simulate(&[query]).unwrap().remove(0)
     };
     assert_eq!(at(2.8, 0.9), Err("too thin".to_owned()));
@@ -316,8 +239,5 @@ fn where_the_nearest_run_failed_there_is_no_surrogate() {
     assert!(replaced.failures.failed > 0 && replaced.screened.iter().any(|ended| !ended));
     let never = |_: usize, _: &[f64], _: &[f64]| Err("too thin".to_owned());
     let error = made(&problem, &never, 80, 1).err().unwrap().to_string();
-    assert!(
-        error.contains("too few") && error.contains("too thin"),
-        "{error}"
-    );
+    assert!(error.contains("too few") && error.contains("too thin"), "{error}");
 }

@@ -6,11 +6,7 @@ fn statement(accepted: u64) -> Statement {
         guard: Some(0.0),
         accepted,
         accepted_by_sample: vec![accepted],
-        bands: Bands {
-            factors: [0.0; 2],
-            accepted_at_least: vec![accepted],
-            accepted_at_most: vec![accepted],
-        },
+        bands: Bands { factors: [0.0; 2], accepted_at_least: vec![accepted], accepted_at_most: vec![accepted] },
         unfit: None,
         within_by_sample: vec![accepted],
         expected_conforming: None,
@@ -21,46 +17,27 @@ fn statement(accepted: u64) -> Statement {
 
 /// A rule for points that are looked at once.
 fn once(rule: Rule) -> Ruling {
-    Ruling {
-        rule,
-        looks: Looks::default(),
-        count: 1,
-    }
+    Ruling { rule, looks: Looks::default(), count: 1 }
 }
 
 #[test]
 fn one_point_is_enough_without_a_rule() {
     let conclusion = Conclusion::new(None, &statement(1), 10_000);
     assert_eq!(conclusion.verdict, Decision::Verified);
-    assert_eq!(
-        conclusion.verdict_words,
-        "verified by the one-point rule: 1 of 10,000 points"
-    );
+    assert_eq!(conclusion.verdict_words, "verified by the one-point rule: 1 of 10,000 points");
     let conclusion = Conclusion::new(None, &statement(0), 50);
     assert_eq!(conclusion.verdict, Decision::NotVerified);
-    assert_eq!(
-        conclusion.verdict_words,
-        "not verified by the one-point rule: 0 of 50 points"
-    );
+    assert_eq!(conclusion.verdict_words, "not verified by the one-point rule: 0 of 50 points");
     let [least, most] = conclusion.other_verdict_interval.unwrap();
-    assert!(
-        least == 0.0 && (most - 0.975).abs() < 1e-9,
-        "{least} {most}"
-    );
+    assert!(least == 0.0 && (most - 0.975).abs() < 1e-9, "{least} {most}");
 }
 
 /// Who ends a study when it suits needs a wider interval.
 #[test]
 fn a_verdict_that_was_waited_for_has_an_interval_of_its_own() {
-    let rule = Rule {
-        share: 0.05,
-        confidence: 0.95,
-    };
+    let rule = Rule { share: 0.05, confidence: 0.95 };
     let concluded = |way| {
-        let ruling = Ruling {
-            looks: History::default().awaiting(way),
-            ..once(rule)
-        };
+        let ruling = Ruling { looks: History::default().awaiting(way), ..once(rule) };
         Conclusion::new(Some(ruling), &statement(11), 100)
     };
     assert_eq!(concluded(Way::Once).verdict, Decision::Verified);
@@ -72,22 +49,11 @@ fn a_verdict_that_was_waited_for_has_an_interval_of_its_own() {
 
 #[test]
 fn a_share_is_decided_by_its_interval() {
-    let rule = Some(once(Rule {
-        share: 0.05,
-        confidence: 0.95,
-    }));
-    for (accepted, verdict) in [
-        (20, Decision::Verified),
-        (6, Decision::Inconclusive),
-        (0, Decision::NotVerified),
-    ] {
+    let rule = Some(once(Rule { share: 0.05, confidence: 0.95 }));
+    for (accepted, verdict) in [(20, Decision::Verified), (6, Decision::Inconclusive), (0, Decision::NotVerified)] {
         let conclusion = Conclusion::new(rule, &statement(accepted), 100);
         assert_eq!(conclusion.verdict, verdict);
-        assert!(
-            conclusion
-                .verdict_words
-                .starts_with(&format!("{verdict}: required are 5 %"))
-        );
+        assert!(conclusion.verdict_words.starts_with(&format!("{verdict}: required are 5 %")));
     }
     let open = Conclusion::new(rule, &statement(6), 100);
     let required = open.required.unwrap();
@@ -105,17 +71,10 @@ fn a_share_is_decided_by_its_interval() {
 /// The interval is that of all guard bands that may be the right one, and so are the points that it takes.
 #[test]
 fn a_share_is_decided_for_all_guard_bands_that_may_be_right() {
-    let rule = once(Rule {
-        share: 0.2,
-        confidence: 0.95,
-    });
+    let rule = once(Rule { share: 0.2, confidence: 0.95 });
     let given = Conclusion::new(Some(rule), &statement(30), 100);
     let statement = Statement {
-        bands: Bands {
-            factors: [0.4, f64::INFINITY],
-            accepted_at_least: vec![0],
-            accepted_at_most: vec![45],
-        },
+        bands: Bands { factors: [0.4, f64::INFINITY], accepted_at_least: vec![0], accepted_at_most: vec![45] },
         ..statement(30)
     };
     let banded = Conclusion::new(Some(rule), &statement, 100);
@@ -143,14 +102,8 @@ fn a_measurement_that_cannot_decide_contradicts_no_model() {
         within_by_sample: vec![within],
         ..statement(0)
     };
-    let rule = Some(once(Rule {
-        share: 0.05,
-        confidence: 0.95,
-    }));
-    let risk = Unfit::Risk {
-        limit: 0.05,
-        least: 0.32,
-    };
+    let rule = Some(once(Rule { share: 0.05, confidence: 0.95 }));
+    let risk = Unfit::Risk { limit: 0.05, least: 0.32 };
     let conclusion = Conclusion::new(rule, &unfit(92, risk), 100);
     assert_eq!(conclusion.verdict, Decision::Inconclusive);
     assert_eq!(

@@ -8,10 +8,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 #[test]
 fn decisions_follow_the_interval() {
-    let rule = Rule {
-        share: 0.05,
-        confidence: 0.95,
-    };
+    let rule = Rule { share: 0.05, confidence: 0.95 };
     assert_eq!(rule.decide([0.05, 0.2]), Decision::Verified);
     assert_eq!(rule.decide([0.01, 0.05]), Decision::Inconclusive);
     assert_eq!(rule.decide([0.01, 0.0499]), Decision::NotVerified);
@@ -19,11 +16,7 @@ fn decisions_follow_the_interval() {
 
 #[test]
 fn decisions_are_written_as_in_a_verdict() {
-    let words = [
-        Decision::Verified,
-        Decision::NotVerified,
-        Decision::Inconclusive,
-    ];
+    let words = [Decision::Verified, Decision::NotVerified, Decision::Inconclusive];
     let words = words.map(|decision| decision.to_string());
     assert_eq!(words, ["verified", "not verified", "inconclusive"]);
 }
@@ -49,10 +42,7 @@ fn as_many_points_as_randomisations_have_a_scatter() {
         assert!((high - (centre + half)).abs() < 1e-9, "{high}");
     }
     // Two equal counts have no scatter to tell of.
-    assert_eq!(
-        randomised(&[42, 42], 200, 0.95),
-        clopper_pearson(84.0, 200.0, 0.95)
-    );
+    assert_eq!(randomised(&[42, 42], 200, 0.95), clopper_pearson(84.0, 200.0, 0.95));
 }
 
 #[test]
@@ -87,10 +77,7 @@ fn most_wrong(studies: u64) -> u64 {
     Binomial::new(0.05, studies).unwrap().inverse_cdf(0.95)
 }
 
-const RULE: Rule = Rule {
-    share: 0.2,
-    confidence: 0.95,
-};
+const RULE: Rule = Rule { share: 0.2, confidence: 0.95 };
 /// Just below, at and just above the required share, and further away.
 const SHARES: [f64; 5] = [0.16, 0.198, 0.2, 0.202, 0.25];
 const STUDIES: u64 = 1000;
@@ -114,20 +101,14 @@ fn repeat(seed: u64, share: f64, rule: Rule, study: impl Fn(&mut StdRng) -> Deci
 }
 
 fn hits(random: &mut StdRng, share: f64, points: u64) -> u64 {
-    (0..points)
-        .map(|_| u64::from(random.random::<f64>() < share))
-        .sum()
+    (0..points).map(|_| u64::from(random.random::<f64>() < share)).sum()
 }
 
 #[test]
 fn independent_points_hardly_ever_decide_wrongly() {
     for share in SHARES {
         let [_, decided] = repeat(5, share, RULE, |random| {
-            RULE.decide(clopper_pearson(
-                hits(random, share, 1000) as f64,
-                1000.0,
-                RULE.confidence,
-            ))
+            RULE.decide(clopper_pearson(hits(random, share, 1000) as f64, 1000.0, RULE.confidence))
         });
         if (share - RULE.share).abs() > 0.03 {
             assert!(decided > 850, "{share}: {decided}");
@@ -139,33 +120,21 @@ fn independent_points_hardly_ever_decide_wrongly() {
 #[test]
 fn rare_points_hardly_ever_decide_wrongly() {
     let share = 0.0017;
-    let rule = Rule {
-        share: 0.0018,
-        ..RULE
-    };
+    let rule = Rule { share: 0.0018, ..RULE };
     repeat(6, share, rule, |random| {
-        rule.decide(clopper_pearson(
-            hits(random, share, 100) as f64,
-            100.0,
-            rule.confidence,
-        ))
+        rule.decide(clopper_pearson(hits(random, share, 100) as f64, 100.0, rule.confidence))
     });
 }
 
 #[test]
 fn studies_that_end_when_it_is_decided_hardly_ever_decide_wrongly() {
     const MOST: u64 = 5000;
-    let sequence = ConfidenceSequence {
-        confidence: RULE.confidence,
-    };
+    let sequence = ConfidenceSequence { confidence: RULE.confidence };
     // Many studies come by the same counts.
     let known = RefCell::new(HashMap::new());
     let decide = |hits, points| {
         let compute = || RULE.decide(sequence.interval(hits, points));
-        *known
-            .borrow_mut()
-            .entry((hits, points))
-            .or_insert_with(compute)
+        *known.borrow_mut().entry((hits, points)).or_insert_with(compute)
     };
     for share in SHARES {
         let [_, decided] = repeat(7, share, RULE, |random| {
@@ -201,15 +170,10 @@ fn randomised_designs_hardly_ever_decide_wrongly() {
                     .map(|_| {
                         let cells = (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j)));
                         let inside = cells.filter(|&(i, j)| {
-                            let mut place =
-                                |k| (f64::from(k) + random.random::<f64>()) / f64::from(SIDE);
+                            let mut place = |k| (f64::from(k) + random.random::<f64>()) / f64::from(SIDE);
                             let (x, y) = (place(i), place(j));
                             // Either half a plane or a corner that the diagonal cuts off.
-                            if plane {
-                                x < share
-                            } else {
-                                x + y < (2.0 * share).sqrt()
-                            }
+                            if plane { x < share } else { x + y < (2.0 * share).sqrt() }
                         });
                         inside.count() as u64
                     })
@@ -230,23 +194,14 @@ fn randomised_designs_hardly_ever_decide_wrongly() {
 fn another_sample_may_come_to_the_other_verdict() {
     for points in [1, 50, 1_000_000] {
         let [least, most] = other_verdict(0, points, 0.95);
-        assert!(
-            least == 0.0 && (most - 0.975).abs() < 1e-9,
-            "{points}: {most}"
-        );
+        assert!(least == 0.0 && (most - 0.975).abs() < 1e-9, "{points}: {most}");
         let [_, most] = other_verdict(1, points, 0.95);
         assert!((most - 0.975).abs() < 1e-9, "{points}: {most}");
     }
     // The limits of 11 of 50 are 11.53 and 35.96 % (Clopper and Pearson).
     let [least, most] = other_verdict(11, 50, 0.95);
-    assert!(
-        (most / (1.0 - 0.1153_f64).powi(50) - 1.0).abs() < 0.01,
-        "{most}"
-    );
-    assert!(
-        (least / (1.0 - 0.3596_f64).powi(50) - 1.0).abs() < 0.02,
-        "{least}"
-    );
+    assert!((most / (1.0 - 0.1153_f64).powi(50) - 1.0).abs() < 0.01, "{most}");
+    assert!((least / (1.0 - 0.3596_f64).powi(50) - 1.0).abs() < 0.02, "{least}");
 }
 
 /// Whatever the share, the interval holds the probability of the other verdict in 95 % of the samples.

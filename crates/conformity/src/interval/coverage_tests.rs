@@ -18,21 +18,11 @@ struct Population {
 }
 
 const fn population(mean: f64, deviation: f64, tolerance: f64, uncertainty: f64) -> Population {
-    Population {
-        mean,
-        deviation,
-        tolerance,
-        uncertainty,
-    }
+    Population { mean, deviation, tolerance, uncertainty }
 }
 
 /// The numbers of which a study states intervals.
-const NAMES: [&str; 4] = [
-    "consumer",
-    "producer",
-    "conforming",
-    "not conforming / accepted",
-];
+const NAMES: [&str; 4] = ["consumer", "producer", "conforming", "not conforming / accepted"];
 
 impl Population {
     fn conforming(&self, value: f64) -> f64 {
@@ -63,12 +53,7 @@ impl Population {
         let outside = |x: f64| self.conforming(x);
         let producer = over(t, far, &outside) + over(-far, -t, &outside);
         let accepted = over(-t, t, &|_| 1.0);
-        [
-            consumer,
-            producer,
-            accepted - consumer + producer,
-            consumer / accepted,
-        ]
+        [consumer, producer, accepted - consumer + producer, consumer / accepted]
     }
 
     /// The intervals of a study with these model values, sample by sample.
@@ -88,12 +73,7 @@ impl Population {
         let producer = sums(&|p, accepted| Some(if accepted { 0.0 } else { p }));
         let conforming = sums(&|p, _| Some(p));
         let part = sums(&|p, accepted| accepted.then_some(1.0 - p));
-        [
-            of_mean(&consumer, 0.95),
-            of_mean(&producer, 0.95),
-            of_mean(&conforming, 0.95),
-            of_part(&part, 0.95),
-        ]
+        [of_mean(&consumer, 0.95), of_mean(&producer, 0.95), of_mean(&conforming, 0.95), of_part(&part, 0.95)]
     }
 
     /// Refuses intervals that hold the exact numbers in fewer than 95 % of the studies, by a binomial test at 0.1 %.
@@ -106,9 +86,7 @@ impl Population {
                 held[k] += u64::from(intervals[k][0] <= exact[k] && exact[k] <= intervals[k][1]);
             }
         }
-        let least = Binomial::new(0.95, u64::from(studies))
-            .unwrap()
-            .inverse_cdf(0.001);
+        let least = Binomial::new(0.95, u64::from(studies)).unwrap().inverse_cdf(0.001);
         for (k, held) in held.into_iter().enumerate() {
             let share = 100.0 * held as f64 / f64::from(studies);
             println!("{name}, {}: {share:.1} %", NAMES[k]);
@@ -146,8 +124,7 @@ fn independent(studies: u32, cases: &[(usize, Population)]) {
         );
         population.check(&name, studies, || {
             let normal = |random: &mut StdRng| -> f64 { StandardNormal.sample(random) };
-            let value =
-                |random: &mut StdRng| population.mean + population.deviation * normal(random);
+            let value = |random: &mut StdRng| population.mean + population.deviation * normal(random);
             vec![(0..points).map(|_| value(&mut random)).collect()]
         });
     }
@@ -166,17 +143,12 @@ fn intervals_hold_the_risks_in_20_000_studies() {
 
 /// One randomisation of a net in one or two directions: each cell has one point, at random in it.
 fn net(random: &mut StdRng, points: usize, plane: bool) -> Vec<[f64; 2]> {
-    let side = if plane {
-        (points as f64).sqrt().round() as usize
-    } else {
-        points
-    };
+    let side = if plane { (points as f64).sqrt().round() as usize } else { points };
     let rows = if plane { side } else { 1 };
     let cells = (0..rows).flat_map(|row| (0..side).map(move |column| (row, column)));
     cells
         .map(|(row, column)| {
-            let mut place =
-                |cell: usize, of: usize| (cell as f64 + random.random::<f64>()) / of as f64;
+            let mut place = |cell: usize, of: usize| (cell as f64 + random.random::<f64>()) / of as f64;
             [place(column, side), place(row, rows)]
         })
         .collect()
@@ -210,14 +182,7 @@ fn replicated(studies: u32, numbers: &[usize]) {
                     population.mean + population.deviation * z
                 };
                 population.check(&name, studies, || {
-                    (0..samples)
-                        .map(|_| {
-                            net(&mut random, points, plane)
-                                .into_iter()
-                                .map(value)
-                                .collect()
-                        })
-                        .collect()
+                    (0..samples).map(|_| net(&mut random, points, plane).into_iter().map(value).collect()).collect()
                 });
             }
         }

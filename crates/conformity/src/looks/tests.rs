@@ -3,25 +3,15 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 fn history(looks: &[Look]) -> History {
-    History {
-        looks: looks.to_vec(),
-    }
+    History { looks: looks.to_vec() }
 }
 
 fn once(points: u64) -> Look {
-    Look {
-        points,
-        way: Way::Once,
-        awaited: false,
-    }
+    Look { points, way: Way::Once, awaited: false }
 }
 
 fn every_point(points: u64, awaited: bool) -> Look {
-    Look {
-        points,
-        way: Way::EveryPoint,
-        awaited,
-    }
+    Look { points, way: Way::EveryPoint, awaited }
 }
 
 #[test]
@@ -34,13 +24,8 @@ fn looks_spend_no_more_than_there_is() {
 fn looks_at_randomised_designs_are_doublings() {
     let due = (1..=5000).filter(|&points| history(&[]).awaiting(Way::Doublings).is_due(8, points));
     assert_eq!(due.collect::<Vec<_>>(), [128, 256, 512, 1024, 2048, 4096]);
-    assert_eq!(
-        [1, 128, 129, 256, 257].map(|n| doublings(8, n)),
-        [0, 0, 1, 1, 2]
-    );
-    assert!(
-        !Looks::default().is_due(1, 100) && history(&[]).awaiting(Way::EveryPoint).is_due(1, 7)
-    );
+    assert_eq!([1, 128, 129, 256, 257].map(|n| doublings(8, n)), [0, 0, 1, 1, 2]);
+    assert!(!Looks::default().is_due(1, 100) && history(&[]).awaiting(Way::EveryPoint).is_due(1, 7));
 }
 
 #[test]
@@ -53,17 +38,10 @@ fn nets_whose_number_is_no_power_of_two_double_as_well() {
 /// A single look is decided by the interval for its number of points, a doubling by its part of the confidence.
 #[test]
 fn looks_at_fixed_numbers_are_decided_by_the_interval() {
-    let rule = Rule {
-        share: 0.2,
-        confidence: 0.95,
-    };
+    let rule = Rule { share: 0.2, confidence: 0.95 };
     for hits in 0..=100 {
         let expected = rule.decide(randomised(&[hits], 100, 0.95));
-        assert_eq!(
-            Looks::default().decide(rule, &[hits], 100),
-            expected,
-            "{hits}"
-        );
+        assert_eq!(Looks::default().decide(rule, &[hits], 100), expected, "{hits}");
     }
     let doublings = history(&[]).awaiting(Way::Doublings);
     // The first look is at 16 points; three doublings later a look has a twentieth of the doubt.
@@ -75,10 +53,7 @@ fn looks_at_fixed_numbers_are_decided_by_the_interval() {
 
 #[test]
 fn going_on_after_a_fixed_number_leaves_half_of_the_doubt() {
-    let rule = Rule {
-        share: 0.2,
-        confidence: 0.95,
-    };
+    let rule = Rule { share: 0.2, confidence: 0.95 };
     let left = |looks: Looks| {
         let rule = looks.going_on(rule);
         assert_eq!(rule.share, 0.2);
@@ -94,10 +69,7 @@ fn going_on_after_a_fixed_number_leaves_half_of_the_doubt() {
     let sequence = ConfidenceSequence { confidence: 0.975 };
     let expected = sequence.interval(87, 400);
     for k in 0..2 {
-        assert!(
-            (interval[k] - expected[k]).abs() < 1e-12,
-            "{interval:?} {expected:?}"
-        );
+        assert!((interval[k] - expected[k]).abs() < 1e-12, "{interval:?} {expected:?}");
     }
 }
 
@@ -105,9 +77,7 @@ fn going_on_after_a_fixed_number_leaves_half_of_the_doubt() {
 fn intervals_of_several_looks_are_wider() {
     let accepted: Vec<u64> = (0..16).map(|k| 20 + k % 5).collect();
     let width = |way: Way| {
-        let [low, high] = history(&[])
-            .awaiting(way)
-            .interval(&accepted, 16 * 64, 0.95);
+        let [low, high] = history(&[]).awaiting(way).interval(&accepted, 16 * 64, 0.95);
         high - low
     };
     assert!(width(Way::Doublings) > 1.4 * width(Way::Once));
@@ -119,10 +89,7 @@ fn intervals_of_several_looks_are_wider() {
 
 #[test]
 fn decisions_are_those_of_the_interval() {
-    let rule = Rule {
-        share: 0.2,
-        confidence: 0.95,
-    };
+    let rule = Rule { share: 0.2, confidence: 0.95 };
     for looks in [history(&[]), history(&[once(100)])].map(|h| h.awaiting(Way::EveryPoint)) {
         for points in [0, 1, 5, 40, 300] {
             for hits in 0..=points {
@@ -172,16 +139,10 @@ fn a_study_that_waited_keeps_its_sequence() {
 
 #[test]
 fn every_look_at_replicates_spends_a_part_of_its_own() {
-    let doubled = |points, awaited| Look {
-        points,
-        way: Way::Doublings,
-        awaited,
-    };
+    let doubled = |points, awaited| Look { points, way: Way::Doublings, awaited };
     let accepted = |points: u64| -> Vec<u64> { (0..16).map(|k| points / 64 + k % 5).collect() };
     let used = |history: &History, points: u64| {
-        let interval = history
-            .at(points, 16)
-            .interval(&accepted(points), points, 0.95);
+        let interval = history.at(points, 16).interval(&accepted(points), points, 0.95);
         let look = |look: &u32| {
             let confidence = 1.0 - 0.05 * spent(*look);
             randomised(&accepted(points), points, confidence) == interval
@@ -201,16 +162,8 @@ fn every_look_at_replicates_spends_a_part_of_its_own() {
 
 /// Studies at the required share, or just below it, that are looked at again and again; how many are decided wrongly at
 /// any look, if each is drawn as `looks` says.
-fn wrong(
-    studies: u32,
-    numbers: &[u64],
-    nets: usize,
-    looks: impl Fn(&History, u64) -> Looks,
-) -> [u32; 2] {
-    let rule = |share| Rule {
-        share,
-        confidence: 0.95,
-    };
+fn wrong(studies: u32, numbers: &[u64], nets: usize, looks: impl Fn(&History, u64) -> Looks) -> [u32; 2] {
+    let rule = |share| Rule { share, confidence: 0.95 };
     let (mut random, share) = (StdRng::seed_from_u64(20), 0.2);
     // At the required share only `not verified` is wrong, just below it only `verified`.
     let mut wrong = [0; 2];
@@ -227,11 +180,7 @@ fn wrong(
             let looks = looks(&history, points);
             ever[0] |= looks.decide(rule(share), &accepted, points) == Decision::NotVerified;
             ever[1] |= looks.decide(rule(share + 1e-9), &accepted, points) == Decision::Verified;
-            history.note(Look {
-                points,
-                way: looks.way,
-                awaited: false,
-            });
+            history.note(Look { points, way: looks.way, awaited: false });
         }
         (0..2).for_each(|k| wrong[k] += u32::from(ever[k]));
     }
@@ -241,18 +190,11 @@ fn wrong(
 fn resumed(studies: u32, samples: &[usize]) {
     let twenty: Vec<u64> = (1..=20).map(|k| 100 * k).collect();
     let doubled: Vec<u64> = (0..8).map(|k| 64 << k).collect();
-    let most = Binomial::new(0.05, u64::from(studies))
-        .unwrap()
-        .inverse_cdf(0.95);
+    let most = Binomial::new(0.05, u64::from(studies)).unwrap().inverse_cdf(0.95);
     for numbers in [&twenty, &doubled] {
         for &nets in samples {
-            let counts = wrong(studies, numbers, nets, |history, points| {
-                history.at(points, nets)
-            });
-            println!(
-                "{} looks, {nets} samples: {counts:?} of {studies}",
-                numbers.len()
-            );
+            let counts = wrong(studies, numbers, nets, |history, points| history.at(points, nets));
+            println!("{} looks, {nets} samples: {counts:?} of {studies}", numbers.len());
             for wrong in counts {
                 assert!(u64::from(wrong) <= most, "{nets}: {wrong} of {studies}");
             }
@@ -260,10 +202,7 @@ fn resumed(studies: u32, samples: &[usize]) {
     }
     // The test would notice studies that forget their looks.
     let forgetful = wrong(studies, &twenty, 1, |_, _| Looks::default());
-    assert!(
-        forgetful.iter().all(|&wrong| u64::from(wrong) > most),
-        "{forgetful:?}"
-    );
+    assert!(forgetful.iter().all(|&wrong| u64::from(wrong) > most), "{forgetful:?}");
 }
 
 #[test]

@@ -18,12 +18,7 @@ pub(super) struct Acceptance {
 
 impl Acceptance {
     pub fn new(samples: usize, known: bool) -> Self {
-        Self {
-            samples,
-            known,
-            within: Vec::new(),
-            outside: vec![Moments::default(); samples],
-        }
+        Self { samples, known, within: Vec::new(), outside: vec![Moments::default(); samples] }
     }
 
     pub fn add(&mut self, guard: Guard, sample: usize, assessed: Assessed) {
@@ -70,14 +65,8 @@ impl Acceptance {
         let mut accepted = vec![Moments::default(); self.samples];
         let mut rejected = self.outside.clone();
         for (step, moments) in self.within.iter().enumerate() {
-            let side = if step >= from {
-                &mut accepted
-            } else {
-                &mut rejected
-            };
-            side.iter_mut()
-                .zip(moments)
-                .for_each(|(sum, more)| sum.merge(*more));
+            let side = if step >= from { &mut accepted } else { &mut rejected };
+            side.iter_mut().zip(moments).for_each(|(sum, more)| sum.merge(*more));
         }
         [accepted, rejected]
     }
@@ -93,16 +82,12 @@ impl Acceptance {
         }
         let of_all = |of: fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
             // Zeros for the points that do not count.
-            let numbers = pairs().map(|(a, r)| Moments {
-                count: a.count + r.count,
-                ..of(a, r)
-            });
+            let numbers = pairs().map(|(a, r)| Moments { count: a.count + r.count, ..of(a, r) });
             numbers.collect()
         };
         let consumer = of_all(|accepted, _| *accepted);
         let producer = of_all(|_, rejected| rejected.complement());
-        let conforming =
-            of_all(|accepted, rejected| Moments::total(&[*accepted, *rejected]).complement());
+        let conforming = of_all(|accepted, rejected| Moments::total(&[*accepted, *rejected]).complement());
         Some([consumer, producer, conforming, accepted])
     }
 

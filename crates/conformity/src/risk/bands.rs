@@ -23,11 +23,7 @@ pub struct Bands {
 impl Bands {
     /// A single band, which accepts these points of each sample.
     pub(super) fn one(factor: f64, accepted: &[u64]) -> Self {
-        Self {
-            factors: [factor; 2],
-            accepted_at_least: accepted.to_vec(),
-            accepted_at_most: accepted.to_vec(),
-        }
+        Self { factors: [factor; 2], accepted_at_least: accepted.to_vec(), accepted_at_most: accepted.to_vec() }
     }
 }
 
@@ -73,12 +69,7 @@ impl Accepted {
 /// A band that is enough for any population accepts no point where several criteria all lie near their limits. With
 /// many points the order begins at the band that accepts the first few of them instead; how many is fixed beforehand,
 /// and given the band, these are a sample, too.
-pub(super) fn allowed(
-    all: &Acceptance,
-    criteria: &[Measured],
-    limit: f64,
-    confidence: f64,
-) -> Bands {
+pub(super) fn allowed(all: &Acceptance, criteria: &[Measured], limit: f64, confidence: f64) -> Bands {
     let sets = sets(all, criteria);
     let factor = |step: usize| step as f64 * Guard::STEP;
     let too_little = |set: &&Accepted| set.interval(confidence)[0] > limit;

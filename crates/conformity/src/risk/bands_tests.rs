@@ -33,11 +33,7 @@ struct Population {
 
 impl Population {
     fn measurement(&self) -> Measurement {
-        let criterion = Measured::within(
-            0.0,
-            1.0,
-            Some(Uncertainty::normal(self.standard, 1.0).law(0.0)),
-        );
+        let criterion = Measured::within(0.0, 1.0, Some(Uncertainty::normal(self.standard, 1.0).law(0.0)));
         let pairs = match self.criteria {
             2 => vec![(0, 1, self.correlation)],
             _ => Vec::new(),
@@ -46,10 +42,7 @@ impl Population {
     }
 
     fn tally<'a>(&self, measurement: &'a Measurement, samples: u64) -> Tally<'a> {
-        Tally {
-            measurement,
-            sum: RiskTally::new(measurement, Guard::Limiting { risk: self.risk }, samples),
-        }
+        Tally { measurement, sum: RiskTally::new(measurement, Guard::Limiting { risk: self.risk }, samples) }
     }
 
     /// A point; those of a net have their places in it.
@@ -64,9 +57,7 @@ impl Population {
                 Shape::Edge(width) => 1.0 - width * share,
             }
         };
-        (0..self.criteria)
-            .map(|k| one(place.filter(|_| k == 0)))
-            .collect()
+        (0..self.criteria).map(|k| one(place.filter(|_| k == 0))).collect()
     }
 
     /// The share that the right guard band accepts, by so many points that its error is far below that of a study.
@@ -99,10 +90,7 @@ impl Tally<'_> {
 /// found, as if it had been given.
 fn wrong(population: &Population, studies: u32, nets: usize, numbers: &[usize]) -> [[u32; 2]; 2] {
     let share = population.right_share();
-    let rule = |share| Rule {
-        share,
-        confidence: 0.95,
-    };
+    let rule = |share| Rule { share, confidence: 0.95 };
     let measurement = population.measurement();
     let mut random = StdRng::seed_from_u64(5);
     let mut wrong = [[0; 2]; 2];
@@ -128,11 +116,7 @@ fn wrong(population: &Population, studies: u32, nets: usize, numbers: &[usize]) 
                 ever[0][k] |= by_bands == wrong;
                 ever[1][k] |= as_given == wrong;
             }
-            history.note(Look {
-                points: points as u64,
-                way: looks.way,
-                awaited: false,
-            });
+            history.note(Look { points: points as u64, way: looks.way, awaited: false });
         }
         for (sum, ever) in wrong.iter_mut().flatten().zip(ever.as_flattened()) {
             *sum += u32::from(*ever);
@@ -147,14 +131,7 @@ fn in_net(k: usize) -> f64 {
 }
 
 const fn population(shape: Shape, standard: f64, risk: f64, points: usize) -> Population {
-    Population {
-        shape,
-        criteria: 1,
-        correlation: 0.0,
-        standard,
-        risk,
-        points,
-    }
+    Population { shape, criteria: 1, correlation: 0.0, standard, risk, points }
 }
 
 /// Half of the points lie where the guard band ends, so that the share follows the band that is found. The interval for
@@ -172,10 +149,7 @@ fn a_guard_band_from_the_same_points_decides_rightly() {
 #[ignore = "takes ten minutes; run by scripts/test --long"]
 fn guard_bands_from_the_same_points_decide_rightly_whatever_the_population() {
     const STUDIES: u32 = 1000;
-    let several = |criteria, population| Population {
-        criteria,
-        ..population
-    };
+    let several = |criteria, population| Population { criteria, ..population };
     for population in [
         population(Shape::Peaks(0.5), 0.2, 0.05, 1000),
         population(Shape::Peaks(0.3), 0.2, 0.03, 100),
@@ -183,10 +157,7 @@ fn guard_bands_from_the_same_points_decide_rightly_whatever_the_population() {
         population(Shape::Normal(0.5), 0.4, 0.05, 100),
         population(Shape::Normal(1.0), 0.3, 0.1, 400),
         population(Shape::Edge(1.0), 0.2, 0.1, 400),
-        Population {
-            correlation: 0.9,
-            ..several(2, population(Shape::Normal(0.5), 0.2, 0.05, 300))
-        },
+        Population { correlation: 0.9, ..several(2, population(Shape::Normal(0.5), 0.2, 0.05, 300)) },
         several(3, population(Shape::Normal(0.6), 0.2, 0.1, 300)),
         several(3, population(Shape::Edge(0.6), 0.2, 0.2, 1024)),
     ] {
@@ -217,10 +188,7 @@ fn bands_that_are_certain_cost_nothing() {
         let statement = tally.sum.statement();
         let points = values.len() as u64;
         let plain = looks.interval(&statement.accepted_by_sample, points, 0.95);
-        (
-            plain,
-            looks.interval_of_bands(&statement.bands, points, 0.95),
-        )
+        (plain, looks.interval_of_bands(&statement.bands, points, 0.95))
     };
     // At 0.6 the probability not to conform is 2.3 %, at 1.5 nobody asks.
     let values: Vec<f64> = (0..50).map(|i| if i < 20 { 0.6 } else { 1.5 }).collect();
@@ -239,24 +207,11 @@ fn bands_that_are_certain_cost_nothing() {
 /// By hand: the limit of 5 % is 1.645 standard uncertainties away, but one more point in twenty may be as near as 0.
 #[test]
 fn the_worst_point_of_a_band_is_the_one_at_its_limit() {
-    let criterion = population(Shape::Normal(1.0), 0.2, 0.05, 1)
-        .measurement()
-        .criteria()[0];
-    for (margin, expected) in [
-        (0.0, 0.5),
-        (1.644_853_6, 0.05),
-        (5.0, 5.733e-7),
-        (9.0, 5.733e-7),
-    ] {
+    let criterion = population(Shape::Normal(1.0), 0.2, 0.05, 1).measurement().criteria()[0];
+    for (margin, expected) in [(0.0, 0.5), (1.644_853_6, 0.05), (5.0, 5.733e-7), (9.0, 5.733e-7)] {
         let most = criterion.most_not_conforming(margin).unwrap();
-        assert!(
-            (most - expected).abs() < 1e-4 * expected,
-            "{margin}: {most}"
-        );
+        assert!((most - expected).abs() < 1e-4 * expected, "{margin}: {most}");
     }
-    let unknown = Measured {
-        error: None,
-        ..criterion
-    };
+    let unknown = Measured { error: None, ..criterion };
     assert_eq!(unknown.most_not_conforming(0.0), None);
 }

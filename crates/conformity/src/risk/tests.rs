@@ -36,14 +36,8 @@ impl Case {
         let away = s.hypot(u);
         let joint = JointNormal::new(2, &[(0, 1, s / away)]).unwrap();
         let centre = (self.mean - self.nominal, self.tolerance - guard * 2.0 * u);
-        let lower = [
-            (-centre.1 - centre.0) / s,
-            (-self.tolerance - centre.0) / away,
-        ];
-        let upper = [
-            (centre.1 - centre.0) / s,
-            (self.tolerance - centre.0) / away,
-        ];
+        let lower = [(-centre.1 - centre.0) / s, (-self.tolerance - centre.0) / away];
+        let upper = [(centre.1 - centre.0) / s, (self.tolerance - centre.0) / away];
         let both = joint.probability(&lower, &upper);
         let accepted = between(lower[0], upper[0]);
         let conforming = between(lower[1], upper[1]);
@@ -52,35 +46,15 @@ impl Case {
 }
 
 /// The points of `studies/paper-table3.toml`, as normal populations.
-const CASES: [Case; 4] = [
-    bearing(1.0, 0.1338, 0.0984),
-    bearing(4.0, 0.0351, 0.0322),
-    load(1.0, 0.0837, 0.0685),
-    load(4.0, 0.0199, 0.0188),
-];
+const CASES: [Case; 4] =
+    [bearing(1.0, 0.1338, 0.0984), bearing(4.0, 0.0351, 0.0322), load(1.0, 0.0837, 0.0685), load(4.0, 0.0199, 0.0188)];
 
 const fn bearing(capability: f64, consumer: f64, producer: f64) -> Case {
-    Case {
-        mean: 81.486_108,
-        deviation: 0.345_215,
-        nominal: 82.0,
-        tolerance: 0.615,
-        capability,
-        consumer,
-        producer,
-    }
+    Case { mean: 81.486_108, deviation: 0.345_215, nominal: 82.0, tolerance: 0.615, capability, consumer, producer }
 }
 
 const fn load(capability: f64, consumer: f64, producer: f64) -> Case {
-    Case {
-        mean: 769.503_815,
-        deviation: 89.266_864,
-        nominal: 750.0,
-        tolerance: 52.5,
-        capability,
-        consumer,
-        producer,
-    }
+    Case { mean: 769.503_815, deviation: 89.266_864, nominal: 750.0, tolerance: 52.5, capability, consumer, producer }
 }
 
 /// Integrates the formulas of JCGM 106 over the population, by Simpson's rule on both sides of each
@@ -98,20 +72,13 @@ fn integrated(case: &Case, guard: f64) -> [f64; 2] {
             let z = (value - case.mean) / case.deviation;
             let density = (-0.5 * z * z).exp() / (case.deviation * std::f64::consts::TAU.sqrt());
             let p = measurement.assess(&[value]).all.probability.unwrap();
-            let weight = [2.0, 4.0, 1.0][if i == 0 || i == STEPS {
-                2
-            } else {
-                i as usize % 2
-            }];
+            let weight = [2.0, 4.0, 1.0][if i == 0 || i == STEPS { 2 } else { i as usize % 2 }];
             weight * density * if conforming { p } else { 1.0 - p }
         };
         (0..=STEPS).map(term).sum::<f64>() * h / 3.0
     };
     let consumer = part(limits[0], limits[1], false);
-    [
-        consumer,
-        part(far[0], limits[0], true) + part(limits[1], far[1], true),
-    ]
+    [consumer, part(far[0], limits[0], true) + part(limits[1], far[1], true)]
 }
 
 #[test]
@@ -120,10 +87,7 @@ fn numbers_of_normal_populations() {
         for guard in [0.0, 0.2, 0.6] {
             let (exact, integrated) = (case.exact(guard), integrated(case, guard));
             for k in 0..2 {
-                assert!(
-                    (exact[k] - integrated[k]).abs() < 1e-6,
-                    "{exact:?} {integrated:?}"
-                );
+                assert!((exact[k] - integrated[k]).abs() < 1e-6, "{exact:?} {integrated:?}");
             }
         }
         let [consumer, producer] = case.exact(0.0);
@@ -183,11 +147,7 @@ fn the_least_guard_band_that_limits_the_risk_is_found() {
         };
         assert!(share(guard) < limit + 1e-4, "{guard}");
         assert!(share(guard - 0.002) > limit - 1e-4, "{guard}");
-        let stated = statement
-            .all
-            .unwrap()
-            .not_conforming_given_accepted
-            .unwrap();
+        let stated = statement.all.unwrap().not_conforming_given_accepted.unwrap();
         assert!(stated <= limit && stated > limit - 1e-3, "{stated}");
     }
     let wide = quantiles(case, Guard::Limiting { risk: 0.5 }, 1000);
@@ -230,16 +190,9 @@ fn three_points(guard: Guard, values: &[f64]) -> Statement {
 
 #[test]
 fn a_guard_band_as_wide_as_the_tolerance_decides_nothing() {
-    for (band, unfit) in [
-        (1.5, None),
-        (2.0, Some(Unfit::Guard)),
-        (2.5, Some(Unfit::Guard)),
-    ] {
+    for (band, unfit) in [(1.5, None), (2.0, Some(Unfit::Guard)), (2.5, Some(Unfit::Guard))] {
         let statement = three_points(Guard::Given(band), &[0.1, 0.2, 1.5]);
-        assert_eq!(
-            (statement.unfit, statement.accepted),
-            (unfit, if band < 2.0 { 2 } else { 0 })
-        );
+        assert_eq!((statement.unfit, statement.accepted), (unfit, if band < 2.0 { 2 } else { 0 }));
         assert_eq!(statement.within_by_sample, [2]);
     }
     // Where no point is within the tolerance, the guard band changes nothing.
@@ -265,11 +218,7 @@ fn joint_risks_of_correlated_errors() {
     const POINTS: u32 = 500;
     let (deviations, uncertainties, r) = ([0.8, 1.1], [0.5, 0.7], -0.7);
     let criterion = |k: usize| {
-        Measured::within(
-            0.0,
-            [1.0, 1.5][k],
-            Some(Uncertainty::normal(2.0 * uncertainties[k], 2.0).law(0.0)),
-        )
+        Measured::within(0.0, [1.0, 1.5][k], Some(Uncertainty::normal(2.0 * uncertainties[k], 2.0).law(0.0)))
     };
     let measurement = Measurement::new(vec![criterion(0), criterion(1)], &[(0, 1, r)]).unwrap();
     let mut tally = RiskTally::new(&measurement, Guard::Given(0.0), 1);
@@ -287,11 +236,7 @@ fn joint_risks_of_correlated_errors() {
     let pairs = [
         (0, 2, deviations[0] / away[0]),
         (1, 3, deviations[1] / away[1]),
-        (
-            2,
-            3,
-            r * uncertainties[0] * uncertainties[1] / (away[0] * away[1]),
-        ),
+        (2, 3, r * uncertainties[0] * uncertainties[1] / (away[0] * away[1])),
     ];
     let joint = JointNormal::new(4, &pairs).unwrap();
     let spreads = [deviations[0], deviations[1], away[0], away[1]];
@@ -310,18 +255,9 @@ fn joint_risks_of_correlated_errors() {
     };
     let risk = tally.statement().all.unwrap();
     let (consumer, producer) = (only([0, 1]) - both, only([2, 3]) - both);
-    assert!(
-        (risk.consumer - consumer).abs() < 1e-3,
-        "{risk:?} {consumer}"
-    );
-    assert!(
-        (risk.producer - producer).abs() < 1e-3,
-        "{risk:?} {producer}"
-    );
-    assert!(
-        (risk.conformance_probability - only([2, 3])).abs() < 2e-4,
-        "{risk:?}"
-    );
+    assert!((risk.consumer - consumer).abs() < 1e-3, "{risk:?} {consumer}");
+    assert!((risk.producer - producer).abs() < 1e-3, "{risk:?} {producer}");
+    assert!((risk.conformance_probability - only([2, 3])).abs() < 2e-4, "{risk:?}");
 }
 
 #[test]
@@ -344,10 +280,7 @@ fn failed_points_count_as_not_conforming() {
 
 #[test]
 fn an_unknown_uncertainty_leaves_the_joint_risk_unknown() {
-    let unknown = Measured {
-        error: None,
-        ..CASES[2].measured()
-    };
+    let unknown = Measured { error: None, ..CASES[2].measured() };
     let criteria = vec![CASES[0].measured(), unknown];
     let measurement = Measurement::new(criteria, &[]).unwrap();
     let mut tally = RiskTally::new(&measurement, Guard::Given(0.5), 1);
@@ -393,11 +326,7 @@ fn samples_of_a_design_are_told_apart() {
 fn risks_of(limits: Limits, uncertainty: Uncertainty) -> [f64; 2] {
     const POINTS: u32 = 100_000;
     let error = Some(uncertainty.law(0.0));
-    let measured = Measured {
-        limits,
-        value: None,
-        error,
-    };
+    let measured = Measured { limits, value: None, error };
     let measurement = Measurement::new(vec![measured], &[]).unwrap();
     let mut tally = RiskTally::new(&measurement, Guard::Given(0.0), 1);
     for i in 0..POINTS {
@@ -419,46 +348,20 @@ fn risks_of_one_sided_and_uneven_limits_and_of_errors_that_are_not_normal() {
         ..offset
     };
     let none = Uncertainty::normal(0.0, 2.0);
-    let uneven = Limits {
-        about: 84.0,
-        minus: 0.5,
-        plus: 1.0,
-    };
-    let once = Uncertainty {
-        noise: 0.15,
-        ..Uncertainty::rectangular(0.3)
-    };
+    let uneven = Limits { about: 84.0, minus: 0.5, plus: 1.0 };
+    let once = Uncertainty { noise: 0.15, ..Uncertainty::rectangular(0.3) };
     for (limits, uncertainty, expected) in [
         (Limits::at_most(85.0), normal, [0.025_141, 0.010_963]),
-        (
-            Limits::at_most(85.0),
-            Uncertainty::rectangular(0.433),
-            [0.026_399, 0.012_111],
-        ),
-        (
-            Limits::at_most(85.0),
-            repeated(0.25, 5, none),
-            [0.036_609, 0.011_884],
-        ),
+        (Limits::at_most(85.0), Uncertainty::rectangular(0.433), [0.026_399, 0.012_111]),
+        (Limits::at_most(85.0), repeated(0.25, 5, none), [0.036_609, 0.011_884]),
         (Limits::at_most(85.0), once, [0.022_634, 0.010_663]),
-        (
-            Limits::at_least(83.2),
-            repeated(0.25, 3, none),
-            [0.069_752, 0.022_843],
-        ),
+        (Limits::at_least(83.2), repeated(0.25, 3, none), [0.069_752, 0.022_843]),
         (uneven, normal, [0.080_402, 0.047_675]),
-        (
-            uneven,
-            repeated(0.2, 5, Uncertainty::rectangular(0.3)),
-            [0.105_481, 0.054_394],
-        ),
+        (uneven, repeated(0.2, 5, Uncertainty::rectangular(0.3)), [0.105_481, 0.054_394]),
     ] {
         let risks = risks_of(limits, uncertainty);
         for (risk, expected) in risks.into_iter().zip(expected) {
-            assert!(
-                (risk - expected).abs() < 2e-5,
-                "{limits:?} {uncertainty:?}: {risks:?}"
-            );
+            assert!((risk - expected).abs() < 2e-5, "{limits:?} {uncertainty:?}: {risks:?}");
         }
     }
 }
@@ -470,11 +373,8 @@ fn risks_of_one_sided_and_uneven_limits_and_of_errors_that_are_not_normal() {
 fn joint_risks_of_correlated_errors_of_any_distribution() {
     let rule = crate::normal::GaussLegendre::new(40);
     let nodes = |deviation: f64, ends: &[f64]| {
-        let density = |x: f64| {
-            (-0.5 * ((x - 0.3) / deviation).powi(2)).exp()
-                / deviation
-                / std::f64::consts::TAU.sqrt()
-        };
+        let density =
+            |x: f64| (-0.5 * ((x - 0.3) / deviation).powi(2)).exp() / deviation / std::f64::consts::TAU.sqrt();
         let mut nodes = Vec::new();
         for piece in ends.windows(2) {
             let width = piece[1] - piece[0];
@@ -485,24 +385,11 @@ fn joint_risks_of_correlated_errors_of_any_distribution() {
         }
         nodes
     };
-    let measured = |limits, uncertainty: Uncertainty| Measured {
-        limits,
-        value: None,
-        error: Some(uncertainty.law(0.0)),
-    };
-    let uneven = Limits {
-        about: 0.0,
-        minus: 1.0,
-        plus: 1.5,
-    };
-    let mixed = Uncertainty {
-        noise: 0.3,
-        ..Uncertainty::rectangular(0.9)
-    };
-    let criteria = vec![
-        measured(Limits::at_most(1.0), Uncertainty::normal(0.5, 1.0)),
-        measured(uneven, mixed),
-    ];
+    let measured =
+        |limits, uncertainty: Uncertainty| Measured { limits, value: None, error: Some(uncertainty.law(0.0)) };
+    let uneven = Limits { about: 0.0, minus: 1.0, plus: 1.5 };
+    let mixed = Uncertainty { noise: 0.3, ..Uncertainty::rectangular(0.9) };
+    let criteria = vec![measured(Limits::at_most(1.0), Uncertainty::normal(0.5, 1.0)), measured(uneven, mixed)];
     let measurement = Measurement::new(criteria, &[(0, 1, -0.7)]).unwrap();
     let (mut consumer, mut producer) = (0.0, 0.0);
     for (x, of_x) in nodes(0.8, &[-5.0, -1.5, 1.0, 5.6]) {

@@ -56,11 +56,7 @@ impl Study {
             )
         };
         let criteria = vec![criterion(0), criterion(1)];
-        Self {
-            truth,
-            measurement: Measurement::new(criteria, &[(0, 1, correlation)]).unwrap(),
-            points,
-        }
+        Self { truth, measurement: Measurement::new(criteria, &[(0, 1, correlation)]).unwrap(), points }
     }
 
     fn conforms(&self, point: &[f64; 2], k: usize) -> bool {
@@ -72,11 +68,7 @@ impl Study {
 /// points, as it was stated, and as it came true.
 fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3]) -> [f64; 2] {
     let mut tally = RiskTally::new(&study.measurement, guard, 1);
-    let assessed: Vec<Conformity> = study
-        .points
-        .iter()
-        .map(|p| study.measurement.assess(p))
-        .collect();
+    let assessed: Vec<Conformity> = study.points.iter().map(|p| study.measurement.assess(p)).collect();
     assessed.iter().for_each(|point| tally.add(Some(point)));
     // A whole statement has intervals, too, and takes thirty times as long.
     let (factor, from) = tally.guard_band();
@@ -89,10 +81,7 @@ fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3])
         let mut counts = [0.0; 4];
         for (point, assessed) in study.points.iter().zip(&assessed) {
             let (conforms, margin) = match k {
-                2 => (
-                    (0..2).all(|k| study.conforms(point, k)),
-                    assessed.all.margin,
-                ),
+                2 => ((0..2).all(|k| study.conforms(point, k)), assessed.all.margin),
                 k => (study.conforms(point, k), assessed.criteria[k].margin),
             };
             let accepted = margin >= factor;
@@ -115,11 +104,7 @@ fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3])
 /// the cases (Sidak 1967).
 fn check(studies: u32, seed: u64) {
     const LIMIT: f64 = 0.25;
-    let guards = [
-        Guard::Given(0.0),
-        Guard::Given(0.4),
-        Guard::Limiting { risk: LIMIT },
-    ];
+    let guards = [Guard::Given(0.0), Guard::Given(0.4), Guard::Limiting { risk: LIMIT }];
     let mut scores = Vec::new();
     for correlation in [0.0, 0.8] {
         for guard in guards {
@@ -133,20 +118,13 @@ fn check(studies: u32, seed: u64) {
             }
             assert!(accepted > 0.0);
             if let Guard::Limiting { risk } = guard {
-                assert!(
-                    wrong / accepted < risk,
-                    "{} of accepted points",
-                    wrong / accepted
-                );
+                assert!(wrong / accepted < risk, "{} of accepted points", wrong / accepted);
             }
             scores.extend(differences.iter().flatten().map(Differences::score));
         }
     }
     let limit = normal_limit(0.95_f64.powf(1.0 / scores.len() as f64));
-    assert!(
-        scores.iter().all(|score| score.abs() < limit),
-        "{limit}: {scores:?}"
-    );
+    assert!(scores.iter().all(|score| score.abs() < limit), "{limit}: {scores:?}");
 }
 
 #[test]

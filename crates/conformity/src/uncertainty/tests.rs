@@ -5,13 +5,7 @@ fn close(got: f64, expected: f64, within: f64) {
 }
 
 fn law(normal: f64, student: f64, freedom: f64, half_width: f64) -> Law {
-    Law {
-        normal,
-        student,
-        freedom,
-        half_width,
-        expanded: 0.0,
-    }
+    Law { normal, student, freedom, half_width, expanded: 0.0 }
 }
 
 /// Against scipy: `norm.cdf` and `t.cdf`, or their convolution by `integrate.quad`, over the rectangle by Gauss and
@@ -39,15 +33,8 @@ fn normal_student_and_rectangular_parts_are_convolved() {
     close(law(1e-9, 0.0, 0.0, 1.0).cdf(0.3), 0.65, 1e-12);
     close(law(1.0, 0.0, 0.0, 1e-9).cdf(0.3), normal::cdf(0.3), 1e-12);
     assert_eq!(law(0.0, 0.0, 0.0, 1.0).cdf(-1.5), 0.0);
-    for law in [
-        law(1.0, 0.0, 0.0, 1.0),
-        law(0.0, 0.0, 0.0, 1.0),
-        law(0.0, 1.0, 3.0, 0.0),
-    ] {
-        assert_eq!(
-            [law.cdf(f64::NEG_INFINITY), law.cdf(f64::INFINITY)],
-            [0.0, 1.0]
-        );
+    for law in [law(1.0, 0.0, 0.0, 1.0), law(0.0, 0.0, 0.0, 1.0), law(0.0, 1.0, 3.0, 0.0)] {
+        assert_eq!([law.cdf(f64::NEG_INFINITY), law.cdf(f64::INFINITY)], [0.0, 1.0]);
     }
 }
 
@@ -83,10 +70,7 @@ fn intervals_hold_95_percent_of_the_stated_distribution() {
 fn an_expanded_uncertainty_alone_is_what_is_stated() {
     for (expanded, coverage) in [(0.3, 2.0), (0.1, 3.0), (0.7, 1.96)] {
         let law = Uncertainty::normal(expanded, coverage).law(82.0);
-        assert_eq!(
-            (law.expanded, law.standard()),
-            (expanded, expanded / coverage)
-        );
+        assert_eq!((law.expanded, law.standard()), (expanded, expanded / coverage));
         assert_eq!(law.score(0.11), 0.11 / (expanded / coverage));
     }
 }
@@ -94,12 +78,8 @@ fn an_expanded_uncertainty_alone_is_what_is_stated() {
 /// Parts that can be added by hand; the factor is that of a table of Student's distribution.
 #[test]
 fn the_mean_of_repeats_has_students_distribution() {
-    let with = |expanded: f64| Uncertainty {
-        gain: 0.001,
-        noise: 3.0,
-        repeats: Some(9),
-        ..Uncertainty::normal(expanded, 2.0)
-    };
+    let with =
+        |expanded: f64| Uncertainty { gain: 0.001, noise: 3.0, repeats: Some(9), ..Uncertainty::normal(expanded, 2.0) };
     // Of the mean 3 / sqrt(9) = 1; offset 1.5 and gain 2: combined sqrt(1 + 2.25 + 4).
     let uncertainty = with(3.0);
     close(uncertainty.shared(2000.0), 2.5, 1e-12);
@@ -111,10 +91,7 @@ fn the_mean_of_repeats_has_students_distribution() {
     // The repeats alone: Student's factor for 8 degrees of freedom.
     close(with(0.0).law(0.0).expanded, 2.306_004_135, 1e-8);
     // One reading with known noise is normal.
-    let once = Uncertainty {
-        repeats: None,
-        ..with(3.0)
-    };
+    let once = Uncertainty { repeats: None, ..with(3.0) };
     close(once.law(0.0).expanded, 2.0 * 11.25_f64.sqrt(), 1e-12);
     assert!(once.law(0.0).is_normal());
 }
@@ -135,9 +112,7 @@ fn stated_intervals_hold_the_true_value() {
                     let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
                     let own_gain = gain * normal();
                     let own_offset = 0.5 * offset * normal();
-                    let readings: Vec<f64> = (0..repeats.unwrap_or(1))
-                        .map(|_| noise * normal())
-                        .collect();
+                    let readings: Vec<f64> = (0..repeats.unwrap_or(1)).map(|_| noise * normal()).collect();
                     let own_offset = match rectangular {
                         true => random.random_range(-1.0..1.0) * offset,
                         false => own_offset,
@@ -161,10 +136,7 @@ fn stated_intervals_hold_the_true_value() {
                     (value - truth).abs() <= uncertainty.law(value).expanded
                 });
                 let held = f64::from(u32::try_from(held.count()).unwrap()) / f64::from(STUDIES);
-                assert!(
-                    held >= 0.93,
-                    "{repeats:?} {offset} {rectangular} {gain}: {held}"
-                );
+                assert!(held >= 0.93, "{repeats:?} {offset} {rectangular} {gain}: {held}");
             }
         }
     }
@@ -186,11 +158,7 @@ fn the_density_is_the_derivative_of_the_distribution_function() {
             close(law.ln_density(place).exp() / slope, 1.0, 1e-5);
         }
     }
-    close(
-        law(0.0, 0.0, 0.0, 2.0).ln_density(1.9),
-        -(4.0_f64.ln()),
-        1e-12,
-    );
+    close(law(0.0, 0.0, 0.0, 2.0).ln_density(1.9), -(4.0_f64.ln()), 1e-12);
     // Where the density is no number any more: the tail of a normal error beyond the end of the rectangle.
     let far = law(0.01, 0.0, 0.0, 0.433).ln_density(10.433);
     let expected = -0.5e6 - 1e3_f64.ln() - 0.5 * TAU.ln() - 0.866_f64.ln();
@@ -200,11 +168,7 @@ fn the_density_is_the_derivative_of_the_distribution_function() {
 /// `t.ppf(0.975, 2) / norm.ppf(0.975)` of scipy.
 #[test]
 fn a_normal_error_in_place_of_students_has_an_interval_as_wide() {
-    let uncertainty = Uncertainty {
-        noise: 0.1,
-        repeats: Some(3),
-        ..Uncertainty::normal(0.0, 2.0)
-    };
+    let uncertainty = Uncertainty { noise: 0.1, repeats: Some(3), ..Uncertainty::normal(0.0, 2.0) };
     let law = uncertainty.law(5.0);
     close(law.as_normal() / law.standard(), 2.195_271, 1e-6);
     let known = Uncertainty::rectangular(0.3).law(5.0);

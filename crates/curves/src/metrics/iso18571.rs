@@ -41,12 +41,7 @@ impl Ratings {
 /// or more.
 pub fn rate(reference: &[f64], model: &[f64]) -> Ratings {
     if !(LEAST..=MOST).contains(&reference.len()) {
-        return Ratings {
-            corridor: f64::NAN,
-            phase: f64::NAN,
-            magnitude: f64::NAN,
-            slope: f64::NAN,
-        };
+        return Ratings { corridor: f64::NAN, phase: f64::NAN, magnitude: f64::NAN, slope: f64::NAN };
     }
     let shift = phase::shift(reference, model);
     let (shifted_reference, shifted_model) = phase::overlap(reference, model, shift);
@@ -73,9 +68,7 @@ mod tests {
     use super::*;
 
     fn wave(count: i32, late: f64, factor: f64) -> Vec<f64> {
-        let value = |k| {
-            factor * (0.1 * (f64::from(k) - late)).sin() * (-0.01 * (f64::from(k) - late)).exp()
-        };
+        let value = |k| factor * (0.1 * (f64::from(k) - late)).sin() * (-0.01 * (f64::from(k) - late)).exp();
         (0..count).map(value).collect()
     }
 
@@ -83,10 +76,7 @@ mod tests {
     fn a_late_curve_loses_in_phase_and_corridor_only() {
         // Five samples of a fifth of 200.
         let ratings = rate(&wave(200, 0.0, 1.0), &wave(200, 5.0, 1.0));
-        assert!(
-            (ratings.phase - (1.0 - 5.0 / 40.0)).abs() < 1e-12,
-            "{ratings:?}"
-        );
+        assert!((ratings.phase - (1.0 - 5.0 / 40.0)).abs() < 1e-12, "{ratings:?}");
         assert!((ratings.magnitude - 1.0).abs() < 1e-12 && (ratings.slope - 1.0).abs() < 1e-12);
         assert!(0.5 < ratings.corridor && ratings.corridor < 1.0);
     }

@@ -23,18 +23,12 @@ pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<Str
         ));
     }
     if is_clocked(scalar) && variability == "continuous" {
-        return Some(
-            "a clocked variable changes at ticks only: set variability to discrete".to_owned(),
-        );
+        return Some("a clocked variable changes at ticks only: set variability to discrete".to_owned());
     }
     let kind = scalar.kind();
     // The type of the time is another rule's.
     let wrong = variability == "continuous" && !scalar.is_float() && causality != "independent";
-    wrong.then(|| {
-        format!(
-            "only a Float32 or Float64 is continuous: set variability to discrete for this {kind}"
-        )
-    })
+    wrong.then(|| format!("only a Float32 or Float64 is continuous: set variability to discrete for this {kind}"))
 }
 
 /// Numbers that the schema takes and no model can start from.
@@ -50,9 +44,7 @@ pub(crate) fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String
 /// The variables by their value references.
 fn by_reference<'d, 'a>(document: &'d Document<'a>) -> HashMap<u32, &'d Scalar<'a>> {
     let known = document.known();
-    known
-        .filter_map(|scalar| Some((reference(scalar.node)?, scalar)))
-        .collect()
+    known.filter_map(|scalar| Some((reference(scalar.node)?, scalar))).collect()
 }
 
 pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
@@ -61,9 +53,7 @@ pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
         let text = scalar.node.attribute("derivative")?;
         let of = text.trim().parse().ok().and_then(|of: u32| known.get(&of));
         let right = of.is_some_and(|of| of.is_float() && of.variability == "continuous");
-        (!right).then(|| {
-            format!("derivative=\"{text}\" is the reference of no continuous float: correct it")
-        })
+        (!right).then(|| format!("derivative=\"{text}\" is the reference of no continuous float: correct it"))
     });
     let listed = listed(document, "ContinuousStateDerivative").filter_map(|element| {
         let scalar = known.get(&reference(element)?)?;
@@ -84,35 +74,29 @@ pub(crate) fn clocks(document: &Document<'_>) -> Vec<Hit> {
             let clock = text.parse().ok().and_then(|of: u32| known.get(&of));
             clock.is_none_or(|clock| clock.kind() != "Clock")
         })?;
-        Some(format!(
-            "clocks: {wrong} is the reference of no Clock: correct it"
-        ))
+        Some(format!("clocks: {wrong} is the reference of no Clock: correct it"))
     })
 }
 
 /// The values of a clock that belong to its kind.
 pub(crate) fn timing(document: &Document<'_>) -> Vec<Hit> {
     let clocks = || document.known().filter(|scalar| scalar.kind() == "Clock");
-    let has_event_mode = document.read.interface != Interface::CoSimulation
-        || document.read.capabilities.has_event_mode;
-    let silent = clocks().next().filter(|_| !has_event_mode).map(|clock| {
-        clock.finding("Co-Simulation with clocks needs event mode: set hasEventMode to true")
-    });
+    let has_event_mode =
+        document.read.interface != Interface::CoSimulation || document.read.capabilities.has_event_mode;
+    let silent = clocks()
+        .next()
+        .filter(|_| !has_event_mode)
+        .map(|clock| clock.finding("Co-Simulation with clocks needs event mode: set hasEventMode to true"));
     let wrong = document.of_each(|scalar| {
         let given = |name| document.effective(scalar, name);
         let kind = given("intervalVariability").filter(|_| scalar.kind() == "Clock")?;
         let is_input = scalar.causality == "input";
         if !is_input && kind != "triggered" {
-            return Some(format!(
-                "only an input ticks by time: {kind} and {} do not go together",
-                scalar.causality
-            ));
+            return Some(format!("only an input ticks by time: {kind} and {} do not go together", scalar.causality));
         }
         let interval = given("intervalDecimal").map(|text| text.trim().parse::<f64>());
         match (kind, interval) {
-            (_, Some(Ok(interval))) if interval <= 0.0 => {
-                Some("intervalDecimal is greater than 0".to_owned())
-            }
+            (_, Some(Ok(interval))) if interval <= 0.0 => Some("intervalDecimal is greater than 0".to_owned()),
             ("constant", None) => Some("a constant clock needs intervalDecimal".to_owned()),
             ("changing" | "countdown" | "triggered", Some(_)) => {
                 Some(format!("a {kind} clock has no intervalDecimal: remove it"))
@@ -126,29 +110,14 @@ pub(crate) fn timing(document: &Document<'_>) -> Vec<Hit> {
 /// Unknowns of the initialisation that are missing or none.
 pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
-    let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative")
-        .filter_map(reference)
-        .collect();
-    let state_of = |rate: &u32| {
-        known
-            .get(rate)?
-            .node
-            .attribute("derivative")?
-            .trim()
-            .parse()
-            .ok()
-    };
+    let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative").filter_map(reference).collect();
+    let state_of = |rate: &u32| known.get(rate)?.node.attribute("derivative")?.trim().parse().ok();
     let states: HashSet<u32> = rates.iter().filter_map(state_of).collect();
-    let list: HashSet<u32> = listed(document, "InitialUnknown")
-        .filter_map(reference)
-        .collect();
+    let list: HashSet<u32> = listed(document, "InitialUnknown").filter_map(reference).collect();
     let is_wanted = |scalar: &Scalar<'_>, of: u32| {
         let is_computed = matches!(scalar.initial, "approx" | "calculated");
-        let is_unknown =
-            scalar.causality == "output" || states.contains(&of) || rates.contains(&of);
-        !is_clocked(scalar)
-            && is_computed
-            && (scalar.causality == "calculatedParameter" || is_unknown)
+        let is_unknown = scalar.causality == "output" || states.contains(&of) || rates.contains(&of);
+        !is_clocked(scalar) && is_computed && (scalar.causality == "calculatedParameter" || is_unknown)
     };
     let missing = document.of_each(|scalar| {
         let of = reference(scalar.node)?;
@@ -159,10 +128,7 @@ pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     let surplus = listed(document, "InitialUnknown").filter_map(|node| {
         let of = reference(node)?;
         let scalar = known.get(&of)?;
-        let text = format!(
-            "InitialUnknown: {} is none that is computed initially: remove it",
-            scalar.name
-        );
+        let text = format!("InitialUnknown: {} is none that is computed initially: remove it", scalar.name);
         (!is_wanted(scalar, of) && !is_clocked(scalar)).then(|| at(node, text))
     });
     missing.into_iter().chain(surplus).collect()

@@ -27,12 +27,7 @@ struct Known<M: 'static> {
 
 impl<M: Model> Instance<M> {
     /// Sets the rates of inputs. The slopes hold for the next step.
-    pub fn set_input_derivatives(
-        &mut self,
-        references: &[ValueReference],
-        orders: &[i32],
-        values: &[Real],
-    ) -> Outcome {
+    pub fn set_input_derivatives(&mut self, references: &[ValueReference], orders: &[i32], values: &[Real]) -> Outcome {
         let wanted = references.iter().zip(orders).zip(values);
         let slopes = wanted.map(|((reference, order), value)| {
             let variable = variable::<M>(*reference)?;
@@ -110,8 +105,7 @@ impl<M: Model> Instance<M> {
         let mut near = self.run.model.clone();
         near.advance(time, step, &mut ()).map_err(Refusal::Step)?;
         let mut far = near.clone();
-        far.advance(time + step, step, &mut ())
-            .map_err(Refusal::Step)?;
+        far.advance(time + step, step, &mut ()).map_err(Refusal::Step)?;
         Ok([near, far])
     }
 
@@ -128,18 +122,13 @@ impl<M: Model> Instance<M> {
             return Err(Refusal::Phase(self.run.phase));
         }
         self.refresh()?;
-        let reads = unknowns
-            .iter()
-            .map(|unknown| read(variable::<M>(*unknown)?))
-            .collect::<Outcome<Vec<_>>>()?;
+        let reads = unknowns.iter().map(|unknown| read(variable::<M>(*unknown)?)).collect::<Outcome<Vec<_>>>()?;
         let knowns = knowns
             .iter()
             .zip(direction)
             .map(|(known, direction)| self.known(variable::<M>(*known)?, *direction))
             .collect::<Outcome<Vec<_>>>()?;
-        let rate = knowns.iter().fold(0.0_f64, |rate, known| {
-            rate.max((known.direction / known.magnitude).abs())
-        });
+        let rate = knowns.iter().fold(0.0_f64, |rate, known| rate.max((known.direction / known.magnitude).abs()));
         if rate == 0.0 {
             values.fill(0.0);
             return Ok(Status::Ok);
@@ -169,11 +158,7 @@ impl<M: Model> Instance<M> {
         values: &mut [Real],
     ) -> Outcome {
         if let Some(seed) = seed.iter().find(|seed| !seed.is_finite()) {
-            return Err(Refusal::Argument {
-                name: "seed",
-                value: format!("{seed:?}"),
-                why: "it must be finite",
-            });
+            return Err(Refusal::Argument { name: "seed", value: format!("{seed:?}"), why: "it must be finite" });
         }
         let mut column = vec![0.0; unknowns.len()];
         for (known, value) in knowns.iter().zip(values.iter_mut()) {
@@ -197,17 +182,11 @@ impl<M: Model> Instance<M> {
         let Some((real, set)) = settable else {
             return Err(unfit(
                 variable,
-                format!(
-                    "only a Real that can be set can be a known, not a variable of type {}",
-                    variable.type_name()
-                ),
+                format!("only a Real that can be set can be a known, not a variable of type {}", variable.type_name()),
             ));
         };
         if !direction.is_finite() {
-            return Err(unfit(
-                variable,
-                format!("its component of the direction, {direction}, must be finite"),
-            ));
+            return Err(unfit(variable, format!("its component of the direction, {direction}, must be finite")));
         }
         let value = (real.access.get)(self.run.seed.as_ref().unwrap_or(&self.run.model));
         let magnitude = match (value.abs(), real.nominal) {
@@ -215,14 +194,7 @@ impl<M: Model> Instance<M> {
             (0.0, None) => 1.0,
             (value, None) => value,
         };
-        Ok(Known {
-            set,
-            value,
-            direction,
-            magnitude,
-            min: real.min,
-            max: real.max,
-        })
+        Ok(Known { set, value, direction, magnitude, min: real.min, max: real.max })
     }
 }
 
@@ -243,11 +215,7 @@ impl<M> Known<M> {
 /// Offsets, in steps, with their weights: a central difference if all knowns stay within their bounds, else one ahead or
 /// back.
 fn stencil<M>(knowns: &[Known<M>], step: f64) -> &'static [(f64, f64)] {
-    let fits = |offset: f64| {
-        knowns
-            .iter()
-            .all(|known| inside(known.at(offset * step), known.min, known.max))
-    };
+    let fits = |offset: f64| knowns.iter().all(|known| inside(known.at(offset * step), known.min, known.max));
     match (fits(-1.0), fits(1.0)) {
         (false, true) if fits(2.0) => &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
         (true, false) if fits(-2.0) => &[(0.0, 1.5), (-1.0, -2.0), (-2.0, 0.5)],
@@ -261,10 +229,7 @@ type Slope<M> = fn(&mut M, f64);
 fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
     match (&variable.kind, variable.role) {
         (Kind::Real(real), Role::Output | Role::Local) => Ok(real.access.get),
-        _ => Err(unfit(
-            variable,
-            "only a Real that the model computes can be an unknown".to_owned(),
-        )),
+        _ => Err(unfit(variable, "only a Real that the model computes can be an unknown".to_owned())),
     }
 }
 
@@ -272,10 +237,7 @@ fn output<M>(variable: &'static Variable<M>, order: i32) -> Outcome<(Read<M>, Op
     check_order(variable, order)?;
     match (&variable.kind, variable.role) {
         (Kind::Real(real), Role::Output) => Ok((real.access.get, real.derivative)),
-        _ => Err(unfit(
-            variable,
-            "only Real outputs have time derivatives".to_owned(),
-        )),
+        _ => Err(unfit(variable, "only Real outputs have time derivatives".to_owned())),
     }
 }
 
@@ -293,17 +255,11 @@ fn check_order<M>(variable: &Variable<M>, order: i32) -> Outcome<()> {
     if order == 1 {
         return Ok(());
     }
-    Err(unfit(
-        variable,
-        format!("the order of a time derivative must be 1, not {order}"),
-    ))
+    Err(unfit(variable, format!("the order of a time derivative must be 1, not {order}")))
 }
 
 fn unfit<M>(variable: &Variable<M>, why: String) -> Refusal {
-    Refusal::Derivative {
-        name: variable.name,
-        why,
-    }
+    Refusal::Derivative { name: variable.name, why }
 }
 
 #[cfg(test)]
@@ -328,22 +284,11 @@ mod tests {
     }
 
     static VARIABLES: [Variable<Counting>; 3] = [
-        input("input", &units::ONE, field!(Counting: input), "An input")
-            .slope(|counting, rate| counting.slope = rate),
-        output(
-            "one",
-            &units::ONE,
-            |counting: &Counting| counting.input,
-            "An output",
-        )
-        .derivative(|counting| counting.count),
-        output(
-            "two",
-            &units::ONE,
-            |counting: &Counting| counting.input,
-            "Another",
-        )
-        .derivative(|counting| counting.count),
+        input("input", &units::ONE, field!(Counting: input), "An input").slope(|counting, rate| counting.slope = rate),
+        output("one", &units::ONE, |counting: &Counting| counting.input, "An output")
+            .derivative(|counting| counting.count),
+        output("two", &units::ONE, |counting: &Counting| counting.input, "Another")
+            .derivative(|counting| counting.count),
     ];
 
     impl Model for Counting {
@@ -372,8 +317,7 @@ mod tests {
 
     fn started(version: Version) -> Outcome<Instance<Counting>> {
         let logger = Logger::new(None, null_mut(), false);
-        let mut instance =
-            Instance::<Counting>::new("instantiate", (version, false), 0, None, logger);
+        let mut instance = Instance::<Counting>::new("instantiate", (version, false), 0, None, logger);
         instance.enter_initialization()?;
         instance.exit_initialization()?;
         Ok(instance)

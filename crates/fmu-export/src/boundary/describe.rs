@@ -4,8 +4,7 @@ use super::logger::categories;
 use super::version::Version;
 use super::xml::{Number, Tag, Xml};
 use crate::model::{
-    DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, State, Unit, Variable, elements,
-    offered,
+    DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, State, Unit, Variable, elements, offered,
 };
 
 /// The interface that a description is for.
@@ -34,12 +33,7 @@ pub const fn hash(text: &str) -> u128 {
 /// version's description. It has the usual form of a GUID.
 pub fn token(fingerprint: u128) -> String {
     let digits = format!("{fingerprint:032x}");
-    let [a, b, c, d] = [
-        &digits[..8],
-        &digits[8..12],
-        &digits[12..16],
-        &digits[16..20],
-    ];
+    let [a, b, c, d] = [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20]];
     format!("{{{a}-{b}-{c}-{d}-{}}}", &digits[20..])
 }
 
@@ -50,10 +44,7 @@ pub fn origin(root: Tag, info: &Info) -> Tag {
         .with_some("version", filled(info.version))
         .with_some("copyright", filled(info.copyright))
         .with_some("license", filled(info.license))
-        .with(
-            "generationTool",
-            concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
-        )
+        .with("generationTool", concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")))
 }
 
 /// `structured` if all names are paths such as `bearing.film[2].pressure`, else `flat`, which allows any name.
@@ -78,11 +69,7 @@ fn filled(text: &str) -> Option<&str> {
 pub fn log_categories<M: Model>(xml: &mut Xml) {
     xml.open(Tag::new("LogCategories"));
     for (name, description) in categories::<M>() {
-        xml.leaf(
-            Tag::new("Category")
-                .with("name", name)
-                .with("description", description),
-        );
+        xml.leaf(Tag::new("Category").with("name", name).with("description", description));
     }
     xml.close("LogCategories");
 }
@@ -131,12 +118,7 @@ pub fn units<M: Model>(xml: &mut Xml, interface: Interface) {
             base = base.with_some(name, (exponent != 0).then_some(exponent));
         }
         xml.leaf(base);
-        for DisplayUnit {
-            name,
-            factor,
-            offset,
-        } in shown
-        {
+        for DisplayUnit { name, factor, offset } in shown {
             xml.leaf(
                 Tag::new("DisplayUnit")
                     .with("name", name)
@@ -164,10 +146,7 @@ pub fn enumerations<M: Model>() -> Vec<&'static Enumeration> {
 
 /// What a version lists in the order of the listing: each variable with its value reference, and an array in FMI 3.0 as the
 /// slice of its elements. FMI 2.0 has no clocks, and Model Exchange leaves out what needs the model's own steps.
-pub fn listed<M: Model>(
-    version: Version,
-    interface: Interface,
-) -> Vec<(usize, &'static [Variable<M>])> {
+pub fn listed<M: Model>(version: Version, interface: Interface) -> Vec<(usize, &'static [Variable<M>])> {
     let (table, mut next) = (M::variables(), 0);
     let mut starts = vec![false; table.len()];
     while let Some(variable) = table.get(next) {

@@ -5,8 +5,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::describe::{
-    convention, depends, enumerations, experiment, hash, initially_known, listed, log_categories,
-    origin, states, units,
+    convention, depends, enumerations, experiment, hash, initially_known, listed, log_categories, origin, states, units,
 };
 use super::exchange::{RATE, STATE};
 use super::intermediate::is_intermediate;
@@ -36,10 +35,8 @@ fn with_token<M: Model>(version: Version, interface: Interface, token: &str) -> 
         Version::Two => ("2.0", "guid"),
         Version::Three => ("3.0", "instantiationToken"),
     };
-    let root = Tag::new("fmiModelDescription")
-        .with("fmiVersion", number)
-        .with("modelName", info.name)
-        .with(token_name, token);
+    let root =
+        Tag::new("fmiModelDescription").with("fmiVersion", number).with("modelName", info.name).with(token_name, token);
     let indicators = watched::<M>(interface).len();
     let counted = version == Version::Two && indicators > 0;
     xml.open(
@@ -63,8 +60,7 @@ fn with_token<M: Model>(version: Version, interface: Interface, token: &str) -> 
 }
 
 fn co_simulation_2<M: Model>() -> Tag {
-    let sloped = (M::variables().iter())
-        .any(|v| matches!(&v.kind, Kind::Real(real) if real.slope.is_some()));
+    let sloped = (M::variables().iter()).any(|v| matches!(&v.kind, Kind::Real(real) if real.slope.is_some()));
     Tag::new("CoSimulation")
         .with("modelIdentifier", M::INFO.identifier)
         .with("canHandleVariableCommunicationStepSize", true)
@@ -230,20 +226,14 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     }
     let (real, states) = (version.real(), states::<M>(interface));
     for (reference, state) in (STATE..).zip(states) {
-        let typed = |tag: Tag| {
-            tag.with("unit", state.unit.name)
-                .with("nominal", Number(state.nominal))
-        };
+        let typed = |tag: Tag| tag.with("unit", state.unit.name).with("nominal", Number(state.nominal));
         Head::local(state.name, reference, state.description).write(xml, version, real, typed);
     }
     let first = first_state(version, listed.len());
     for ((reference, of), state) in (RATE..).zip(first..).zip(states) {
         let name = format!("der({})", state.name);
         let description = format!("Rate of: {}", state.description);
-        let typed = |tag: Tag| {
-            tag.with("unit", state.rate_unit.name)
-                .with("derivative", of)
-        };
+        let typed = |tag: Tag| tag.with("unit", state.rate_unit.name).with("derivative", of);
         Head::local(&name, reference, &description).write(xml, version, real, typed);
     }
     xml.close("ModelVariables");
@@ -252,9 +242,7 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
 /// The independent variable, which FMI 3.0 lists. A model that has a variable called `time` keeps the name.
 fn independent<M: Model>(xml: &mut Xml) {
     let taken = |name: &str| M::variables().iter().any(|variable| variable.name == name);
-    let name = ["time", "independentTime"]
-        .into_iter()
-        .find(|name| !taken(name));
+    let name = ["time", "independentTime"].into_iter().find(|name| !taken(name));
     let head = Head {
         name: name.unwrap_or("simulationTime"),
         reference: TIME as usize,
@@ -306,9 +294,7 @@ fn describe<M: Model>(
     let named = |clock: &str| M::variables().iter().position(|other| other.name == clock);
     let clock = variable.clock.filter(|_| three).and_then(named);
     let typed = |tag: Tag| {
-        let tag = tag
-            .with_some("intermediateUpdate", intermediate.then_some(true))
-            .with_some("clocks", clock);
+        let tag = tag.with_some("intermediateUpdate", intermediate.then_some(true)).with_some("clocks", clock);
         let tag = match &variable.kind {
             Kind::Real(real) => tag
                 .with("unit", real.unit.name)
@@ -353,11 +339,10 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     type Unknowns = Vec<(usize, Option<String>)>;
     type Known<M> = fn(&[Variable<M>], &[Variable<M>]) -> bool;
     let listed = listed::<M>(version, interface);
-    let numbered =
-        (listed.iter().enumerate()).map(|(place, (reference, variable))| match version {
-            Version::Two => (place + 1, *variable),
-            Version::Three => (*reference, *variable),
-        });
+    let numbered = (listed.iter().enumerate()).map(|(place, (reference, variable))| match version {
+        Version::Two => (place + 1, *variable),
+        Version::Three => (*reference, *variable),
+    });
     let count = states::<M>(interface).len();
     let first = first_state(version, listed.len());
     let states = first..first + count;
@@ -387,11 +372,7 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     xml.open(Tag::new("ModelStructure"));
     for (group, element, unknowns) in [
         ("Outputs", "Output", outputs(depends, states)),
-        (
-            "Derivatives",
-            "ContinuousStateDerivative",
-            others(&rates).collect(),
-        ),
+        ("Derivatives", "ContinuousStateDerivative", others(&rates).collect()),
         ("InitialUnknowns", "InitialUnknown", at_start),
         ("", "EventIndicator", watched.collect()),
     ] {

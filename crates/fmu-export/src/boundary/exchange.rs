@@ -45,9 +45,7 @@ impl<M: Model> Instance<M> {
     /// Leaves the event mode of Co-Simulation.
     pub fn enter_step(&mut self) -> Outcome {
         if self.event_mode.is_none() {
-            return Err(Refusal::Absent(
-                "this instance has no event mode in Co-Simulation",
-            ));
+            return Err(Refusal::Absent("this instance has no event mode in Co-Simulation"));
         }
         if self.run.phase != Phase::Event {
             return Err(Refusal::Phase(self.run.phase));
@@ -136,9 +134,7 @@ impl<M: Model> Instance<M> {
         count("nEventIndicators", values.len(), self.indicators()?)?;
         self.refresh()?;
         for (value, name) in values.iter_mut().zip(indicators::<M>()) {
-            let variable = M::variables()
-                .iter()
-                .find(|variable| variable.name == *name);
+            let variable = M::variables().iter().find(|variable| variable.name == *name);
             if let Some(Kind::Real(real)) = variable.map(|variable| &variable.kind) {
                 *value = existing(name, (real.access.get)(&self.run.model))?;
             }
@@ -198,9 +194,5 @@ fn count(name: &'static str, given: usize, known: usize) -> Outcome<()> {
     if given == known {
         return Ok(());
     }
-    Err(Refusal::Argument {
-        name,
-        value: given.to_string(),
-        why: "it is not the number that the model has",
-    })
+    Err(Refusal::Argument { name, value: given.to_string(), why: "it is not the number that the model has" })
 }

@@ -117,11 +117,7 @@ pub struct Known<M> {
 impl<M: Model> Known<M> {
     /// That of this description, for a host that wants no more.
     pub fn of(version: Version, interface: Interface) -> Self {
-        Self {
-            fingerprint: fingerprint::<M>(version, interface),
-            watch: None,
-            event_mode: None,
-        }
+        Self { fingerprint: fingerprint::<M>(version, interface), watch: None, event_mode: None }
     }
 }
 
@@ -145,18 +141,13 @@ pub unsafe fn instantiate_by<M: Model>(
             check_host(version, name, &token.unwrap_or_default(), known.fingerprint)?;
             Ok(known)
         });
-        let known = checked
-            .map_err(|refusal| logger.refuse(function, &refusal))
-            .ok()?;
+        let known = checked.map_err(|refusal| logger.refuse(function, &refusal)).ok()?;
         let (form, resources) = ((version, exchange), resources.as_deref());
         let mut instance = Instance::new(function, form, known.fingerprint, resources, logger);
         (instance.watch, instance.event_mode) = (known.watch, known.event_mode);
         Some(Handle::give(instance))
     };
-    catch_unwind(AssertUnwindSafe(make))
-        .ok()
-        .flatten()
-        .unwrap_or(std::ptr::null_mut())
+    catch_unwind(AssertUnwindSafe(make)).ok().flatten().unwrap_or(std::ptr::null_mut())
 }
 
 /// Resets the busy flag when the call ends, even by a panic.
@@ -203,22 +194,14 @@ fn checked<M: Model>(
     if phase == Phase::Fatal {
         return Status::Fatal;
     }
-    let outcome = if function.phases & of(&[phase]) != 0 {
-        body(instance)
-    } else {
-        Err(Refusal::Phase(phase))
-    };
+    let outcome = if function.phases & of(&[phase]) != 0 { body(instance) } else { Err(Refusal::Phase(phase)) };
     outcome.unwrap_or_else(|refusal| {
         instance.logger.refuse(function.name, &refusal);
         refusal.status()
     })
 }
 
-fn poison<M: Model>(
-    instance: &mut Instance<M>,
-    function: &Function,
-    panic: &(dyn Any + Send),
-) -> Status {
+fn poison<M: Model>(instance: &mut Instance<M>, function: &Function, panic: &(dyn Any + Send)) -> Status {
     let text = panic
         .downcast_ref::<&str>()
         .copied()
@@ -229,8 +212,6 @@ fn poison<M: Model>(
         "{}: internal error: {text}. The instance is unusable now: free it, and please report this.",
         function.name
     );
-    instance
-        .logger
-        .send(Status::Fatal, "logStatusFatal", &message);
+    instance.logger.send(Status::Fatal, "logStatusFatal", &message);
     Status::Fatal
 }

@@ -48,16 +48,12 @@ impl<M: Model> Instance<M> {
         let given = resources.filter(|given| !given.is_empty());
         let folder = given.and_then(resources::folder);
         if let (Some(given), None) = (given, &folder) {
-            let message =
-                format!("{function}: {given} is not a local folder; going on without resources");
+            let message = format!("{function}: {given} is not a local folder; going on without resources");
             logger.send(Status::Warning, "logStatusWarning", &message);
         }
         Self {
             logger,
-            run: Run {
-                exchange,
-                ..Run::default()
-            },
+            run: Run { exchange, ..Run::default() },
             texts: vec![None; M::variables().len()],
             fingerprint,
             version,
@@ -85,12 +81,7 @@ impl<M: Model> Instance<M> {
         }
         if let Some(tolerance) = tolerance {
             let why = "it must be greater than 0";
-            require(
-                tolerance > 0.0 && tolerance.is_finite(),
-                "tolerance",
-                tolerance,
-                why,
-            )?;
+            require(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, why)?;
         }
         self.run.start = start;
         self.run.time = start;
@@ -112,11 +103,8 @@ impl<M: Model> Instance<M> {
     pub fn exit_initialization(&mut self) -> Outcome {
         self.refresh()?;
         self.run.seed = None;
-        self.run.phase = if self.run.exchange || self.event_mode.is_some() {
-            Phase::Event
-        } else {
-            Phase::StepComplete
-        };
+        self.run.phase =
+            if self.run.exchange || self.event_mode.is_some() { Phase::Event } else { Phase::StepComplete };
         Ok(Status::Ok)
     }
 
@@ -129,10 +117,7 @@ impl<M: Model> Instance<M> {
 
     /// Goes back to the instantiation.
     pub fn reset(&mut self) -> Outcome {
-        self.run = Run {
-            exchange: self.run.exchange,
-            ..Run::default()
-        };
+        self.run = Run { exchange: self.run.exchange, ..Run::default() };
         Ok(Status::Ok)
     }
 
@@ -147,12 +132,7 @@ impl<M: Model> Instance<M> {
     pub fn check_step(&self, from: f64, step: f64) -> Outcome<()> {
         finite("currentCommunicationPoint", from)?;
         let why = "a step must be greater than 0";
-        require(
-            step > 0.0 && step.is_finite(),
-            "communicationStepSize",
-            step,
-            why,
-        )?;
+        require(step > 0.0 && step.is_finite(), "communicationStepSize", step, why)?;
         self.check_times(from, step)
     }
 
@@ -192,9 +172,7 @@ impl<M: Model> Instance<M> {
     /// the spacing of floating-point numbers, if that is more.
     fn check_times(&self, from: f64, step: f64) -> Outcome<()> {
         let time = from.abs().max(self.run.time.abs());
-        let near = (1e-3 * step + 1e-6 * time)
-            .min(0.5 * step)
-            .max(4.0 * f64::EPSILON * time);
+        let near = (1e-3 * step + 1e-6 * time).min(0.5 * step).max(4.0 * f64::EPSILON * time);
         require(
             (from - self.run.time).abs() <= near,
             "currentCommunicationPoint",
@@ -287,9 +265,5 @@ fn require(holds: bool, name: &'static str, value: f64, why: &'static str) -> Ou
     if holds {
         return Ok(());
     }
-    Err(Refusal::Argument {
-        name,
-        value: format!("{value:?}"),
-        why,
-    })
+    Err(Refusal::Argument { name, value: format!("{value:?}"), why })
 }

@@ -37,16 +37,7 @@ impl Update {
         let (more, early) = (self.more, self.early);
         // SAFETY: the host vouches for its callback when it instantiates; the places live until it returns.
         unsafe {
-            (self.callback)(
-                self.environment,
-                self.time,
-                more,
-                true,
-                true,
-                early,
-                &raw mut requested,
-                &raw mut at,
-            );
+            (self.callback)(self.environment, self.time, more, true, true, early, &raw mut requested, &raw mut at);
         }
         (early && requested != 0).then_some(at)
     }
@@ -77,14 +68,7 @@ impl<M: Model> Watch<M> {
                 return Err(Refusal::NotIntermediate { name, why });
             }
         }
-        Ok(Self {
-            callback,
-            environment,
-            early,
-            variables,
-            inner_step,
-            underway: None,
-        })
+        Ok(Self { callback, environment, early, variables, inner_step, underway: None })
     }
 }
 
@@ -145,11 +129,7 @@ impl<M: Model> Instance<M> {
     fn take_back(&mut self, refusal: Refusal) -> Refusal {
         if let Some(underway) = self.end() {
             let (phase, last_step) = (self.run.phase, self.run.last_step);
-            self.run = Run {
-                phase,
-                last_step,
-                ..*underway.before
-            };
+            self.run = Run { phase, last_step, ..*underway.before };
         }
         refusal
     }
@@ -157,24 +137,13 @@ impl<M: Model> Instance<M> {
     /// Advances by one inner step and pauses.
     fn advance_by_part(&mut self, pause: &mut Option<Update>) -> Outcome {
         let time = self.run.time;
-        let at_work = self
-            .watch
-            .as_ref()
-            .and_then(|watch| Some((watch, watch.underway.as_ref()?)));
+        let at_work = self.watch.as_ref().and_then(|watch| Some((watch, watch.underway.as_ref()?)));
         let (watch, underway) = at_work.ok_or(Refusal::Phase(self.run.phase))?;
         let inner = (watch.inner_step)(&self.run.model, underway.left).max(underway.least);
         // No tiny rest, and none that does not move the time.
-        let part = if inner < 0.999 * underway.left && time + inner > time {
-            inner
-        } else {
-            underway.left
-        };
+        let part = if inner < 0.999 * underway.left && time + inner > time { inner } else { underway.left };
         let left = underway.left - part;
-        let to = if left > 0.0 {
-            time + part
-        } else {
-            underway.until
-        };
+        let to = if left > 0.0 { time + part } else { underway.until };
         if let Err(refusal) = self.advance(time, part, to) {
             return Err(self.take_back(refusal));
         }
@@ -247,12 +216,7 @@ mod tests {
         limit: f64,
     }
 
-    static VARIABLES: [Variable<Clock>; 1] = [input(
-        "limit",
-        &units::SECOND,
-        field!(Clock: limit),
-        "Its end",
-    )];
+    static VARIABLES: [Variable<Clock>; 1] = [input("limit", &units::SECOND, field!(Clock: limit), "Its end")];
 
     impl Model for Clock {
         const INFO: Info = crate::info!();
@@ -291,8 +255,7 @@ mod tests {
     #[test]
     fn a_step_that_fails_after_some_updates_changes_nothing() -> Outcome<()> {
         let logger = Logger::new(None, null_mut(), false);
-        let mut clock =
-            Instance::<Clock>::new("instantiate", (Version::Three, false), 0, None, logger);
+        let mut clock = Instance::<Clock>::new("instantiate", (Version::Three, false), 0, None, logger);
         clock.watch = Some(Watch::new(ignore, null_mut(), true, &[0], |_, _| 1.0)?);
         clock.enter_initialization()?;
         clock.set_real(&[0], &[2.5])?;
@@ -303,10 +266,7 @@ mod tests {
         assert_eq!(clock.run.time, 1.0);
         clock.set_real(&[0], &[2.75])?;
         clock.go_on(None, &mut pause)?;
-        assert_eq!(
-            (clock.run.time, clock.run.phase),
-            (2.0, Phase::Intermediate)
-        );
+        assert_eq!((clock.run.time, clock.run.phase), (2.0, Phase::Intermediate));
         let failed = clock.go_on(None, &mut pause).unwrap_err();
         assert_eq!(failed.status(), Status::Discard);
         assert_eq!((clock.run.model.clone(), clock.run.time), (before, 0.0));
@@ -318,10 +278,7 @@ mod tests {
         clock.go_on(None, &mut pause)?;
         assert_eq!(clock.run.time, 2.5);
         clock.go_on(None, &mut pause)?;
-        assert_eq!(
-            (clock.run.time, clock.run.phase),
-            (2.5, Phase::StepComplete)
-        );
+        assert_eq!((clock.run.time, clock.run.phase), (2.5, Phase::StepComplete));
         Ok(())
     }
 }

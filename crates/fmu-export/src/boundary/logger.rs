@@ -9,32 +9,17 @@ use crate::model::{Log, Model};
 
 /// The boundary's own log categories, with the names of the standard.
 const CATEGORIES: &[(&str, &str)] = &[
-    (
-        "logStatusWarning",
-        "Oddities that do not stop the simulation.",
-    ),
-    (
-        "logStatusDiscard",
-        "Steps and requests that could not be carried out, and why.",
-    ),
-    (
-        "logStatusError",
-        "Calls that were refused or failed, and why.",
-    ),
-    (
-        "logStatusFatal",
-        "Internal errors, after which an instance is unusable.",
-    ),
+    ("logStatusWarning", "Oddities that do not stop the simulation."),
+    ("logStatusDiscard", "Steps and requests that could not be carried out, and why."),
+    ("logStatusError", "Calls that were refused or failed, and why."),
+    ("logStatusFatal", "Internal errors, after which an instance is unusable."),
     ("logAll", "All messages."),
 ];
 
 /// All log categories of an FMU: the boundary's, then the model's own.
 pub fn categories<M: Model>() -> impl Iterator<Item = (&'static str, &'static str)> {
     let of_boundary = |name: &str| CATEGORIES.iter().any(|(category, _)| *category == name);
-    let models = M::INFO
-        .log_categories
-        .iter()
-        .filter(move |(name, _)| !of_boundary(name));
+    let models = M::INFO.log_categories.iter().filter(move |(name, _)| !of_boundary(name));
     CATEGORIES.iter().chain(models).copied()
 }
 
@@ -60,12 +45,7 @@ pub struct Logger {
 impl Logger {
     /// A logger for this function of the host, if it has one, and the pointer that goes with it.
     pub fn new(callback: Option<Callback>, environment: ComponentEnvironment, on: bool) -> Self {
-        Self {
-            callback,
-            environment,
-            on,
-            chosen: None,
-        }
+        Self { callback, environment, on, chosen: None }
     }
 
     /// Switches debug logging on or off, for the chosen categories or, if none is chosen, for all.
@@ -90,21 +70,13 @@ impl Logger {
             return;
         };
         let (category, message) = (c_string(category), c_string(message));
-        let (environment, category, message) =
-            (self.environment, category.as_ptr(), message.as_ptr());
+        let (environment, category, message) = (self.environment, category.as_ptr(), message.as_ptr());
         // SAFETY of both: the host vouches for its callback when it instantiates; all strings end with NUL and live
         // until it returns; the format takes exactly the one argument given.
         match callback {
             // SAFETY: as said above.
             Callback::Two(log, name) => unsafe {
-                log(
-                    environment,
-                    name.as_ptr(),
-                    status,
-                    category,
-                    c"%s".as_ptr(),
-                    message,
-                );
+                log(environment, name.as_ptr(), status, category, c"%s".as_ptr(), message);
             },
             // SAFETY: as said above.
             Callback::Three(log) => unsafe { log(environment, status, category, message) },
@@ -114,23 +86,14 @@ impl Logger {
     /// Sends the reason why a call of `function` is refused.
     pub fn refuse(&self, function: &str, refusal: &Refusal) {
         let status = refusal.status();
-        let category = if status == Status::Discard {
-            "logStatusDiscard"
-        } else {
-            "logStatusError"
-        };
+        let category = if status == Status::Discard { "logStatusDiscard" } else { "logStatusError" };
         self.send(status, category, &format!("{function}: {refusal}"));
     }
 }
 
 impl Log for Logger {
     fn log(&mut self, category: &'static str, message: fmt::Arguments<'_>) {
-        if self.on
-            && self
-                .chosen
-                .as_ref()
-                .is_none_or(|chosen| chosen.contains(&category))
-        {
+        if self.on && self.chosen.as_ref().is_none_or(|chosen| chosen.contains(&category)) {
             self.send(Status::Ok, category, &message.to_string());
         }
     }

@@ -24,11 +24,7 @@ pub unsafe fn values<'a, T>(pointer: *const T, n: usize, name: &'static str) -> 
 ///
 /// # Safety
 /// As for [`values`], and nobody else reads or writes them during `'a`; they are initialised.
-pub unsafe fn values_mut<'a, T>(
-    pointer: *mut T,
-    n: usize,
-    name: &'static str,
-) -> Outcome<&'a mut [T]> {
+pub unsafe fn values_mut<'a, T>(pointer: *mut T, n: usize, name: &'static str) -> Outcome<&'a mut [T]> {
     if n == 0 {
         return Ok(&mut []);
     }
@@ -66,18 +62,9 @@ pub unsafe fn text<'a>(pointer: Text, name: &'static str) -> Outcome<&'a str> {
 ///
 /// # Safety
 /// As for [`values`] and [`text`].
-pub unsafe fn texts<'a>(
-    pointer: *const Text,
-    n: usize,
-    name: &'static str,
-) -> Outcome<Vec<&'a str>> {
+pub unsafe fn texts<'a>(pointer: *const Text, n: usize, name: &'static str) -> Outcome<Vec<&'a str>> {
     // SAFETY: as the caller vouches.
-    unsafe {
-        values(pointer, n, name)?
-            .iter()
-            .map(|pointer| text(*pointer, name))
-            .collect()
-    }
+    unsafe { values(pointer, n, name)?.iter().map(|pointer| text(*pointer, name)).collect() }
 }
 
 /// A text in any encoding, with replacement characters where it is not UTF-8. `None` for NULL.
@@ -96,9 +83,7 @@ fn check_array<T>(pointer: *const T, n: usize, name: &'static str) -> Outcome<()
     if pointer.is_null() {
         return Err(Refusal::NullArray(name));
     }
-    let fits = n
-        .checked_mul(size_of::<T>())
-        .is_some_and(|size| isize::try_from(size).is_ok());
+    let fits = n.checked_mul(size_of::<T>()).is_some_and(|size| isize::try_from(size).is_ok());
     if !fits {
         return Err(Refusal::TooMany { name, n });
     }

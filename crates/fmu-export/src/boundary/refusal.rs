@@ -25,41 +25,20 @@ pub enum Refusal {
     #[error("`{0}` is not a handle that this FMU gave, or it was freed")]
     Foreign(&'static str),
     #[error("`{name}` = {value}: {why}")]
-    Argument {
-        name: &'static str,
-        value: String,
-        why: &'static str,
-    },
+    Argument { name: &'static str, value: String, why: &'static str },
     #[error("no variable has the value reference {0}")]
     UnknownReference(ValueReference),
     #[error("{name} is of type {is}, not {asked}")]
-    Type {
-        name: &'static str,
-        is: &'static str,
-        asked: &'static str,
-    },
+    Type { name: &'static str, is: &'static str, asked: &'static str },
     #[error("{name} is {role}, which cannot be set {phase}")]
-    NotSettable {
-        name: &'static str,
-        role: &'static str,
-        phase: Phase,
-    },
+    NotSettable { name: &'static str, role: &'static str, phase: Phase },
     #[error("{name} cannot be accessed in intermediate update mode: {why}")]
-    NotIntermediate {
-        name: &'static str,
-        why: &'static str,
-    },
+    NotIntermediate { name: &'static str, why: &'static str },
     #[error("{name} cannot be set to {value}: it must be {allowed}")]
-    Value {
-        name: &'static str,
-        value: String,
-        allowed: String,
-    },
+    Value { name: &'static str, value: String, allowed: String },
     #[error("{name}: {why}")]
     Derivative { name: &'static str, why: String },
-    #[error(
-        "log category {0:?} is unknown; LogCategories in modelDescription.xml lists the known ones"
-    )]
+    #[error("log category {0:?} is unknown; LogCategories in modelDescription.xml lists the known ones")]
     Category(String),
     #[error("the bytes are not a saved state of this FMU: {0}")]
     Bytes(String),

@@ -41,11 +41,6 @@ pub struct Run<M> {
 impl<M> Run<M> {
     /// The experiment that the host has asked for, with the folder of the resources.
     pub fn experiment<'a>(&self, resources: Option<&'a Path>) -> Experiment<'a> {
-        Experiment {
-            start: self.start,
-            stop: self.stop,
-            tolerance: self.tolerance,
-            resources,
-        }
+        Experiment { start: self.start, stop: self.stop, tolerance: self.tolerance, resources }
     }
 }

@@ -108,10 +108,7 @@ impl<M: Model> Instance<M> {
     /// `state` is NULL or a state of this FMU that was not freed.
     pub unsafe fn serialize(&self, state: FmuState) -> Outcome<Vec<u8>> {
         // SAFETY: the caller promises that `state` is NULL or a living state of this FMU.
-        encode(
-            &unsafe { Saved::<M>::find(state, self.version) }?.run,
-            self.fingerprint,
-        )
+        encode(&unsafe { Saved::<M>::find(state, self.version) }?.run, self.fingerprint)
     }
 
     /// Writes them to a place for `size` bytes.
@@ -122,10 +119,7 @@ impl<M: Model> Instance<M> {
         // SAFETY: as the caller promises.
         let bytes = unsafe { self.serialize(state) }?;
         if size < bytes.len() {
-            return Err(Refusal::Size {
-                given: size,
-                needed: bytes.len(),
-            });
+            return Err(Refusal::Size { given: size, needed: bytes.len() });
         }
         // SAFETY: as the caller promises.
         unsafe { raw::values_mut(place, bytes.len(), "serializedState") }?.copy_from_slice(&bytes);
@@ -211,11 +205,7 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
         && (!stepped || !run.exchange)
         && !matches!(run.phase, Phase::Fatal | Phase::Intermediate)
         && run.seed.is_some() == (run.phase == Phase::Initialization);
-    if plausible {
-        Ok(run)
-    } else {
-        Err(broken("its parts contradict each other"))
-    }
+    if plausible { Ok(run) } else { Err(broken("its parts contradict each other")) }
 }
 
 /// Checks the header and the checksum, then reads the rest.
@@ -230,9 +220,7 @@ fn read(bytes: &[u8], fingerprint: u128) -> Outcome<Record> {
     }
     let (table, bytes) = take(bytes)?;
     if u128::from_le_bytes(table) != fingerprint {
-        return Err(broken(
-            "another FMU, or another version of this one, wrote them",
-        ));
+        return Err(broken("another FMU, or another version of this one, wrote them"));
     }
     let (length, bytes) = take(bytes)?;
     let (checksum, rest) = take(bytes)?;
@@ -246,17 +234,12 @@ fn read(bytes: &[u8], fingerprint: u128) -> Outcome<Record> {
 }
 
 fn take<const N: usize>(bytes: &[u8]) -> Outcome<([u8; N], &[u8])> {
-    bytes
-        .split_first_chunk::<N>()
-        .map(|(first, rest)| (*first, rest))
-        .ok_or_else(|| broken("some are missing"))
+    bytes.split_first_chunk::<N>().map(|(first, rest)| (*first, rest)).ok_or_else(|| broken("some are missing"))
 }
 
 fn model<M: Model>(bytes: &[u8]) -> Outcome<M> {
     let mut model = M::default();
-    model
-        .restore(bytes)
-        .map_err(|fault| broken(&fault.to_string()))?;
+    model.restore(bytes).map_err(|fault| broken(&fault.to_string()))?;
     Ok(model)
 }
 

@@ -37,11 +37,7 @@ pub fn all_elements<M: Model>(references: &[ValueReference]) -> Cow<'_, [ValueRe
 
 /// The refusal for a variable of another type than the function's.
 pub fn wrong_type<M>(version: Version, variable: &Variable<M>, asked: &'static str) -> Refusal {
-    Refusal::Type {
-        name: variable.name,
-        is: version.type_name(variable),
-        asked,
-    }
+    Refusal::Type { name: variable.name, is: version.type_name(variable), asked }
 }
 
 /// The value reference of the independent variable, which FMI 3.0 lists. It is far above those of the table, which may
@@ -58,25 +54,13 @@ pub struct Whole {
 }
 
 /// Integers and enumerations (FMI 2.0).
-pub const INTEGER: Whole = Whole {
-    integers: true,
-    items: true,
-    asked: "Integer or Enumeration",
-};
+pub const INTEGER: Whole = Whole { integers: true, items: true, asked: "Integer or Enumeration" };
 
 /// Integers (FMI 3.0).
-pub const INT32: Whole = Whole {
-    integers: true,
-    items: false,
-    asked: "Int32",
-};
+pub const INT32: Whole = Whole { integers: true, items: false, asked: "Int32" };
 
 /// Enumerations (FMI 3.0).
-pub const INT64: Whole = Whole {
-    integers: false,
-    items: true,
-    asked: "Int64 or Enumeration",
-};
+pub const INT64: Whole = Whole { integers: false, items: true, asked: "Int64 or Enumeration" };
 
 /// Whether the host may set a variable of this role in this phase.
 pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
@@ -97,11 +81,7 @@ pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
     if settable {
         return Ok(());
     }
-    Err(Refusal::NotSettable {
-        name: variable.name,
-        role,
-        phase,
-    })
+    Err(Refusal::NotSettable { name: variable.name, role, phase })
 }
 
 impl<M: Model> Instance<M> {
@@ -155,12 +135,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// Reads whole numbers of some kinds.
-    pub fn get_whole<T: From<i32>>(
-        &mut self,
-        of: Whole,
-        references: &[ValueReference],
-        values: &mut [T],
-    ) -> Outcome {
+    pub fn get_whole<T: From<i32>>(&mut self, of: Whole, references: &[ValueReference], values: &mut [T]) -> Outcome {
         self.get(of.asked, references, values, |kind, model| match kind {
             Kind::Integer { access, .. } if of.integers => Some((access.get)(model).into()),
             Kind::Enumeration { access, .. } if of.items => Some((access.get)(model).into()),
@@ -169,11 +144,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// Reads booleans: 0 or 1.
-    pub fn get_boolean<T: From<bool>>(
-        &mut self,
-        references: &[ValueReference],
-        values: &mut [T],
-    ) -> Outcome {
+    pub fn get_boolean<T: From<bool>>(&mut self, references: &[ValueReference], values: &mut [T]) -> Outcome {
         self.get("Boolean", references, values, |kind, model| match kind {
             Kind::Boolean { access } => Some((access.get)(model).into()),
             _ => None,
@@ -191,9 +162,7 @@ impl<M: Model> Instance<M> {
     /// Refuses to set clocks, all of which are outputs.
     pub fn set_clock(&mut self, references: &[ValueReference], values: &[u8]) -> Outcome {
         let version = self.version;
-        self.set(references, values, |variable, _, _| {
-            Err(wrong_type(version, variable, "Clock"))
-        })
+        self.set(references, values, |variable, _, _| Err(wrong_type(version, variable, "Clock")))
     }
 
     /// Refuses values of a type that no variable of a model has.
@@ -216,9 +185,7 @@ impl<M: Model> Instance<M> {
             if place.as_ref() != Some(&text) {
                 *place = Some(text);
             }
-            *value = place
-                .as_ref()
-                .map_or(std::ptr::null(), |text| text.as_ptr());
+            *value = place.as_ref().map_or(std::ptr::null(), |text| text.as_ptr());
         }
         Ok(Status::Ok)
     }
@@ -273,17 +240,12 @@ impl<M: Model> Instance<M> {
                 Kind::Integer { access, min, max } if of.integers => {
                     let (min, max) = (min.map(i64::from), max.map(i64::from));
                     match i32::try_from(value) {
-                        Ok(small) if inside(value, min, max) => {
-                            write(variable, access, &small, model)
-                        }
+                        Ok(small) if inside(value, min, max) => write(variable, access, &small, model),
                         _ => Err(outside(variable, value, min, max)),
                     }
                 }
                 Kind::Enumeration { access, of: known } if of.items => {
-                    let item = known
-                        .items
-                        .iter()
-                        .find(|item| i64::from(item.value) == value);
+                    let item = known.items.iter().find(|item| i64::from(item.value) == value);
                     let item = item.ok_or_else(|| Refusal::Value {
                         name: variable.name,
                         value: value.to_string(),
@@ -303,29 +265,19 @@ impl<M: Model> Instance<M> {
         values: &[T],
     ) -> Outcome {
         let version = self.version;
-        self.set(
-            references,
-            values,
-            |variable, value, model| match &variable.kind {
-                Kind::Boolean { access } => {
-                    write(variable, access, &(value != T::default()), model)
-                }
-                _ => Err(wrong_type(version, variable, "Boolean")),
-            },
-        )
+        self.set(references, values, |variable, value, model| match &variable.kind {
+            Kind::Boolean { access } => write(variable, access, &(value != T::default()), model),
+            _ => Err(wrong_type(version, variable, "Boolean")),
+        })
     }
 
     /// Writes texts.
     pub fn set_string(&mut self, references: &[ValueReference], values: &[&str]) -> Outcome {
         let version = self.version;
-        self.set(
-            references,
-            values,
-            |variable, value, model| match &variable.kind {
-                Kind::String { access } => write(variable, access, value, model),
-                _ => Err(wrong_type(version, variable, "String")),
-            },
-        )
+        self.set(references, values, |variable, value, model| match &variable.kind {
+            Kind::String { access } => write(variable, access, value, model),
+            _ => Err(wrong_type(version, variable, "String")),
+        })
     }
 }
 
@@ -352,21 +304,12 @@ pub fn inside<T: PartialOrd>(value: T, min: Option<T>, max: Option<T>) -> bool {
     min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max)
 }
 
-fn outside<M, T: Debug>(
-    variable: &Variable<M>,
-    value: T,
-    min: Option<T>,
-    max: Option<T>,
-) -> Refusal {
+fn outside<M, T: Debug>(variable: &Variable<M>, value: T, min: Option<T>, max: Option<T>) -> Refusal {
     let allowed = match (min, max) {
         (Some(min), Some(max)) => format!("from {min:?} to {max:?}"),
         (Some(min), None) => format!("at least {min:?}"),
         (None, Some(max)) => format!("at most {max:?}"),
         (None, None) => "a finite number".to_owned(),
     };
-    Refusal::Value {
-        name: variable.name,
-        value: format!("{value:?}"),
-        allowed,
-    }
+    Refusal::Value { name: variable.name, value: format!("{value:?}"), allowed }
 }

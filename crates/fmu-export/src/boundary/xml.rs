@@ -47,10 +47,7 @@ pub struct Xml {
 impl Xml {
     /// A document with its first line.
     pub fn new() -> Self {
-        Self {
-            text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(),
-            depth: 0,
-        }
+        Self { text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(), depth: 0 }
     }
 
     /// The document's text.

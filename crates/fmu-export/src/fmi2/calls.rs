@@ -7,9 +7,7 @@
 //! NULL or was not freed. NULL in place of a value, foreign handles and calls at the wrong time are refused.
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 
-use super::types::{
-    CO_SIMULATION, DO_STEP_STATUS, FALSE, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED,
-};
+use super::types::{CO_SIMULATION, DO_STEP_STATUS, FALSE, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED};
 use crate::boundary::calls::{answer, c_functions, nothing};
 use crate::boundary::description::Interface;
 use crate::boundary::guard::{Handle, Known, enter, instantiate_by};
@@ -18,9 +16,7 @@ use crate::boundary::logger::{Callback, Logger, c_string};
 use crate::boundary::phase::Phase::{
     Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
 };
-use crate::boundary::phase::{
-    ALIVE, DERIVABLE, Function, INTEGRABLE, Phases, READABLE, SETTABLE, of,
-};
+use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, Phases, READABLE, SETTABLE, of};
 use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::values::INTEGER;
@@ -164,11 +160,7 @@ unsafe fn make<M: Model>(
         // SAFETY: as the host vouches. The struct is copied, as hosts may keep it on their stack.
         let callbacks = unsafe { values(callbacks, 1, "functions") }.ok()?[0];
         let callback = (callbacks.logger).map(|logger| Callback::Two(logger, c_string(name)));
-        Some(Logger::new(
-            callback,
-            callbacks.component_environment,
-            logging,
-        ))
+        Some(Logger::new(callback, callbacks.component_environment, logging))
     };
     let check = || match (kind, offered::<M>()) {
         (CO_SIMULATION, _) => Ok(Known::of(Version::Two, Interface::CoSimulation)),

@@ -22,12 +22,9 @@ use crate::boundary::guard::{Handle, Known, enter, instantiate_by};
 use crate::boundary::instance::Instance;
 use crate::boundary::logger::{Callback, Logger};
 use crate::boundary::phase::Phase::{
-    Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed,
-    Terminated,
+    Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed, Terminated,
 };
-use crate::boundary::phase::{
-    ALIVE, DERIVABLE, Function, INTEGRABLE, Phase, SETTABLE, VISIBLE, of,
-};
+use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, Phase, SETTABLE, VISIBLE, of};
 use crate::boundary::raw::{place, texts, values, values_mut};
 use crate::boundary::refusal::{Outcome, Refusal};
 use crate::boundary::values::{INT32, INT64, all_elements, size};
@@ -36,13 +33,10 @@ use crate::boundary::watch::Watch;
 use crate::model::{Model, events, offered};
 
 const NO_CLOCKS: Outcome = Err(Refusal::Absent("this FMU has no input clocks"));
-const NO_EVALUATION: Outcome = Err(Refusal::Absent(
-    "this FMU evaluates no discrete states apart from fmi3UpdateDiscreteStates",
-));
+const NO_EVALUATION: Outcome =
+    Err(Refusal::Absent("this FMU evaluates no discrete states apart from fmi3UpdateDiscreteStates"));
 const NO_STRUCTURE: Outcome = Err(Refusal::Absent("this FMU has no structural parameters"));
-const NO_ELEMENTS: Outcome = Err(Refusal::Absent(
-    "this FMU provides no dependencies of single elements",
-));
+const NO_ELEMENTS: Outcome = Err(Refusal::Absent("this FMU provides no dependencies of single elements"));
 
 c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
     types Binary Boolean Byte Component ComponentEnvironment FmuState IntermediateUpdateCallback LogMessageCallback Real Status Text
@@ -330,11 +324,7 @@ unsafe fn take_step<M: Model>(
     [event_handling_needed, terminate_simulation, early_return]: [*mut Boolean; 3],
     last_successful_time: *mut Real,
 ) -> Status {
-    let function = |phase: Phase| Function {
-        name: "fmi3DoStep",
-        version: Version::Three,
-        phases: of(&[phase]),
-    };
+    let function = |phase: Phase| Function { name: "fmi3DoStep", version: Version::Three, phases: of(&[phase]) };
     let (mut answer, mut pause) = (None, None);
     loop {
         let body = |instance: &mut Instance<M>| {

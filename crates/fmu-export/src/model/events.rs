@@ -32,25 +32,13 @@ impl<M: Model> Events<M> {
     /// # Errors
     /// Those of [`until`](Self::until) and [`handle`](Self::handle), and where the events of an instant do not end. The model
     /// is as before then.
-    pub fn pass(
-        &self,
-        model: &mut M,
-        time: f64,
-        step: f64,
-        log: &mut dyn Log,
-    ) -> Result<(), Fault> {
+    pub fn pass(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
         let before = model.clone();
         let passed = self.pass_all(model, time, step, log);
         passed.inspect_err(|_| *model = before)
     }
 
-    fn pass_all(
-        &self,
-        model: &mut M,
-        time: f64,
-        step: f64,
-        log: &mut dyn Log,
-    ) -> Result<(), Fault> {
+    fn pass_all(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
         let (mut passed, mut at_once) = (0.0, 0);
         // After an event at the end, too: handling it may have made another one due.
         while let Some(part) = self.stop(model, time + passed, step - passed, log)? {
@@ -65,13 +53,7 @@ impl<M: Model> Events<M> {
     }
 
     /// [`until`](Self::until), with a check of what it returns: seconds, not a time.
-    pub(crate) fn stop(
-        &self,
-        model: &mut M,
-        time: f64,
-        step: f64,
-        log: &mut dyn Log,
-    ) -> Result<Option<f64>, Fault> {
+    pub(crate) fn stop(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<Option<f64>, Fault> {
         let Some(part) = (self.until)(model, time, step, log)? else {
             return Ok(None);
         };
@@ -79,9 +61,7 @@ impl<M: Model> Events<M> {
         if (-rounding..=step + rounding).contains(&part) {
             return Ok(Some(part.clamp(0.0, step)));
         }
-        Err(Fault::Failed(format!(
-            "`until` has stopped after {part} s of a step of {step} s from {time} s"
-        )))
+        Err(Fault::Failed(format!("`until` has stopped after {part} s of a step of {step} s from {time} s")))
     }
 }
 

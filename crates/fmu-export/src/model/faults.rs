@@ -4,8 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Debug;
 
 use super::{
-    Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements,
-    indicators, offered,
+    Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements, indicators, offered,
 };
 
 /// The mistakes in a model's [`Info`] and variable table, a sentence each; none for a sound model.
@@ -47,13 +46,10 @@ pub fn faults<M: Model>() -> Vec<String> {
 fn check_info(info: &Info, faults: &mut Vec<String>) {
     let mut characters = info.identifier.chars();
     let first = |c: char| c.is_ascii_alphabetic() || c == '_';
-    let valid = characters.next().is_some_and(first)
-        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let valid = characters.next().is_some_and(first) && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !valid {
         let identifier = info.identifier;
-        faults.push(format!(
-            "the identifier {identifier:?} is not a C identifier"
-        ));
+        faults.push(format!("the identifier {identifier:?} is not a C identifier"));
     }
     for (name, value) in [
         ("default_step", info.default_step),
@@ -87,9 +83,7 @@ fn check_names<M: Model>(faults: &mut Vec<String>) {
         for input in variable.depends_on {
             if roles.get(input) != Some(&Role::Input) {
                 let name = variable.name;
-                faults.push(format!(
-                    "{name}: it depends on {input:?}, which is not an input"
-                ));
+                faults.push(format!("{name}: it depends on {input:?}, which is not an input"));
             }
         }
     }
@@ -109,13 +103,8 @@ fn check_states<M: Model>(faults: &mut Vec<String>) {
         }
     }
     for left_out in (exchange.without)() {
-        if M::variables()
-            .iter()
-            .all(|variable| variable.name != *left_out)
-        {
-            faults.push(format!(
-                "{left_out}: Model Exchange leaves it out, but there is no such variable"
-            ));
+        if M::variables().iter().all(|variable| variable.name != *left_out) {
+            faults.push(format!("{left_out}: Model Exchange leaves it out, but there is no such variable"));
         }
     }
 }
@@ -126,18 +115,14 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
     for variable in M::variables() {
         let name = variable.name;
         if is_clock(variable) && (M::EVENTS.is_none() || variable.role != Role::Output) {
-            faults.push(format!(
-                "{name}: a clock must be an output, and the model have events"
-            ));
+            faults.push(format!("{name}: a clock must be an output, and the model have events"));
         }
         let Some(clock) = variable.clock else {
             continue;
         };
         let computed = matches!(variable.role, Role::Output | Role::Local);
         if !computed || !known(clock).is_some_and(is_clock) {
-            faults.push(format!(
-                "{name}: the model must compute what ticks with a clock, and {clock:?} must be one"
-            ));
+            faults.push(format!("{name}: the model must compute what ticks with a clock, and {clock:?} must be one"));
         }
     }
     if M::EVENTS.is_some() && M::INNER_STEP.is_some() {
@@ -146,9 +131,7 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
     for name in indicators::<M>() {
         let real = |variable: &Variable<M>| matches!(variable.kind, Kind::Real(_));
         if !known(name).is_some_and(real) || without::<M>().contains(name) {
-            faults.push(format!(
-                "{name}: an indicator is a real variable, also in Model Exchange"
-            ));
+            faults.push(format!("{name}: an indicator is a real variable, also in Model Exchange"));
         }
     }
 }
@@ -158,14 +141,8 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
         let (array, elements) = (head.array_name(), elements::<M>(place));
         // FMI 3.0 has these once for the whole array.
         let shared = |variable: &Variable<M>| match &variable.kind {
-            Kind::Real(real) => (
-                real.unit.name,
-                real.display,
-                [real.min, real.max, real.nominal],
-            ),
-            Kind::Integer { min, max, .. } => {
-                ("", None, [min.map(f64::from), max.map(f64::from), None])
-            }
+            Kind::Real(real) => (real.unit.name, real.display, [real.min, real.max, real.nominal]),
+            Kind::Integer { min, max, .. } => ("", None, [min.map(f64::from), max.map(f64::from), None]),
             Kind::Enumeration { of, .. } => (of.name, None, [None; 3]),
             _ => ("", None, [None; 3]),
         };
@@ -189,7 +166,9 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
             let mut parts = list.windows(elements.len().max(1));
             let is_whole = parts.any(|part| part.iter().copied().eq(names()));
             if names().any(|name| list.contains(&name)) && !is_whole {
-                faults.push(format!("{array}: an array's elements are left out or are indicators all in their order, or none"));
+                faults.push(format!(
+                    "{array}: an array's elements are left out or are indicators all in their order, or none"
+                ));
             }
         }
     }
@@ -215,10 +194,7 @@ fn check_definitions<M: Model>(faults: &mut Vec<String>) {
                 for display in unit.display {
                     let place = (unit.name, display.name);
                     if *displays.entry(place).or_insert(display) != display {
-                        faults.push(format!(
-                            "{} has two display units {}",
-                            unit.name, display.name
-                        ));
+                        faults.push(format!("{} has two display units {}", unit.name, display.name));
                     }
                 }
             }
@@ -227,10 +203,7 @@ fn check_definitions<M: Model>(faults: &mut Vec<String>) {
                     faults.push(format!("there are two enumerations {}", of.name));
                 }
                 if M::variables().iter().any(|other| other.name == of.name) {
-                    faults.push(format!(
-                        "a variable and an enumeration are called {}",
-                        of.name
-                    ));
+                    faults.push(format!("a variable and an enumeration are called {}", of.name));
                 }
             }
             _ => {}

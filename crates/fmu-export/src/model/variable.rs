@@ -51,16 +51,7 @@ pub struct Base {
 
 impl Base {
     /// All exponents zero: a ratio or a count.
-    pub const ONE: Self = Self {
-        kg: 0,
-        m: 0,
-        s: 0,
-        a: 0,
-        k: 0,
-        mol: 0,
-        cd: 0,
-        rad: 0,
-    };
+    pub const ONE: Self = Self { kg: 0, m: 0, s: 0, a: 0, k: 0, mol: 0, cd: 0, rad: 0 };
 
     /// The exponents with the names that FMI gives the base units.
     pub fn named(&self) -> [(&'static str, i32); 8] {

@@ -36,10 +36,7 @@ impl Arguments {
         if self.targets.is_empty() {
             return vec![None];
         }
-        self.targets
-            .iter()
-            .map(|target| Some(target.as_str()))
-            .collect()
+        self.targets.iter().map(|target| Some(target.as_str())).collect()
     }
 
     /// The libraries that were built elsewhere.
@@ -57,9 +54,7 @@ impl Arguments {
 }
 
 /// The arguments; `None` when help is asked for.
-pub(super) fn parse(
-    mut given: impl Iterator<Item = String>,
-) -> Result<Option<Arguments>, PackageError> {
+pub(super) fn parse(mut given: impl Iterator<Item = String>) -> Result<Option<Arguments>, PackageError> {
     let mut arguments = Arguments {
         output: None,
         profile: "release".to_owned(),
@@ -75,14 +70,11 @@ pub(super) fn parse(
             arguments.form.interface = Interface::ModelExchange;
             continue;
         }
-        let known =
-            ["--fmi", "--output", "--profile", "--target", "--add"].contains(&option.as_str());
+        let known = ["--fmi", "--output", "--profile", "--target", "--add"].contains(&option.as_str());
         if !known {
             return Err(PackageError::Usage(format!("there is no option {option}")));
         }
-        let value = given
-            .next()
-            .ok_or_else(|| PackageError::Usage(format!("{option} needs a value")))?;
+        let value = given.next().ok_or_else(|| PackageError::Usage(format!("{option} needs a value")))?;
         match option.as_str() {
             "--fmi" => arguments.form.version = version(&value)?,
             "--output" => arguments.output = Some(value.into()),
@@ -99,16 +91,13 @@ fn version(value: &str) -> Result<Version, PackageError> {
     match value {
         "2" | "2.0" => Ok(Version::Two),
         "3" | "3.0" => Ok(Version::Three),
-        _ => Err(PackageError::Usage(format!(
-            "--fmi {value}: the versions are 2 and 3"
-        ))),
+        _ => Err(PackageError::Usage(format!("--fmi {value}: the versions are 2 and 3"))),
     }
 }
 
 fn added(value: &str) -> Result<(String, PathBuf), PackageError> {
-    let (name, library) = value
-        .split_once('=')
-        .ok_or_else(|| PackageError::Usage(format!("--add {value}: write PLATFORM=LIBRARY")))?;
+    let (name, library) =
+        value.split_once('=').ok_or_else(|| PackageError::Usage(format!("--add {value}: write PLATFORM=LIBRARY")))?;
     Ok((name.to_owned(), library.into()))
 }
 
@@ -122,15 +111,10 @@ mod tests {
 
     #[test]
     fn options_are_read() {
-        let arguments = parsed("--output a/b.fmu --add win64=c.dll --profile dev")
-            .unwrap()
-            .unwrap();
+        let arguments = parsed("--output a/b.fmu --add win64=c.dll --profile dev").unwrap().unwrap();
         assert_eq!(arguments.output, Some("a/b.fmu".into()));
         assert_eq!(arguments.added, [("win64".to_owned(), "c.dll".into())]);
-        assert_eq!(
-            (arguments.profile.as_str(), arguments.targets()),
-            ("dev", vec![None])
-        );
+        assert_eq!((arguments.profile.as_str(), arguments.targets()), ("dev", vec![None]));
         assert_eq!(parsed("--profile dev --help").unwrap(), None);
         let exchange = parsed("--exchange --fmi 3").unwrap().unwrap();
         assert_eq!(exchange.form.suffix(), "-me-fmi3");
@@ -150,10 +134,7 @@ mod tests {
             ("--fmi 1", "the versions are 2 and 3"),
         ] {
             let message = parsed(line).unwrap_err().to_string();
-            assert!(
-                message.contains(says) && message.contains("--profile PROFILE"),
-                "{message}"
-            );
+            assert!(message.contains(says) && message.contains("--profile PROFILE"), "{message}");
         }
     }
 }

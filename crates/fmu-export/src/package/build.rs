@@ -17,24 +17,9 @@ pub(super) mod platform {
         ("linux64", "x86_64-linux", &["x86_64"], &["linux"]),
         ("linux32", "x86-linux", &["i586", "i686", "x86"], &["linux"]),
         ("win64", "x86_64-windows", &["x86_64"], &["windows"]),
-        (
-            "win32",
-            "x86-windows",
-            &["i586", "i686", "x86"],
-            &["windows"],
-        ),
-        (
-            "darwin64",
-            "x86_64-darwin",
-            &["x86_64"],
-            &["macos", "darwin"],
-        ),
-        (
-            "darwin64",
-            "aarch64-darwin",
-            &["aarch64"],
-            &["macos", "darwin"],
-        ),
+        ("win32", "x86-windows", &["i586", "i686", "x86"], &["windows"]),
+        ("darwin64", "x86_64-darwin", &["x86_64"], &["macos", "darwin"]),
+        ("darwin64", "aarch64-darwin", &["aarch64"], &["macos", "darwin"]),
         ("aarch64-linux", "aarch64-linux", &["aarch64"], &["linux"]),
     ];
 
@@ -60,9 +45,8 @@ pub(super) mod platform {
 
     /// The folder for a processor and an operating system, as Rust names them.
     pub(super) fn of(processor: &str, system: &str, form: Form) -> Option<&'static str> {
-        let known = (ALL.iter()).find(|(.., processors, systems)| {
-            processors.contains(&processor) && systems.contains(&system)
-        })?;
+        let known = (ALL.iter())
+            .find(|(.., processors, systems)| processors.contains(&processor) && systems.contains(&system))?;
         Some(folder(form, (known.0, known.1)))
     }
 }
@@ -87,24 +71,13 @@ pub(super) fn library(
         }
         None => (std::env::consts::ARCH, std::env::consts::OS),
     };
-    let platform = platform::of(processor, system, form).ok_or_else(|| {
-        PackageError::Usage(format!("FMI has no platform for {processor} and {system}"))
-    })?;
+    let platform = platform::of(processor, system, form)
+        .ok_or_else(|| PackageError::Usage(format!("FMI has no platform for {processor} and {system}")))?;
     let manifest = folder.join("Cargo.toml");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
     let mut command = Command::new(cargo);
-    command.args([
-        "rustc",
-        "--lib",
-        "--crate-type",
-        "cdylib",
-        "--package",
-        package,
-    ]);
-    command
-        .args(["--profile", profile])
-        .arg("--manifest-path")
-        .arg(&manifest);
+    command.args(["rustc", "--lib", "--crate-type", "cdylib", "--package", package]);
+    command.args(["--profile", profile]).arg("--manifest-path").arg(&manifest);
     command.args(["--message-format", "json-render-diagnostics"]);
     if let Some(triple) = target {
         command.args(["--target", triple]);
@@ -118,10 +91,7 @@ pub(super) fn library(
         .output()
         .map_err(|error| PackageError::Build(format!("cargo: {error}")))?;
     if !done.status.success() {
-        return Err(PackageError::Build(format!(
-            "cargo failed with {}",
-            done.status
-        )));
+        return Err(PackageError::Build(format!("cargo failed with {}", done.status)));
     }
     let library = built(&String::from_utf8_lossy(&done.stdout), &manifest)
         .ok_or_else(|| PackageError::Build("cargo does not name the library".to_owned()))?;
@@ -132,17 +102,13 @@ pub(super) fn library(
 fn built(messages: &str, manifest: &Path) -> Option<PathBuf> {
     messages.lines().rev().find_map(|line| {
         let message: serde_json::Value = serde_json::from_str(line).ok()?;
-        let ours = message["reason"] == "compiler-artifact"
-            && Path::new(message["manifest_path"].as_str()?) == manifest;
+        let ours =
+            message["reason"] == "compiler-artifact" && Path::new(message["manifest_path"].as_str()?) == manifest;
         let files = message["filenames"].as_array().filter(|_| ours)?;
-        let paths = files
-            .iter()
-            .filter_map(|file| Some(PathBuf::from(file.as_str()?)));
+        let paths = files.iter().filter_map(|file| Some(PathBuf::from(file.as_str()?)));
         let shared = |path: &PathBuf| {
             let extension = path.extension().unwrap_or_default();
-            ["so", "dll", "dylib"]
-                .iter()
-                .any(|known| extension == *known)
+            ["so", "dll", "dylib"].iter().any(|known| extension == *known)
         };
         paths.into_iter().find(shared)
     })
@@ -157,33 +123,19 @@ mod tests {
         for (processor, system, two, three) in [
             ("x86_64", "linux", Some("linux64"), Some("x86_64-linux")),
             ("x86_64", "windows", Some("win64"), Some("x86_64-windows")),
-            (
-                "aarch64",
-                "darwin",
-                Some("darwin64"),
-                Some("aarch64-darwin"),
-            ),
+            ("aarch64", "darwin", Some("darwin64"), Some("aarch64-darwin")),
             ("wasm32", "unknown", None, None),
         ] {
-            let three_form = Form {
-                version: crate::description::Version::Three,
-                ..Form::default()
-            };
+            let three_form = Form { version: crate::description::Version::Three, ..Form::default() };
             let of = |form| platform::of(processor, system, form);
-            assert_eq!(
-                (of(Form::default()), of(three_form)),
-                (two, three),
-                "{processor} {system}"
-            );
+            assert_eq!((of(Form::default()), of(three_form)), (two, three), "{processor} {system}");
         }
     }
 
     #[test]
     fn the_library_is_that_of_the_package() {
         let artifact = |manifest: &str, files: &str| {
-            format!(
-                r#"{{"reason":"compiler-artifact","manifest_path":"{manifest}","filenames":[{files}]}}"#
-            )
+            format!(r#"{{"reason":"compiler-artifact","manifest_path":"{manifest}","filenames":[{files}]}}"#)
         };
         let messages = [
             artifact("/a/Cargo.toml", r#""/t/libother.so""#),
@@ -191,10 +143,7 @@ mod tests {
             r#"{"reason":"build-finished","success":true}"#.to_owned(),
         ]
         .join("\n");
-        assert_eq!(
-            built(&messages, Path::new("/b/Cargo.toml")),
-            Some("/t/tank.dll".into())
-        );
+        assert_eq!(built(&messages, Path::new("/b/Cargo.toml")), Some("/t/tank.dll".into()));
         assert_eq!(built(&messages, Path::new("/c/Cargo.toml")), None);
     }
 }

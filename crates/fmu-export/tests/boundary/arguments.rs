@@ -18,10 +18,7 @@ fn strange_handles_are_refused() {
         // SAFETY: NULL, or readable memory that is no component.
         unsafe {
             assert_eq!(calls::reset::<Lag>(component), Error);
-            assert_eq!(
-                calls::get_real::<Lag>(component, null(), 0, null_mut()),
-                Error
-            );
+            assert_eq!(calls::get_real::<Lag>(component, null(), 0, null_mut()), Error);
             calls::free_instance::<Lag>(component);
         }
     }
@@ -44,15 +41,9 @@ fn null_is_welcome_where_nothing_is_asked_for() {
         assert_eq!(calls::set_string::<Lag>(component, null(), 0, null()), Ok);
         assert_eq!(calls::set_debug_logging::<Lag>(component, 1, 0, null()), Ok);
         assert_eq!(calls::free_fmu_state::<Lag>(component, null_mut()), Ok);
-        assert_eq!(
-            calls::get_real::<Lag>(component, null(), 1, &mut 0.0),
-            Error
-        );
+        assert_eq!(calls::get_real::<Lag>(component, null(), 1, &mut 0.0), Error);
         assert_eq!(calls::get_real::<Lag>(component, &0, 1, null_mut()), Error);
-        assert_eq!(
-            calls::get_real::<Lag>(component, &0, usize::MAX, &mut 0.0),
-            Error
-        );
+        assert_eq!(calls::get_real::<Lag>(component, &0, usize::MAX, &mut 0.0), Error);
         assert_eq!(calls::set_string::<Lag>(component, &8, 1, &null()), Error);
     }
     if cfg!(miri) {
@@ -75,28 +66,13 @@ fn unusable_values_are_refused_by_name_and_change_nothing() {
     let mut host = Host::started();
     for (status, says) in [
         (host.set("input", f64::NAN), "input cannot be set to NaN"),
-        (
-            host.set("input", f64::INFINITY),
-            "from -1000000.0 to 1000000.0",
-        ),
+        (host.set("input", f64::INFINITY), "from -1000000.0 to 1000000.0"),
         (host.set("gain", 2e6), "gain cannot be set to 2000000.0"),
-        (
-            host.set("output", 1.0),
-            "output is an output, which cannot be set",
-        ),
-        (
-            host.set("timeConstant", 1.0),
-            "a fixed parameter, which cannot be set while running",
-        ),
+        (host.set("output", 1.0), "output is an output, which cannot be set"),
+        (host.set("timeConstant", 1.0), "a fixed parameter, which cannot be set while running"),
         (host.set("steps", 1.0), "steps is an output"),
-        (
-            host.set("trouble", 1.0),
-            "trouble is of type Enumeration, not Real",
-        ),
-        (
-            host.set_integer("trouble", 5),
-            "one of 1 (None), 2 (Discard)",
-        ),
+        (host.set("trouble", 1.0), "trouble is of type Enumeration, not Real"),
+        (host.set_integer("trouble", 5), "one of 1 (None), 2 (Discard)"),
         (host.step(0.0, 0.0), "greater than 0"),
         (host.step(0.0, -1.0), "greater than 0"),
         (host.step(0.0, f64::NAN), "greater than 0"),
@@ -108,10 +84,7 @@ fn unusable_values_are_refused_by_name_and_change_nothing() {
         assert_eq!(status, Error, "{says}");
         let messages = host.messages();
         assert!(
-            cfg!(miri)
-                || messages
-                    .iter()
-                    .any(|m| m.text.contains(says) && m.category == "logStatusError"),
+            cfg!(miri) || messages.iter().any(|m| m.text.contains(says) && m.category == "logStatusError"),
             "{says}"
         );
         // Put them back for the next round.
@@ -119,9 +92,7 @@ fn unusable_values_are_refused_by_name_and_change_nothing() {
     }
     // The first of two is right, the second is not: neither is set.
     // SAFETY: two values each.
-    let status = unsafe {
-        calls::set_real::<Lag>(host.component, [0, 999].as_ptr(), 2, [5.0, 5.0].as_ptr())
-    };
+    let status = unsafe { calls::set_real::<Lag>(host.component, [0, 999].as_ptr(), 2, [5.0, 5.0].as_ptr()) };
     assert_eq!(status, Error);
     assert_eq!(host.get("input"), 0.0);
     assert_eq!(host.step(0.0, 0.1), Ok, "still usable");
@@ -134,14 +105,7 @@ fn the_log_obeys_its_categories_and_takes_texts_as_data() {
     assert_eq!(host.set_string("label", c"%s%n%d"), Ok);
     let switch = |on, categories: &[_]| {
         // SAFETY: as many texts as are counted.
-        unsafe {
-            calls::set_debug_logging::<Lag>(
-                host.component,
-                on,
-                categories.len(),
-                categories.as_ptr(),
-            )
-        }
+        unsafe { calls::set_debug_logging::<Lag>(host.component, on, categories.len(), categories.as_ptr()) }
     };
     assert_eq!(switch(1, &[c"lag".as_ptr()]), Ok);
     assert_eq!([host.enter(), host.exit()], [Ok; 2]);
@@ -152,11 +116,7 @@ fn the_log_obeys_its_categories_and_takes_texts_as_data() {
     assert_eq!(host.step(0.1, 0.1), Ok);
     assert_eq!(switch(0, &[]), Ok);
     assert_eq!(host.step(0.2, 0.1), Ok);
-    let texts = host
-        .messages()
-        .into_iter()
-        .map(|message| message.text)
-        .collect::<Vec<_>>();
+    let texts = host.messages().into_iter().map(|message| message.text).collect::<Vec<_>>();
     assert_eq!(
         texts,
         [

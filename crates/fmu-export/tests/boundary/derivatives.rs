@@ -11,14 +11,7 @@ fn inputs_with_slopes_meet_the_exact_solution() {
     let host = Host::started();
     for i in 0..10 {
         let t = f64::from(i) * 0.1;
-        assert_eq!(
-            [
-                host.set("input", t),
-                host.slope("input", 1, 1.0),
-                host.step(t, 0.1)
-            ],
-            [Ok; 3]
-        );
+        assert_eq!([host.set("input", t), host.slope("input", 1, 1.0), host.step(t, 0.1)], [Ok; 3]);
     }
     // tau y' = 2 t - y, y(0) = 1
     let exact = 2.0 * (1.0 - 0.5) + (1.0 + 2.0 * 0.5) * (-1.0 / 0.5_f64).exp();
@@ -37,11 +30,7 @@ fn output_derivatives_known_and_by_difference() {
     let rate = (6.0 - before) / 0.5;
     assert!((host.rate("output") - rate).abs() < 1e-12);
     assert_eq!(host.slope("input", 1, 4.0), Ok);
-    assert!(
-        (host.rate("feed") - 8.0).abs() < 1e-6,
-        "{}",
-        host.rate("feed")
-    );
+    assert!((host.rate("feed") - 8.0).abs() < 1e-6, "{}", host.rate("feed"));
     assert_eq!(host.get("output"), before, "nothing has moved");
 }
 

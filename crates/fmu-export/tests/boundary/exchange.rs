@@ -29,16 +29,10 @@ mod functions {
     use super::*;
 
     pub fn new_states(host: &Host) -> Status {
-        let mut info = EventInfo {
-            next_event_time_defined: 7,
-            ..EventInfo::default()
-        };
+        let mut info = EventInfo { next_event_time_defined: 7, ..EventInfo::default() };
         let status = unsafe { calls::new_discrete_states::<Lag>(host.component, &mut info) };
         if status == Ok {
-            assert_eq!(
-                info.next_event_time_defined + info.new_discrete_states_needed,
-                0
-            );
+            assert_eq!(info.next_event_time_defined + info.new_discrete_states_needed, 0);
         }
         status
     }
@@ -69,11 +63,7 @@ mod functions {
     pub fn rate(host: &Host) -> Result<f64, Status> {
         let mut rate = f64::NAN;
         let status = unsafe { calls::get_derivatives::<Lag>(host.component, &mut rate, 1) };
-        if status == Ok {
-            Result::Ok(rate)
-        } else {
-            Err(status)
-        }
+        if status == Ok { Result::Ok(rate) } else { Err(status) }
     }
 
     pub fn get(host: &Host, reference: u32) -> f64 {
@@ -86,8 +76,7 @@ mod functions {
     pub fn completed(host: &Host) -> (Status, [i32; 2]) {
         let mut flags = [7; 2];
         let [event, end] = &mut flags;
-        let status =
-            unsafe { calls::completed_integrator_step::<Lag>(host.component, 1, event, end) };
+        let status = unsafe { calls::completed_integrator_step::<Lag>(host.component, 1, event, end) };
         (status, flags)
     }
 }
@@ -131,26 +120,11 @@ fn functions_have_their_modes() {
     assert_eq!(rate(&host), Err(Error));
     assert_eq!([host.setup(None), host.enter()], [Ok; 2]);
     assert_eq!(host.set("initialState", 7.0), Ok);
-    assert_eq!(
-        state(&host),
-        7.0,
-        "the initialization follows what is set within it"
-    );
-    assert_eq!(
-        [
-            set_time(&host, 0.0),
-            set_state(&host, &[1.0]),
-            enter_continuous(&host)
-        ],
-        [Error; 3]
-    );
+    assert_eq!(state(&host), 7.0, "the initialization follows what is set within it");
+    assert_eq!([set_time(&host, 0.0), set_state(&host, &[1.0]), enter_continuous(&host)], [Error; 3]);
     assert_eq!(host.exit(), Ok);
     assert_eq!([host.step(0.0, 0.1), enter_event(&host)], [Error; 2]);
-    assert_eq!(
-        [host.set("gain", 3.0), host.set_boolean("inverted", 1)],
-        [Ok; 2],
-        "in event mode"
-    );
+    assert_eq!([host.set("gain", 3.0), host.set_boolean("inverted", 1)], [Ok; 2], "in event mode");
     assert_eq!(host.set("initialState", 8.0), Error);
     assert_eq!([new_states(&host), enter_continuous(&host)], [Ok; 2]);
     assert_eq!([new_states(&host), enter_continuous(&host)], [Error; 2]);
@@ -161,10 +135,7 @@ fn functions_have_their_modes() {
     );
     assert!(host.said("which cannot be set in continuous-time mode"));
     assert_eq!([host.set("input", 1.0), enter_event(&host)], [Ok; 2]);
-    assert_eq!(
-        [host.reset(), host.setup(None), host.enter(), host.exit()],
-        [Ok; 4]
-    );
+    assert_eq!([host.reset(), host.setup(None), host.enter(), host.exit()], [Ok; 4]);
     assert_eq!(enter_continuous(&host), Ok, "still for Model Exchange");
 }
 
@@ -178,37 +149,16 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     // SAFETY: NULL is what the test is about.
     unsafe {
         let component = host.component;
-        assert_eq!(
-            calls::set_continuous_states::<Lag>(component, null(), 1),
-            Error
-        );
-        assert_eq!(
-            calls::get_derivatives::<Lag>(component, null_mut(), 1),
-            Error
-        );
-        assert_eq!(
-            calls::new_discrete_states::<Lag>(component, null_mut()),
-            Error
-        );
-        assert_eq!(
-            calls::get_event_indicators::<Lag>(component, null_mut(), 0),
-            Ok
-        );
-        assert_eq!(
-            calls::get_event_indicators::<Lag>(component, &mut 0.0, 1),
-            Error
-        );
+        assert_eq!(calls::set_continuous_states::<Lag>(component, null(), 1), Error);
+        assert_eq!(calls::get_derivatives::<Lag>(component, null_mut(), 1), Error);
+        assert_eq!(calls::new_discrete_states::<Lag>(component, null_mut()), Error);
+        assert_eq!(calls::get_event_indicators::<Lag>(component, null_mut(), 0), Ok);
+        assert_eq!(calls::get_event_indicators::<Lag>(component, &mut 0.0, 1), Error);
     }
     assert_eq!(state(&host), 1.0);
     for (trouble, ended) in [(2, Discard), (3, Error), (1, Ok), (4, Fatal)] {
         assert_eq!(enter_event(&host), Ok);
-        assert_eq!(
-            [
-                host.set_integer("trouble", trouble),
-                enter_continuous(&host)
-            ],
-            [Ok; 2]
-        );
+        assert_eq!([host.set_integer("trouble", trouble), enter_continuous(&host)], [Ok; 2]);
         assert_eq!(rate(&host).err().unwrap_or(Ok), ended);
     }
 }
@@ -220,10 +170,7 @@ fn saved_states_belong_to_one_interface() {
     let saved = host.save();
     let bytes = host.bytes(saved);
     assert_eq!(set_state(&host, &[5.0]), Ok);
-    assert_eq!(
-        [other.restore(saved), host.restore(saved), host.free(saved)],
-        [Error, Ok, Ok]
-    );
+    assert_eq!([other.restore(saved), host.restore(saved), host.free(saved)], [Error, Ok, Ok]);
     assert_eq!(state(&host), 4.0);
     let again = integrated();
     let copy = again.state_of(&bytes).unwrap();
@@ -236,18 +183,14 @@ fn saved_states_belong_to_one_interface() {
 #[test]
 fn fmi_3_gives_the_same_rates() {
     use fmi3::calls;
-    let token = description::token(description::fingerprint::<Lag>(
-        Version::Three,
-        Interface::ModelExchange,
-    )) + "\0";
+    let token = description::token(description::fingerprint::<Lag>(Version::Three, Interface::ModelExchange)) + "\0";
     let two = integrated();
     let (mut state, mut rate, mut nominal, mut n) = (f64::NAN, f64::NAN, f64::NAN, 9);
     let (mut flags, mut time) = ([7_u8; 5], f64::NAN);
     // SAFETY: all arguments are what the standard asks for.
     unsafe {
         let (name, token) = (c"lag".as_ptr(), token.as_ptr().cast());
-        let component =
-            calls::instantiate_model_exchange::<Lag>(name, token, null(), 0, 0, null_mut(), None);
+        let component = calls::instantiate_model_exchange::<Lag>(name, token, null(), 0, 0, null_mut(), None);
         assert!(!component.is_null());
         let done = [
             calls::enter_initialization_mode::<Lag>(component, 0, 0.0, 0.0, 0, 0.0),
@@ -257,88 +200,42 @@ fn fmi_3_gives_the_same_rates() {
         let [a, b, c, d, e] = &mut flags;
         let update = calls::update_discrete_states::<Lag>(component, a, b, c, d, e, &mut time);
         assert_eq!((update, flags), (Ok, [0; 5]));
-        assert_eq!(
-            calls::get_number_of_continuous_states::<Lag>(component, &mut n),
-            Ok
-        );
+        assert_eq!(calls::get_number_of_continuous_states::<Lag>(component, &mut n), Ok);
         assert_eq!(n, 1);
-        assert_eq!(
-            calls::get_number_of_event_indicators::<Lag>(component, &mut n),
-            Ok
-        );
+        assert_eq!(calls::get_number_of_event_indicators::<Lag>(component, &mut n), Ok);
         assert_eq!(n, 0);
         assert_eq!(calls::enter_continuous_time_mode::<Lag>(component), Ok);
-        assert_eq!(
-            calls::set_float64::<Lag>(component, &vr("input"), 1, &3.0, 1),
-            Ok
-        );
+        assert_eq!(calls::set_float64::<Lag>(component, &vr("input"), 1, &3.0, 1), Ok);
         assert_eq!(calls::set_time::<Lag>(component, 0.25), Ok);
         assert_eq!(calls::set_continuous_states::<Lag>(component, &2.5, 1), Ok);
-        assert_eq!(
-            calls::get_continuous_states::<Lag>(component, &mut state, 1),
-            Ok
-        );
-        assert_eq!(
-            calls::get_continuous_state_derivatives::<Lag>(component, &mut rate, 1),
-            Ok
-        );
-        assert_eq!(
-            calls::get_nominals_of_continuous_states::<Lag>(component, &mut nominal, 1),
-            Ok
-        );
+        assert_eq!(calls::get_continuous_states::<Lag>(component, &mut state, 1), Ok);
+        assert_eq!(calls::get_continuous_state_derivatives::<Lag>(component, &mut rate, 1), Ok);
+        assert_eq!(calls::get_nominals_of_continuous_states::<Lag>(component, &mut nominal, 1), Ok);
         let mut step = [7_u8; 2];
         let [event, end] = &mut step;
-        assert_eq!(
-            calls::completed_integrator_step::<Lag>(component, 1, event, end),
-            Ok
-        );
+        assert_eq!(calls::completed_integrator_step::<Lag>(component, 1, event, end), Ok);
         assert_eq!(step, [0; 2]);
         assert_eq!(calls::enter_event_mode::<Lag>(component), Ok);
         calls::free_instance::<Lag>(component);
     }
     assert_eq!([two.set("input", 3.0), set_state(&two, &[2.5])], [Ok; 2]);
-    assert_eq!(
-        (state, rate, nominal),
-        (2.5, functions::rate(&two).unwrap(), 1.0)
-    );
+    assert_eq!((state, rate, nominal), (2.5, functions::rate(&two).unwrap(), 1.0));
 }
 
 #[test]
 fn descriptions_say_which_states_there_are() {
     for (xml, unknown) in [
-        (
-            description::xml::<Lag>(Version::Two, Interface::ModelExchange),
-            "Derivatives",
-        ),
-        (
-            description::xml::<Lag>(Version::Three, Interface::ModelExchange),
-            "ContinuousStateDerivative",
-        ),
+        (description::xml::<Lag>(Version::Two, Interface::ModelExchange), "Derivatives"),
+        (description::xml::<Lag>(Version::Three, Interface::ModelExchange), "ContinuousStateDerivative"),
     ] {
         let document = roxmltree::Document::parse(&xml).unwrap();
-        let named = |name: &str| {
-            document
-                .descendants()
-                .find(|node| node.attribute("name") == Some(name))
-        };
+        let named = |name: &str| document.descendants().find(|node| node.attribute("name") == Some(name));
         assert!(named("steps").is_none(), "the lag counts its own steps");
         let reference = |name: &str| named(name).and_then(|node| node.attribute("valueReference"));
         assert_eq!(reference("state"), Some("1000000000"));
         assert_eq!(reference("der(state)"), Some("1100000000"));
-        assert!(
-            document
-                .descendants()
-                .any(|node| node.has_tag_name(unknown))
-        );
-        assert!(
-            document
-                .descendants()
-                .any(|node| node.has_tag_name("ModelExchange"))
-        );
-        assert!(
-            !document
-                .descendants()
-                .any(|node| node.has_tag_name("CoSimulation"))
-        );
+        assert!(document.descendants().any(|node| node.has_tag_name(unknown)));
+        assert!(document.descendants().any(|node| node.has_tag_name("ModelExchange")));
+        assert!(!document.descendants().any(|node| node.has_tag_name("CoSimulation")));
     }
 }

@@ -7,8 +7,8 @@ use std::ptr::{null, null_mut};
 use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi2::calls;
 use fmu_export::fmi2::types::{
-    CO_SIMULATION, CallbackFunctions, CallbackLogger, Component, ComponentEnvironment, FALSE,
-    FmuState, Status, TRUE, Text, ValueReference,
+    CO_SIMULATION, CallbackFunctions, CallbackLogger, Component, ComponentEnvironment, FALSE, FmuState, Status, TRUE,
+    Text, ValueReference,
 };
 use fmu_export::model::Model;
 use lag::Lag;
@@ -47,11 +47,7 @@ unsafe extern "C" fn logger(
     };
     assert_eq!(format, c"%s", "the message is data, never the format");
     let [category, text] = [category, text].map(|text| text.to_string_lossy().into_owned());
-    messages.push(Message {
-        status,
-        category,
-        text,
-    });
+    messages.push(Message { status, category, text });
 }
 
 /// The lag in a host.
@@ -72,10 +68,7 @@ impl Host {
 
     /// An instance for Model Exchange, not yet initialised.
     pub fn exchange() -> Self {
-        let guid = description::token(description::fingerprint::<Lag>(
-            Version::Two,
-            Interface::ModelExchange,
-        ));
+        let guid = description::token(description::fingerprint::<Lag>(Version::Two, Interface::ModelExchange));
         let host = Self::with(c"lag", &CString::new(guid).unwrap(), 0, c"file:///tmp");
         assert!(!host.component.is_null(), "{:?}", host.messages);
         host
@@ -85,8 +78,7 @@ impl Host {
     pub fn with(name: &CStr, guid: &CStr, kind: i32, resources: &CStr) -> Self {
         let mut messages = Box::new(Vec::<Message>::new());
         // SAFETY: the same calling convention for both, see `Fixed`. Miri refuses such a call.
-        let logger =
-            (!cfg!(miri)).then(|| unsafe { std::mem::transmute::<Fixed, CallbackLogger>(logger) });
+        let logger = (!cfg!(miri)).then(|| unsafe { std::mem::transmute::<Fixed, CallbackLogger>(logger) });
         let component = {
             let callbacks = CallbackFunctions {
                 logger,
@@ -108,10 +100,7 @@ impl Host {
                 )
             }
         };
-        Self {
-            component,
-            messages,
-        }
+        Self { component, messages }
     }
 
     /// An instance at its first communication point.
@@ -149,18 +138,12 @@ impl Drop for Host {
 
 /// The GUID of the lag.
 pub fn guid() -> CString {
-    CString::new(description::token(description::fingerprint::<Lag>(
-        Version::Two,
-        Interface::CoSimulation,
-    )))
-    .unwrap()
+    CString::new(description::token(description::fingerprint::<Lag>(Version::Two, Interface::CoSimulation))).unwrap()
 }
 
 /// The value reference of a variable of the lag.
 pub fn vr(name: &str) -> ValueReference {
-    let index = Lag::variables()
-        .iter()
-        .position(|variable| variable.name == name);
+    let index = Lag::variables().iter().position(|variable| variable.name == name);
     index.unwrap().try_into().unwrap()
 }
 
@@ -171,9 +154,7 @@ impl Host {
     pub fn setup(&self, stop: Option<f64>) -> Status {
         let defined = if stop.is_some() { TRUE } else { FALSE };
         let stop = stop.unwrap_or(f64::NAN);
-        unsafe {
-            calls::setup_experiment::<Lag>(self.component, FALSE, f64::NAN, 0.0, defined, stop)
-        }
+        unsafe { calls::setup_experiment::<Lag>(self.component, FALSE, f64::NAN, 0.0, defined, stop) }
     }
 
     pub fn enter(&self) -> Status {
@@ -203,11 +184,7 @@ impl Host {
     pub fn try_get(&self, name: &str) -> Result<f64, Status> {
         let mut value = f64::NAN;
         let status = unsafe { calls::get_real::<Lag>(self.component, &vr(name), 1, &mut value) };
-        if status == Ok {
-            Result::Ok(value)
-        } else {
-            Err(status)
-        }
+        if status == Ok { Result::Ok(value) } else { Err(status) }
     }
 
     pub fn get(&self, name: &str) -> f64 {
@@ -241,16 +218,12 @@ impl Host {
     }
 
     pub fn slope(&self, name: &str, order: i32, value: f64) -> Status {
-        unsafe {
-            calls::set_real_input_derivatives::<Lag>(self.component, &vr(name), 1, &order, &value)
-        }
+        unsafe { calls::set_real_input_derivatives::<Lag>(self.component, &vr(name), 1, &order, &value) }
     }
 
     pub fn rate(&self, name: &str) -> f64 {
         let mut value = f64::NAN;
-        let status = unsafe {
-            calls::get_real_output_derivatives::<Lag>(self.component, &vr(name), 1, &1, &mut value)
-        };
+        let status = unsafe { calls::get_real_output_derivatives::<Lag>(self.component, &vr(name), 1, &1, &mut value) };
         assert_eq!(status, Ok);
         value
     }
@@ -258,15 +231,7 @@ impl Host {
     pub fn derivative(&self, unknown: &str, known: &str) -> f64 {
         let mut value = f64::NAN;
         let status = unsafe {
-            calls::get_directional_derivative::<Lag>(
-                self.component,
-                &vr(unknown),
-                1,
-                &vr(known),
-                1,
-                &1.0,
-                &mut value,
-            )
+            calls::get_directional_derivative::<Lag>(self.component, &vr(unknown), 1, &vr(known), 1, &1.0, &mut value)
         };
         assert_eq!(status, Ok);
         value
@@ -274,10 +239,7 @@ impl Host {
 
     pub fn save(&self) -> FmuState {
         let mut state = null_mut();
-        assert_eq!(
-            unsafe { calls::get_fmu_state::<Lag>(self.component, &mut state) },
-            Ok
-        );
+        assert_eq!(unsafe { calls::get_fmu_state::<Lag>(self.component, &mut state) }, Ok);
         state
     }
 
@@ -291,18 +253,11 @@ impl Host {
 
     pub fn bytes(&self, state: FmuState) -> Vec<u8> {
         let mut size = 0;
-        let status =
-            unsafe { calls::serialized_fmu_state_size::<Lag>(self.component, state, &mut size) };
+        let status = unsafe { calls::serialized_fmu_state_size::<Lag>(self.component, state, &mut size) };
         assert_eq!(status, Ok);
         let mut bytes = vec![0_u8; size];
-        let status = unsafe {
-            calls::serialize_fmu_state::<Lag>(
-                self.component,
-                state,
-                bytes.as_mut_ptr().cast(),
-                size,
-            )
-        };
+        let status =
+            unsafe { calls::serialize_fmu_state::<Lag>(self.component, state, bytes.as_mut_ptr().cast(), size) };
         assert_eq!(status, Ok);
         bytes
     }
@@ -313,10 +268,6 @@ impl Host {
             let bytes_ = bytes.as_ptr().cast();
             calls::deserialize_fmu_state::<Lag>(self.component, bytes_, bytes.len(), &mut state)
         };
-        if status == Ok {
-            Result::Ok(state)
-        } else {
-            Err(status)
-        }
+        if status == Ok { Result::Ok(state) } else { Err(status) }
     }
 }

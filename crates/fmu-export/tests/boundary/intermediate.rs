@@ -7,8 +7,7 @@ use std::ptr::null_mut;
 use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi3::calls;
 use fmu_export::fmi3::types::{
-    Boolean, Component, ComponentEnvironment, FALSE, IntermediateUpdateCallback, Status, TRUE,
-    Text, ValueReference,
+    Boolean, Component, ComponentEnvironment, FALSE, IntermediateUpdateCallback, Status, TRUE, Text, ValueReference,
 };
 use lag::Lag;
 
@@ -77,11 +76,7 @@ impl Drop for Host {
 // SAFETY of all: the component is alive, and the pointers are ours.
 #[allow(clippy::undocumented_unsafe_blocks)]
 impl Host {
-    fn with(
-        script: Option<Script>,
-        variables: &[ValueReference],
-        early: Boolean,
-    ) -> Result<Self, String> {
+    fn with(script: Option<Script>, variables: &[ValueReference], early: Boolean) -> Result<Self, String> {
         let callback = script.is_some().then_some(update as _);
         let world = Box::new(World {
             messages: RefCell::default(),
@@ -90,11 +85,9 @@ impl Host {
             script: RefCell::new(script.unwrap_or_else(|| Box::new(|_, _| None))),
         });
         let callback: Option<IntermediateUpdateCallback> = callback;
-        let token = CString::new(description::token(description::fingerprint::<Lag>(
-            Version::Three,
-            Interface::CoSimulation,
-        )))
-        .unwrap();
+        let token =
+            CString::new(description::token(description::fingerprint::<Lag>(Version::Three, Interface::CoSimulation)))
+                .unwrap();
         let environment = (&raw const *world).cast::<c_void>().cast_mut();
         let component = unsafe {
             calls::instantiate_co_simulation::<Lag>(
@@ -128,18 +121,8 @@ impl Host {
     /// Takes a step; returns its status, whether it ended early, and the time that was reached.
     fn step(&self, from: f64, step: f64) -> (Status, Boolean, f64) {
         let (mut event, mut end, mut early, mut reached) = (7, 7, 7, f64::NAN);
-        let status = unsafe {
-            calls::do_step::<Lag>(
-                self.0,
-                from,
-                step,
-                1,
-                &mut event,
-                &mut end,
-                &mut early,
-                &mut reached,
-            )
-        };
+        let status =
+            unsafe { calls::do_step::<Lag>(self.0, from, step, 1, &mut event, &mut end, &mut early, &mut reached) };
         assert_eq!([event, end], [FALSE; 2]);
         (status, early, reached)
     }
@@ -164,11 +147,7 @@ fn get(component: Component, name: &str) -> Result<f64, Status> {
     let mut value = f64::NAN;
     // SAFETY: the component is alive, and the pointers are ours.
     let status = unsafe { calls::get_float64::<Lag>(component, &vr(name), 1, &mut value, 1) };
-    if status == Ok {
-        Result::Ok(value)
-    } else {
-        Err(status)
-    }
+    if status == Ok { Result::Ok(value) } else { Err(status) }
 }
 
 fn trouble(component: Component, value: i64) -> Status {
@@ -190,11 +169,7 @@ fn a_watched_step_is_a_host_s_steps_by_inner_steps_to_the_last_bit() {
         plain.step(f64::from(i) * INNER, INNER);
     }
     assert_eq!(get(watched.0, "output"), get(plain.0, "output"));
-    let told = [1.0, 2.0, 3.0, 4.0].map(|i| Update {
-        time: i * INNER,
-        set: i < 4.0,
-        early: false,
-    });
+    let told = [1.0, 2.0, 3.0, 4.0].map(|i| Update { time: i * INNER, set: i < 4.0, early: false });
     assert_eq!(watched.updates(), told);
     assert_eq!(plain.updates(), []);
 }
@@ -218,9 +193,7 @@ fn a_host_reads_and_sets_announced_variables_and_nothing_else() {
         let rate = {
             let mut rate = f64::NAN;
             // SAFETY: the component is alive, and the pointers are ours.
-            let status = unsafe {
-                calls::get_output_derivatives::<Lag>(lag, &vr("output"), 1, &1, &mut rate, 1)
-            };
+            let status = unsafe { calls::get_output_derivatives::<Lag>(lag, &vr("output"), 1, &1, &mut rate, 1) };
             assert_eq!(status, Ok);
             rate
         };
@@ -289,11 +262,7 @@ fn a_step_ends_early_at_the_time_that_the_host_asks_for() {
     for (asked, end, updates) in cases {
         let script: Script = Box::new(move |_, update| update.early.then_some(asked));
         let host = Host::with(Some(script), &[], TRUE).unwrap();
-        assert_eq!(
-            host.step(0.0, 1.0),
-            (Ok, (end < 1.0).into(), end),
-            "{asked}"
-        );
+        assert_eq!(host.step(0.0, 1.0), (Ok, (end < 1.0).into(), end), "{asked}");
         assert_eq!(host.updates().len(), updates, "{asked}");
         let exact = crate::answer(1.0, end);
         assert!((get(host.0, "output").unwrap() - exact).abs() < 1e-14);
@@ -332,15 +301,10 @@ fn a_tiny_inner_step_does_not_make_endless_updates() {
 #[test]
 fn variables_that_cannot_be_accessed_are_refused_at_once() {
     for (name, why) in [
-        (
-            "gain",
-            "gain cannot be accessed in intermediate update mode: it has no intermediateUpdate",
-        ),
+        ("gain", "gain cannot be accessed in intermediate update mode: it has no intermediateUpdate"),
         ("steps", "steps cannot be accessed"),
     ] {
-        let refused = Host::with(silent(), &[vr("input"), vr(name)], TRUE)
-            .err()
-            .unwrap();
+        let refused = Host::with(silent(), &[vr("input"), vr(name)], TRUE).err().unwrap();
         assert!(refused.contains(why), "{refused}");
     }
     let refused = Host::with(silent(), &[999], TRUE).err().unwrap();

@@ -24,19 +24,9 @@ fn a_whole_run_meets_the_exact_solution() {
 #[test]
 fn instantiation_is_refused_with_a_reason() {
     for (name, guid, kind, reason) in [
-        (
-            c"",
-            guid().as_c_str(),
-            1,
-            "`instanceName` = \"\": it must not be empty",
-        ),
+        (c"", guid().as_c_str(), 1, "`instanceName` = \"\": it must not be empty"),
         (c"a", c"{1}", 1, "does not belong to this binary"),
-        (
-            c"a",
-            guid().as_c_str(),
-            7,
-            "Model Exchange (0) or Co-Simulation (1)",
-        ),
+        (c"a", guid().as_c_str(), 7, "Model Exchange (0) or Co-Simulation (1)"),
         (c"a", guid().as_c_str(), 0, "does not belong to this binary"),
     ] {
         let mut host = Host::with(name, guid, kind, c"");
@@ -58,52 +48,21 @@ fn names_in_another_encoding_are_taken() {
 #[test]
 fn the_state_machine_is_the_standards() {
     let mut host = Host::new();
-    assert_eq!(
-        host.try_get("output"),
-        Err(Error),
-        "nothing is computed yet"
-    );
+    assert_eq!(host.try_get("output"), Err(Error), "nothing is computed yet");
     assert!(host.said("fmi2GetReal: this function must not be called before the initialization"));
-    assert_eq!(
-        [host.step(0.0, 0.1), host.exit(), host.terminate()],
-        [Error; 3]
-    );
-    assert_eq!(
-        [host.set("input", 1.0), host.set("timeConstant", 0.25)],
-        [Ok; 2]
-    );
+    assert_eq!([host.step(0.0, 0.1), host.exit(), host.terminate()], [Error; 3]);
+    assert_eq!([host.set("input", 1.0), host.set("timeConstant", 0.25)], [Ok; 2]);
     assert_eq!([host.setup(None), host.enter()], [Ok; 2]);
-    assert_eq!(
-        [host.setup(None), host.enter(), host.step(0.0, 0.1)],
-        [Error; 3]
-    );
+    assert_eq!([host.setup(None), host.enter(), host.step(0.0, 0.1)], [Error; 3]);
     assert_eq!(host.set("initialState", 7.0), Ok);
-    assert_eq!(
-        host.get("output"),
-        7.0,
-        "the initialization follows what is set within it"
-    );
+    assert_eq!(host.get("output"), 7.0, "the initialization follows what is set within it");
     assert_eq!(host.exit(), Ok);
     assert_eq!(host.set("initialState", 8.0), Error, "a fixed parameter");
-    assert_eq!(
-        [
-            host.set("gain", 3.0),
-            host.set("input", 1.0),
-            host.step(0.0, 0.1)
-        ],
-        [Ok; 3]
-    );
+    assert_eq!([host.set("gain", 3.0), host.set("input", 1.0), host.step(0.0, 0.1)], [Ok; 3]);
     // SAFETY: the component is alive.
     assert_eq!(unsafe { calls::cancel_step::<Lag>(host.component) }, Error);
     assert_eq!(host.terminate(), Ok);
-    assert_eq!(
-        [
-            host.terminate(),
-            host.step(0.1, 0.1),
-            host.set("input", 0.0)
-        ],
-        [Error; 3]
-    );
+    assert_eq!([host.terminate(), host.step(0.1, 0.1), host.set("input", 0.0)], [Error; 3]);
     assert!(host.try_get("output").is_ok());
     assert_eq!([host.reset(), host.enter(), host.exit()], [Ok; 3]);
     assert_eq!(host.get("output"), 1.0, "start values again");
@@ -152,13 +111,9 @@ fn late_steps_are_told_apart_as_well_as_early_ones() {
 
 #[test]
 fn experiments_may_have_no_length_or_no_end() {
-    for (stop, status) in [
-        (0.0, Ok),
-        (f64::INFINITY, Ok),
-        (-1e-9, Error),
-        (f64::NEG_INFINITY, Error),
-        (f64::NAN, Error),
-    ] {
+    for (stop, status) in
+        [(0.0, Ok), (f64::INFINITY, Ok), (-1e-9, Error), (f64::NEG_INFINITY, Error), (f64::NAN, Error)]
+    {
         let host = Host::new();
         assert_eq!(host.setup(Some(stop)), status, "{stop}");
     }
@@ -173,55 +128,24 @@ fn failed_steps_follow_the_standard() {
     let mut host = Host::started();
     assert_eq!(host.step(0.0, 0.25), Ok);
     let state = host.save();
-    assert_eq!(
-        [host.set_integer("trouble", 2), host.step(0.25, 0.25)],
-        [Ok, Discard]
-    );
+    assert_eq!([host.set_integer("trouble", 2), host.step(0.25, 0.25)], [Ok, Discard]);
     let (mut time, mut ended, mut status) = (f64::NAN, -1, Ok);
     // SAFETY: the component is alive, and so are the values.
     unsafe {
-        assert_eq!(
-            calls::get_real_status::<Lag>(host.component, 2, &mut time),
-            Ok
-        );
-        assert_eq!(
-            calls::get_boolean_status::<Lag>(host.component, 3, &mut ended),
-            Ok
-        );
+        assert_eq!(calls::get_real_status::<Lag>(host.component, 2, &mut time), Ok);
+        assert_eq!(calls::get_boolean_status::<Lag>(host.component, 3, &mut ended), Ok);
         assert_eq!(calls::get_status::<Lag>(host.component, 0, &mut status), Ok);
-        assert_eq!(
-            calls::get_integer_status::<Lag>(host.component, 0, &mut ended),
-            Discard
-        );
-        assert_eq!(
-            calls::get_string_status::<Lag>(host.component, 1, &mut null()),
-            Discard
-        );
-        assert_eq!(
-            calls::get_string_status::<Lag>(host.component, 1, null_mut()),
-            Error
-        );
+        assert_eq!(calls::get_integer_status::<Lag>(host.component, 0, &mut ended), Discard);
+        assert_eq!(calls::get_string_status::<Lag>(host.component, 1, &mut null()), Discard);
+        assert_eq!(calls::get_string_status::<Lag>(host.component, 1, null_mut()), Error);
     }
     assert_eq!((time, ended, status), (0.25, 0, Discard));
-    assert_eq!(
-        host.step(0.25, 0.25),
-        Error,
-        "not before a state is restored"
-    );
+    assert_eq!(host.step(0.25, 0.25), Error, "not before a state is restored");
     assert_eq!([host.restore(state), host.step(0.25, 0.25)], [Ok; 2]);
-    assert_eq!(
-        [host.set_integer("trouble", 3), host.step(0.5, 0.25)],
-        [Ok, Error]
-    );
+    assert_eq!([host.set_integer("trouble", 3), host.step(0.5, 0.25)], [Ok, Error]);
     assert!(host.said("fmi2DoStep: the lag does not like its input"));
-    assert!(
-        host.try_get("output").is_ok(),
-        "values can be read for debugging"
-    );
-    assert_eq!(
-        [host.step(0.5, 0.25), host.reset(), host.enter()],
-        [Error, Ok, Ok]
-    );
+    assert!(host.try_get("output").is_ok(), "values can be read for debugging");
+    assert_eq!([host.step(0.5, 0.25), host.reset(), host.enter()], [Error, Ok, Ok]);
     assert_eq!(host.free(state), Ok);
 }
 
@@ -229,20 +153,11 @@ fn failed_steps_follow_the_standard() {
 fn a_panic_stops_at_the_boundary() {
     let mut host = Host::started();
     let other = Host::started();
-    assert_eq!(
-        [host.set_integer("trouble", 4), host.step(0.0, 0.1)],
-        [Ok, Fatal]
-    );
+    assert_eq!([host.set_integer("trouble", 4), host.step(0.0, 0.1)], [Ok, Fatal]);
     if let Some(last) = host.log().last() {
-        assert_eq!(
-            (last.status, last.category.as_str()),
-            (Fatal, "logStatusFatal")
-        );
+        assert_eq!((last.status, last.category.as_str()), (Fatal, "logStatusFatal"));
     }
     assert!(host.said("the lag panics"));
-    assert_eq!(
-        [host.reset(), host.step(0.0, 0.1), host.terminate()],
-        [Fatal; 3]
-    );
+    assert_eq!([host.reset(), host.step(0.0, 0.1), host.terminate()], [Fatal; 3]);
     assert_eq!(other.step(0.0, 0.1), Ok, "other instances go on");
 }

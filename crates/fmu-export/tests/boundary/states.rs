@@ -32,15 +32,7 @@ fn states_of_the_initialization_are_whole() {
     let bytes = host.bytes(state);
     assert_eq!([host.free(state), host.reset()], [Ok; 2]);
     let state = host.state_of(&bytes).unwrap();
-    assert_eq!(
-        [
-            host.restore(state),
-            host.set("gain", 1.0),
-            host.exit(),
-            host.free(state)
-        ],
-        [Ok; 4]
-    );
+    assert_eq!([host.restore(state), host.set("gain", 1.0), host.exit(), host.free(state)], [Ok; 4]);
     assert_eq!(host.get("output"), 5.0);
 }
 
@@ -51,11 +43,7 @@ fn damaged_states_are_refused() {
     let bytes = host.bytes(state);
     assert_eq!(host.free(state), Ok);
     for length in 0..bytes.len() {
-        assert_eq!(
-            host.state_of(&bytes[..length]),
-            Err(Error),
-            "cut at {length}"
-        );
+        assert_eq!(host.state_of(&bytes[..length]), Err(Error), "cut at {length}");
     }
     for place in 0..bytes.len() {
         let mut damaged = bytes.clone();

@@ -7,8 +7,7 @@ use fmu_export::description::{self, Interface, Version};
 use fmu_export::fmi2;
 use fmu_export::fmi3::calls;
 use fmu_export::fmi3::types::{
-    Boolean, Component, ComponentEnvironment, FALSE, LogMessageCallback, Status, Text,
-    ValueReference,
+    Boolean, Component, ComponentEnvironment, FALSE, LogMessageCallback, Status, Text, ValueReference,
 };
 use lag::Lag;
 
@@ -20,19 +19,9 @@ const TIME: ValueReference = i32::MAX as ValueReference;
 
 type Messages = Vec<(Status, String)>;
 
-unsafe extern "C" fn logger(
-    environment: ComponentEnvironment,
-    status: Status,
-    _: Text,
-    message: Text,
-) {
+unsafe extern "C" fn logger(environment: ComponentEnvironment, status: Status, _: Text, message: Text) {
     // SAFETY: the environment is the host's list; the boundary sends C strings.
-    let (messages, message) = unsafe {
-        (
-            &mut *environment.cast::<Messages>(),
-            CStr::from_ptr(message),
-        )
-    };
+    let (messages, message) = unsafe { (&mut *environment.cast::<Messages>(), CStr::from_ptr(message)) };
     messages.push((status, message.to_string_lossy().into_owned()));
 }
 
@@ -77,10 +66,7 @@ impl Host {
                 None,
             )
         };
-        Self {
-            component,
-            messages,
-        }
+        Self { component, messages }
     }
 
     fn new() -> Self {
@@ -91,16 +77,7 @@ impl Host {
 
     fn enter(&self, stop: Option<f64>) -> Status {
         let (defined, stop) = (stop.is_some().into(), stop.unwrap_or(f64::NAN));
-        unsafe {
-            calls::enter_initialization_mode::<Lag>(
-                self.component,
-                FALSE,
-                f64::NAN,
-                0.0,
-                defined,
-                stop,
-            )
-        }
+        unsafe { calls::enter_initialization_mode::<Lag>(self.component, FALSE, f64::NAN, 0.0, defined, stop) }
     }
 
     fn exit(&self) -> Status {
@@ -116,30 +93,14 @@ impl Host {
     fn step(&self, from: f64, step: f64) -> Stepped {
         let (mut flags, mut reached) = ([7; 3], f64::NAN);
         let [event, end, early] = &mut flags;
-        let status = unsafe {
-            calls::do_step::<Lag>(
-                self.component,
-                from,
-                step,
-                1,
-                event,
-                end,
-                early,
-                &mut reached,
-            )
-        };
+        let status = unsafe { calls::do_step::<Lag>(self.component, from, step, 1, event, end, early, &mut reached) };
         (status, flags, reached)
     }
 
     fn get(&self, reference: ValueReference) -> Result<f64, Status> {
         let mut value = f64::NAN;
-        let status =
-            unsafe { calls::get_float64::<Lag>(self.component, &reference, 1, &mut value, 1) };
-        if status == Ok {
-            Result::Ok(value)
-        } else {
-            Err(status)
-        }
+        let status = unsafe { calls::get_float64::<Lag>(self.component, &reference, 1, &mut value, 1) };
+        if status == Ok { Result::Ok(value) } else { Err(status) }
     }
 
     fn set(&self, name: &str, value: f64) -> Status {
@@ -158,11 +119,7 @@ impl Host {
 }
 
 fn token() -> CString {
-    CString::new(description::token(description::fingerprint::<Lag>(
-        Version::Three,
-        Interface::CoSimulation,
-    )))
-    .unwrap()
+    CString::new(description::token(description::fingerprint::<Lag>(Version::Three, Interface::CoSimulation))).unwrap()
 }
 
 #[test]
@@ -170,15 +127,9 @@ fn a_run_is_that_of_fmi_2_to_the_last_bit() {
     let (two, three) = (crate::host::Host::started(), Host::started());
     for i in 0..60 {
         let (time, input) = (f64::from(i) / 60.0, f64::from(i % 7));
-        assert_eq!(
-            [two.set("input", input), three.set("input", input)],
-            [Ok; 2]
-        );
+        assert_eq!([two.set("input", input), three.set("input", input)], [Ok; 2]);
         assert_eq!(two.step(time, 1.0 / 60.0), Ok);
-        assert_eq!(
-            three.step(time, 1.0 / 60.0),
-            (Ok, [FALSE; 3], time + 1.0 / 60.0)
-        );
+        assert_eq!(three.step(time, 1.0 / 60.0), (Ok, [FALSE; 3], time + 1.0 / 60.0));
         assert_eq!(three.get(vr("output")), Result::Ok(two.get("output")));
     }
     assert!(three.get(TIME).is_ok_and(|time| (time - 1.0).abs() < 1e-12));
@@ -188,11 +139,7 @@ fn a_run_is_that_of_fmi_2_to_the_last_bit() {
 fn instantiation_is_refused_with_a_reason() {
     for (token, event_mode, reason) in [
         (c"{1}", FALSE, "`instantiationToken` = {1}"),
-        (
-            token().as_c_str(),
-            1,
-            "`eventModeUsed` = fmi3True: this FMU has no event mode",
-        ),
+        (token().as_c_str(), 1, "`eventModeUsed` = fmi3True: this FMU has no event mode"),
     ] {
         let mut host = Host::with(token, event_mode);
         assert!(host.component.is_null());
@@ -221,10 +168,7 @@ fn instantiation_is_refused_with_a_reason() {
         ]
     };
     assert_eq!(others, [null_mut(); 2]);
-    for (message, says) in messages
-        .iter()
-        .zip(["does not belong to this binary", "has no input clocks"])
-    {
+    for (message, says) in messages.iter().zip(["does not belong to this binary", "has no input clocks"]) {
         assert!(message.1.contains(says), "{message:?}");
     }
     assert_eq!(messages.len(), 2);
@@ -257,11 +201,7 @@ fn a_discarded_step_can_be_tried_again_at_once() {
     assert_eq!(host.step(0.5, 0.25).0, Error, "not before a reset");
     let other = Host::started();
     assert_eq!(other.trouble(4), Ok);
-    assert_eq!(
-        other.step(0.0, 0.1).0,
-        Fatal,
-        "a panic stops at the boundary"
-    );
+    assert_eq!(other.step(0.0, 0.1).0, Fatal, "a panic stops at the boundary");
 }
 
 /// Pointers of `fmi3DoStep` that are NULL are refused before anything is done.
@@ -272,16 +212,7 @@ fn a_step_needs_a_place_for_each_answer() {
     // SAFETY: the component is alive; NULL is what the test is about.
     let status = unsafe {
         let flag = &raw mut flag;
-        calls::do_step::<Lag>(
-            host.component,
-            0.0,
-            0.1,
-            1,
-            flag,
-            null_mut(),
-            flag,
-            &mut time,
-        )
+        calls::do_step::<Lag>(host.component, 0.0, 0.1, 1, flag, null_mut(), flag, &mut time)
     };
     assert_eq!((status, flag), (Error, 7));
     assert!(host.said().contains("`terminateSimulation` is NULL"));
@@ -311,42 +242,18 @@ fn types_and_counts_must_fit() {
             calls::get_int32::<Lag>(component, &trouble, 1, &mut whole, 1),
             "trouble is of type Enumeration, not Int32",
         );
-        refused(
-            calls::get_int64::<Lag>(component, &steps, 1, &mut long, 1),
-            "steps is of type Int32, not Int64",
-        );
-        refused(
-            calls::get_uint8::<Lag>(component, &input, 1, &mut small, 1),
-            "input is of type Float64, not UInt8",
-        );
+        refused(calls::get_int64::<Lag>(component, &steps, 1, &mut long, 1), "steps is of type Int32, not Int64");
+        refused(calls::get_uint8::<Lag>(component, &input, 1, &mut small, 1), "input is of type Float64, not UInt8");
         refused(
             calls::set_int64::<Lag>(component, &trouble, 1, &((1 << 32) + 1), 1),
             "trouble cannot be set to 4294967297",
         );
-        refused(
-            calls::set_float64::<Lag>(component, &TIME, 1, &1.0, 1),
-            "value reference 2147483647",
-        );
-        refused(
-            calls::enter_event_mode::<Lag>(component),
-            "must not be called while running",
-        );
-        refused(
-            calls::evaluate_discrete_states::<Lag>(component),
-            "evaluates no discrete states",
-        );
-        assert_eq!(
-            calls::get_uint8::<Lag>(component, null(), 0, null_mut(), 0),
-            Ok
-        );
-        assert_eq!(
-            calls::get_int32::<Lag>(component, &steps, 1, &mut whole, 1),
-            Ok
-        );
-        assert_eq!(
-            calls::get_int64::<Lag>(component, &trouble, 1, &mut long, 1),
-            Ok
-        );
+        refused(calls::set_float64::<Lag>(component, &TIME, 1, &1.0, 1), "value reference 2147483647");
+        refused(calls::enter_event_mode::<Lag>(component), "must not be called while running");
+        refused(calls::evaluate_discrete_states::<Lag>(component), "evaluates no discrete states");
+        assert_eq!(calls::get_uint8::<Lag>(component, null(), 0, null_mut(), 0), Ok);
+        assert_eq!(calls::get_int32::<Lag>(component, &steps, 1, &mut whole, 1), Ok);
+        assert_eq!(calls::get_int64::<Lag>(component, &trouble, 1, &mut long, 1), Ok);
     }
     assert_eq!((whole, long), (0, 1));
 }
@@ -386,10 +293,7 @@ fn adjoint_derivatives_are_the_transposed_directional_ones() {
     };
     assert_eq!(status, Ok);
     // feed = gain input; the output depends on neither at this instant.
-    assert!(
-        (adjoint[0] - 20.0).abs() < 1e-7 && (adjoint[1] - 30.0).abs() < 1e-7,
-        "{adjoint:?}"
-    );
+    assert!((adjoint[0] - 20.0).abs() < 1e-7 && (adjoint[1] - 30.0).abs() < 1e-7, "{adjoint:?}");
 }
 
 #[test]

@@ -26,10 +26,7 @@ impl Archive {
         copy.set_raw_comment(zip.comment().into()).map_err(whole)?;
         for index in 0..zip.len() {
             let entry = zip.by_index_raw(index).map_err(whole)?;
-            let name = entry
-                .name()
-                .map(|name| name.into_owned())
-                .unwrap_or_default();
+            let name = entry.name().map(|name| name.into_owned()).unwrap_or_default();
             if leave_out(&name) || files.iter().any(|(file, _)| *file == name) {
                 continue;
             }
@@ -39,8 +36,7 @@ impl Archive {
         for (name, content) in files {
             let wrong = |error| ArchiveError::of_entry(name, error);
             // The same files make the same archive: no time of the day.
-            copy.start_file(name.as_str(), SimpleFileOptions::default())
-                .map_err(wrong)?;
+            copy.start_file(name.as_str(), SimpleFileOptions::default()).map_err(wrong)?;
             copy.write_all(content)?;
         }
         copy.finish().map_err(whole)?;

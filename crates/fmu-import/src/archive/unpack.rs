@@ -10,9 +10,7 @@ use super::{ArchiveError, MAX_ENTRIES, MAX_UNPACKED, open};
 
 /// Whether a simulation on this platform may need the entry.
 fn needed(name: &Path, platform: &str) -> bool {
-    let mut parts = name
-        .components()
-        .map(|part| part.as_os_str().to_string_lossy());
+    let mut parts = name.components().map(|part| part.as_os_str().to_string_lossy());
     match parts.next().as_deref() {
         Some("binaries") => parts.next().is_some_and(|part| part == platform),
         Some("documentation" | "sources") => false,
@@ -29,12 +27,7 @@ pub(super) struct Copy {
 
 impl Copy {
     /// Copies what a simulation on this platform may need.
-    pub(super) fn needed(
-        &mut self,
-        from: &Path,
-        platform: &str,
-        into: &Path,
-    ) -> Result<(), ArchiveError> {
+    pub(super) fn needed(&mut self, from: &Path, platform: &str, into: &Path) -> Result<(), ArchiveError> {
         for entry in fs::read_dir(from)? {
             let entry = entry?;
             let name = PathBuf::from(entry.file_name());
@@ -72,34 +65,19 @@ impl Copy {
 }
 
 /// Unpacks what a simulation on this platform may need.
-pub(super) fn unpack(
-    zip: &mut ZipArchive<File>,
-    platform: &str,
-    target: &Path,
-) -> Result<(), ArchiveError> {
+pub(super) fn unpack(zip: &mut ZipArchive<File>, platform: &str, target: &Path) -> Result<(), ArchiveError> {
     let mut room = MAX_UNPACKED;
     // Known beforehand, unless the archive lies.
-    if zip
-        .decompressed_size()
-        .is_some_and(|size| size > MAX_UNPACKED.into())
-    {
+    if zip.decompressed_size().is_some_and(|size| size > MAX_UNPACKED.into()) {
         return Err(ArchiveError::TooLarge);
     }
     for index in 0..zip.len() {
-        let label = zip
-            .name_for_index(index)
-            .and_then(Result::ok)
-            .unwrap_or_default()
-            .into_owned();
+        let label = zip.name_for_index(index).and_then(Result::ok).unwrap_or_default().into_owned();
         let wrong = |error: io::Error| ArchiveError::of_entry(&label, error.into());
-        let mut entry = zip
-            .by_index(index)
-            .map_err(|error| ArchiveError::of_entry(&label, error))?;
+        let mut entry = zip.by_index(index).map_err(|error| ArchiveError::of_entry(&label, error))?;
         let name = entry.enclosed_name().filter(|_| !entry.is_symlink());
         let Some(name) = name else {
-            return Err(ArchiveError::Unsafe(
-                String::from_utf8_lossy(entry.name_raw()).into(),
-            ));
+            return Err(ArchiveError::Unsafe(String::from_utf8_lossy(entry.name_raw()).into()));
         };
         if !needed(&name, platform) {
             continue;

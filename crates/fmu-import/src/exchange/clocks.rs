@@ -21,8 +21,7 @@ const CHANGED: c_int = 2;
 struct Functions {
     get: Function<unsafe extern "C" fn(Component, *const u32, usize, *mut u8) -> c_int>,
     set: Function<unsafe extern "C" fn(Component, *const u32, usize, *const u8) -> c_int>,
-    get_interval:
-        Function<unsafe extern "C" fn(Component, *const u32, usize, *mut f64, *mut c_int) -> c_int>,
+    get_interval: Function<unsafe extern "C" fn(Component, *const u32, usize, *mut f64, *mut c_int) -> c_int>,
     get_shift: Function<unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> c_int>,
 }
 
@@ -32,9 +31,8 @@ impl Functions {
         let mut active = vec![0; clocks.len()];
         let into = active.as_mut_ptr();
         // SAFETY: the component is alive, and there is room for as many flags as clocks.
-        let get = |get: unsafe extern "C" fn(_, _, _, _) -> _, of| unsafe {
-            get(of, clocks.as_ptr(), clocks.len(), into)
-        };
+        let get =
+            |get: unsafe extern "C" fn(_, _, _, _) -> _, of| unsafe { get(of, clocks.as_ptr(), clocks.len(), into) };
         model.base_mut().call(self.get, get)?;
         Ok(active.iter().map(|flag| *flag != 0).collect())
     }
@@ -42,9 +40,7 @@ impl Functions {
     fn activate(self, model: &mut dyn Simulation, clocks: &[u32]) -> Result<(), Call> {
         let active = vec![1; clocks.len()];
         // SAFETY: the component is alive, and there are as many flags as clocks.
-        model.base_mut().call(self.set, |set, of| unsafe {
-            set(of, clocks.as_ptr(), clocks.len(), active.as_ptr())
-        })
+        model.base_mut().call(self.set, |set, of| unsafe { set(of, clocks.as_ptr(), clocks.len(), active.as_ptr()) })
     }
 
     /// The interval of a clock, s, with its qualifier.
@@ -52,13 +48,7 @@ impl Functions {
         let (mut interval, mut qualifier) = (0.0, CHANGED);
         // SAFETY: the component is alive, and all three places are of one element.
         model.base_mut().call(self.get_interval, |get, of| unsafe {
-            get(
-                of,
-                &raw const clock,
-                1,
-                &raw mut interval,
-                &raw mut qualifier,
-            )
+            get(of, &raw const clock, 1, &raw mut interval, &raw mut qualifier)
         })?;
         let is_time = interval >= 0.0;
         if qualifier != NOT_YET_KNOWN && !is_time {
@@ -71,9 +61,7 @@ impl Functions {
     fn shift(self, model: &mut dyn Simulation, clock: u32) -> Result<f64, Call> {
         let mut shift = 0.0;
         // SAFETY: the component is alive, and both places are of one element.
-        model.base_mut().call(self.get_shift, |get, of| unsafe {
-            get(of, &raw const clock, 1, &raw mut shift)
-        })?;
+        model.base_mut().call(self.get_shift, |get, of| unsafe { get(of, &raw const clock, 1, &raw mut shift) })?;
         Ok(shift)
     }
 }
@@ -109,8 +97,7 @@ impl Clock {
     }
 
     fn is_due(&self, time: f64) -> bool {
-        self.next
-            .is_some_and(|next| next <= time || are_near(next, time))
+        self.next.is_some_and(|next| next <= time || are_near(next, time))
     }
 
     /// Takes the present tick for done.
@@ -120,12 +107,7 @@ impl Clock {
     }
 
     /// Asks for the first tick after a start, s.
-    fn begin(
-        &mut self,
-        functions: Functions,
-        model: &mut dyn Simulation,
-        start: f64,
-    ) -> Result<(), Call> {
+    fn begin(&mut self, functions: Functions, model: &mut dyn Simulation, start: f64) -> Result<(), Call> {
         if self.timing.by == Ticking::Triggered {
             return Ok(());
         }
@@ -153,12 +135,7 @@ impl Clock {
     }
 
     /// Asks for the next tick after a round of events at a time, s, where that may have become known.
-    fn follow(
-        &mut self,
-        functions: Functions,
-        model: &mut dyn Simulation,
-        time: f64,
-    ) -> Result<(), Call> {
+    fn follow(&mut self, functions: Functions, model: &mut dyn Simulation, time: f64) -> Result<(), Call> {
         let may_be_new = match self.timing.by {
             Ticking::Changing => self.is_active,
             Ticking::Countdown => true,

@@ -33,8 +33,7 @@ type UpdateDiscreteStates =
 enum Special {
     Two {
         update: Function<unsafe extern "C" fn(Component, *mut EventInfo) -> c_int>,
-        completed:
-            Function<unsafe extern "C" fn(Component, c_int, *mut c_int, *mut c_int) -> c_int>,
+        completed: Function<unsafe extern "C" fn(Component, c_int, *mut c_int, *mut c_int) -> c_int>,
     },
     Three {
         update: Function<UpdateDiscreteStates>,
@@ -185,11 +184,9 @@ impl Plant {
         match self.functions.special {
             Special::Two { .. } => Ok([self.declared.states, self.declared.indicators]),
             Special::Steps(_) => Ok([0; 2]),
-            Special::Three {
-                count_states,
-                count_indicators,
-                ..
-            } => Ok([self.count(count_states)?, self.count(count_indicators)?]),
+            Special::Three { count_states, count_indicators, .. } => {
+                Ok([self.count(count_states)?, self.count(count_indicators)?])
+            }
         }
     }
 
@@ -242,12 +239,7 @@ impl Plant {
     }
 
     /// The rates at a time and states; whether the FMU computes them there.
-    pub(super) fn rates_at(
-        &mut self,
-        time: f64,
-        states: &[f64],
-        into: &mut [f64],
-    ) -> Result<bool, Call> {
+    pub(super) fn rates_at(&mut self, time: f64, states: &[f64], into: &mut [f64]) -> Result<bool, Call> {
         let placed = self.place(time, states);
         match placed.and_then(|()| self.read(self.functions.get_derivatives, into)) {
             Ok(()) => Ok(true),
@@ -274,18 +266,14 @@ impl Plant {
                 }
                 let (mut event, mut ends) = (0, 0);
                 // SAFETY: the component is alive, and both places are valid.
-                base.call(completed, |completed, of| unsafe {
-                    completed(of, 1, &raw mut event, &raw mut ends)
-                })?;
+                base.call(completed, |completed, of| unsafe { completed(of, 1, &raw mut event, &raw mut ends) })?;
                 Ok([event, ends].map(|flag| flag != 0))
             }
             Special::Steps(_) => Ok([false; 2]),
             Special::Three { completed, .. } => {
                 let (mut event, mut ends) = (0, 0);
                 // SAFETY: the component is alive, and both places are valid.
-                base.call(completed, |completed, of| unsafe {
-                    completed(of, true, &raw mut event, &raw mut ends)
-                })?;
+                base.call(completed, |completed, of| unsafe { completed(of, true, &raw mut event, &raw mut ends) })?;
                 Ok([event, ends].map(|flag| flag != 0))
             }
         }
@@ -323,12 +311,6 @@ impl Plant {
             }
         };
         let [again, ends, nominals, states, known] = flags;
-        Ok(Update {
-            again,
-            ends,
-            nominals,
-            states,
-            next: known.then_some(next),
-        })
+        Ok(Update { again, ends, nominals, states, next: known.then_some(next) })
     }
 }

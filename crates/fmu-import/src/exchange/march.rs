@@ -55,12 +55,7 @@ impl Exchange {
         clocks: Clocks,
     ) -> Self {
         Self {
-            plant: Plant {
-                model,
-                functions,
-                declared,
-                ramps: Vec::new(),
-            },
+            plant: Plant { model, functions, declared, ramps: Vec::new() },
             inputs,
             waiting: Vec::new(),
             clocks,
@@ -92,11 +87,7 @@ pub(super) struct March {
 impl March {
     /// At the beginning of an experiment.
     pub(super) fn new(experiment: Experiment) -> Self {
-        Self {
-            time: experiment.start,
-            experiment,
-            ..Self::default()
-        }
+        Self { time: experiment.start, experiment, ..Self::default() }
     }
 
     /// Makes room for so many states and event indicators.
@@ -111,9 +102,7 @@ impl March {
     fn allowed(&self) -> Vec<f64> {
         let tolerance = self.experiment.tolerance.unwrap_or(TOLERANCE);
         let states = self.states.iter().zip(&self.nominals);
-        states
-            .map(|(state, nominal)| tolerance * state.abs().max(*nominal))
-            .collect()
+        states.map(|(state, nominal)| tolerance * state.abs().max(*nominal)).collect()
     }
 }
 
@@ -136,11 +125,7 @@ impl Exchange {
     pub(super) fn advance(&mut self, from: f64, to: f64) -> Result<(), Call> {
         // By rounding, the last step may have ended a little later; time never goes back for an FMU.
         let reached = self.march.time;
-        self.march.time = if are_near(reached, from) {
-            reached.max(from)
-        } else {
-            from
-        };
+        self.march.time = if are_near(reached, from) { reached.max(from) } else { from };
         let mut events = 0;
         self.clocks.pass_point();
         if self.mode == Mode::Events {
@@ -167,9 +152,7 @@ impl Exchange {
                 events += 1;
             }
             if events > MOST_EVENTS {
-                return Err(self.plant.failed(format!(
-                    "more than {MOST_EVENTS} events between {from} s and {to} s"
-                )));
+                return Err(self.plant.failed(format!("more than {MOST_EVENTS} events between {from} s and {to} s")));
             }
         }
         // An event at the communication point itself belongs to it.
@@ -236,9 +219,7 @@ impl Exchange {
                 break;
             }
             if round == MOST_ROUNDS {
-                return Err(self.plant.failed(format!(
-                    "the events at {time} s do not settle in {MOST_ROUNDS} rounds"
-                )));
+                return Err(self.plant.failed(format!("the events at {time} s do not settle in {MOST_ROUNDS} rounds")));
             }
         }
         self.plant.leave_events()?;
@@ -268,17 +249,9 @@ impl Exchange {
             self.march.time = if reached == time + step { to } else { reached };
             return Ok(event);
         }
-        let Taken {
-            length,
-            states,
-            crossed,
-        } = self.taken(to)?;
+        let Taken { length, states, crossed } = self.taken(to)?;
         let march = &mut self.march;
-        march.time = if length == to - march.time {
-            to
-        } else {
-            march.time + length
-        };
+        march.time = if length == to - march.time { to } else { march.time + length };
         march.states = states;
         self.plant.place(march.time, &march.states)?;
         let [event, ends] = self.plant.completed()?;
@@ -326,18 +299,12 @@ impl Exchange {
                 )));
             }
         }
-        Err(self.plant.failed(format!(
-            "more than {MOST_TRIES} tries of a step at {time} s"
-        )))
+        Err(self.plant.failed(format!("more than {MOST_TRIES} tries of a step at {time} s")))
     }
 
     /// Cuts a step at the first moment, to the resolution of time, after which an indicator has changed its side.
     fn cut(&mut self, length: f64, allowed: &[f64], states: Vec<f64>) -> Result<Taken, Call> {
-        let mut taken = Taken {
-            length,
-            crossed: self.crosses(length, &states)?,
-            states,
-        };
+        let mut taken = Taken { length, crossed: self.crosses(length, &states)?, states };
         if !taken.crossed {
             return Ok(taken);
         }
@@ -380,9 +347,7 @@ impl Exchange {
         let method = &mut march.method;
         let computed = method.linearise(&mut rates, time, &march.states, &march.nominals, ahead)?;
         let why = match method.unfit() {
-            _ if !computed => format!(
-                "the FMU refuses to compute rates at {time} s, or with a state a little changed"
-            ),
+            _ if !computed => format!("the FMU refuses to compute rates at {time} s, or with a state a little changed"),
             Some((state, rate)) => {
                 format!("the rate of the continuous state {state} is {rate} at {time} s")
             }

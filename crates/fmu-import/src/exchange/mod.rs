@@ -39,10 +39,7 @@ impl Simulation for Exchange {
     fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
         self.march = March::new(experiment);
         // The tolerance is that of who integrates. FMUs of Dymola warn at every point when they are told one.
-        let told = Experiment {
-            tolerance: experiment.tolerance.filter(|_| self.plant.steps()),
-            ..experiment
-        };
+        let told = Experiment { tolerance: experiment.tolerance.filter(|_| self.plant.steps()), ..experiment };
         self.plant.model.set_up(told)
     }
 
@@ -121,12 +118,7 @@ impl Simulation for Exchange {
         let mut value = [0.0];
         self.plant.model.reals(&[reference], &mut value)?;
         self.plant.ramps.retain(|ramp| ramp.reference != reference);
-        self.plant.ramps.push(Ramp {
-            reference,
-            value: value[0],
-            from: self.march.time,
-            slope,
-        });
+        self.plant.ramps.push(Ramp { reference, value: value[0], from: self.march.time, slope });
         Ok(())
     }
 

@@ -16,44 +16,16 @@ const A: [[f64; 4]; 5] = [
     [0.0, 0.0, 0.0, 0.0],
     [1.544, 0.0, 0.0, 0.0],
     [0.946_678_528_081_582_6, 0.255_701_169_898_328_4, 0.0, 0.0],
-    [
-        3.314_825_187_068_521,
-        2.896_124_015_972_201,
-        0.998_641_913_997_781_7,
-        0.0,
-    ],
-    [
-        1.221_224_509_226_641,
-        6.019_134_481_288_629,
-        12.537_083_329_320_87,
-        -0.687_886_036_105_895,
-    ],
+    [3.314_825_187_068_521, 2.896_124_015_972_201, 0.998_641_913_997_781_7, 0.0],
+    [1.221_224_509_226_641, 6.019_134_481_288_629, 12.537_083_329_320_87, -0.687_886_036_105_895],
 ];
 /// The weights of earlier increments in the right-hand sides.
 const G: [[f64; 5]; 6] = [
     [0.0, 0.0, 0.0, 0.0, 0.0],
     [-5.6688, 0.0, 0.0, 0.0, 0.0],
-    [
-        -2.430_093_356_833_875,
-        -0.206_359_915_709_191_5,
-        0.0,
-        0.0,
-        0.0,
-    ],
-    [
-        -0.107_352_905_815_137_5,
-        -9.594_562_251_023_355,
-        -20.470_286_148_096_16,
-        0.0,
-        0.0,
-    ],
-    [
-        7.496_443_313_967_647,
-        -10.246_804_314_643_52,
-        -33.999_903_528_199_05,
-        11.708_908_932_061_6,
-        0.0,
-    ],
+    [-2.430_093_356_833_875, -0.206_359_915_709_191_5, 0.0, 0.0, 0.0],
+    [-0.107_352_905_815_137_5, -9.594_562_251_023_355, -20.470_286_148_096_16, 0.0, 0.0],
+    [7.496_443_313_967_647, -10.246_804_314_643_52, -33.999_903_528_199_05, 11.708_908_932_061_6, 0.0],
     [
         8.083_246_795_921_522,
         -7.981_132_988_064_893,
@@ -125,8 +97,7 @@ impl Rosenbrock {
                 let change = self.at[column] - states[column];
                 if f(time, &self.at, &mut self.rates)? {
                     for row in 0..n {
-                        self.jacobian[row * n + column] =
-                            (self.rates[row] - self.first[row]) / change;
+                        self.jacobian[row * n + column] = (self.rates[row] - self.first[row]) / change;
                     }
                     seen = true;
                     break;
@@ -224,10 +195,7 @@ fn decompose(matrix: &mut [f64], pivots: &mut [usize]) -> bool {
     let n = pivots.len();
     for step in 0..n {
         let size = |row: usize| matrix[row * n + step].abs();
-        let best = (step..n).fold(
-            step,
-            |best, row| if size(row) > size(best) { row } else { best },
-        );
+        let best = (step..n).fold(step, |best, row| if size(row) > size(best) { row } else { best });
         pivots[step] = best;
         let largest = matrix[best * n + step];
         if largest == 0.0 || !largest.is_finite() {
@@ -282,9 +250,7 @@ mod tests {
             let time = step as f64 * h;
             assert!(method.linearise(f, time, &states, &ones, h).unwrap());
             let mut end = vec![0.0; n];
-            let error = method
-                .attempt(f, time, &states, h, &ones, &mut end)
-                .unwrap();
+            let error = method.attempt(f, time, &states, h, &ones, &mut end).unwrap();
             largest = largest.max(error.unwrap());
             states = end;
         }
@@ -344,16 +310,10 @@ mod tests {
             Ok(true)
         };
         let mut method = Rosenbrock::new(2);
-        assert!(
-            method
-                .linearise(&mut f, 0.0, &[1.0, 0.0], &[1.0; 2], 4.0)
-                .unwrap()
-        );
+        assert!(method.linearise(&mut f, 0.0, &[1.0, 0.0], &[1.0; 2], 4.0).unwrap());
         method.jacobian.copy_from_slice(&[1.0, 1.0, 1.0, -1.0]);
         let mut end = [0.0; 2];
-        let error = method
-            .attempt(&mut f, 0.0, &[1.0, 0.0], 4.0, &[1.0; 2], &mut end)
-            .unwrap();
+        let error = method.attempt(&mut f, 0.0, &[1.0, 0.0], 4.0, &[1.0; 2], &mut end).unwrap();
         assert!(error.is_some());
     }
 
@@ -366,11 +326,7 @@ mod tests {
         };
         assert!(method.linearise(&mut f, 0.0, &[0.0], &[1.0], 1.0).unwrap());
         let mut end = [0.0];
-        let mut attempt = |h| {
-            method
-                .attempt(&mut f, 0.0, &[0.0], h, &[1.0], &mut end)
-                .unwrap()
-        };
+        let mut attempt = |h| method.attempt(&mut f, 0.0, &[0.0], h, &[1.0], &mut end).unwrap();
         assert!(attempt(1.0).is_none());
         assert!(attempt(0.65).is_none());
         assert!(attempt(0.5).is_some());

@@ -9,8 +9,7 @@ use crate::symbols::{self, Component, Function, LibraryError, Plain, Symbols, Te
 pub(super) type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
 pub(super) type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
 /// `fmi2SetRealInputDerivatives`.
-type SetSlopes =
-    unsafe extern "C" fn(Component, *const u32, usize, *const c_int, *const f64) -> c_int;
+type SetSlopes = unsafe extern "C" fn(Component, *const u32, usize, *const c_int, *const f64) -> c_int;
 /// `fmi2GetStatus` and those like it.
 pub(super) type GetStatus<T> = unsafe extern "C" fn(Component, c_int, *mut T) -> c_int;
 
@@ -34,8 +33,7 @@ pub(crate) struct Functions {
     >,
     pub(super) set_debug_logging:
         Function<unsafe extern "C" fn(Component, c_int, usize, *const *const c_char) -> c_int>,
-    pub(super) setup_experiment:
-        Function<unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int>,
+    pub(super) setup_experiment: Function<unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int>,
     pub(super) enter_initialization_mode: Function<Plain>,
     pub(super) real: Access<f64>,
     pub(super) integer: Access<c_int>,

@@ -72,10 +72,7 @@ impl Simulation for Model {
     fn hear(&mut self, categories: &[String]) {
         let function = self.functions.set_debug_logging;
         // SAFETY: the array holds as many valid strings as stated.
-        self.base
-            .hear(categories, function, |log, of, count, texts| unsafe {
-                log(of, 1, count, texts)
-            });
+        self.base.hear(categories, function, |log, of, count, texts| unsafe { log(of, 1, count, texts) });
     }
 
     fn base(&self) -> &Base {
@@ -87,17 +84,11 @@ impl Simulation for Model {
     }
 
     fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
-        let Experiment {
-            start,
-            stop,
-            tolerance,
-        } = experiment;
+        let Experiment { start, stop, tolerance } = experiment;
         let (known, tolerance) = (tolerance.is_some().into(), tolerance.unwrap_or(0.0));
         let function = self.functions.setup_experiment;
         // SAFETY: the component is alive.
-        self.base.call(function, |set_up, of| unsafe {
-            set_up(of, known, tolerance, start, 1, stop)
-        })
+        self.base.call(function, |set_up, of| unsafe { set_up(of, known, tolerance, start, 1, stop) })
     }
 
     fn initialise(&mut self, within: Within<'_>) -> Result<(), Call> {
@@ -113,8 +104,7 @@ impl Simulation for Model {
         let (references, into) = (references.as_ptr(), into.as_mut_ptr());
         let get = self.functions.real.get;
         // SAFETY: both arrays hold `count` elements.
-        self.base
-            .call(get, |get, of| unsafe { get(of, references, count, into) })
+        self.base.call(get, |get, of| unsafe { get(of, references, count, into) })
     }
 
     fn value(&mut self, handle: Handle) -> Result<Value, Call> {
@@ -159,19 +149,14 @@ impl Simulation for Model {
         let (reference, slope) = (&raw const reference, &raw const slope);
         let function = self.functions.set_slopes;
         // SAFETY: all three pointers are to one element.
-        self.base.call(function, |set, of| unsafe {
-            set(of, reference, 1, &1, slope)
-        })
+        self.base.call(function, |set, of| unsafe { set(of, reference, 1, &1, slope) })
     }
 
     #[inline(never)]
     fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
         let (do_step, component) = (self.functions.do_step.get()?, self.base.component);
         // SAFETY: the component is alive.
-        let status = self
-            .base
-            .caller
-            .call(|| unsafe { do_step(component, time, step, 1) });
+        let status = self.base.caller.call(|| unsafe { do_step(component, time, step, 1) });
         if status == 0 {
             return Ok(());
         }

@@ -50,11 +50,7 @@ impl Model {
 
     /// Takes steps from `done` on until one returns anything but `fmi2OK`, reads after each, and counts them.
     #[inline(never)]
-    fn usual_steps(
-        &mut self,
-        batch: &mut Batch<'_>,
-        done: &mut usize,
-    ) -> Result<Option<Halt>, Call> {
+    fn usual_steps(&mut self, batch: &mut Batch<'_>, done: &mut usize) -> Result<Option<Halt>, Call> {
         let do_step = self.functions.do_step.get()?;
         let get_real = self.functions.real.get.get()?;
         let (component, width) = (self.base.component, batch.references.len());
@@ -84,12 +80,7 @@ impl Model {
     }
 
     #[cold]
-    pub(super) fn slow_step(
-        &mut self,
-        mut status: c_int,
-        time: f64,
-        step: f64,
-    ) -> Result<(), Call> {
+    pub(super) fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Result<(), Call> {
         while Status::from(status) == Status::Pending {
             std::thread::sleep(Duration::from_micros(100));
             status = self.pending_step()?;
@@ -97,16 +88,11 @@ impl Model {
         let result = self.base.caller.check("fmi2DoStep", status);
         result.map_err(|mut call| {
             let stopped = self.functions.get_boolean_status;
-            if call.status == Status::Discard
-                && self.told(stopped, TERMINATED, 0).is_some_and(|is| is != 0)
-            {
+            if call.status == Status::Discard && self.told(stopped, TERMINATED, 0).is_some_and(|is| is != 0) {
                 let at = self.told(self.functions.get_real_status, LAST_SUCCESSFUL_TIME, time);
                 // Its beginning where the FMU says nothing sensible.
                 let at = at.filter(|at| (time..=time + step).contains(at));
-                call.ended = Some(End {
-                    from: time,
-                    at: at.unwrap_or(time),
-                });
+                call.ended = Some(End { from: time, at: at.unwrap_or(time) });
             }
             call
         })
@@ -126,20 +112,12 @@ impl Model {
         }
         let mut status: c_int = 0;
         // SAFETY: the component is alive, and the status is a valid place to write to.
-        let told = self.base.call(function, |get, of| unsafe {
-            get(of, DO_STEP_STATUS, &raw mut status)
-        });
+        let told = self.base.call(function, |get, of| unsafe { get(of, DO_STEP_STATUS, &raw mut status) });
         match told {
             Ok(()) => Ok(status),
-            Err(Call {
-                status: Status::Fatal,
-                message,
-                ..
-            }) => Err(Call {
-                status: Status::Fatal,
-                message,
-                ..forsaken("")
-            }),
+            Err(Call { status: Status::Fatal, message, .. }) => {
+                Err(Call { status: Status::Fatal, message, ..forsaken("") })
+            }
             Err(call) => {
                 let status = call.status.name(call.function);
                 Err(forsaken(&format!("fmi2GetStatus returned {status}")))
@@ -151,10 +129,7 @@ impl Model {
     fn told<T>(&mut self, function: Function<GetStatus<T>>, kind: c_int, blank: T) -> Option<T> {
         let (get, of, mut value) = (function.get().ok()?, self.base.component, blank);
         // SAFETY: the component is alive, and the value is a valid place to write to.
-        let status = self
-            .base
-            .caller
-            .call(|| unsafe { get(of, kind, &raw mut value) });
+        let status = self.base.caller.call(|| unsafe { get(of, kind, &raw mut value) });
         matches!(status, 0 | 1).then_some(value)
     }
 }

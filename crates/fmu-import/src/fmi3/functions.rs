@@ -8,8 +8,7 @@ use crate::symbols::{self, Component, Function, LibraryError, Plain, Symbols};
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T, usize) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T, usize) -> c_int;
 /// `fmi3LogMessageCallback`.
-pub(super) type LogMessage =
-    unsafe extern "C" fn(*const c_void, c_int, *const c_char, *const c_char);
+pub(super) type LogMessage = unsafe extern "C" fn(*const c_void, c_int, *const c_char, *const c_char);
 /// `fmi3InstantiateCoSimulation`.
 type Instantiate = unsafe extern "C" fn(
     *const c_char,
@@ -42,19 +41,10 @@ pub(super) enum Instantiates {
     ModelExchange(Function<InstantiateExchange>),
 }
 /// `fmi3DoStep`. The flags are bytes rather than `bool`, as an FMU may write any.
-type DoStep =
-    unsafe extern "C" fn(Component, f64, f64, bool, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
+type DoStep = unsafe extern "C" fn(Component, f64, f64, bool, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
 
-type GetBinary =
-    unsafe extern "C" fn(Component, *const u32, usize, *mut usize, *mut *const u8, usize) -> c_int;
-type SetBinary = unsafe extern "C" fn(
-    Component,
-    *const u32,
-    usize,
-    *const usize,
-    *const *const u8,
-    usize,
-) -> c_int;
+type GetBinary = unsafe extern "C" fn(Component, *const u32, usize, *mut usize, *mut *const u8, usize) -> c_int;
+type SetBinary = unsafe extern "C" fn(Component, *const u32, usize, *const usize, *const *const u8, usize) -> c_int;
 
 /// To read and write variables of one type. Some FMUs leave out those of types that they have not.
 pub(super) type Access<T> = symbols::Access<Get<T>, Set<T>>;
@@ -63,10 +53,8 @@ pub(super) type Access<T> = symbols::Access<Get<T>, Set<T>>;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Functions {
     pub(super) instantiate: Instantiates,
-    pub(super) set_debug_logging:
-        Function<unsafe extern "C" fn(Component, bool, usize, *const *const c_char) -> c_int>,
-    pub(super) enter_initialization_mode:
-        Function<unsafe extern "C" fn(Component, bool, f64, f64, bool, f64) -> c_int>,
+    pub(super) set_debug_logging: Function<unsafe extern "C" fn(Component, bool, usize, *const *const c_char) -> c_int>,
+    pub(super) enter_initialization_mode: Function<unsafe extern "C" fn(Component, bool, f64, f64, bool, f64) -> c_int>,
     pub(super) do_step: Function<DoStep>,
     pub(super) float32: Access<f32>,
     pub(super) float64: Access<f64>,
@@ -91,12 +79,8 @@ impl Functions {
     pub(crate) fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
         Ok(Self {
             instantiate: match interface {
-                Interface::CoSimulation => {
-                    Instantiates::CoSimulation(symbols.need("InstantiateCoSimulation")?)
-                }
-                Interface::ModelExchange => {
-                    Instantiates::ModelExchange(symbols.need("InstantiateModelExchange")?)
-                }
+                Interface::CoSimulation => Instantiates::CoSimulation(symbols.need("InstantiateCoSimulation")?),
+                Interface::ModelExchange => Instantiates::ModelExchange(symbols.need("InstantiateModelExchange")?),
             },
             set_debug_logging: symbols.find("SetDebugLogging"),
             enter_initialization_mode: symbols.need("EnterInitializationMode")?,

@@ -80,9 +80,8 @@ impl Model {
             Instantiates::ModelExchange(function) => {
                 let create = function.get()?;
                 // SAFETY: the strings live through the call.
-                let component = caller.call(|| unsafe {
-                    create(name, token, resources, false, false, environment, LOGGER)
-                });
+                let component =
+                    caller.call(|| unsafe { create(name, token, resources, false, false, environment, LOGGER) });
                 (function.name, component)
             }
         };
@@ -106,9 +105,7 @@ impl Model {
         }
         let elements = &self.elements;
         let plain = |number: &u32| elements.get(*number as usize).filter(|one| one.is_plain());
-        let references = numbers
-            .iter()
-            .map(|number| plain(number).map(|element| element.reference));
+        let references = numbers.iter().map(|number| plain(number).map(|element| element.reference));
         let Some(references) = references.collect::<Option<Vec<u32>>>() else {
             return false;
         };
@@ -123,30 +120,16 @@ impl Simulation for Model {
         let (mut event, mut terminate, mut early) = (0_u8, 0_u8, 0_u8);
         let mut reached = f64::NAN;
         // SAFETY: the component is alive, and the four places are valid.
-        let done = self
-            .base
-            .call(self.functions.do_step, |do_step, of| unsafe {
-                do_step(
-                    of,
-                    time,
-                    step,
-                    true,
-                    &raw mut event,
-                    &raw mut terminate,
-                    &raw mut early,
-                    &raw mut reached,
-                )
-            });
+        let done = self.base.call(self.functions.do_step, |do_step, of| unsafe {
+            do_step(of, time, step, true, &raw mut event, &raw mut terminate, &raw mut early, &raw mut reached)
+        });
         let (ended, event) = (terminate != 0, event != 0);
         let known = (time..=time + step).contains(&reached);
         let end = |otherwise| Call {
             function: DO_STEP,
             status: Status::Discard,
             message: Some("the FMU wants no further step".to_owned()),
-            ended: Some(End {
-                from: time,
-                at: if known { reached } else { otherwise },
-            }),
+            ended: Some(End { from: time, at: if known { reached } else { otherwise } }),
         };
         match done {
             Err(call) if ended && call.status == Status::Discard => Err(end(time)),
@@ -166,9 +149,7 @@ impl Simulation for Model {
         self.base.plain(self.functions.enter_configuration_mode)?;
         for (reference, size) in sizes {
             // SAFETY: the component is alive, and there is one value.
-            self.base.call(access.set, |set, of| unsafe {
-                set(of, &raw const *reference, 1, &raw const *size, 1)
-            })?;
+            self.base.call(access.set, |set, of| unsafe { set(of, &raw const *reference, 1, &raw const *size, 1) })?;
         }
         self.base.plain(self.functions.exit_configuration_mode)
     }
@@ -176,10 +157,7 @@ impl Simulation for Model {
     fn hear(&mut self, categories: &[String]) {
         let function = self.functions.set_debug_logging;
         // SAFETY: the array holds as many valid strings as stated.
-        self.base
-            .hear(categories, function, |log, of, count, texts| unsafe {
-                log(of, true, count, texts)
-            });
+        self.base.hear(categories, function, |log, of, count, texts| unsafe { log(of, true, count, texts) });
     }
 
     fn base(&self) -> &Base {
@@ -197,17 +175,11 @@ impl Simulation for Model {
     }
 
     fn initialise(&mut self, within: Within<'_>) -> Result<(), Call> {
-        let Experiment {
-            start,
-            stop,
-            tolerance,
-        } = self.experiment;
+        let Experiment { start, stop, tolerance } = self.experiment;
         let (known, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let function = self.functions.enter_initialization_mode;
         // SAFETY: the component is alive.
-        self.base.call(function, |enter, of| unsafe {
-            enter(of, known, tolerance, start, true, stop)
-        })?;
+        self.base.call(function, |enter, of| unsafe { enter(of, known, tolerance, start, true, stop) })?;
         within(self)?;
         self.written = None;
         self.base.exit_initialization_mode()
@@ -221,9 +193,7 @@ impl Simulation for Model {
             let (references, count) = (self.references.as_ptr(), into.len());
             let into = into.as_mut_ptr();
             // SAFETY: both arrays hold `count` elements.
-            return self.base.call(access.get, |get, of| unsafe {
-                get(of, references, count, into, count)
-            });
+            return self.base.call(access.get, |get, of| unsafe { get(of, references, count, into, count) });
         }
         // The elements of an array are read together.
         let mut array: Option<(u32, Vec<f64>)> = None;

@@ -68,11 +68,7 @@ impl Model {
             1 => Some(slice::from_ref(value)),
             _ => array.as_deref(),
         };
-        let new = New {
-            element,
-            value,
-            all,
-        };
+        let new = New { element, value, all };
         match element.storage {
             Storage::Float32 => self.put(functions.float32, new, narrow),
             Storage::Float64 => self.put(functions.float64, new, real),
@@ -114,18 +110,11 @@ impl Model {
     }
 
     /// The values of all elements of a variable, at least one.
-    pub(super) fn all<T: Copy>(
-        &mut self,
-        access: Access<T>,
-        element: &Element,
-        blank: T,
-    ) -> Result<Vec<T>, Call> {
+    pub(super) fn all<T: Copy>(&mut self, access: Access<T>, element: &Element, blank: T) -> Result<Vec<T>, Call> {
         let mut values = vec![blank; element.of];
         let (reference, into) = (&raw const element.reference, values.as_mut_ptr());
         // SAFETY: there is one reference, and room for as many values as the variable has.
-        self.base.call(access.get, |get, of| unsafe {
-            get(of, reference, 1, into, element.of)
-        })?;
+        self.base.call(access.get, |get, of| unsafe { get(of, reference, 1, into, element.of) })?;
         Ok(values)
     }
 
@@ -170,17 +159,10 @@ impl Model {
         call
     }
 
-    fn put_all<T>(
-        &mut self,
-        access: Access<T>,
-        element: &Element,
-        values: &[T],
-    ) -> Result<(), Call> {
+    fn put_all<T>(&mut self, access: Access<T>, element: &Element, values: &[T]) -> Result<(), Call> {
         let (reference, from) = (&raw const element.reference, values.as_ptr());
         // SAFETY: there is one reference, and as many values as the variable has.
-        self.base.call(access.set, |set, of| unsafe {
-            set(of, reference, 1, from, values.len())
-        })
+        self.base.call(access.set, |set, of| unsafe { set(of, reference, 1, from, values.len()) })
     }
 
     fn read_whole<T>(&mut self, access: Access<T>, element: &Element) -> Result<Value, Call>
@@ -210,16 +192,10 @@ impl Model {
     fn binaries(&mut self, element: &Element) -> Result<Vec<Vec<u8>>, Call> {
         let mut sizes = vec![0; element.of];
         let mut places = vec![ptr::null::<u8>(); element.of];
-        let (reference, of_each, into) = (
-            &raw const element.reference,
-            sizes.as_mut_ptr(),
-            places.as_mut_ptr(),
-        );
+        let (reference, of_each, into) = (&raw const element.reference, sizes.as_mut_ptr(), places.as_mut_ptr());
         let get = self.functions.binary.get;
         // SAFETY: there is one reference, and room for as many sizes and places as the variable has elements.
-        self.base.call(get, |get, of| unsafe {
-            get(of, reference, 1, of_each, into, element.of)
-        })?;
+        self.base.call(get, |get, of| unsafe { get(of, reference, 1, of_each, into, element.of) })?;
         let copy = |(place, size): (&*const u8, &usize)| match place.is_null() || *size == 0 {
             true => Vec::new(),
             // SAFETY: FMI 3.0 returns as many bytes as it says, which are valid until the next call.
@@ -238,15 +214,9 @@ impl Model {
         let all = self.merged(new, set.name, fit, told)?;
         let sizes: Vec<usize> = all.iter().map(Vec::len).collect();
         let places: Vec<*const u8> = all.iter().map(|bytes| bytes.as_ptr()).collect();
-        let (reference, sizes, places) = (
-            &raw const element.reference,
-            sizes.as_ptr(),
-            places.as_ptr(),
-        );
+        let (reference, sizes, places) = (&raw const element.reference, sizes.as_ptr(), places.as_ptr());
         // SAFETY: there is one reference, and as many sizes and places as the variable has elements.
-        self.base.call(set, |set, of| unsafe {
-            set(of, reference, 1, sizes, places, element.of)
-        })
+        self.base.call(set, |set, of| unsafe { set(of, reference, 1, sizes, places, element.of) })
     }
 
     fn put_text(&mut self, new: New<'_>) -> Result<(), Call> {

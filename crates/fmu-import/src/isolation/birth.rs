@@ -81,13 +81,7 @@ fn end(code: i32) -> ! {
 }
 
 /// The child's side: a group of its own, no descriptor but its own, the work, the end.
-fn be_child(
-    parent: u32,
-    orders: OwnedFd,
-    answers: OwnedFd,
-    ticket: u64,
-    work: &mut dyn FnMut(Place),
-) -> ! {
+fn be_child(parent: u32, orders: OwnedFd, answers: OwnedFd, ticket: u64, work: &mut dyn FnMut(Place)) -> ! {
     let _ = setpgid(None, None);
     #[cfg(target_os = "linux")]
     let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL));
@@ -97,12 +91,7 @@ fn be_child(
     }
     usual_signals();
     let (orders, answers) = hidden(orders, answers);
-    let place = Place {
-        process: std::process::id(),
-        ticket,
-        orders: Inbox::new(orders, ticket),
-        answers,
-    };
+    let place = Place { process: std::process::id(), ticket, orders: Inbox::new(orders, ticket), answers };
     // A panic must not unwind into the parent's code, which this process has a copy of.
     let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| work(place)));
     if done.is_err() {

@@ -26,13 +26,7 @@ pub struct Child {
 
 impl Child {
     pub(super) fn new(process: Process, answers: Answers, orders: Orders, ticket: u64) -> Self {
-        Self {
-            process,
-            answers: Inbox::new(answers, ticket),
-            orders,
-            ticket,
-            gone: false,
-        }
+        Self { process, answers: Inbox::new(answers, ticket), orders, ticket, gone: false }
     }
 
     /// The memory that it occupies, bytes; 0 where that is not known.
@@ -146,10 +140,7 @@ impl Child {
         }
         let unusual = self.finish();
         keeper.hear_the_last();
-        Parting {
-            words,
-            loss: loss.or(unusual),
-        }
+        Parting { words, loss: loss.or(unusual) }
     }
 
     /// Ends the child, with all that it has started, at once; the loss that its status tells, where it did not end as a child does whose work is done.

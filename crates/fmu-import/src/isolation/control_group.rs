@@ -110,23 +110,16 @@ mod tests {
     fn the_own_folder_is_found_wherever_the_groups_are_mounted() {
         let mounts = "24 18 0:21 / /sys rw - sysfs sysfs rw\n\
                       31 24 0:26 / /sys/fs/cgroup rw,nosuid - cgroup2 cgroup2 rw\n";
-        let folder =
-            |groups, mounts| folder_of(groups, mounts).map(|path| path.display().to_string());
+        let folder = |groups, mounts| folder_of(groups, mounts).map(|path| path.display().to_string());
         assert_eq!(
             folder("0::/user.slice/run.scope\n", mounts).as_deref(),
             Some("/sys/fs/cgroup/user.slice/run.scope")
         );
         // Both versions at once; a container that sees only a part of the tree.
         let part = "31 24 0:26 /machine/one /groups rw - cgroup2 none rw\n";
-        assert_eq!(
-            folder("5:cpu:/x\n0::/machine/one/a\n", part).as_deref(),
-            Some("/groups/a")
-        );
+        assert_eq!(folder("5:cpu:/x\n0::/machine/one/a\n", part).as_deref(), Some("/groups/a"));
         assert_eq!(folder("0::/elsewhere\n", part), None);
         assert_eq!(folder("5:cpu:/x\n", mounts), None);
-        assert_eq!(
-            folder("0::/a\n", "24 18 0:21 / /sys rw - sysfs sysfs rw\n"),
-            None
-        );
+        assert_eq!(folder("0::/a\n", "24 18 0:21 / /sys rw - sysfs sysfs rw\n"), None);
     }
 }

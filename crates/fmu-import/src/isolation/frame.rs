@@ -18,9 +18,7 @@ const TOGETHER: usize = 1 << 16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Broken {
     /// The bytes do not begin with the mark.
-    #[error(
-        "foreign bytes came instead of an answer: the FMU writes into descriptors that it did not open"
-    )]
+    #[error("foreign bytes came instead of an answer: the FMU writes into descriptors that it did not open")]
     Mark,
     /// The frame answers something else.
     #[error("an answer to another question came")]
@@ -99,11 +97,7 @@ pub struct Inbox<R> {
 impl<R: Read> Inbox<R> {
     /// Frames with this ticket.
     pub fn new(from: R, ticket: u64) -> Self {
-        Self {
-            from,
-            arrived: Vec::new(),
-            ticket,
-        }
+        Self { from, arrived: Vec::new(), ticket }
     }
 
     /// From here on, frames have another ticket.
@@ -210,10 +204,7 @@ mod tests {
                 let mut bytes = sent.clone();
                 bytes[at] ^= 1 << bit;
                 // A length that grew leaves the frame incomplete: its reader runs into the deadline.
-                assert!(
-                    matches!(take(&mut bytes, 7), Err(_) | Ok(None)),
-                    "bit {bit} of byte {at}"
-                );
+                assert!(matches!(take(&mut bytes, 7), Err(_) | Ok(None)), "bit {bit} of byte {at}");
             }
         }
         assert_eq!(take(&mut b"stray".to_vec(), 7), Err(Broken::Mark));

@@ -6,9 +6,7 @@ use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
-use rustix::process::{
-    Pid, Signal, WaitId, WaitIdOptions, WaitOptions, WaitStatus, waitid, waitpid,
-};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, WaitOptions, WaitStatus, waitid, waitpid};
 
 use super::frame::Inbox;
 use super::loss::{DONE, Loss, MUTE, State};
@@ -27,11 +25,7 @@ impl Keeper {
     /// A keeper that ends its children when the other end of the pipe `superior` is closed.
     /// `seed` makes its frames unlike those of other keepers.
     pub fn new(superior: OwnedFd, words: Words, seed: u64) -> Self {
-        Self {
-            superior,
-            words,
-            tickets: seed,
-        }
+        Self { superior, words, tickets: seed }
     }
 
     /// Reads what has been printed so far, and repeats it where that is wanted.
@@ -70,11 +64,7 @@ impl Keeper {
                 let flags = libc::fcntl(fd, libc::F_GETFL);
                 libc::fcntl(fd, libc::F_SETOWN, std::process::id());
                 libc::fcntl(fd, F_SETSIG, libc::SIGKILL);
-                let flags = if wanted {
-                    flags | libc::O_ASYNC
-                } else {
-                    flags & !libc::O_ASYNC
-                };
+                let flags = if wanted { flags | libc::O_ASYNC } else { flags & !libc::O_ASYNC };
                 libc::fcntl(fd, libc::F_SETFL, flags);
             }
         }
@@ -114,10 +104,7 @@ impl Keeper {
 pub(super) type Answers = File;
 pub(super) type Orders = File;
 /// How often a silent child is looked at.
-const LOOK: Timespec = Timespec {
-    tv_sec: 0,
-    tv_nsec: 10_000_000,
-};
+const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
 /// Between two looks at a child that has nothing more to say.
 pub(super) const PAUSE: Duration = Duration::from_micros(50);
 
@@ -132,10 +119,7 @@ impl Process {
 
     /// Looks at the child without reaping it, so that its number stays its own.
     pub(super) fn state(&self) -> State {
-        let options = WaitIdOptions::EXITED
-            | WaitIdOptions::STOPPED
-            | WaitIdOptions::NOHANG
-            | WaitIdOptions::NOWAIT;
+        let options = WaitIdOptions::EXITED | WaitIdOptions::STOPPED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         let status = match waitid(WaitId::Pid(self.pid()), options) {
             Ok(Some(status)) => status,
             // Somebody else has reaped it.

@@ -8,8 +8,7 @@ use std::time::{Duration, Instant};
 
 use rustix::param::page_size;
 use rustix::process::{
-    Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, kill_process_group,
-    setrlimit, wait, waitpid,
+    Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, kill_process_group, setrlimit, wait, waitpid,
 };
 
 use super::system::ignore_signals;
@@ -48,9 +47,7 @@ pub fn end_all() {
                 if Instant::now() > deadline {
                     return;
                 }
-                children_of(std::process::id())
-                    .into_iter()
-                    .for_each(kill_group);
+                children_of(std::process::id()).into_iter().for_each(kill_group);
                 std::thread::sleep(Duration::from_micros(200));
             }
             Ok(Some(_)) => {}
@@ -63,10 +60,7 @@ pub fn end_all() {
 pub fn become_keeper() {
     adopt_orphans();
     ignore_signals();
-    let limit = Rlimit {
-        current: Some(0),
-        ..getrlimit(Resource::Core)
-    };
+    let limit = Rlimit { current: Some(0), ..getrlimit(Resource::Core) };
     // A dump is a nuisance, and no more.
     let _ = setrlimit(Resource::Core, limit);
 }
@@ -75,9 +69,7 @@ pub fn become_keeper() {
 pub fn resident(pid: u32) -> u64 {
     // The second number is the resident set in pages (proc(5)).
     let text = fs::read_to_string(format!("/proc/{pid}/statm"));
-    let pages = text
-        .ok()
-        .and_then(|text| text.split(' ').nth(1)?.parse::<u64>().ok());
+    let pages = text.ok().and_then(|text| text.split(' ').nth(1)?.parse::<u64>().ok());
     pages.unwrap_or(0) * page_size() as u64
 }
 

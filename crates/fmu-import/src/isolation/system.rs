@@ -20,10 +20,7 @@ const CHANGED: [i32; 11] = [
 
 /// Lets this process survive the signals that its children may send it.
 pub(super) fn ignore_signals() {
-    for signal in CHANGED
-        .into_iter()
-        .filter(|signal| ![libc::SIGSEGV, libc::SIGBUS].contains(signal))
-    {
+    for signal in CHANGED.into_iter().filter(|signal| ![libc::SIGSEGV, libc::SIGBUS].contains(signal)) {
         // SAFETY: these signals then have no effect; no handler is involved.
         unsafe { libc::signal(signal, libc::SIG_IGN) };
     }

@@ -43,13 +43,7 @@ impl Traces {
         };
         let threads = File::open("/proc/self/task").ok().map(raised);
         let count = threads.as_ref().map_or(Ok(0), count);
-        Self {
-            count: count.unwrap_or(0),
-            threads,
-            running: running(),
-            children: has_children(),
-            signals: actions(),
-        }
+        Self { count: count.unwrap_or(0), threads, running: running(), children: has_children(), signals: actions() }
     }
 
     /// Whether a thread runs now that did not run then, or a process that one of them has started.

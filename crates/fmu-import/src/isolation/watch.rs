@@ -19,12 +19,7 @@ type State = (u64, [i64; 4]);
 #[cfg(unix)]
 fn times(entry: &fs::Metadata) -> [i64; 4] {
     use std::os::unix::fs::MetadataExt;
-    [
-        entry.mtime(),
-        entry.mtime_nsec(),
-        entry.ctime(),
-        entry.ctime_nsec(),
-    ]
+    [entry.mtime(), entry.mtime_nsec(), entry.ctime(), entry.ctime_nsec()]
 }
 
 /// Windows keeps no time of the last change of an entry; its other times count 100 ns.
@@ -92,12 +87,7 @@ impl Watch {
     pub fn on(folder: &Path) -> Self {
         // In this order: a change in between is seen twice rather than not at all.
         let events = Events::of(&Snapshot::of(folder));
-        Self {
-            folder: folder.to_owned(),
-            before: Snapshot::of(folder),
-            events,
-            changed: None,
-        }
+        Self { folder: folder.to_owned(), before: Snapshot::of(folder), events, changed: None }
     }
 
     /// The first thing that was found changed since the beginning, as a path within the folder; empty where it is
@@ -252,22 +242,10 @@ mod tests {
         let place = |act: &dyn Fn(&Path)| told(act).map(|path| path.display().to_string());
         let data = "resources/data.txt";
         let some = |text: &str| Some(text.to_owned());
-        assert_eq!(
-            place(&|f| fs::write(f.join(data), "2").unwrap()),
-            some(data)
-        );
-        assert_eq!(
-            place(&|f| fs::remove_file(f.join(data)).unwrap()),
-            some(data)
-        );
-        assert_eq!(
-            place(&|f| fs::write(f.join("log"), "").unwrap()),
-            some("log")
-        );
-        assert_eq!(
-            place(&|f| fs::create_dir(f.join("new")).unwrap()),
-            some("new")
-        );
+        assert_eq!(place(&|f| fs::write(f.join(data), "2").unwrap()), some(data));
+        assert_eq!(place(&|f| fs::remove_file(f.join(data)).unwrap()), some(data));
+        assert_eq!(place(&|f| fs::write(f.join("log"), "").unwrap()), some("log"));
+        assert_eq!(place(&|f| fs::create_dir(f.join("new")).unwrap()), some("new"));
         let all = |f: &Path| fs::remove_dir_all(f.join("resources")).unwrap();
         assert_eq!(place(&all), some("resources"));
         let back = |f: &Path| {

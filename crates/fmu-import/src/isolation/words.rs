@@ -29,11 +29,7 @@ impl Words {
         dup2_stdout(&printed)?;
         dup2_stderr(&printed)?;
         ioctl_fionbio(&heard, true)?;
-        Ok(Self {
-            heard: heard.into(),
-            end: Tail::default(),
-            echo,
-        })
+        Ok(Self { heard: heard.into(), end: Tail::default(), echo })
     }
 
     /// Reads what has been printed so far.

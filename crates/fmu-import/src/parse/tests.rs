@@ -25,23 +25,9 @@ fn declared_types_give_what_a_variable_leaves_out() {
         <ScalarVariable name="film" valueReference="4"><Enumeration declaredType="Film" start="7"/></ScalarVariable>
         </ModelVariables>"#,
     );
-    let Kind::Real {
-        unit,
-        min,
-        max,
-        start,
-        ..
-    } = &description.variables["c"].kind
-    else {
-        panic!("not a Real")
-    };
-    assert_eq!(
-        (unit.as_deref(), *min, *max, *start),
-        (Some("m"), Some(0.0), Some(0.5), Some(0.1))
-    );
-    let Kind::Enumeration { items, start } = &description.variables["film"].kind else {
-        panic!("not an Enumeration")
-    };
+    let Kind::Real { unit, min, max, start, .. } = &description.variables["c"].kind else { panic!("not a Real") };
+    assert_eq!((unit.as_deref(), *min, *max, *start), (Some("m"), Some(0.0), Some(0.5), Some(0.1)));
+    let Kind::Enumeration { items, start } = &description.variables["film"].kind else { panic!("not an Enumeration") };
     assert_eq!(items[1], ("B".to_owned(), 7));
     assert_eq!(*start, Some(7));
 }
@@ -120,20 +106,14 @@ fn other_kinds_of_fmu_are_refused_by_name() {
     assert!(version.to_string().contains("FMI 4.0"), "{version}");
     let exchange = description(b"<fmiModelDescription fmiVersion=\"2.0\"/>").unwrap_err();
     assert!(matches!(exchange, DescriptionError::NoInterface(_)));
-    assert!(matches!(
-        description(b"<html/>"),
-        Err(DescriptionError::Root(_))
-    ));
+    assert!(matches!(description(b"<html/>"), Err(DescriptionError::Root(_))));
 }
 
 #[test]
 fn entity_bombs_are_refused() {
     let bomb = b"<!DOCTYPE x [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]>\
         <fmiModelDescription fmiVersion=\"2.0\" modelName=\"&b;\"/>";
-    assert!(matches!(
-        description(bomb),
-        Err(DescriptionError::Xml(XmlError::DocumentType))
-    ));
+    assert!(matches!(description(bomb), Err(DescriptionError::Xml(XmlError::DocumentType))));
 }
 
 #[test]
@@ -149,11 +129,7 @@ fn states_that_the_structure_does_not_list_are_counted_by_their_derivatives() {
             </ModelVariables><ModelStructure>{structure}</ModelStructure></fmiModelDescription>"#
         );
         let read = description(xml.as_bytes()).unwrap();
-        (
-            read.exchange.states,
-            read.exchange.indicators,
-            read.remarks.len(),
-        )
+        (read.exchange.states, read.exchange.indicators, read.remarks.len())
     };
     assert_eq!(read(""), (2, 3, 1));
     let listed = r#"<Derivatives><Unknown index="2"/><Unknown index="4"/></Derivatives>"#;

@@ -7,9 +7,7 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use crate::description::{
-    About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable,
-};
+use crate::description::{About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable};
 use crate::parse::{Reader, Types, item, text, truth};
 use crate::value::bytes_of;
 use crate::xml::{child, children, elements};
@@ -87,8 +85,7 @@ impl Reader {
         let Some(storage) = item(node.tag_name().name()) else {
             return refuse(format!("unknown type `{}`", node.tag_name().name()));
         };
-        let is_silent =
-            into.interface == Interface::CoSimulation && !into.capabilities.has_event_mode;
+        let is_silent = into.interface == Interface::CoSimulation && !into.capabilities.has_event_mode;
         if storage == Storage::Clock && is_silent {
             return refuse("a Clock ticks in event mode, which the FMU has not".to_owned());
         }
@@ -102,23 +99,12 @@ impl Reader {
             };
             dimensions.push(size);
         }
-        let count = dimensions
-            .iter()
-            .try_fold(1_usize, |all, size| all.checked_mul(*size));
-        let within = |count: &usize| {
-            *count <= MOST_ELEMENTS && first.checked_add(MOST_ELEMENTS as u32).is_some()
-        };
+        let count = dimensions.iter().try_fold(1_usize, |all, size| all.checked_mul(*size));
+        let within = |count: &usize| *count <= MOST_ELEMENTS && first.checked_add(MOST_ELEMENTS as u32).is_some();
         if count.filter(within).is_none() {
-            return refuse(format!(
-                "an array of more than {MOST_ELEMENTS} elements is not read"
-            ));
+            return refuse(format!("an array of more than {MOST_ELEMENTS} elements is not read"));
         }
-        Some(Written {
-            node,
-            storage,
-            first,
-            sizes: dimensions,
-        })
+        Some(Written { node, storage, first, sizes: dimensions })
     }
 
     /// Adds the elements of a variable, by its name and by its aliases.
@@ -200,9 +186,7 @@ impl Reader {
         }
         let is_float = matches!(written.storage, Storage::Float32 | Storage::Float64);
         match node.attribute("causality") {
-            Some("parameter" | "structuralParameter" | "calculatedParameter") => {
-                Variability::Tunable
-            }
+            Some("parameter" | "structuralParameter" | "calculatedParameter") => Variability::Tunable,
             _ if is_float => Variability::Continuous,
             _ => Variability::Discrete,
         }
@@ -212,11 +196,7 @@ impl Reader {
     pub(crate) fn timing(&mut self, node: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Timing {
         let declared = declared.unwrap_or(node);
         let source = |name: &str| {
-            if node.has_attribute(name) {
-                node
-            } else {
-                declared
-            }
+            if node.has_attribute(name) { node } else { declared }
         };
         let resolution: Option<f64> = self.number(source("resolution"), "resolution");
         let mut time = |counter: &str, decimal: &str| {
@@ -226,11 +206,7 @@ impl Reader {
         };
         let interval = time("intervalCounter", "intervalDecimal");
         let shift = time("shiftCounter", "shiftDecimal");
-        Timing {
-            by: self.choice(source("intervalVariability"), "intervalVariability"),
-            interval,
-            shift,
-        }
+        Timing { by: self.choice(source("intervalVariability"), "intervalVariability"), interval, shift }
     }
 
     /// Reads a start value.
@@ -263,20 +239,16 @@ fn references(list: Option<&str>) -> Vec<u32> {
 
 /// Attributes of the types, by their names.
 fn types<'a>(root: Node<'a, 'a>) -> Types<'a> {
-    let types = child(root, "TypeDefinitions")
-        .into_iter()
-        .flat_map(elements);
-    types
-        .filter_map(|node| Some((node.attribute("name")?, node)))
-        .collect()
+    let types = child(root, "TypeDefinitions").into_iter().flat_map(elements);
+    types.filter_map(|node| Some((node.attribute("name")?, node))).collect()
 }
 
 /// The size that a structural parameter stands for, by its value reference.
 fn structural(node: Node<'_, '_>) -> Option<(u32, usize)> {
     let number = |name| node.attribute(name).map(str::trim);
     // A constant may be a size, too.
-    let is_size = node.attribute("causality") == Some("structuralParameter")
-        || node.attribute("variability") == Some("constant");
+    let is_size =
+        node.attribute("causality") == Some("structuralParameter") || node.attribute("variability") == Some("constant");
     let reference = number("valueReference")?.parse().ok()?;
     is_size.then_some((reference, number("start")?.parse().ok()?))
 }
@@ -284,10 +256,7 @@ fn structural(node: Node<'_, '_>) -> Option<(u32, usize)> {
 /// The start values of all elements: a list in an attribute, or elements for texts.
 fn starts(node: Node<'_, '_>) -> Vec<String> {
     if matches!(node.tag_name().name(), "String" | "Binary") {
-        return children(node, "Start")
-            .filter_map(|start| start.attribute("value"))
-            .map(str::to_owned)
-            .collect();
+        return children(node, "Start").filter_map(|start| start.attribute("value")).map(str::to_owned).collect();
     }
     let list = node.attribute("start").unwrap_or_default();
     list.split_whitespace().map(str::to_owned).collect()

@@ -44,36 +44,20 @@ fn types_with_their_ranges_and_starts() {
         <Enumeration name="e" valueReference="7" causality="parameter" declaredType="Way" start="-1"/>"#,
     );
     let all = &read.variables;
-    let Kind::Real {
-        unit, min, start, ..
-    } = &all["f"].kind
-    else {
-        panic!()
-    };
-    assert_eq!(
-        (unit.as_deref(), *min, *start),
-        (Some("s"), Some(0.0), Some(0.5))
-    );
+    let Kind::Real { unit, min, start, .. } = &all["f"].kind else { panic!() };
+    assert_eq!((unit.as_deref(), *min, *start), (Some("s"), Some(0.0), Some(0.5)));
     assert_eq!(all["f"].variability, Variability::Tunable);
     assert_eq!(all["f"].place.unwrap().storage, Storage::Float32);
     assert_eq!(all["u"].kind.range(), (Some(0.0), Some(255.0)));
     assert_eq!(all["u"].variability, Variability::Discrete);
-    let Kind::Integer { max, .. } = all["i"].kind else {
-        panic!()
-    };
+    let Kind::Integer { max, .. } = all["i"].kind else { panic!() };
     assert_eq!(max, Some(9_007_199_254_740_993));
-    let Kind::Integer { start, .. } = all["w"].kind else {
-        panic!()
-    };
+    let Kind::Integer { start, .. } = all["w"].kind else { panic!() };
     assert_eq!(start, Some(u64::MAX.into()));
     assert_eq!(all["b"].kind.start(), Some(1.0));
-    let Kind::String { start } = &all["s"].kind else {
-        panic!()
-    };
+    let Kind::String { start } = &all["s"].kind else { panic!() };
     assert_eq!(start.as_deref(), Some("two words"));
-    let Kind::Enumeration { items, start } = &all["e"].kind else {
-        panic!()
-    };
+    let Kind::Enumeration { items, start } = &all["e"].kind else { panic!() };
     assert_eq!((items[0].1, *start), (-1, Some(-1)));
     assert_eq!(all["e"].handle().content, Content::Integer);
 }
@@ -98,10 +82,7 @@ fn arrays_become_elements() {
     assert_eq!(start("A[1,3]"), Some(3.0));
     assert_eq!(start("A[2,1]"), Some(4.0));
     assert_eq!(start("A[2,3]"), Some(6.0));
-    assert_eq!(
-        [start("x[1]"), start("x[3]"), start("y[2]")],
-        [Some(9.0); 3]
-    );
+    assert_eq!([start("x[1]"), start("x[3]"), start("y[2]")], [Some(9.0); 3]);
     assert_eq!(all["y[2]"].handle(), all["x[2]"].handle());
     assert_eq!(all["y[2]"].description.as_deref(), Some("the same"));
     assert_eq!(start("bad[1]"), None);
@@ -131,13 +112,8 @@ fn clocks_bytes_and_what_belongs_to_them() {
     let start = |name: &str| all.variables[name].kind.start_value();
     assert_eq!(start("data"), Some(Value::String("0aff".to_owned())));
     assert_eq!(start("bad"), None);
-    let Kind::Clock(timing) = all.variables["tick"].kind else {
-        panic!()
-    };
-    assert_eq!(
-        (timing.interval, timing.shift),
-        (Some(2.0 / 3.0), Some(0.5))
-    );
+    let Kind::Clock(timing) = all.variables["tick"].kind else { panic!() };
+    assert_eq!((timing.interval, timing.shift), (Some(2.0 / 3.0), Some(0.5)));
     assert!(!all.variables["tick"].is_settable() && all.variables["push"].is_settable());
     assert_eq!(all.variables["n"].clocks, [3, 4]);
     assert_eq!(all.unusable.keys().collect::<Vec<_>>(), ["wide"]);
@@ -187,8 +163,7 @@ fn whole_numbers_are_kept_up_to_the_width_of_their_type() {
 #[test]
 fn other_interfaces_are_named() {
     let with = |interfaces: &str| {
-        let xml =
-            format!(r#"<fmiModelDescription fmiVersion="3.0">{interfaces}</fmiModelDescription>"#);
+        let xml = format!(r#"<fmiModelDescription fmiVersion="3.0">{interfaces}</fmiModelDescription>"#);
         description(xml.as_bytes(), &[]).unwrap_err().to_string()
     };
     assert!(with("<ScheduledExecution/>").contains("Scheduled Execution only"));

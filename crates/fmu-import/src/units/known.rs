@@ -46,12 +46,7 @@ const KNOWN: &[(&str, Exponents, f64, f64)] = &[
     ("1/min rpm", FREQUENCY, 1.0 / 60.0, 0.0),
     ("rad/s", TURNING, 1.0, 0.0),
     ("deg/s", TURNING, DEGREE, 0.0),
-    (
-        "rpm 1/min /min min-1 min^-1 RPM U/min r/min rev/min",
-        TURNING,
-        TURN / 60.0,
-        0.0,
-    ),
+    ("rpm 1/min /min min-1 min^-1 RPM U/min r/min rev/min", TURNING, TURN / 60.0, 0.0),
     ("1/s rev/s", TURNING, TURN, 0.0),
     ("rad", ANGLE, 1.0, 0.0),
     ("deg degCA", ANGLE, DEGREE, 0.0),
@@ -79,12 +74,7 @@ const KNOWN: &[(&str, Exponents, f64, f64)] = &[
     ("kW", POWER, 1e3, 0.0),
     ("K", TEMPERATURE, 1.0, 0.0),
     ("degC Celsius", TEMPERATURE, 1.0, 273.15),
-    (
-        "degF Fahrenheit",
-        TEMPERATURE,
-        5.0 / 9.0,
-        459.67 * 5.0 / 9.0,
-    ),
+    ("degF Fahrenheit", TEMPERATURE, 5.0 / 9.0, 459.67 * 5.0 / 9.0),
     ("kg/s", MASS_FLOW, 1.0, 0.0),
     ("g/s", MASS_FLOW, 1e-3, 0.0),
     ("kg/h", MASS_FLOW, 1.0 / 3600.0, 0.0),
@@ -118,9 +108,7 @@ pub fn between(from: &str, to: &str) -> Option<Conversion> {
     let pairs = named(from).flat_map(|a| named(to).map(move |b| (a, b)));
     let mut alike = pairs.filter(|((_, a, ..), (_, b, ..))| a == b);
     let way = |&(_, _, factor, offset)| Conversion { factor, offset };
-    alike
-        .next()
-        .map(|(from, to)| way(from).then(way(to).inverse()))
+    alike.next().map(|(from, to)| way(from).then(way(to).inverse()))
 }
 
 /// The usual names of all units of a unit's kind.
@@ -148,19 +136,13 @@ mod tests {
             ("%", "-", 5.0, 0.05),
         ] {
             let got = between(from, to).unwrap().value(value);
-            assert!(
-                (got - expected).abs() < 1e-9 * expected,
-                "{from} {to} {got}"
-            );
+            assert!((got - expected).abs() < 1e-9 * expected, "{from} {to} {got}");
         }
         // A turn is no radian, and a torque no pressure.
         assert_eq!(between("Hz", "rad/s"), None);
         assert_eq!(between("Nm", "bar"), None);
         assert_eq!(between("furlong", "furlong"), None);
-        assert_eq!(
-            ["Nm", "U/min", "mbar", "x"].map(usual),
-            [Some("N.m"), Some("rpm"), Some("hPa"), None]
-        );
+        assert_eq!(["Nm", "U/min", "mbar", "x"].map(usual), [Some("N.m"), Some("rpm"), Some("hPa"), None]);
         assert_eq!(alike("N"), ["N", "kN"]);
     }
 }

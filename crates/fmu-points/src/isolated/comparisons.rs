@@ -61,11 +61,7 @@ impl Isolated {
             self.policy().audited(job.index, same, false);
         }
         if !same {
-            let probed = if told {
-                Probed::Different
-            } else {
-                Probed::NoForks
-            };
+            let probed = if told { Probed::Different } else { Probed::NoForks };
             return Ok((probed, None));
         }
         let mut probed = Probed::NoForks;
@@ -83,19 +79,10 @@ impl Isolated {
     pub(super) fn trial(&mut self, post: &Post<'_>) -> Result<Result<Reuse, Reason>, Gone> {
         let proof = self.policy().proof();
         let forward = 0..proof.len();
-        let orders: Vec<usize> = forward
-            .clone()
-            .chain(forward.clone().rev())
-            .chain(forward.flat_map(|k| [k, k]))
-            .collect();
-        let jobs: Vec<Job> = orders
-            .iter()
-            .zip(0..)
-            .map(|(&k, index)| Job {
-                index,
-                values: proof[k].0.values.clone(),
-            })
-            .collect();
+        let orders: Vec<usize> =
+            forward.clone().chain(forward.clone().rev()).chain(forward.flat_map(|k| [k, k])).collect();
+        let jobs: Vec<Job> =
+            orders.iter().zip(0..).map(|(&k, index)| Job { index, values: proof[k].0.values.clone() }).collect();
         let mut outcome = Err(Reason::OtherResults);
         for reuse in [Reuse::Reset, Reuse::Renew] {
             let (mut same, mut odd) = (true, None);
@@ -103,9 +90,7 @@ impl Isolated {
             let ran = self.using.run(way, &jobs, post.stopped, &mut |reply| {
                 let known = orders.get(reply.index as usize).map(|&k| &proof[k].1);
                 let simulated = reply.answer.as_ref().ok();
-                same &= known
-                    .zip(simulated)
-                    .is_some_and(|(a, b)| bits(a).eq(bits(&b.values)));
+                same &= known.zip(simulated).is_some_and(|(a, b)| bits(a).eq(bits(&b.values)));
                 odd = odd.or(reply.odd);
             });
             match (ran, odd) {
@@ -125,11 +110,7 @@ impl Isolated {
 
     /// Computes some of the points of a used process again: those that are chosen, those right behind an odd one, and others
     /// as far as there is time.
-    pub(super) fn audit_some(
-        &mut self,
-        done: &[Done<'_>],
-        post: &mut Post<'_>,
-    ) -> Result<(), Gone> {
+    pub(super) fn audit_some(&mut self, done: &[Done<'_>], post: &mut Post<'_>) -> Result<(), Gone> {
         if !self.policy().audits() || done.is_empty() {
             return Ok(());
         }
@@ -151,11 +132,7 @@ impl Isolated {
         let latest = done.last().filter(|_| last).map(|done| done.job.index);
         let rank = |point: &&Done<'_>| {
             let latest = latest == Some(point.job.index);
-            (
-                !latest,
-                !point.behind_odd,
-                self.policy().rank(point.job.index),
-            )
+            (!latest, !point.behind_odd, self.policy().rank(point.job.index))
         };
         others.sort_by_cached_key(rank);
         for point in others.into_iter().take(count as usize) {
@@ -168,19 +145,13 @@ impl Isolated {
 
     /// Computes a point again in a new process whose unwritten memory holds something else. Whether it came out the
     /// same, as far as that can be told.
-    pub(super) fn audit(
-        &mut self,
-        point: &Done<'_>,
-        in_any_case: bool,
-        post: &mut Post<'_>,
-    ) -> Result<bool, Gone> {
+    pub(super) fn audit(&mut self, point: &Done<'_>, in_any_case: bool, post: &mut Post<'_>) -> Result<bool, Gone> {
         let (job, separation) = (point.job, point.separation);
         let begun = Instant::now();
         let again = self.anew(job, Some(FILLS[0]), post)?.answer;
         let behind_odd = in_any_case && point.behind_odd;
         let took = begun.elapsed().as_secs_f64();
-        self.policy()
-            .note_audit(took, separation, in_any_case, behind_odd);
+        self.policy().note_audit(took, separation, in_any_case, behind_odd);
         // A process that was ended from outside tells nothing about the FMU.
         if !speaks_of_the_fmu(&again) {
             return Ok(true);
@@ -211,13 +182,7 @@ impl Isolated {
     }
 
     /// A point gave something else in a new process: either it matters what ran before it, or new processes differ.
-    fn judge(
-        &mut self,
-        job: &Job,
-        separation: Separation,
-        new: &Outcome,
-        post: &mut Post<'_>,
-    ) -> Result<(), Gone> {
+    fn judge(&mut self, job: &Job, separation: Separation, new: &Outcome, post: &mut Post<'_>) -> Result<(), Gone> {
         if separation == self.strictest() {
             self.give_up_reproducing(post);
             return Ok(());

@@ -21,20 +21,10 @@ fn a_probe_that_ends_late_changes_nothing_that_is_known() {
 
 /// A point that was computed alone, and of which the simulation took so long, s.
 fn alone(simulated: f32, odd: Option<Reason>) -> Reply {
-    Reply {
-        index: 0,
-        answer: Ok(vec![1.0].into()),
-        start: 0.0,
-        simulated,
-        odd,
-        forkable: None,
-    }
+    Reply { index: 0, answer: Ok(vec![1.0].into()), start: 0.0, simulated, odd, forkable: None }
 }
 
-const JOB: Job = Job {
-    index: 0,
-    values: Vec::new(),
-};
+const JOB: Job = Job { index: 0, values: Vec::new() };
 
 fn probed(left: usize) -> Policy {
     let mut policy = Policy::new(Isolation::Audited, false, false);
@@ -55,10 +45,7 @@ fn a_search_that_asks_for_few_points_at_a_time_earns_reuse() {
         points += 1;
         assert!(points < 1000);
     }
-    assert_eq!(
-        (policy.plan(Some(10)), points),
-        (Plan::Alone(Separation::Forked), 481)
-    );
+    assert_eq!((policy.plan(Some(10)), points), (Plan::Alone(Separation::Forked), 481));
 }
 
 /// Neither a stall of the machine nor how fast it is decides, only which part of its time a point is simulated, mostly.
@@ -90,9 +77,7 @@ fn no_single_reading_of_a_clock_decides() {
 #[test]
 fn odd_points_run_alone_while_they_are_many() {
     let mut policy = probed(1000);
-    let note = |policy: &mut Policy, odd| {
-        policy.note(&JOB, &alone(0.1, odd), Separation::Forked, Some(1.0))
-    };
+    let note = |policy: &mut Policy, odd| policy.note(&JOB, &alone(0.1, odd), Separation::Forked, Some(1.0));
     (0..PROOF).for_each(|_| note(&mut policy, None));
     assert_eq!(policy.plan(Some(1000)), Plan::Trial);
     policy.tried(Some(Ok(Reuse::Reset)));
@@ -118,10 +103,7 @@ fn a_licence_is_waited_for_once_in_vain() {
     assert_eq!(policy.wait(false, now, limit), Wait::No);
     assert_eq!(policy.wait(true, now, limit), Wait::Told(limit));
     assert_eq!(policy.wait(true, now, limit), Wait::Again);
-    assert_eq!(
-        policy.wait(true, now, Duration::ZERO),
-        Wait::GivenUp(Duration::ZERO)
-    );
+    assert_eq!(policy.wait(true, now, Duration::ZERO), Wait::GivenUp(Duration::ZERO));
     assert_eq!(policy.wait(true, Instant::now(), limit), Wait::No);
     // Somebody got one: the next one that is refused may get one, too.
     policy.instantiated(0.1);

@@ -10,11 +10,7 @@ impl Worker for Doubling {
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         for job in jobs {
             let value = job.values[0];
-            let answer = if value < 0.0 {
-                Err(Failure::Timeout)
-            } else {
-                Ok(vec![2.0 * value].into())
-            };
+            let answer = if value < 0.0 { Err(Failure::Timeout) } else { Ok(vec![2.0 * value].into()) };
             post.send(Event::Answer(job.index, answer, Separation::Used));
             if post.is_over() {
                 break;
@@ -25,16 +21,11 @@ impl Worker for Doubling {
 }
 
 fn workers(count: usize) -> Vec<Box<dyn Worker>> {
-    (0..count)
-        .map(|_| Box::new(Doubling) as Box<dyn Worker>)
-        .collect()
+    (0..count).map(|_| Box::new(Doubling) as Box<dyn Worker>).collect()
 }
 
 fn job(index: u64) -> Job {
-    Job {
-        index,
-        values: vec![index as f64 - 3.0],
-    }
+    Job { index, values: vec![index as f64 - 3.0] }
 }
 
 fn none(_: Separation) -> Vec<u64> {
@@ -45,25 +36,17 @@ fn none(_: Separation) -> Vec<u64> {
 fn every_point_is_answered_once() {
     let mut seen = vec![0; 10_000];
     let stop = AtomicBool::new(false);
-    run::<RunError>(
-        &mut workers(3),
-        0..10_000,
-        &job,
-        &none,
-        &mut Company::default(),
-        &stop,
-        |event| {
-            let Event::Answer(index, answer, _) = event else {
-                return Ok(ControlFlow::Continue(()));
-            };
-            seen[index as usize] += 1;
-            match answer {
-                Ok(outcome) => assert_eq!(outcome.values[0], 2.0 * (index as f64 - 3.0)),
-                Err(_) => assert!(index < 3),
-            }
-            Ok(ControlFlow::Continue(()))
-        },
-    )
+    run::<RunError>(&mut workers(3), 0..10_000, &job, &none, &mut Company::default(), &stop, |event| {
+        let Event::Answer(index, answer, _) = event else {
+            return Ok(ControlFlow::Continue(()));
+        };
+        seen[index as usize] += 1;
+        match answer {
+            Ok(outcome) => assert_eq!(outcome.values[0], 2.0 * (index as f64 - 3.0)),
+            Err(_) => assert!(index < 3),
+        }
+        Ok(ControlFlow::Continue(()))
+    })
     .unwrap();
     assert!(seen[3..].iter().all(|&count| count == 1));
     // Of those that took too long while others ran, one comes again alone, and changes nothing.
@@ -74,22 +57,10 @@ fn every_point_is_answered_once() {
 fn a_run_ends_early_when_asked_to() {
     let stop = AtomicBool::new(false);
     let mut count = 0;
-    run::<RunError>(
-        &mut workers(2),
-        0..1_000_000,
-        &job,
-        &none,
-        &mut Company::default(),
-        &stop,
-        |event| {
-            count += u64::from(matches!(event, Event::Answer(..)));
-            Ok(if count == 10 {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            })
-        },
-    )
+    run::<RunError>(&mut workers(2), 0..1_000_000, &job, &none, &mut Company::default(), &stop, |event| {
+        count += u64::from(matches!(event, Event::Answer(..)));
+        Ok(if count == 10 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    })
     .unwrap();
     assert!((10..900_000).contains(&count), "{count}");
 }
@@ -128,20 +99,12 @@ fn what_does_not_count_is_computed_again() {
     let earlier = |_| vec![7];
     let open = (0..5000).filter(|index| *index != 7);
     let stop = AtomicBool::new(false);
-    run::<RunError>(
-        &mut workers,
-        open,
-        &job,
-        &earlier,
-        &mut Company::default(),
-        &stop,
-        |event| {
-            if let Event::Answer(index, answer, _) = event {
-                values[index as usize] = answer.unwrap().values[0];
-            }
-            Ok(ControlFlow::Continue(()))
-        },
-    )
+    run::<RunError>(&mut workers, open, &job, &earlier, &mut Company::default(), &stop, |event| {
+        if let Event::Answer(index, answer, _) = event {
+            values[index as usize] = answer.unwrap().values[0];
+        }
+        Ok(ControlFlow::Continue(()))
+    })
     .unwrap();
     // A point of an earlier run comes again, too.
     assert!((0..5000).all(|index| values[index] == index as f64 - 3.0));

@@ -99,9 +99,7 @@ impl Collector {
             Self::Turns(mean) => mean.result(),
             Self::Periods(mean) => mean.result(),
             Self::Curve(comparison) => comparison.result(),
-            Self::Value(sampler) | Self::Rows(sampler, _) => {
-                sampler.finish().map_or(f64::NAN, |values| values[0])
-            }
+            Self::Value(sampler) | Self::Rows(sampler, _) => sampler.finish().map_or(f64::NAN, |values| values[0]),
         }
     }
 
@@ -150,12 +148,7 @@ impl Comparison {
             }
             Delay::Within(_) => Kept::Everything(Vec::new(), Vec::new()),
         };
-        Self {
-            draws: measured.resampling.as_ref().map(Draws::new),
-            conforming: None,
-            measured: measured.clone(),
-            kept,
-        }
+        Self { draws: measured.resampling.as_ref().map(Draws::new), conforming: None, measured: measured.clone(), kept }
     }
 
     fn restart(&mut self) {
@@ -174,13 +167,7 @@ impl Comparison {
     }
 
     /// Takes the values at the ends of steps: every `stride`th one.
-    pub(super) fn add_steps(
-        &mut self,
-        begins: &[f64],
-        sizes: &[f64],
-        values: &[f64],
-        stride: usize,
-    ) {
+    pub(super) fn add_steps(&mut self, begins: &[f64], sizes: &[f64], values: &[f64], stride: usize) {
         match &mut self.kept {
             Kept::Samples(sampler) => sampler.add_steps(begins, sizes, values, stride),
             Kept::Everything(times, kept) => {
@@ -206,15 +193,9 @@ impl Comparison {
                 }
             }
         };
-        let pair = Pair {
-            band: &measured.band,
-            normaliser: measured.normaliser,
-            ..Pair::new(&measured.values, &model)
-        };
-        self.conforming = self
-            .draws
-            .as_mut()
-            .map(|draws| draws.conforming(measured.metric, &pair));
+        let pair =
+            Pair { band: &measured.band, normaliser: measured.normaliser, ..Pair::new(&measured.values, &model) };
+        self.conforming = self.draws.as_mut().map(|draws| draws.conforming(measured.metric, &pair));
         measured.metric.compare(&pair)
     }
 }
@@ -258,10 +239,7 @@ mod tests {
         };
         Probe {
             name: "y".to_owned(),
-            handle: Handle {
-                reference: 0,
-                content: Content::Real,
-            },
+            handle: Handle { reference: 0, content: Content::Real },
             statistic: Statistic::Final,
             window: None,
             curve: Some(Arc::new(curve)),
@@ -294,11 +272,7 @@ mod tests {
     #[test]
     fn a_value_is_taken_between_communication_points() {
         let at = |time: f64| {
-            let probe = Probe {
-                curve: None,
-                detail: Some(Detail::At(time)),
-                ..probe(Delay::Known(0.0))
-            };
+            let probe = Probe { curve: None, detail: Some(Detail::At(time)), ..probe(Delay::Known(0.0)) };
             let probes = [probe];
             let mut collector = Collector::new(&probes);
             for _ in 0..2 {

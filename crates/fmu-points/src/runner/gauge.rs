@@ -38,12 +38,7 @@ impl Gauge {
     }
 
     /// Looks at the variable, if the time is in the window; rounding of times counts as nothing.
-    pub(super) fn look(
-        &mut self,
-        observed: &[Probe],
-        time: f64,
-        instance: &mut Instance,
-    ) -> Result<(), Call> {
+    pub(super) fn look(&mut self, observed: &[Probe], time: f64, instance: &mut Instance) -> Result<(), Call> {
         let probe = &observed[self.probes.start];
         let [from, to] = self.window;
         let rounding = 1e-9 * (from.abs() + to.abs());

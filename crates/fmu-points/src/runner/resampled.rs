@@ -16,15 +16,8 @@ pub(super) struct Draws {
 
 impl Draws {
     pub(super) fn new(resampling: &Resampling) -> Self {
-        let rectangular = resampling
-            .errors
-            .as_ref()
-            .is_some_and(|errors| errors.rectangular);
-        Self {
-            drawn: RowErrors::new(resampling.seed, rectangular),
-            resampling: resampling.clone(),
-            table: None,
-        }
+        let rectangular = resampling.errors.as_ref().is_some_and(|errors| errors.rectangular);
+        Self { drawn: RowErrors::new(resampling.seed, rectangular), resampling: resampling.clone(), table: None }
     }
 
     /// To which of the curves a model conforms; none where they are not known.
@@ -61,10 +54,7 @@ impl Draws {
                     *truth += width * f64::from(*error);
                 }
             }
-            let value = metric.compare(&Pair {
-                reference: &truth,
-                ..*pair
-            });
+            let value = metric.compare(&Pair { reference: &truth, ..*pair });
             note(&self.resampling, replicate, value, &mut conforming);
         }
         conforming
@@ -129,14 +119,7 @@ mod tests {
     }
 
     fn resampling(correlation: f64, tolerance: f64) -> Resampling {
-        Resampling {
-            errors: Some(errors(correlation)),
-            sign: 1.0,
-            seed: 3,
-            first: 0,
-            ideal: 0.0,
-            tolerance,
-        }
+        Resampling { errors: Some(errors(correlation)), sign: 1.0, seed: 3, first: 0, ideal: 0.0, tolerance }
     }
 
     fn share(resampling: &Resampling, metric: Metric, deviation: f64) -> f64 {
@@ -155,10 +138,7 @@ mod tests {
                 let expected = between((-1.0 - deviation) / 0.5, (1.0 - deviation) / 0.5);
                 let share = share(&resampling(1.0, 1.0), metric, deviation);
                 // Whole draws of 256 only.
-                assert!(
-                    (share - expected).abs() < 1.5 / 256.0,
-                    "{deviation}: {share} {expected}"
-                );
+                assert!((share - expected).abs() < 1.5 / 256.0, "{deviation}: {share} {expected}");
             }
         }
     }
@@ -167,26 +147,14 @@ mod tests {
     #[test]
     fn rectangles_and_gains_are_those_of_one_number() {
         let resampling = resampling(1.0, 1.0);
-        let with = |errors: CurveErrors| Resampling {
-            errors: Some(errors),
-            ..resampling.clone()
-        };
-        let rectangular = with(CurveErrors {
-            rectangular: true,
-            ..errors(1.0)
-        });
+        let with = |errors: CurveErrors| Resampling { errors: Some(errors), ..resampling.clone() };
+        let rectangular = with(CurveErrors { rectangular: true, ..errors(1.0) });
         // Limits of +-0.866 about a model that is 0.6 off, of which +-1 conforms.
         let expected = (0.5 * 3.0_f64.sqrt() + 0.4) / 3.0_f64.sqrt();
         let part = share(&rectangular, Metric::Rmse, 0.6);
         assert!((part - expected).abs() < 1.5 / 256.0, "{part} {expected}");
-        let gain = with(CurveErrors {
-            gain: 0.5,
-            ..errors(0.0)
-        });
-        let gain = with(CurveErrors {
-            own: vec![0.0; 400],
-            ..gain.errors.unwrap()
-        });
+        let gain = with(CurveErrors { gain: 0.5, ..errors(0.0) });
+        let gain = with(CurveErrors { own: vec![0.0; 400], ..gain.errors.unwrap() });
         let part = share(&gain, Metric::Rmse, 0.6);
         let expected = between(-1.6 / 0.5, 0.4 / 0.5);
         assert!((part - expected).abs() < 1.5 / 256.0, "{part} {expected}");
@@ -209,21 +177,11 @@ mod tests {
     #[test]
     fn both_ways_to_an_rmse_agree() {
         let reference: Vec<f64> = (0..400).map(|k| f64::from(k % 17)).collect();
-        let model: Vec<f64> = (0..400)
-            .map(|k| f64::from(k % 17) + 0.02 * f64::from(k % 5))
-            .collect();
-        let pair = Pair {
-            normaliser: 16.0,
-            ..Pair::new(&reference, &model)
-        };
+        let model: Vec<f64> = (0..400).map(|k| f64::from(k % 17) + 0.02 * f64::from(k % 5)).collect();
+        let pair = Pair { normaliser: 16.0, ..Pair::new(&reference, &model) };
         for (metric, tolerance) in [(Metric::Rmse, 0.6), (Metric::Nrmse, 0.05)] {
-            let of = |correlation: f64| {
-                Draws::new(&resampling(correlation, tolerance)).conforming(metric, &pair)
-            };
-            let differing = of(1.0)
-                .into_iter()
-                .zip(of(1.0 - 1e-12))
-                .map(|(a, b)| (a ^ b).count_ones());
+            let of = |correlation: f64| Draws::new(&resampling(correlation, tolerance)).conforming(metric, &pair);
+            let differing = of(1.0).into_iter().zip(of(1.0 - 1e-12)).map(|(a, b)| (a ^ b).count_ones());
             assert_eq!(differing.sum::<u32>(), 0, "{metric:?}");
             assert!(of(1.0).iter().any(|bits| *bits != 0 && *bits != u64::MAX));
         }
@@ -231,15 +189,8 @@ mod tests {
 
     #[test]
     fn what_is_not_known_is_not_told() {
-        let unknown = Resampling {
-            errors: None,
-            ..resampling(1.0, 1.0)
-        };
+        let unknown = Resampling { errors: None, ..resampling(1.0, 1.0) };
         let pair = Pair::new(&[1.0, 2.0], &[1.0, 2.0]);
-        assert!(
-            Draws::new(&unknown)
-                .conforming(Metric::Rmse, &pair)
-                .is_empty()
-        );
+        assert!(Draws::new(&unknown).conforming(Metric::Rmse, &pair).is_empty());
     }
 }

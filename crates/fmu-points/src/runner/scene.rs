@@ -29,16 +29,11 @@ pub(super) struct Scene {
 }
 
 /// The numbers of probes in groups: those that read a curve row by row need one look for all rows.
-pub(super) fn together(
-    observed: &[Probe],
-    numbers: impl Iterator<Item = usize>,
-) -> Vec<Range<usize>> {
+pub(super) fn together(observed: &[Probe], numbers: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     let mut groups: Vec<Range<usize>> = Vec::new();
     for number in numbers {
         match groups.last_mut() {
-            Some(last)
-                if last.end == number && observed[number - 1].goes_on_in(&observed[number]) =>
-            {
+            Some(last) if last.end == number && observed[number - 1].goes_on_in(&observed[number]) => {
                 last.end += 1;
             }
             _ => groups.push(number..number + 1),
@@ -56,15 +51,13 @@ impl Scene {
         let over_time = over_time.filter(|(_, probe)| has_windows || !probe.is_final());
         let (probes, others): (Vec<_>, Vec<_>) =
             over_time.partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
-        let [probes, others] = [probes, others]
-            .map(|of| together(&task.observed, of.iter().map(|(number, _)| *number)));
+        let [probes, others] =
+            [probes, others].map(|of| together(&task.observed, of.iter().map(|(number, _)| *number)));
         let usual = [task.schedule.window_start, task.schedule.stop];
         let gauges = others.into_iter();
         Self {
             number,
-            gauges: gauges
-                .map(|probes| Gauge::new(probes, &task.observed, usual))
-                .collect(),
+            gauges: gauges.map(|probes| Gauge::new(probes, &task.observed, usual)).collect(),
             has_windows,
             shifts: vec![0.0; task.inputs.len()],
             watched: Watched::new(&task, probes),
@@ -127,10 +120,7 @@ impl Scene {
             }
             instance.step(time, next - time).map_err(|mut call| {
                 // What was read last is that of the communication point.
-                call.ended = call.ended.map(|ended| End {
-                    from: begin,
-                    ..ended
-                });
+                call.ended = call.ended.map(|ended| End { from: begin, ..ended });
                 call
             })?;
             time = next;
@@ -144,13 +134,9 @@ impl Scene {
         let watched = watched.probes.iter().zip(&watched.collectors);
         let gauges = self.gauges.iter();
         let gauges = gauges.map(|gauge| (&gauge.probes, &gauge.collector));
-        let (_, collector) = watched
-            .chain(gauges)
-            .find(|(probes, _)| probes.contains(&result))?;
+        let (_, collector) = watched.chain(gauges).find(|(probes, _)| probes.contains(&result))?;
         let probe = &self.task.observed[result];
-        let (Some(Detail::Level(level, direction)), [low, high]) =
-            (probe.detail, collector.uncrossed()?)
-        else {
+        let (Some(Detail::Level(level, direction)), [low, high]) = (probe.detail, collector.uncrossed()?) else {
             return None;
         };
         let crosses = match direction {
@@ -160,9 +146,7 @@ impl Scene {
         };
         let unit = behind(probe.unit.as_deref());
         let [low, high] = [low, high].map(|value| format!("{value:.5e}").parse().unwrap_or(value));
-        Some(format!(
-            " never {crosses} {level}{unit}, but stays within {low} .. {high}{unit}"
-        ))
+        Some(format!(" never {crosses} {level}{unit}, but stays within {low} .. {high}{unit}"))
     }
 
     /// Empties what is gathered.
@@ -177,12 +161,7 @@ impl Scene {
     }
 
     /// The results, with the statistics of most variables taken over `span` seconds.
-    pub(super) fn finish(
-        &mut self,
-        instance: &mut Instance,
-        span: f64,
-        notices: &mut Notices,
-    ) -> Result<(), Call> {
+    pub(super) fn finish(&mut self, instance: &mut Instance, span: f64, notices: &mut Notices) -> Result<(), Call> {
         let watched = &mut self.watched;
         for (probes, collector) in watched.probes.iter().zip(&mut watched.collectors) {
             collector.results(span, &mut self.results[probes.clone()]);

@@ -72,11 +72,7 @@ impl Scene {
     }
 
     /// Reads what is gathered over time, which was read `last` before.
-    pub(super) fn watch(
-        &mut self,
-        instance: &mut Instance,
-        [last, time]: [f64; 2],
-    ) -> Result<(), Call> {
+    pub(super) fn watch(&mut self, instance: &mut Instance, [last, time]: [f64; 2]) -> Result<(), Call> {
         self.watched.read(instance, last, time - last)?;
         let mut gauges = self.gauges.iter_mut();
         gauges.try_for_each(|gauge| gauge.look(&self.task.observed, time, instance))

@@ -30,9 +30,7 @@ impl Watched {
         let observed = || probes.iter().map(|probes| &task.observed[probes.clone()]);
         let most = (Self::GATHERED / probes.len().max(1)).clamp(1, Together::MOST);
         Self {
-            references: observed()
-                .map(|probes| probes[0].handle.reference)
-                .collect(),
+            references: observed().map(|probes| probes[0].handle.reference).collect(),
             values: vec![0.0; most * probes.len()],
             steps: Together::default(),
             most,
@@ -42,12 +40,7 @@ impl Watched {
     }
 
     /// Reads the values at one communication point.
-    pub(super) fn read(
-        &mut self,
-        instance: &mut Instance,
-        last: f64,
-        elapsed: f64,
-    ) -> Result<(), Call> {
+    pub(super) fn read(&mut self, instance: &mut Instance, last: f64, elapsed: f64) -> Result<(), Call> {
         if !self.probes.is_empty() {
             instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
             self.steps.begins[0] = last;

@@ -45,11 +45,7 @@ pub(crate) fn set_apart(command: &mut Command) -> &mut Command {
 /// This program, even when its file has been replaced since.
 pub(crate) fn program() -> io::Result<PathBuf> {
     let program = Path::new("/proc/self/exe");
-    if program.exists() {
-        Ok(program.to_owned())
-    } else {
-        std::env::current_exe()
-    }
+    if program.exists() { Ok(program.to_owned()) } else { std::env::current_exe() }
 }
 
 /// Where a worker's replies come from.

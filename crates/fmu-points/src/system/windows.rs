@@ -14,9 +14,7 @@ use fmu_import::isolation::pipe::Arrivals;
 use fmu_import::isolation::process;
 use fmu_import::isolation::{Keeper, Loss};
 use windows_sys::Win32::Foundation::INVALID_HANDLE_VALUE;
-use windows_sys::Win32::System::Memory::{
-    CreateFileMappingW, FILE_MAP_ALL_ACCESS, MapViewOfFile, PAGE_READWRITE,
-};
+use windows_sys::Win32::System::Memory::{CreateFileMappingW, FILE_MAP_ALL_ACCESS, MapViewOfFile, PAGE_READWRITE};
 
 pub use fmu_import::isolation::process::memory_of_machine;
 pub(crate) use fmu_import::isolation::process::{detach, detach as set_apart};
@@ -127,10 +125,7 @@ pub(crate) struct Shared {
 
 impl Shared {
     pub(crate) fn new() -> io::Result<Self> {
-        Self::open(format!(
-            r"Local\orchestrator-{:032x}",
-            rand::random::<u128>()
-        ))
+        Self::open(format!(r"Local\orchestrator-{:032x}", rand::random::<u128>()))
     }
 
     /// The number of this name; a new one, zero, where there is none yet.
@@ -139,9 +134,7 @@ impl Shared {
         let wide: Vec<u16> = name.encode_utf16().chain([0]).collect();
         let (file, none) = (INVALID_HANDLE_VALUE, ptr::null());
         // SAFETY: fresh memory without a file behind it; the name ends with a zero.
-        let mapping = unsafe {
-            CreateFileMappingW(file, none, PAGE_READWRITE, 0, size as u32, wide.as_ptr())
-        };
+        let mapping = unsafe { CreateFileMappingW(file, none, PAGE_READWRITE, 0, size as u32, wide.as_ptr()) };
         if mapping.is_null() {
             return Err(io::Error::last_os_error());
         }

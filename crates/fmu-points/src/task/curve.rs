@@ -103,11 +103,7 @@ impl MeasuredCurve {
     pub fn expanded(&self, row: usize) -> Option<f64> {
         let errors = self.errors.as_ref()?;
         let gain = errors.gain * self.values.get(row)?;
-        let standard = errors
-            .shared
-            .get(row)?
-            .hypot(gain)
-            .hypot(*errors.own.get(row)?);
+        let standard = errors.shared.get(row)?.hypot(gain).hypot(*errors.own.get(row)?);
         Some(errors.coverage[0] * standard)
     }
 

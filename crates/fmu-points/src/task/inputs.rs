@@ -124,21 +124,13 @@ impl Series {
         let of_both = |(low, high): (f64, f64), &value: &f64| (low.min(value), high.max(value));
         let ends = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = self.values.iter().fold(ends, of_both);
-        let mut unseen = Unseen {
-            rows: 0,
-            most: ROUNDING * (high - low),
-            at: f64::NAN,
-        };
+        let mut unseen = Unseen { rows: 0, most: ROUNDING * (high - low), at: f64::NAN };
         let least = unseen.most;
         for row in settled.turns(&points) {
             let time = settled.times[row];
             let index = points.from(time);
             let (begin, end) = (points.at(index - 1), points.at(index));
-            let slope = if self.ramp {
-                settled.slope(begin, end)
-            } else {
-                0.0
-            };
+            let slope = if self.ramp { settled.slope(begin, end) } else { 0.0 };
             let got = settled.at(begin) + slope * (time - begin);
             let missed = (self.values[row] - got).abs();
             unseen.rows += usize::from(missed > least);
@@ -173,10 +165,7 @@ mod tests {
     use fmu_import::{Content, Handle};
 
     fn series(times: &[f64], values: &[f64]) -> Series {
-        let handle = Handle {
-            reference: 1,
-            content: Content::Real,
-        };
+        let handle = Handle { reference: 1, content: Content::Real };
         Series {
             slot: Slot {
                 name: "u".to_owned(),
@@ -197,14 +186,7 @@ mod tests {
 
     /// Steps of 1 s from 0 to 4.
     fn schedule() -> Schedule {
-        Schedule {
-            start: 0.0,
-            stop: 4.0,
-            step: 1.0,
-            window_start: 0.0,
-            leap: false,
-            tolerance: None,
-        }
+        Schedule { start: 0.0, stop: 4.0, step: 1.0, window_start: 0.0, leap: false, tolerance: None }
     }
 
     #[test]
@@ -239,20 +221,15 @@ mod tests {
 
     #[test]
     fn rows_of_two_recordings_share_a_step() {
-        let mut inputs = [
-            series(&[0.0, 0.3, 4.0], &[0.0, 1.0, 0.0]),
-            series(&[0.0, 0.2995, 0.8, 0.9995], &[0.0, 1.0, 0.0, 3.0]),
-        ];
+        let mut inputs =
+            [series(&[0.0, 0.3, 4.0], &[0.0, 1.0, 0.0]), series(&[0.0, 0.2995, 0.8, 0.9995], &[0.0, 1.0, 0.0, 3.0])];
         assert_eq!(place(&mut inputs, &schedule()), [0.3, 0.8]);
         assert_eq!(inputs[1].times, [0.0, 0.3, 0.8, 1.0]);
     }
 
     #[test]
     fn a_recording_covers_its_run_but_for_one_interval() {
-        let run = Schedule {
-            step: 0.01,
-            ..schedule()
-        };
+        let run = Schedule { step: 0.01, ..schedule() };
         let covers = |times: &[f64]| series(times, &vec![0.0; times.len()]).uncovered(&run);
         let even = |first: i32, last: i32| {
             let times: Vec<f64> = (first..=last).map(|k| 0.02 * f64::from(k)).collect();
@@ -275,24 +252,13 @@ mod tests {
     fn what_an_fmu_of_fixed_steps_misses_is_counted() {
         let mut recorded = series(&[0.0, 1.5, 1.75, 2.0, 4.0], &[0.0, 3.0, 3.5, 0.0, 8.0]);
         // From 2 at 1 s to 0 at 2 s.
-        let unseen = Unseen {
-            rows: 2,
-            most: 3.0,
-            at: 1.75,
-        };
+        let unseen = Unseen { rows: 2, most: 3.0, at: 1.75 };
         assert_eq!(recorded.unseen(&schedule()), Some(unseen));
         (recorded.ramp, recorded.hold) = (false, true);
-        let unseen = Unseen {
-            rows: 2,
-            most: 3.5,
-            at: 1.75,
-        };
+        let unseen = Unseen { rows: 2, most: 3.5, at: 1.75 };
         assert_eq!(recorded.unseen(&schedule()), Some(unseen));
         let straight = series(&[0.0, 0.5, 1.0, 4.0], &[0.0, 1.0, 2.0, 8.0]);
-        let fine = Schedule {
-            step: 0.5,
-            ..schedule()
-        };
+        let fine = Schedule { step: 0.5, ..schedule() };
         assert_eq!(straight.unseen(&schedule()), None);
         assert_eq!(recorded.unseen(&fine).map(|unseen| unseen.rows), Some(1));
     }

@@ -46,18 +46,12 @@ impl Schedule {
     /// Says which one does not.
     pub fn check(&self) -> Result<(), String> {
         const MOST_STEPS: f64 = 1e12;
-        let Self {
-            start, stop, step, ..
-        } = *self;
+        let Self { start, stop, step, .. } = *self;
         if !(start.is_finite() && stop.is_finite() && stop > start) {
-            return Err(format!(
-                "the stop time {stop:?} s must be later than the start {start:?} s"
-            ));
+            return Err(format!("the stop time {stop:?} s must be later than the start {start:?} s"));
         }
         if !(step > 0.0 && (stop - start) / step < MOST_STEPS) {
-            return Err(format!(
-                "the step {step:?} s must be positive, and not absurdly small"
-            ));
+            return Err(format!("the step {step:?} s must be positive, and not absurdly small"));
         }
         // What an FMU suggests for longer runs is cut to the run before.
         if step > (stop - start) * (1.0 + 1e-9) {
@@ -67,14 +61,9 @@ impl Schedule {
         }
         if !(self.window_start >= start && self.window_start <= stop) {
             let at = self.window_start;
-            return Err(format!(
-                "statistics would begin at {at} s, outside the simulation; correct warm-up or window"
-            ));
+            return Err(format!("statistics would begin at {at} s, outside the simulation; correct warm-up or window"));
         }
-        if self
-            .tolerance
-            .is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0)
-        {
+        if self.tolerance.is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0) {
             return Err("the tolerance must be positive".to_owned());
         }
         Ok(())
@@ -96,13 +85,7 @@ impl Schedule {
     pub fn points(&self) -> CommunicationPoints {
         let (leap, even) = self.even();
         let steps = self.steps();
-        CommunicationPoints {
-            schedule: *self,
-            steps,
-            leap,
-            even,
-            between: steps.saturating_sub(leap + 1),
-        }
+        CommunicationPoints { schedule: *self, steps, leap, even, between: steps.saturating_sub(leap + 1) }
     }
 
     /// The number of the communication point at which the even steps begin.
@@ -112,11 +95,7 @@ impl Schedule {
 
     /// The number of steps before the even ones, and where those begin.
     fn even(&self) -> (u64, f64) {
-        if self.leap && self.window_start > self.start {
-            (1, self.window_start)
-        } else {
-            (0, self.start)
-        }
+        if self.leap && self.window_start > self.start { (1, self.window_start) } else { (0, self.start) }
     }
 }
 
@@ -157,12 +136,7 @@ impl CommunicationPoints {
     /// Begin and size of even steps from the `first` on: as [`at`](Self::at) has them, but with nothing to decide, so
     /// that the processor computes several at a time. Steps after the even ones mean nothing.
     #[inline]
-    pub fn even_steps<const N: usize>(
-        &self,
-        first: u64,
-        begins: &mut [f64; N],
-        sizes: &mut [f64; N],
-    ) {
+    pub fn even_steps<const N: usize>(&self, first: u64, begins: &mut [f64; N], sizes: &mut [f64; N]) {
         // A floating-point number counts exactly further than there are steps.
         let first = first.wrapping_sub(self.leap) as i64 as f64;
         let at = |number: usize| self.even + (first + number as f64) * self.schedule.step;
@@ -207,43 +181,22 @@ mod tests {
     /// many there are.
     #[test]
     fn even_steps_are_those_between_communication_points() {
-        for (start, stop, size) in [
-            (0.0, 1e4, 1e-3),
-            (-3.7, 1e6 / 3.0, 1.0 / 60.0),
-            (5.0, 1e11, 0.1),
-        ] {
-            let points = Schedule {
-                start,
-                stop,
-                step: size,
-                window_start: start,
-                leap: false,
-                tolerance: None,
-            }
-            .points();
+        for (start, stop, size) in [(0.0, 1e4, 1e-3), (-3.7, 1e6 / 3.0, 1.0 / 60.0), (5.0, 1e11, 0.1)] {
+            let points =
+                Schedule { start, stop, step: size, window_start: start, leap: false, tolerance: None }.points();
             let [before, even, _] = points.parts(0..points.steps);
             assert!(before.is_empty() && even.end > 1_000_000, "{even:?}");
             for first in [0, 1, 4711, 999_983, even.end / 3, even.end - 24] {
                 let expected = std::array::from_fn(|index| step(&points, first + index as u64));
-                assert_eq!(
-                    even_steps::<24>(&points, first),
-                    expected,
-                    "{start} {size} {first}"
-                );
+                assert_eq!(even_steps::<24>(&points, first), expected, "{start} {size} {first}");
             }
         }
     }
 
     #[test]
     fn communication_points_end_exactly_at_the_stop_time() {
-        let schedule = |stop, step| Schedule {
-            start: 0.0,
-            stop,
-            step,
-            window_start: 0.0,
-            leap: false,
-            tolerance: None,
-        };
+        let schedule =
+            |stop, step| Schedule { start: 0.0, stop, step, window_start: 0.0, leap: false, tolerance: None };
         assert_eq!(schedule(1.0, 0.1).steps(), 10);
         assert_eq!(schedule(150.0, 1.0 / 60.0).steps(), 9000);
         assert_eq!(schedule(1.0, 0.3).steps(), 4);
@@ -260,14 +213,8 @@ mod tests {
 
     #[test]
     fn a_leap_is_one_step() {
-        let schedule = Schedule {
-            start: 0.0,
-            stop: 100.0,
-            step: 0.25,
-            window_start: 99.0,
-            leap: true,
-            tolerance: None,
-        };
+        let schedule =
+            Schedule { start: 0.0, stop: 100.0, step: 0.25, window_start: 99.0, leap: true, tolerance: None };
         assert_eq!(schedule.steps(), 5);
         let times: Vec<f64> = (0..=5).map(|index| schedule.time(index)).collect();
         assert_eq!(times, [0.0, 99.0, 99.25, 99.5, 99.75, 100.0]);
@@ -275,10 +222,7 @@ mod tests {
         assert_eq!(points.parts(0..5), [0..1, 1..4, 4..5]);
         let steps = even_steps::<3>(&points, 1);
         assert_eq!(steps, [1, 2, 3].map(|index| step(&points, index)));
-        let all = Schedule {
-            window_start: 100.0,
-            ..schedule
-        };
+        let all = Schedule { window_start: 100.0, ..schedule };
         assert_eq!((all.steps(), all.time(1)), (1, 100.0));
     }
 }

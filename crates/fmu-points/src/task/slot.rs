@@ -104,9 +104,7 @@ impl Slot {
             let items: Vec<String> = self.items.iter().map(i128::to_string).collect();
             return items.join(", ");
         }
-        let limit = |limit: Option<f64>| {
-            limit.map_or_else(|| "..".to_owned(), |limit| convert(limit).to_string())
-        };
+        let limit = |limit: Option<f64>| limit.map_or_else(|| "..".to_owned(), |limit| convert(limit).to_string());
         format!("{} to {}", limit(self.min), limit(self.max))
     }
 
@@ -121,10 +119,7 @@ mod tests {
     use super::*;
 
     fn handle(content: Content) -> Handle {
-        Handle {
-            reference: 1,
-            content,
-        }
+        Handle { reference: 1, content }
     }
 
     #[test]
@@ -156,20 +151,10 @@ mod tests {
             idle: false,
             shifts: false,
         };
-        for (value, allowed) in [
-            (0.4, false),
-            (0.6, true),
-            (2.4, true),
-            (3.0, false),
-            (5.4, true),
-            (5.6, false),
-        ] {
+        for (value, allowed) in [(0.4, false), (0.6, true), (2.4, true), (3.0, false), (5.4, true), (5.6, false)] {
             assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
         }
-        assert_eq!(
-            slot.check(4.2).unwrap_err(),
-            "e = 4.2 is none of the enumeration's items 1, 2, 5"
-        );
+        assert_eq!(slot.check(4.2).unwrap_err(), "e = 4.2 is none of the enumeration's items 1, 2, 5");
         assert_eq!(slot.allowed(), [[0.5, 2.5], [4.5, 5.5]]);
     }
 }

@@ -1,8 +1,6 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
-use super::{
-    Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Node, Place, QUANTITIES, Surface, Touch,
-};
+use super::{Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Node, Place, QUANTITIES, Surface, Touch};
 use crate::roughness::Reach;
 use crate::spline::below;
 use std::cell::OnceCell;
@@ -73,11 +71,7 @@ impl ContactFamily {
         let touches = !table.nodes.is_empty();
         let bound = |ratio: f64| (middle + ratio.ln() / SPACING).floor();
         // Each end has room for the tables of a polynomial, also near seven roughnesses, where all lie on one side.
-        let (first, last) = if touches {
-            (bound(LEAST) - 4.0, bound(MOST) + 5.0)
-        } else {
-            (0.0, 0.0)
-        };
+        let (first, last) = if touches { (bound(LEAST) - 4.0, bound(MOST) + 5.0) } else { (0.0, 0.0) };
         let count = (last - first) as usize;
         Self {
             roughness: surface.roughness,
@@ -151,11 +145,7 @@ impl ContactFamily {
     fn about(&self, clearance: f64) -> [(&ContactTable, f64); THROUGH] {
         let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
         let below = below(x);
-        let lowest = if below >= 0 {
-            (below - 1).max(0)
-        } else {
-            (below - 1).min(1 - THROUGH as i32)
-        };
+        let lowest = if below >= 0 { (below - 1).max(0) } else { (below - 1).min(1 - THROUGH as i32) };
         let weights = weights(x - f64::from(lowest));
         let index = usize::try_from(lowest - self.first).unwrap_or(0);
         let index = index.min(self.tables.len() - THROUGH);
@@ -193,12 +183,7 @@ impl ContactAt<'_> {
     pub fn touch(&self, eccentricity_ratio: f64) -> Option<Touch> {
         let (start, per_spacing, nodes) = match &self.0 {
             Tables::Own(table) => return table.touch(eccentricity_ratio),
-            Tables::Between {
-                start,
-                per_spacing,
-                nodes,
-                ..
-            } => (*start, per_spacing, nodes),
+            Tables::Between { start, per_spacing, nodes, .. } => (*start, per_spacing, nodes),
         };
         let position = (eccentricity_ratio - start) * per_spacing;
         if position < 0.0 {
@@ -236,12 +221,7 @@ impl ContactAt<'_> {
 #[inline]
 fn weights(x: f64) -> [f64; THROUGH] {
     let [a, b, c, d] = [x, x - 1.0, x - 2.0, x - 3.0];
-    [
-        -b * (c / -2.0) * (d / -3.0),
-        a * -c * (d / -2.0),
-        a / 2.0 * b * -d,
-        a / 3.0 * (b / 2.0) * c,
-    ]
+    [-b * (c / -2.0) * (d / -3.0), a * -c * (d / -2.0), a / 2.0 * b * -d, a / 3.0 * (b / 2.0) * c]
 }
 
 #[cfg(test)]
@@ -257,39 +237,16 @@ mod tests {
     /// seven roughnesses, and on both sides of it.
     #[test]
     fn other_clearances_have_the_contact_of_their_own_tables() {
-        let surface = Surface {
-            roughness: 4.94e-6,
-            ..Surface::default()
-        };
+        let surface = Surface { roughness: 4.94e-6, ..Surface::default() };
         let family = ContactFamily::new(&surface, 20e-6, WIDTH, DIAMETER);
         let seven = 7.0 * surface.roughness;
-        for c in [
-            2e-6,
-            8e-6,
-            19.3e-6,
-            20.1e-6,
-            25e-6,
-            0.9999 * seven,
-            1.0001 * seven,
-            37e-6,
-            60e-6,
-            200e-6,
-        ] {
+        for c in [2e-6, 8e-6, 19.3e-6, 20.1e-6, 25e-6, 0.9999 * seven, 1.0001 * seven, 37e-6, 60e-6, 200e-6] {
             let table = ContactTable::new(&surface, c, WIDTH, DIAMETER);
             for e in [0.0, 1e-3, 0.1, 0.3, 0.6, 0.8, 0.9, 0.97, 0.999] {
                 let (contact, expected) = (family.at(e, c), table.at(e));
-                let again = family
-                    .with_clearance(c)
-                    .touch(e)
-                    .map_or(0.0, |touch| touch.contact.force);
-                assert!(
-                    (again - contact.force).abs() <= 1e-13 * contact.force,
-                    "c = {c}, e = {e}"
-                );
-                for (value, expected) in [
-                    (contact.force, expected.force),
-                    (contact.normal, expected.normal),
-                ] {
+                let again = family.with_clearance(c).touch(e).map_or(0.0, |touch| touch.contact.force);
+                assert!((again - contact.force).abs() <= 1e-13 * contact.force, "c = {c}, e = {e}");
+                for (value, expected) in [(contact.force, expected.force), (contact.normal, expected.normal)] {
                     assert!(
                         (value - expected).abs() <= 1e-5 * expected + NOTHING,
                         "c = {c}, e = {e}: {value} {expected}"
@@ -321,10 +278,7 @@ mod tests {
 
     #[test]
     fn smooth_surfaces_do_not_touch_at_any_clearance() {
-        let smooth = Surface {
-            roughness: 0.0,
-            ..Surface::default()
-        };
+        let smooth = Surface { roughness: 0.0, ..Surface::default() };
         let family = ContactFamily::new(&smooth, 20e-6, WIDTH, DIAMETER);
         assert_eq!(family.at(0.999, 1e-6), Contact::default());
     }

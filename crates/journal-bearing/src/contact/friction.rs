@@ -33,11 +33,7 @@ impl Surface {
 
 /// The sign of a sliding speed, m/s; gradual within some 20 um/s about standstill.
 pub fn direction(sliding: f64) -> f64 {
-    if sliding.abs() > 20.0 * REVERSAL {
-        sliding.signum()
-    } else {
-        (sliding / REVERSAL).tanh()
-    }
+    if sliding.abs() > 20.0 * REVERSAL { sliding.signum() } else { (sliding / REVERSAL).tanh() }
 }
 
 #[cfg(test)]
@@ -46,12 +42,8 @@ mod tests {
 
     #[test]
     fn friction_falls_from_breakaway_to_sliding() {
-        let surface = Surface {
-            boundary_friction: 0.1,
-            breakaway_ratio: 1.4,
-            transition_speed: 2e-3,
-            ..Surface::default()
-        };
+        let surface =
+            Surface { boundary_friction: 0.1, breakaway_ratio: 1.4, transition_speed: 2e-3, ..Surface::default() };
         let falling = 0.1 * (1.0 + 0.4 * (-1_f64).exp());
         for (sliding, expected) in [(0.0, 0.0), (3e-5, 0.14), (2e-3, falling), (0.4, 0.1)] {
             let apart = (surface.friction(sliding) - expected).abs();

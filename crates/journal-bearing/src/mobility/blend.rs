@@ -70,9 +70,7 @@ impl Blend {
         let source = self.sources.row(i);
         let slice = |k: usize| k * ss..(k + 1) * ss;
         let (near, far) = (slice(self.cell), slice(self.cell + 1));
-        let nodes = source.nodes[near.clone()]
-            .iter()
-            .zip(&source.nodes[far.clone()]);
+        let nodes = source.nodes[near.clone()].iter().zip(&source.nodes[far.clone()]);
         let slopes = source.slopes[near].iter().zip(&source.slopes[far]);
         let [a, b, c, d] = self.weights;
         nodes

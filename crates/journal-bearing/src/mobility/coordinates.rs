@@ -29,10 +29,7 @@ impl Point {
     #[inline]
     pub fn new(gap: f64, cos: f64, sin: f64) -> Self {
         let gap = gap.clamp(NARROWEST, 1.0);
-        Self {
-            u: -gap.ln(),
-            s: Self::direction(gap, cos, sin),
-        }
+        Self { u: -gap.ln(), s: Self::direction(gap, cos, sin) }
     }
 
     /// The coordinate of the direction alone, at a relative gap in 0..1.

@@ -53,10 +53,7 @@ impl SliceFamily {
     /// # Panics
     /// When `B/D` is not positive, or no number.
     pub fn slice(&self, width_to_diameter: f64) -> MobilitySlice {
-        assert!(
-            width_to_diameter > 0.0,
-            "B/D is {width_to_diameter:?}, and must be positive"
-        );
+        assert!(width_to_diameter > 0.0, "B/D is {width_to_diameter:?}, and must be positive");
         let slices = &self.sources.slices;
         let last = (slices.len() - 1) as f64;
         let position = ((width_to_diameter.ln() - self.first) / self.spacing).min(last);
@@ -70,12 +67,7 @@ impl SliceFamily {
         } else {
             (hermite(position - cell as f64), 0.0)
         };
-        let blend = Blend {
-            sources: Arc::clone(&self.sources),
-            cell,
-            weights,
-            rise,
-        };
+        let blend = Blend { sources: Arc::clone(&self.sources), cell, weights, rise };
         MobilitySlice::new(slices[cell].lattice, blend)
     }
 }
@@ -120,10 +112,7 @@ mod tests {
             let slice = std::panic::catch_unwind(|| family.slice(width));
             assert!(slice.is_err(), "{width}");
         }
-        assert_eq!(
-            family.slice(f64::INFINITY).mobility(0.6, 1.0, 0.0),
-            family.slice(4.0).mobility(0.6, 1.0, 0.0)
-        );
+        assert_eq!(family.slice(f64::INFINITY).mobility(0.6, 1.0, 0.0), family.slice(4.0).mobility(0.6, 1.0, 0.0));
     }
 
     /// The short bearing's exact mobility along the line of centres is `(D/B)^2 / (2 I)`, where `I` is the integral of

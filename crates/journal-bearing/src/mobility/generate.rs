@@ -38,11 +38,7 @@ impl Station {
     /// The same between rough surfaces; `roughness` over clearance.
     fn between(roughness: f64, width_to_diameter: f64, e: f64, cells: [usize; 2]) -> Self {
         // Between rough surfaces the film varies over the patch that touches.
-        let narrowest = if roughness > 0.0 {
-            Reach::new(roughness).room(e)[0] + PATCH * roughness
-        } else {
-            1.0 - e
-        };
+        let narrowest = if roughness > 0.0 { Reach::new(roughness).room(e)[0] + PATCH * roughness } else { 1.0 - e };
         let grid = Grid::clustered(cells[0], cells[1], 1.0 - narrowest, width_to_diameter);
         let mut film = QuasiStatic::between(roughness, grid, width_to_diameter, Boundary::Free);
         film.place(Vector2::new(e, 0.0));
@@ -69,12 +65,7 @@ impl Station {
 ///
 /// # Errors
 /// Returns [`NotConverged`] when the pressure field does not settle.
-pub fn exact(
-    width_to_diameter: f64,
-    e: f64,
-    angle: f64,
-    cells: [usize; 2],
-) -> Result<Sample, NotConverged> {
+pub fn exact(width_to_diameter: f64, e: f64, angle: f64, cells: [usize; 2]) -> Result<Sample, NotConverged> {
     exact_between(0.0, width_to_diameter, e, angle, cells)
 }
 
@@ -97,17 +88,12 @@ pub fn exact_between(
 ///
 /// # Errors
 /// Returns [`NotConverged`] when a pressure field does not settle.
-pub fn generate(
-    threads: usize,
-    progress: impl Fn(f64) + Sync,
-) -> Result<MobilityMap<'static>, NotConverged> {
+pub fn generate(threads: usize, progress: impl Fn(f64) + Sync) -> Result<MobilityMap<'static>, NotConverged> {
     let mut map = MobilityMap::empty();
     let [widths, us, ss] = map.nodes();
     let mut values = vec![0.0_f32; widths * us * ss * CHANNELS];
     let rows = values.chunks_exact_mut(ss * CHANNELS).collect();
-    share(threads, progress, rows, |number, row| {
-        fill(&map, number / us, number % us, row)
-    })?;
+    share(threads, progress, rows, |number, row| fill(&map, number / us, number % us, row))?;
     map.values = values.into_iter().flat_map(f32::to_le_bytes).collect();
     Ok(map)
 }
@@ -116,10 +102,7 @@ pub fn generate(
 ///
 /// # Errors
 /// Returns [`NotConverged`] when a pressure field does not settle.
-pub fn generate_rough(
-    threads: usize,
-    progress: impl Fn(f64) + Sync,
-) -> Result<Vec<u8>, NotConverged> {
+pub fn generate_rough(threads: usize, progress: impl Fn(f64) + Sync) -> Result<Vec<u8>, NotConverged> {
     let [widths, roughnesses, places, directions] = rough::SIZE;
     let mut values = vec![0.0_f32; widths * roughnesses * places * directions * CHANNELS];
     let rows = values.chunks_exact_mut(directions * CHANNELS).collect();
@@ -166,12 +149,7 @@ fn share<T: Send>(
 }
 
 /// Solves for the directions at a place in contact: by how much the rough film differs from the smooth one with its room.
-fn fill_rough(
-    width: f64,
-    roughness: f64,
-    place: usize,
-    row: &mut [f32],
-) -> Result<(), NotConverged> {
+fn fill_rough(width: f64, roughness: f64, place: usize, row: &mut [f32]) -> Result<(), NotConverged> {
     let reach = Reach::new(roughness);
     let e = rough::eccentricity(&reach, place);
     let [room, _] = reach.room(e);
@@ -184,11 +162,8 @@ fn fill_rough(
     for (k, node) in row.chunks_exact_mut(CHANNELS).enumerate() {
         let angle = rough::angle(room, k);
         let aligned = k == 0 || k == last;
-        let [of_rough, smooth] = [&mut of_rough, &mut smooth].map(|station| {
-            station
-                .under(angle)
-                .map(|sample| quantities(sample, angle, aligned))
-        });
+        let [of_rough, smooth] = [&mut of_rough, &mut smooth]
+            .map(|station| station.under(angle).map(|sample| quantities(sample, angle, aligned)));
         let (of_rough, smooth) = (of_rough?, smooth?);
         for (value, (of_rough, smooth)) in node.iter_mut().zip(of_rough.iter().zip(smooth)) {
             *value = (of_rough - smooth) as f32;
@@ -201,19 +176,8 @@ fn fill_rough(
 /// symmetry.
 fn quantities(sample: Sample, angle: f64, aligned: bool) -> [f64; CHANNELS] {
     let ahead = Vector2::new(angle.cos(), angle.sin());
-    let lead = if aligned {
-        0.0
-    } else {
-        ahead
-            .perp(&sample.mobility)
-            .atan2(ahead.dot(&sample.mobility))
-    };
-    [
-        sample.mobility.norm().ln(),
-        lead,
-        sample.max_pressure.ln(),
-        sample.side_flow.ln(),
-    ]
+    let lead = if aligned { 0.0 } else { ahead.perp(&sample.mobility).atan2(ahead.dot(&sample.mobility)) };
+    [sample.mobility.norm().ln(), lead, sample.max_pressure.ln(), sample.side_flow.ln()]
 }
 
 /// Solves for the nodes of slice `k` and eccentricity ratio `i`.

@@ -39,12 +39,7 @@ pub struct MapError(pub(super) String);
 impl MobilityMap<'static> {
     /// A map without values that covers `B/D` from 0.1 to 4 and eccentricity ratios from 0 to 0.9999.
     pub(super) fn empty() -> Self {
-        Self {
-            widths: [0.1_f64.ln(), 4.0_f64.ln()],
-            last_u: 4.0 * LN_10,
-            nodes: [13, 41, 33],
-            values: Cow::default(),
-        }
+        Self { widths: [0.1_f64.ln(), 4.0_f64.ln()], last_u: 4.0 * LN_10, nodes: [13, 41, 33], values: Cow::default() }
     }
 
     /// The map that ships with this library.
@@ -81,10 +76,7 @@ impl<'a> MobilityMap<'a> {
         let map: Self = postcard::from_bytes(bytes).map_err(|error| MapError(error.to_string()))?;
         let count: usize = map.nodes.iter().map(|&n| usize::from(n)).product();
         let ordered = map.widths[0] < map.widths[1] && map.last_u > 0.0;
-        if map.nodes.iter().any(|&n| n < 4)
-            || map.values.len() != count * CHANNELS * NUMBER
-            || !ordered
-        {
+        if map.nodes.iter().any(|&n| n < 4) || map.values.len() != count * CHANNELS * NUMBER || !ordered {
             return Err(MapError("its extent does not fit its values".to_owned()));
         }
         if numbers(&map.values).any(|value| !value.is_finite()) {
@@ -115,9 +107,6 @@ impl<'a> MobilityMap<'a> {
     /// The point of node `(i, j)` over `u` and `s`.
     pub(super) fn point(&self, i: usize, j: usize) -> Point {
         let [_, us, ss] = self.nodes();
-        Point {
-            u: self.last_u * i as f64 / (us - 1) as f64,
-            s: j as f64 / (ss - 1) as f64,
-        }
+        Point { u: self.last_u * i as f64 / (us - 1) as f64, s: j as f64 / (ss - 1) as f64 }
     }
 }

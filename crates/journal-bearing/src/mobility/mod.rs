@@ -107,10 +107,7 @@ mod tests {
                     let (cos, sin) = (angle.cos(), angle.sin());
                     let (x, y) = slice.mobility(1.0 - gap, cos, sin);
                     let along = (x * cos + y * sin) / x.hypot(y);
-                    assert!(
-                        along > -1e-14,
-                        "B/D {width}, gap {gap:e}, {angle}: {along:e}"
-                    );
+                    assert!(along > -1e-14, "B/D {width}, gap {gap:e}, {angle}: {along:e}");
                 }
             }
         }
@@ -125,10 +122,7 @@ mod tests {
         for angle in [0.0, 0.2, PI] {
             let before = (of(node, angle) - of(node - step, angle)) / step;
             let after = (of(node + step, angle) - of(node, angle)) / step;
-            assert!(
-                (before - after).abs() < 1e-2 * before.abs(),
-                "{before} {after}"
-            );
+            assert!((before - after).abs() < 1e-2 * before.abs(), "{before} {after}");
         }
         // The radial mobility is an even function of the angle at the line of centres, so its slope is zero there.
         assert!((of(0.6, 1e-6) - of(0.6, -1e-6)).abs() < 1e-12);

@@ -41,11 +41,7 @@ pub fn width(k: usize) -> f64 {
 /// Roughness over clearance of a node.
 pub fn roughness(k: usize) -> f64 {
     let beyond = k as i32 - AROUND as i32;
-    if beyond < 0 {
-        FINER.powi(beyond) / NO_CONTACT
-    } else {
-        COARSER.powi(beyond) / NO_CONTACT
-    }
+    if beyond < 0 { FINER.powi(beyond) / NO_CONTACT } else { COARSER.powi(beyond) / NO_CONTACT }
 }
 
 /// The eccentricity ratio of a place.
@@ -91,9 +87,7 @@ impl Corrections {
     /// When the table is damaged: it has another size than it should.
     pub fn new(width_to_diameter: f64) -> Result<Self, MapError> {
         if COMMITTED.len() != BYTES {
-            return Err(MapError(
-                "the table of rough films has another size".to_owned(),
-            ));
+            return Err(MapError("the table of rough films has another size".to_owned()));
         }
         let wide = (width_to_diameter / WIDTHS[0]).ln() / (WIDTHS[1] / WIDTHS[0]).ln();
         let last = (SIZE[0] - 1) as f64;
@@ -129,11 +123,7 @@ impl Corrections {
         let base = if log < 0.0 { FINER } else { COARSER };
         let last = (SIZE[1] - 1) as f64;
         let rough = (AROUND as f64 + log / base.ln()).clamp(0.0, last);
-        let lowest = if rough >= AROUND as f64 {
-            AROUND
-        } else {
-            (rough as usize).saturating_sub(1).min(AROUND - 3)
-        };
+        let lowest = if rough >= AROUND as f64 { AROUND } else { (rough as usize).saturating_sub(1).min(AROUND - 3) };
         Correction {
             reach: Reach::new(roughness_ratio),
             corrections: Arc::clone(self),
@@ -152,9 +142,7 @@ impl Correction {
         let [a, b, c, d] = self.weights;
         let blend = |kind: usize| -> Vec<f64> {
             let [p, q, r, s] = sheets.map(|sheet| &sheet[kind][row.clone()]);
-            (0..p.len())
-                .map(|n| a * p[n] + b * q[n] + c * r[n] + d * s[n])
-                .collect()
+            (0..p.len()).map(|n| a * p[n] + b * q[n] + c * r[n] + d * s[n]).collect()
         };
         let nodes = nodes_of_row([&blend(0), &blend(1)], &self.corrections.along);
         (0..count).map(move |k| {
@@ -181,8 +169,6 @@ impl Correction {
 fn weights<const N: usize>(x: f64) -> [f64; N] {
     std::array::from_fn(|i| {
         let others = (0..N).filter(|&j| j != i);
-        others.fold(1.0, |product, j| {
-            product * (x - j as f64) / (i as f64 - j as f64)
-        })
+        others.fold(1.0, |product, j| product * (x - j as f64) / (i as f64 - j as f64))
     })
 }

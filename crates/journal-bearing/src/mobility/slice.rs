@@ -44,11 +44,7 @@ impl LookUp {
     /// The quantities under a load along a unit vector at the sine of an angle ahead of the eccentricity.
     #[inline]
     pub(super) fn of(values: [f64; CHANNELS], direction: Vector2<f64>, sin: f64) -> Self {
-        Self {
-            values,
-            direction,
-            sign: if sin < 0.0 { -1.0 } else { 1.0 },
-        }
+        Self { values, direction, sign: if sin < 0.0 { -1.0 } else { 1.0 } }
     }
 
     /// The mobility vector `M`, 1, in the frame in which the load's direction was given.
@@ -81,10 +77,7 @@ impl LookUp {
 pub(super) fn ahead(eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> [f64; 2] {
     if e > 0.0 {
         let inverse = 1.0 / e;
-        [
-            eps.dot(&direction) * inverse,
-            eps.perp(&direction) * inverse,
-        ]
+        [eps.dot(&direction) * inverse, eps.perp(&direction) * inverse]
     } else {
         [1.0, 0.0]
     }
@@ -105,21 +98,13 @@ impl MobilitySlice {
     }
 
     fn with_rows(lattice: Lattice, source: Source) -> Self {
-        Self {
-            lattice,
-            rows: vec![OnceLock::new(); lattice.last_u as usize + 1],
-            source,
-        }
+        Self { lattice, rows: vec![OnceLock::new(); lattice.last_u as usize + 1], source }
     }
 
     /// The slice of rough bearings. It has a row for each place of the corrections, which stands for `u`.
     pub(super) fn corrected(smooth: &Arc<Self>, correction: Correction) -> Self {
         let last = (SIZE[2] - 1) as f64;
-        let lattice = Lattice {
-            per_u: last,
-            last_u: last,
-            ..smooth.lattice
-        };
+        let lattice = Lattice { per_u: last, last_u: last, ..smooth.lattice };
         let source = Box::new((Arc::clone(smooth), correction));
         Self::with_rows(lattice, Source::Rough(source))
     }
@@ -168,10 +153,7 @@ impl MobilitySlice {
             let sum = |kind: usize, channel: usize| {
                 let [a, b, c, d] = if kind & 1 == 0 { values } else { slopes };
                 let [value, slope] = [kind & 2, kind | 1];
-                a * near[value][channel]
-                    + b * far[value][channel]
-                    + c * near[slope][channel]
-                    + d * far[slope][channel]
+                a * near[value][channel] + b * far[value][channel] + c * near[slope][channel] + d * far[slope][channel]
             };
             std::array::from_fn(|kind| std::array::from_fn(|channel| sum(kind, channel)))
         };
@@ -235,17 +217,9 @@ impl MobilitySlice {
         let corner = |k: usize| {
             let (value, slope) = (along[k & 1], along[2 + (k & 1)]);
             let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
-            [
-                wide_value * value,
-                wide_value * slope,
-                wide_slope * value,
-                wide_slope * slope,
-            ]
+            [wide_value * value, wide_value * slope, wide_slope * value, wide_slope * slope]
         };
-        Place {
-            near: [i, j as usize],
-            weights: [corner(0), corner(1), corner(2), corner(3)],
-        }
+        Place { near: [i, j as usize], weights: [corner(0), corner(1), corner(2), corner(3)] }
     }
 
     /// All quantities at a point and a share of the way from one slice to another of the same lattice.
@@ -262,9 +236,7 @@ impl MobilitySlice {
                 }
             }
         }
-        std::array::from_fn(|channel| {
-            sums[0][channel] + share * (sums[1][channel] - sums[0][channel])
-        })
+        std::array::from_fn(|channel| sums[0][channel] + share * (sums[1][channel] - sums[0][channel]))
     }
 
     /// The nodes about a place.

@@ -26,9 +26,7 @@ pub const NUMBER: usize = size_of::<f32>();
 /// The numbers that a map's bytes hold.
 pub fn numbers(bytes: &[u8]) -> impl Iterator<Item = f64> {
     let (numbers, _) = bytes.as_chunks();
-    numbers
-        .iter()
-        .map(|&bytes| f64::from(f32::from_le_bytes(bytes)))
+    numbers.iter().map(|&bytes| f64::from(f32::from_le_bytes(bytes)))
 }
 
 /// The evenly spaced nodes over `u` and `s`.
@@ -74,17 +72,8 @@ impl Tabulated {
         let all: Vec<f64> = numbers(&values).collect();
         Spline::new(us, [End::Free; 2]).slopes_of_many(ss * CHANNELS, &all, &mut over_u);
         let last = (us - 1) as f64;
-        let lattice = Lattice {
-            ss,
-            last_u: last,
-            last_s: (ss - 1) as f64,
-            per_u: last / last_u,
-        };
-        Self {
-            lattice,
-            values,
-            over_u,
-        }
+        let lattice = Lattice { ss, last_u: last, last_s: (ss - 1) as f64, per_u: last / last_u };
+        Self { lattice, values, over_u }
     }
 
     /// The nodes of row `i`: one `u`, all `s`.

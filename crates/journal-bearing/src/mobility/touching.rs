@@ -95,16 +95,8 @@ impl RoughSlices {
 
     /// [`RoughAt::look_up`] at a radial clearance, m.
     #[inline]
-    pub fn look_up(
-        &self,
-        eps: Vector2<f64>,
-        e: f64,
-        touch: &Touch,
-        clearance: f64,
-        direction: Vector2<f64>,
-    ) -> LookUp {
-        self.with_clearance(clearance)
-            .look_up(eps, e, touch, direction)
+    pub fn look_up(&self, eps: Vector2<f64>, e: f64, touch: &Touch, clearance: f64, direction: Vector2<f64>) -> LookUp {
+        self.with_clearance(clearance).look_up(eps, e, touch, direction)
     }
 
     /// The film at one radial clearance, m, for many look-ups.
@@ -149,23 +141,12 @@ impl RoughAt<'_> {
     /// Locates the eccentricity-ratio vector `eps`, whose length is `e`, of a journal that touches so, under a load along the unit
     /// vector `direction`: [`MobilitySlice::look_up`] of a rough bearing.
     #[inline]
-    pub fn look_up(
-        &self,
-        eps: Vector2<f64>,
-        e: f64,
-        touch: &Touch,
-        direction: Vector2<f64>,
-    ) -> LookUp {
+    pub fn look_up(&self, eps: Vector2<f64>, e: f64, touch: &Touch, direction: Vector2<f64>) -> LookUp {
         let [cos, sin] = ahead(eps, e, direction);
-        let point = Point {
-            u: touch.place,
-            s: Point::direction(touch.room, cos, sin),
-        };
+        let point = Point { u: touch.place, s: Point::direction(touch.room, cos, sin) };
         match *self {
             Self::Own(slice) => slice.look_up_at(point, direction, sin),
-            Self::Between(slices, share) => {
-                LookUp::of(MobilitySlice::between(slices, share, point), direction, sin)
-            }
+            Self::Between(slices, share) => LookUp::of(MobilitySlice::between(slices, share, point), direction, sin),
         }
     }
 }
@@ -186,10 +167,7 @@ mod tests {
         for width in [0.3, 0.76, 1.5] {
             let smooth = family.slice(width);
             for roughness in [0.003, 0.02, 0.1, 0.25, 0.35] {
-                let surface = Surface {
-                    roughness,
-                    ..Surface::default()
-                };
+                let surface = Surface { roughness, ..Surface::default() };
                 let slices = RoughSlices::new(&smooth, width, roughness, 1.0).unwrap();
                 for place in [0.05, 0.3, 0.55, 0.8, 0.95] {
                     let clearance = clearances.next().unwrap();
@@ -199,9 +177,8 @@ mod tests {
                     let touch = table.touch(e).unwrap();
                     for angle in [0.03_f64, 0.4, 1.3, 2.9] {
                         let load = Vector2::new(angle.cos(), angle.sin());
-                        let [film, expected] = [&slices, &own].map(|slices| {
-                            slices.look_up(Vector2::new(e, 0.0), e, &touch, clearance, load)
-                        });
+                        let [film, expected] = [&slices, &own]
+                            .map(|slices| slices.look_up(Vector2::new(e, 0.0), e, &touch, clearance, load));
                         let size = expected.mobility().norm();
                         let apart = (film.mobility() - expected.mobility()).norm() / size;
                         let pressure = film.max_pressure() / expected.max_pressure() - 1.0;
@@ -235,10 +212,7 @@ mod tests {
     #[test]
     fn a_film_does_not_depend_on_earlier_ones() {
         let smooth = SliceFamily::new(&MobilityMap::built_in().unwrap()).slice(0.76);
-        let surface = Surface {
-            roughness: 0.1,
-            ..Surface::default()
-        };
+        let surface = Surface { roughness: 0.1, ..Surface::default() };
         let fresh = || RoughSlices::new(&smooth, 0.76, 0.1, 1.0).unwrap();
         let touch = ContactTable::new(&surface, 1.07, 0.76, 1.0);
         let touch = touch.touch(0.8).unwrap();

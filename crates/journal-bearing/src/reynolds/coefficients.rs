@@ -49,8 +49,7 @@ impl Coefficients {
         let turned = k.m11 * b.m22 + k.m22 * b.m11 - k.m12 * b.m21 - k.m21 * b.m12;
         let equal = turned / b.trace();
         // The square of the frequency over the speed with which it circles.
-        let squared =
-            ((equal - k.m11) * (equal - k.m22) - k.m12 * k.m21) / (b.determinant() * speed * speed);
+        let squared = ((equal - k.m11) * (equal - k.m22) - k.m12 * k.m21) / (b.determinant() * speed * speed);
         match squared > 0.0 {
             true => (equal / mass / squared).sqrt(),
             false => f64::INFINITY,

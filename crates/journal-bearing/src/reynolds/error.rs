@@ -3,12 +3,7 @@
 use thiserror::Error;
 
 /// Refuses a value unless it is usable.
-pub(super) fn within(
-    name: &'static str,
-    value: f64,
-    usable: bool,
-    must: &'static str,
-) -> Result<(), FilmError> {
+pub(super) fn within(name: &'static str, value: f64, usable: bool, must: &'static str) -> Result<(), FilmError> {
     match usable {
         true => Ok(()),
         false => Err(FilmError::Setting { name, value, must }),
@@ -39,9 +34,7 @@ pub enum FilmError {
         must: &'static str,
     },
     /// The surfaces touch at the starting eccentricity ratio, which is given.
-    #[error(
-        "form error and tilt leave no gap at eccentricity ratio {0:?}; reduce them, or start nearer the centre"
-    )]
+    #[error("form error and tilt leave no gap at eccentricity ratio {0:?}; reduce them, or start nearer the centre")]
     NoGap(f64),
     /// Tilt or form error bring smooth surfaces together under the load, at the eccentricity ratio given.
     #[error(
@@ -49,9 +42,7 @@ pub enum FilmError {
     )]
     Touches(f64),
     /// The film's balances found no solution, however short the internal step.
-    #[error(
-        "the film's step did not converge at eccentricity ratio {eccentricity:?} with steps of {step:?} s"
-    )]
+    #[error("the film's step did not converge at eccentricity ratio {eccentricity:?} with steps of {step:?} s")]
     NotConverged {
         /// The eccentricity ratio at which it happened, 1.
         eccentricity: f64,

@@ -27,9 +27,7 @@ impl Grid {
     pub fn uniform(columns: usize, rows: usize) -> Self {
         let (columns, rows) = (columns.max(4), rows.max(1));
         Self {
-            theta: (0..=columns)
-                .map(|i| -PI + 2.0 * PI * i as f64 / columns as f64)
-                .collect(),
+            theta: (0..=columns).map(|i| -PI + 2.0 * PI * i as f64 / columns as f64).collect(),
             zeta: (0..=rows).map(|j| j as f64 / rows as f64).collect(),
         }
     }
@@ -38,30 +36,20 @@ impl Grid {
     /// for eccentricity ratios up to 0.97. In a narrow bearing the pressure rises and falls over a shorter angle, but is
     /// close to a parabola over the width.
     pub fn sufficient_cells(width_to_diameter: f64) -> [usize; 2] {
-        if width_to_diameter >= 0.6 {
-            [96, 8]
-        } else {
-            [160, 6]
-        }
+        if width_to_diameter >= 0.6 { [96, 8] } else { [160, 6] }
     }
 
     /// Cells for a film whose smallest gap may be anywhere: even around the bush, and crowding along the open ends as a
     /// heavily loaded film of a bearing of `width_to_diameter` (`B/D`) needs.
     pub fn standard(columns: usize, rows: usize, width_to_diameter: f64) -> Self {
-        Self {
-            zeta: Self::clustered(4, rows, 0.93, width_to_diameter).zeta,
-            ..Self::uniform(columns, 1)
-        }
+        Self { zeta: Self::clustered(4, rows, 0.93, width_to_diameter).zeta, ..Self::uniform(columns, 1) }
     }
 
     /// The same grid mirrored over the whole width, `zeta` from -1 to 1, for a film that is not symmetric. It has twice the
     /// rows.
     pub fn whole_width(&self) -> Self {
         let below = self.zeta.iter().skip(1).rev().map(|z| -z);
-        Self {
-            theta: self.theta.clone(),
-            zeta: below.chain(self.zeta.iter().copied()).collect(),
-        }
+        Self { theta: self.theta.clone(), zeta: below.chain(self.zeta.iter().copied()).collect() }
     }
 
     /// Whether the grid covers the whole width.
@@ -71,31 +59,18 @@ impl Grid {
 
     /// Cells that crowd where a film of eccentricity ratio `eccentricity` (0..1, smallest gap at `theta = 0`) varies fast:
     /// around the smallest gap, over the angle `sqrt(1 - e)`, and along the open ends, over a similar length.
-    pub fn clustered(
-        columns: usize,
-        rows: usize,
-        eccentricity: f64,
-        width_to_diameter: f64,
-    ) -> Self {
+    pub fn clustered(columns: usize, rows: usize, eccentricity: f64, width_to_diameter: f64) -> Self {
         let columns = columns.max(4).next_multiple_of(2);
         let rows = rows.max(1);
         let length = (1.0 - eccentricity).max(1e-12).sqrt();
-        let half: Vec<f64> = (0..=columns / 2)
-            .map(|i| stretched_angle(2.0 * i as f64 / columns as f64, 0.25 * length))
-            .collect();
-        let theta = half
-            .iter()
-            .rev()
-            .map(|t| -t)
-            .chain(half.iter().skip(1).copied())
-            .collect();
+        let half: Vec<f64> =
+            (0..=columns / 2).map(|i| stretched_angle(2.0 * i as f64 / columns as f64, 0.25 * length)).collect();
+        let theta = half.iter().rev().map(|t| -t).chain(half.iter().skip(1).copied()).collect();
         // The boundary layer at the end is about as wide as the narrow gap is long. Stretching by tanh puts about half of
         // the rows into it.
         let layer = (2.0 * length / width_to_diameter).min(1.0);
         let a = 0.3 + 0.55 * (1.0 / layer).asinh();
-        let zeta = (0..=rows)
-            .map(|j| (a * j as f64 / rows as f64).tanh() / a.tanh())
-            .collect();
+        let zeta = (0..=rows).map(|j| (a * j as f64 / rows as f64).tanh() / a.tanh()).collect();
         Self { theta, zeta }
     }
 

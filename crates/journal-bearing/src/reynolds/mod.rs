@@ -33,8 +33,8 @@ mod settings;
 mod transient;
 
 pub use crate::roughness::{
-    RoughFilm, mean_gap, pressure_flow_factor, pressure_stress_factor, shear_flow_factor,
-    shear_stress_factor, sliding_stress_factor,
+    RoughFilm, mean_gap, pressure_flow_factor, pressure_stress_factor, shear_flow_factor, shear_stress_factor,
+    sliding_stress_factor,
 };
 pub use coefficients::Coefficients;
 pub use error::FilmError;
@@ -42,6 +42,4 @@ pub use feed::{Feed, FeedShape};
 pub use grid::Grid;
 pub use quasi_static::{Boundary, Carried, Groove, NotConverged, QuasiStatic};
 pub use settings::{Cavitation, Drive, FilmSettings};
-pub use transient::{
-    Diagnostics, FilmState, HeatExchange, HeatGiven, PeriodicSearch, ReynoldsFilm,
-};
+pub use transient::{Diagnostics, FilmState, HeatExchange, HeatGiven, PeriodicSearch, ReynoldsFilm};

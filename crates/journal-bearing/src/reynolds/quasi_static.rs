@@ -138,10 +138,8 @@ impl QuasiStatic {
                 Vector2::new(b.sin() - a.sin(), a.cos() - b.cos())
             })
             .collect();
-        let inverse_distance = (1..rows)
-            .map(|j| 1.0 / grid.zeta_distance(j))
-            .chain([1.0 / grid.end_distance()])
-            .collect();
+        let inverse_distance =
+            (1..rows).map(|j| 1.0 / grid.zeta_distance(j)).chain([1.0 / grid.end_distance()]).collect();
         let stride = rows.next_multiple_of(LANES);
         let zeros = || vec![0.0; columns * stride];
         let mut film = Self {
@@ -171,14 +169,8 @@ impl QuasiStatic {
     pub fn with_grooves(mut self, grooves: &[Groove]) -> Self {
         for (i, grooved) in self.grooved.iter_mut().enumerate() {
             let theta = self.grid.theta_centre(i);
-            let away = |groove: &Groove| {
-                (theta - groove.angle)
-                    .sin()
-                    .atan2((theta - groove.angle).cos())
-            };
-            *grooved = grooves
-                .iter()
-                .any(|groove| away(groove).abs() < 0.5 * groove.extent);
+            let away = |groove: &Groove| (theta - groove.angle).sin().atan2((theta - groove.angle).cos());
+            *grooved = grooves.iter().any(|groove| away(groove).abs() < 0.5 * groove.extent);
         }
         self
     }
@@ -209,11 +201,7 @@ impl QuasiStatic {
         if load == Vector2::zeros() {
             return self.load_at(load);
         }
-        self.settle(load, |response| {
-            response
-                .try_inverse()
-                .map_or(load, |compliance| compliance * load)
-        })
+        self.settle(load, |response| response.try_inverse().map_or(load, |compliance| compliance * load))
     }
 
     /// Forgets the last pressure field, so that the next solution starts cold.
@@ -232,12 +220,7 @@ impl QuasiStatic {
         let rows = self.grid.rows();
         if towards == Vector2::zeros() {
             self.reset();
-            return Ok(Carried {
-                velocity: towards,
-                load: towards,
-                max_pressure: 0.0,
-                end_flow: 0.0,
-            });
+            return Ok(Carried { velocity: towards, load: towards, max_pressure: 0.0, end_flow: 0.0 });
         }
         if !self.full.iter().any(|&full| full) {
             for (i, normal) in self.normal.iter().enumerate() {
@@ -269,9 +252,7 @@ impl QuasiStatic {
                 let cell = i * self.stride + j;
                 let full = self.full[cell];
                 let edges = self.edges(i, j);
-                let leak = edges
-                    .iter()
-                    .fold(0.0, |sum, (conductance, _)| sum + conductance);
+                let leak = edges.iter().fold(0.0, |sum, (conductance, _)| sum + conductance);
                 let [before, after, below, above] = edges.map(|(conductance, neighbour)| {
                     let couples = full && neighbour.is_some_and(|other| self.full[other]);
                     if couples { -conductance } else { 0.0 }
@@ -292,8 +273,7 @@ impl QuasiStatic {
             *active = count > 0;
         }
         let emptiest = counts.enumerate().min_by_key(|&(_, count)| count);
-        self.ring
-            .factorise(emptiest.map_or(0, |(column, _)| column));
+        self.ring.factorise(emptiest.map_or(0, |(column, _)| column));
         let [x, y] = &mut self.unit;
         self.ring.solve([x, y]);
     }
@@ -305,13 +285,7 @@ impl QuasiStatic {
     }
 
     /// The same of other conductances between and over the columns.
-    fn edges_of(
-        &self,
-        i: usize,
-        j: usize,
-        along: &[f64],
-        across: &[f64],
-    ) -> [(f64, Option<usize>); 4] {
+    fn edges_of(&self, i: usize, j: usize, along: &[f64], across: &[f64]) -> [(f64, Option<usize>); 4] {
         let (columns, cell) = (self.grid.columns(), i * self.stride + j);
         let (before, after) = ((i + columns - 1) % columns, (i + 1) % columns);
         let around = |edge: usize, column: usize| {
@@ -333,10 +307,7 @@ impl QuasiStatic {
             around(i, before),
             around(after, after),
             (across_into(j), (j > 0).then(|| cell - 1)),
-            (
-                across_into(j + 1),
-                (j + 1 < self.grid.rows()).then_some(cell + 1),
-            ),
+            (across_into(j + 1), (j + 1 < self.grid.rows()).then_some(cell + 1)),
         ]
     }
 
@@ -356,11 +327,7 @@ impl QuasiStatic {
 
     /// Superposes the unit solutions to the pressures at velocity `v`.
     fn combine(&mut self, v: Vector2<f64>) {
-        for (p, (x, y)) in self
-            .pressure
-            .iter_mut()
-            .zip(self.unit[0].iter().zip(&self.unit[1]))
-        {
+        for (p, (x, y)) in self.pressure.iter_mut().zip(self.unit[0].iter().zip(&self.unit[1])) {
             *p = x * v.x + y * v.y;
         }
     }
@@ -378,15 +345,11 @@ impl QuasiStatic {
             let inflow = self.normal[i].dot(&v) * self.grid.zeta_width(j);
             let from = |neighbour: Option<usize>| neighbour.map_or(0.0, |cell| self.pressure[cell]);
             let edges = self.edges(i, j).into_iter();
-            edges.fold(inflow, |sum, (conductance, neighbour)| {
-                sum + conductance * from(neighbour)
-            }) > 0.0
+            edges.fold(inflow, |sum, (conductance, neighbour)| sum + conductance * from(neighbour)) > 0.0
         };
         let columns = 0..self.grid.columns();
-        let full: Vec<bool> = columns
-            .flat_map(|i| (0..self.stride).map(move |j| (i, j)))
-            .map(|(i, j)| fills(i, j))
-            .collect();
+        let full: Vec<bool> =
+            columns.flat_map(|i| (0..self.stride).map(move |j| (i, j))).map(|(i, j)| fills(i, j)).collect();
         let changed = full != self.full;
         self.full = full;
         changed

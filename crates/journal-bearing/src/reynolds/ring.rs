@@ -104,8 +104,7 @@ impl Ring {
                 let before = &self.before[column * rows..][..rows];
                 let after = &self.after[previous * rows..][..rows];
                 for (q, &after) in after.iter().enumerate() {
-                    let (block, other) =
-                        (&mut block[q * rows..][..rows], &other[q * rows..][..rows]);
+                    let (block, other) = (&mut block[q * rows..][..rows], &other[q * rows..][..rows]);
                     for j in 0..rows {
                         block[j] -= before[j] * other[j] * after;
                     }
@@ -220,10 +219,7 @@ impl Ring {
         self.load_block(rows, cut);
         let block = rows * rows;
         let matrix = &mut self.inverse[cut * block..][..block];
-        let neighbours = [
-            ((cut + columns - 1) % columns, &self.before),
-            ((cut + 1) % columns, &self.after),
-        ];
+        let neighbours = [((cut + columns - 1) % columns, &self.before), ((cut + 1) % columns, &self.after)];
         for (neighbour, coupling) in neighbours {
             if !self.spiked[neighbour] {
                 continue;
@@ -300,10 +296,7 @@ impl Ring {
         let (columns, cut, block) = (self.columns, self.cut, rows * rows);
         let (source, answer) = self.scratch[..2 * rows].split_at_mut(rows);
         source.copy_from_slice(&x[cut * rows..][..rows]);
-        let neighbours = [
-            ((cut + columns - 1) % columns, &self.before),
-            ((cut + 1) % columns, &self.after),
-        ];
+        let neighbours = [((cut + columns - 1) % columns, &self.before), ((cut + 1) % columns, &self.after)];
         for (neighbour, coupling) in neighbours {
             let coupling = &coupling[cut * rows..][..rows];
             let other = &x[neighbour * rows..][..rows];

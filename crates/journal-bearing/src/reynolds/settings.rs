@@ -101,12 +101,7 @@ impl FilmSettings {
         finite("tilt", self.tilt[0])?;
         finite("tilt", self.tilt[1])?;
         let [columns, rows] = self.cells;
-        within(
-            "number of columns",
-            columns as f64,
-            columns >= 4,
-            "at least 4",
-        )?;
+        within("number of columns", columns as f64, columns >= 4, "at least 4")?;
         within("number of rows", rows as f64, rows >= 1, "at least 1")?;
         let pressure = self.side_pressure;
         let usable = pressure.is_finite() && pressure >= 0.0;
@@ -129,8 +124,7 @@ impl FilmSettings {
         const LEAST: f64 = 2e-5;
         let bath = self.bath_above_cavities();
         let feed = self.feed.as_ref().map_or(0.0, |feed| feed.pressure);
-        let [bath, feed] =
-            [bath, bath + feed].map(|pressure| pressure / self.pressure_scale(drive.viscosity));
+        let [bath, feed] = [bath, bath + feed].map(|pressure| pressure / self.pressure_scale(drive.viscosity));
         [bath, feed.max(LEAST * drive.rotation().abs())]
     }
 
@@ -151,9 +145,7 @@ impl FilmSettings {
     /// The journal's share of the roughness' variance where the film has flow factors, else `None`.
     pub(super) fn flow_factors(&self) -> Option<f64> {
         match self.rough_film {
-            RoughFilm::FlowFactors { journal_share } if self.film_roughness() > 0.0 => {
-                Some(journal_share)
-            }
+            RoughFilm::FlowFactors { journal_share } if self.film_roughness() > 0.0 => Some(journal_share),
             _ => None,
         }
     }
@@ -192,14 +184,7 @@ impl Drive {
     /// A constant load (N) on a journal that turns in a resting bush (rad/s), in oil of a viscosity (Pa.s).
     /// Its asperities touch without friction.
     pub fn steady(load: Vector2<f64>, journal_speed: f64, viscosity: f64) -> Self {
-        Self {
-            load_before: load,
-            load_after: load,
-            journal_speed,
-            bush_speed: 0.0,
-            viscosity,
-            contact_friction: 0.0,
-        }
+        Self { load_before: load, load_after: load, journal_speed, bush_speed: 0.0, viscosity, contact_friction: 0.0 }
     }
 
     /// Refuses numbers that are out of range.

@@ -33,10 +33,7 @@ mod tests {
         // Patir & Cheng 1979: no shear flow between smooth surfaces, the maximum near H = 1.2, continuous at H = 5.
         assert!(shear_flow_factor(40.0) < 1e-4 && shear_flow_factor(0.0) == 0.0);
         let [near, at, far] = [0.8, 1.2, 2.0].map(shear_flow_factor);
-        assert!(
-            at > near && at > far && (at - 0.81).abs() < 0.02,
-            "{near} {at} {far}"
-        );
+        assert!(at > near && at > far && (at - 0.81).abs() < 0.02, "{near} {at} {far}");
         let [below, above] = [5.0, 5.0 + 1e-9].map(shear_flow_factor);
         assert!((below / above - 1.0).abs() < 0.05, "{below} {above}");
     }

@@ -16,10 +16,7 @@ pub(super) fn room(ratio: f64) -> Width {
     let (open, slope) = (LEAST + 0.5 * (over + root), 0.5 * (1.0 + over / root));
     let t = ((ratio - FULL) / (NO_CONTACT - FULL)).max(0.0);
     let (counts, fall) = (share(ratio), -6.0 * t * (1.0 - t) / (NO_CONTACT - FULL));
-    [
-        ratio + counts * (open - ratio),
-        1.0 + counts * (slope - 1.0) + fall * (open - ratio),
-    ]
+    [ratio + counts * (open - ratio), 1.0 + counts * (slope - 1.0) + fall * (open - ratio)]
 }
 
 /// Where an aligned, round journal stands in its contact: coordinates of the tables of contact and of rough films.
@@ -100,15 +97,9 @@ mod tests {
                 let d = 1e-5 * roughness;
                 let [here, there] = [e - d, e + d].map(|e| (reach.place(e)[0], reach.room(e)[0]));
                 let slopes = [reach.place(e)[1], reach.room(e)[1]];
-                let differences = [
-                    (there.0 - here.0) / (2.0 * d),
-                    (there.1 - here.1) / (2.0 * d),
-                ];
+                let differences = [(there.0 - here.0) / (2.0 * d), (there.1 - here.1) / (2.0 * d)];
                 for (slope, difference) in slopes.into_iter().zip(differences) {
-                    assert!(
-                        (slope / difference - 1.0).abs() < 1e-3,
-                        "{roughness} {place}"
-                    );
+                    assert!((slope / difference - 1.0).abs() < 1e-3, "{roughness} {place}");
                 }
             }
             assert!((reach.at(0.0) - reach.start).abs() < 1e-9);

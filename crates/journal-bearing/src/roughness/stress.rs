@@ -65,11 +65,7 @@ pub fn pressure_stress_factor(ratio: f64) -> f64 {
 
 /// Resistance to the sliding of rough surfaces, `(phi_f + phi_fs) / H`.
 pub(super) fn sliding_resistance(ratio: f64) -> f64 {
-    let flanks = if ratio > 0.0 {
-        shear_stress_factor(ratio) / ratio
-    } else {
-        0.0
-    };
+    let flanks = if ratio > 0.0 { shear_stress_factor(ratio) / ratio } else { 0.0 };
     thinness(ratio) + flanks
 }
 
@@ -90,18 +86,10 @@ mod tests {
 
     #[test]
     fn the_closed_form_is_the_integral() {
-        for ratio in [
-            -2.0, -1.0, -0.3, 0.0, 0.5, 1.0, 2.0, 2.999, 3.001, 5.0, 12.0, 29.9,
-        ] {
+        for ratio in [-2.0, -1.0, -0.3, 0.0, 0.5, 1.0, 2.0, 2.999, 3.001, 5.0, 12.0, 29.9] {
             let (mean, expected) = (thinness(ratio), mean_thinness(ratio));
-            assert!(
-                (mean - expected).abs() < 0.003,
-                "{ratio}: {mean} {expected}"
-            );
-            assert!(
-                ratio < 3.0 || (mean / expected - 1.0).abs() < 1e-6,
-                "{ratio}"
-            );
+            assert!((mean - expected).abs() < 0.003, "{ratio}: {mean} {expected}");
+            assert!(ratio < 3.0 || (mean / expected - 1.0).abs() < 1e-6, "{ratio}");
         }
         let [below, above] = [30.0, 30.0 + 1e-9].map(thinness);
         assert!((below / above - 1.0).abs() < 1e-6);
@@ -117,21 +105,12 @@ mod tests {
             (2.0, 11.1 * 4.9588 * (-4.32_f64).exp(), 0.6260),
             (4.0, 11.1 * 24.590 * (-7.76_f64).exp(), 0.9001),
         ] {
-            assert!(
-                (shear_stress_factor(ratio) / shear - 1.0).abs() < 1e-4,
-                "{ratio}"
-            );
-            assert!(
-                (pressure_stress_factor(ratio) - pressure).abs() < 1e-4,
-                "{ratio}"
-            );
+            assert!((shear_stress_factor(ratio) / shear - 1.0).abs() < 1e-4, "{ratio}");
+            assert!((pressure_stress_factor(ratio) - pressure).abs() < 1e-4, "{ratio}");
         }
         // Smooth surfaces.
         for (ratio, least) in [(40.0, 1e-3), (1e6, 1e-11)] {
-            assert!(
-                (sliding_stress_factor(ratio) - 1.0).abs() < least,
-                "{ratio}"
-            );
+            assert!((sliding_stress_factor(ratio) - 1.0).abs() < least, "{ratio}");
             assert_eq!(shear_stress_factor(ratio), 0.0);
             assert!((pressure_stress_factor(ratio) - 1.0).abs() < least);
             assert!((sliding_resistance(ratio) * ratio - 1.0).abs() < least);

@@ -42,15 +42,9 @@ pub(super) fn advice(path: &Path) -> Option<FileError> {
 /// Reads a recording as text: UTF-8, UTF-16, or what Windows writes in Western Europe.
 pub(super) fn text(path: &Path) -> Result<String, FileError> {
     let wrong = |message: String| FileError::new(path, message);
-    let ending = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let bytes = files::open(path).and_then(|file| match file.metadata()?.len() > MOST << 20 {
-        true => Err(std::io::Error::other(format!(
-            "larger than {MOST} MiB; divide it"
-        ))),
+        true => Err(std::io::Error::other(format!("larger than {MOST} MiB; divide it"))),
         false => std::fs::read(path),
     });
     let bytes = bytes.map_err(|error| FileError::read(path, error))?;
@@ -63,14 +57,10 @@ pub(super) fn text(path: &Path) -> Result<String, FileError> {
     let begins = |(begin, _): &&(&[u8], &str)| bytes.starts_with(begin);
     match BINARY.iter().find(begins) {
         Some((_, "xlsx")) if ending != "xlsx" => {
-            return Err(wrong(
-                "a zip archive; unpack it, or save the table as csv".to_owned(),
-            ));
+            return Err(wrong("a zip archive; unpack it, or save the table as csv".to_owned()));
         }
         Some((_, "xls")) => {
-            return Err(wrong(
-                "an old spreadsheet; save the table as xlsx or csv".to_owned(),
-            ));
+            return Err(wrong("an old spreadsheet; save the table as xlsx or csv".to_owned()));
         }
         Some((_, kind)) => return Err(convert(kind)),
         None => {}
@@ -78,19 +68,14 @@ pub(super) fn text(path: &Path) -> Result<String, FileError> {
     let decoded = decode(bytes);
     match decoded.chars().take(4000).any(|c| c == '\0') {
         true if CONVERTED.contains(&ending.as_str()) => Err(convert(&ending)),
-        true => Err(wrong(
-            "no text: export it as csv from the program that wrote it".to_owned(),
-        )),
+        true => Err(wrong("no text: export it as csv from the program that wrote it".to_owned())),
         false => Ok(decoded),
     }
 }
 
 fn decode(bytes: Vec<u8>) -> String {
     let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes
-            .chunks_exact(2)
-            .map(|pair| of([pair[0], pair[1]]))
-            .collect();
+        let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| of([pair[0], pair[1]])).collect();
         String::from_utf16_lossy(&units)
     };
     match bytes.as_slice() {
@@ -106,13 +91,8 @@ fn decode(bytes: Vec<u8>) -> String {
         _ => char::from(byte),
     };
     let text = String::from_utf8(bytes);
-    let text =
-        text.unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| windows(byte)).collect());
-    composed(
-        text.strip_prefix('\u{feff}')
-            .map(str::to_owned)
-            .unwrap_or(text),
-    )
+    let text = text.unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| windows(byte)).collect());
+    composed(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
 /// The text with umlauts as one character each, as keyboards write them: some systems write them as two.
@@ -128,9 +108,7 @@ pub fn composed(text: String) -> String {
     ];
     let is_split = |text: &str| text.contains(['\u{308}', '\u{301}']);
     match is_split(&text) {
-        true => UMLAUTS
-            .iter()
-            .fold(text, |text, (split, whole)| text.replace(split, whole)),
+        true => UMLAUTS.iter().fold(text, |text, (split, whole)| text.replace(split, whole)),
         false => text,
     }
 }
@@ -153,10 +131,7 @@ pub(super) fn cells(line: &str, separator: u8) -> Vec<String> {
         return line.split_whitespace().map(str::to_owned).collect();
     }
     let mut reader = csv::ReaderBuilder::new();
-    let reader = reader
-        .has_headers(false)
-        .delimiter(separator)
-        .trim(csv::Trim::All);
+    let reader = reader.has_headers(false).delimiter(separator).trim(csv::Trim::All);
     let mut record = csv::StringRecord::new();
     match reader.from_reader(line.as_bytes()).read_record(&mut record) {
         Ok(true) => record.iter().map(str::to_owned).collect(),
@@ -180,12 +155,7 @@ fn numbers(cells: &[String], separator: u8, form: Option<&str>, texts: bool) -> 
 }
 
 /// The longest run of rows of numbers: its first line, its length, its most cells.
-fn run(
-    lines: &[&str],
-    separator: u8,
-    layout: &Layout,
-    texts: bool,
-) -> Option<(usize, usize, usize)> {
+fn run(lines: &[&str], separator: u8, layout: &Layout, texts: bool) -> Option<(usize, usize, usize)> {
     let after = layout.header.unwrap_or(0);
     let mut best: Option<(usize, usize, usize)> = None;
     let mut now: Option<(usize, usize, usize)> = None;
@@ -193,12 +163,7 @@ fn run(
         if line.trim().is_empty() || (line.starts_with('#') && now.is_some()) {
             continue;
         }
-        let count = numbers(
-            &cells(line, separator),
-            separator,
-            layout.format.as_deref(),
-            texts,
-        );
+        let count = numbers(&cells(line, separator), separator, layout.format.as_deref(), texts);
         now = match (count, now) {
             (None, _) => None,
             // With words in it, only rows of as many cells belong together.
@@ -223,17 +188,13 @@ pub(super) fn unit(cell: &str) -> String {
 /// Whether a cell can hardly be anything but a unit.
 fn is_unit(cell: &str) -> bool {
     let enclosed = [('[', ']'), ('(', ')')];
-    let enclosed = enclosed
-        .iter()
-        .any(|(from, to)| cell.starts_with(*from) && cell.ends_with(*to));
+    let enclosed = enclosed.iter().any(|(from, to)| cell.starts_with(*from) && cell.ends_with(*to));
     enclosed || known::usual(&unit(cell)).is_some()
 }
 
 /// Why a row has more cells than there are names.
 pub(super) fn unequal(cells: usize, names: usize) -> String {
-    format!(
-        "has {cells} cells instead of {names} as the names; a decimal comma needs semicolons between cells"
-    )
+    format!("has {cells} cells instead of {names} as the names; a decimal comma needs semicolons between cells")
 }
 
 /// Looks for the numbers in a text, and for the names above them.
@@ -244,16 +205,12 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
         None => SEPARATORS.to_vec(),
     };
     let best = |texts: bool| {
-        let each = separators
-            .iter()
-            .filter_map(|&s| Some((s, run(&lines, s, layout, texts)?)));
+        let each = separators.iter().filter_map(|&s| Some((s, run(&lines, s, layout, texts)?)));
         // More than one column, then more rows, then more columns; of equals the first.
-        let rank =
-            |&(_, (_, rows, columns)): &(u8, (usize, usize, usize))| (columns > 1, rows, columns);
+        let rank = |&(_, (_, rows, columns)): &(u8, (usize, usize, usize))| (columns > 1, rows, columns);
         each.rev().max_by_key(rank)
     };
-    let found =
-        best(false).or_else(|| best(true).filter(|(_, (_, rows, _))| *rows > 2 || lines.len() < 4));
+    let found = best(false).or_else(|| best(true).filter(|(_, (_, rows, _))| *rows > 2 || lines.len() < 4));
     let Some((separator, (first, _, columns))) = found else {
         let message = "no rows of numbers in its first lines; export the recording as csv, or name `header` (the line of the \
                        names) and `delimiter` in the settings";
@@ -295,9 +252,8 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
         // A single row may hold the numbers of channels.
         None => (0..first.saturating_sub(1)).find(|line| is_alike(line) && is_row(&(line + 1))),
     };
-    let is_other = |begin: &usize| {
-        layout.header.is_none() && is_other_table(&lines[..first], *begin, separator, &is_value)
-    };
+    let is_other =
+        |begin: &usize| layout.header.is_none() && is_other_table(&lines[..first], *begin, separator, &is_value);
     let other = earliest.filter(is_other);
     let above_rows = |begin: usize| (begin as u64 + 1, (begin..first).filter(is_row).count());
     let (above_it, earliest) = (other.map(above_rows), earliest.filter(|_| other.is_none()));
@@ -306,16 +262,13 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
     let (names, units) = match layout.header {
         Some(header) if header > 0 && header <= first && !is_row(&(header - 1)) => {
             let names = named(header - 1).unwrap_or_else(|| cells(lines[header - 1], separator));
-            let are_units =
-                |row: &Vec<String>| *row != names && !row.iter().any(|cell| is_missing(cell));
+            let are_units = |row: &Vec<String>| *row != names && !row.iter().any(|cell| is_missing(cell));
             let units = (header..first).find_map(named).filter(are_units);
             (Some(names), units)
         }
         Some(header) => {
-            let message = format!(
-                "line {header} is no line of names above the numbers, which begin on line {}",
-                first + 1
-            );
+            let message =
+                format!("line {header} is no line of names above the numbers, which begin on line {}", first + 1);
             return Err(FileError::new(path, message));
         }
         None => above(first, &lines, separator, named),
@@ -330,20 +283,9 @@ pub(super) fn find(path: &Path, text: &str, layout: &Layout) -> Result<Found, Fi
     }
     let mut names = names.unwrap_or_default();
     names.extend((names.len()..columns).map(|k| (k + 1).to_string()));
-    let unit_at = |k: usize| {
-        units
-            .as_ref()
-            .and_then(|row| row.get(k))
-            .map(|cell| unit(cell))
-    };
+    let unit_at = |k: usize| units.as_ref().and_then(|row| row.get(k)).map(|cell| unit(cell));
     let units = (0..names.len()).map(|k| unit_at(k).filter(|unit| !unit.is_empty()));
-    Ok(Found {
-        separator,
-        units: units.collect(),
-        names: distinct(names),
-        first,
-        above: above_it,
-    })
+    Ok(Found { separator, units: units.collect(), names: distinct(names), first, above: above_it })
 }
 
 /// Whether a cell says that there is no value.
@@ -353,16 +295,9 @@ fn is_missing(cell: &str) -> bool {
 }
 
 /// Whether what follows a block of rows is a table of its own: behind a blank line it has names that are not above the block.
-fn is_other_table(
-    lines: &[&str],
-    block: usize,
-    separator: u8,
-    is_value: &impl Fn(&String) -> bool,
-) -> bool {
+fn is_other_table(lines: &[&str], block: usize, separator: u8, is_value: &impl Fn(&String) -> bool) -> bool {
     let width = cells(lines[block], separator).len();
-    let blank = lines[block..]
-        .iter()
-        .position(|line| line.trim().is_empty());
+    let blank = lines[block..].iter().position(|line| line.trim().is_empty());
     let are_names = |line: &&&str| {
         let row = cells(line, separator);
         let texts = row.iter().all(|cell| !cell.is_empty() && !is_value(cell));
@@ -381,10 +316,7 @@ fn above(
     let blank = |line: &&usize| lines[**line].trim().is_empty();
     let places: Vec<usize> = (0..first).rev().collect();
     let gap = places.iter().take_while(blank).count();
-    let block: Vec<Vec<String>> = places[gap..]
-        .iter()
-        .map_while(|&line| named(line))
-        .collect();
+    let block: Vec<Vec<String>> = places[gap..].iter().map_while(|&line| named(line)).collect();
     let are_units = |row: &Vec<String>| {
         let said: Vec<&String> = row.iter().filter(|cell| !cell.is_empty()).collect();
         !said.is_empty() && 2 * said.iter().filter(|cell| is_unit(cell)).count() >= said.len()
@@ -392,8 +324,7 @@ fn above(
     // Between the units and the numbers stands at most one row of remarks.
     let place = (0..block.len().saturating_sub(1).min(2)).find(|&k| are_units(&block[k]));
     // Two lines at the top are names and units, known or not; words of a title are none.
-    let place =
-        place.or((separator != b' ' && block.len() == 2 && gap + 2 == places.len()).then_some(0));
+    let place = place.or((separator != b' ' && block.len() == 2 && gap + 2 == places.len()).then_some(0));
     match place {
         Some(k) => (block.get(k + 1).cloned(), block.get(k).cloned()),
         None => (block.first().cloned(), None),
@@ -430,21 +361,10 @@ fn head(line: &str, separator: u8, columns: usize) -> Option<Vec<String>> {
 fn distinct(names: Vec<String>) -> Vec<String> {
     let mut known: Vec<String> = Vec::new();
     for (place, name) in names.into_iter().enumerate() {
-        let name = if name.is_empty() {
-            (place + 1).to_string()
-        } else {
-            name
-        };
-        let count = known
-            .iter()
-            .filter(|other| **other == name || other.starts_with(&format!("{name} (")))
-            .count();
+        let name = if name.is_empty() { (place + 1).to_string() } else { name };
+        let count = known.iter().filter(|other| **other == name || other.starts_with(&format!("{name} ("))).count();
         let again = known.contains(&name);
-        known.push(if again {
-            format!("{name} ({})", count + 1)
-        } else {
-            name
-        });
+        known.push(if again { format!("{name} ({})", count + 1) } else { name });
     }
     known
 }
@@ -469,17 +389,8 @@ mod tests {
 
     fn found(text: &str) -> (char, String, String, usize) {
         let found = find(Path::new("m.csv"), text, &Layout::default()).unwrap();
-        let units: Vec<String> = found
-            .units
-            .into_iter()
-            .map(Option::unwrap_or_default)
-            .collect();
-        (
-            char::from(found.separator),
-            found.names.join("|"),
-            units.join("|"),
-            found.first,
-        )
+        let units: Vec<String> = found.units.into_iter().map(Option::unwrap_or_default).collect();
+        (char::from(found.separator), found.names.join("|"), units.join("|"), found.first)
     }
 
     #[test]
@@ -488,13 +399,7 @@ mod tests {
             ("t,F\n0,1\n1,2\n", ',', "t|F", "|", 1),
             ("t;F\nfoo;bar\n0;1,5\n", ';', "t|F", "foo|bar", 2),
             // PicoScope.
-            (
-                "Zeit;Kanal A\n(ms);(V)\n\n-0,5;12,1\n0,0;12,2\n",
-                ';',
-                "Zeit|Kanal A",
-                "ms|V",
-                3,
-            ),
+            ("Zeit;Kanal A\n(ms);(V)\n\n-0,5;12,1\n0,0;12,2\n", ';', "Zeit|Kanal A", "ms|V", 3),
             // A preamble with numbers of its own, and a row of remarks.
             (
                 "Bediener;Meier\nRate;1000\nDatum;22.11.2026 10:00:00\n\nt;p;T\ns;bar;°C\n1: MX840;2;3 b\n0;1,5;80\n1;1,6;81\n2;1,7;82\n",
@@ -504,22 +409,10 @@ mod tests {
                 7,
             ),
             ("# run 7\n# t F\n0 1\n1 2\n2 3\n", ' ', "t|F", "|", 2),
-            (
-                "Time (s)  Force (N)\n0 1\n1 2\n",
-                ' ',
-                "Time (s)|Force (N)",
-                "|",
-                1,
-            ),
+            ("Time (s)  Force (N)\n0 1\n1 2\n", ' ', "Time (s)|Force (N)", "|", 1),
             ("m,n,\n0,1,\n1,2,3\n", ',', "m|n|3", "||", 1),
             ("0,1\n1,2\n", ',', "1|2", "|", 0),
-            (
-                "t,F,t,F,\n0,1,0,2,\n1,1,1,2,\n",
-                ',',
-                "t|F|t (2)|F (2)|5",
-                "||||",
-                1,
-            ),
+            ("t,F,t,F,\n0,1,0,2,\n1,1,1,2,\n", ',', "t|F|t (2)|F (2)|5", "||||", 1),
             (
                 "day;p;state\n2026-11-22 10:00:00;1;on\n2026-11-22 10:00:01;1;on\n2026-11-22 10:00:02;1;on\n",
                 ';',
@@ -545,10 +438,7 @@ mod tests {
         for place in [1, 2, 3, 149, 399] {
             for line in ["0.5,n/a", "0.5,#N/A", "0.5,OVERLOAD", "0.5,", "# marker"] {
                 let (_, names, units, first) = found(&with(place, line));
-                assert_eq!(
-                    (names.as_str(), units.as_str(), first),
-                    ("t [s]|y [degC]", "|", 1)
-                );
+                assert_eq!((names.as_str(), units.as_str(), first), ("t [s]|y [degC]", "|", 1));
             }
         }
         for place in [2, 3, 149, 399] {
@@ -556,10 +446,7 @@ mod tests {
                 assert_eq!(found(&with(place, line)).3, 1, "{line} behind {place}");
             }
         }
-        let stated = Layout {
-            header: Some(1),
-            ..Layout::default()
-        };
+        let stated = Layout { header: Some(1), ..Layout::default() };
         for line in ["0.5,n/a", "t [s],y [degC]", "0.5,OVERLOAD"] {
             for place in [0, 1, 3, 149] {
                 let found = find(Path::new("m.csv"), &with(place, line), &stated).unwrap();
@@ -583,35 +470,21 @@ mod tests {
     fn texts_of_every_coding_are_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.csv");
-        let wide: Vec<u8> = "\u{feff}T;°C"
-            .encode_utf16()
-            .flat_map(u16::to_le_bytes)
-            .collect();
-        for bytes in [
-            "T;°C".as_bytes(),
-            b"T;\xb0C",
-            b"\xef\xbb\xbfT;\xc2\xb0C",
-            &wide,
-        ] {
+        let wide: Vec<u8> = "\u{feff}T;°C".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        for bytes in ["T;°C".as_bytes(), b"T;\xb0C", b"\xef\xbb\xbfT;\xc2\xb0C", &wide] {
             std::fs::write(&path, bytes).unwrap();
             assert_eq!(text(&path).unwrap(), "T;°C");
         }
         std::fs::write(&path, b"10 \x80").unwrap();
         assert_eq!(text(&path).unwrap(), "10 €");
         for (bytes, remedy) in [
-            (
-                b"MDF     4.10".as_slice(),
-                "python -m fmu_orchestrator convert",
-            ),
+            (b"MDF     4.10".as_slice(), "python -m fmu_orchestrator convert"),
             (b"PK\x03\x04", "save the table as csv"),
             (b"\x01\0\0\0\x01", "export it as csv"),
         ] {
             std::fs::write(&path, bytes).unwrap();
             let error = text(&path).unwrap_err().to_string();
-            assert!(
-                error.contains(remedy) && error.lines().count() == 1,
-                "{error}"
-            );
+            assert!(error.contains(remedy) && error.lines().count() == 1, "{error}");
         }
     }
 }

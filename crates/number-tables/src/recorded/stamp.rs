@@ -48,27 +48,21 @@ pub fn stamp(cell: &str, form: Option<&str>) -> Option<Stamp> {
     let day = |text: &str, form: &str| {
         let time = NaiveTime::parse_from_str(text, form).ok()?;
         let seconds = i64::from(time.num_seconds_from_midnight());
-        Some(of(Clock::Day)(
-            seconds * 1_000_000_000 + i64::from(time.nanosecond()),
-        ))
+        Some(of(Clock::Day)(seconds * 1_000_000_000 + i64::from(time.nanosecond())))
     };
     let zoned = |text: &str, form: &str| {
         let time = DateTime::parse_from_str(text, form).ok()?;
         time.timestamp_nanos_opt().map(of(Clock::Zone))
     };
     if let Some(form) = form {
-        return zoned(cell, form)
-            .or_else(|| local(cell, form))
-            .or_else(|| day(cell, form));
+        return zoned(cell, form).or_else(|| local(cell, form)).or_else(|| day(cell, form));
     }
     // Only a stamp has two of these.
     if cell.matches([':', 'T']).count() < 1 || cell.len() < 7 {
         return None;
     }
     let iso = cell.replacen(' ', "T", 1).replace(',', ".");
-    let utc = iso
-        .strip_suffix(['Z', 'z'])
-        .map(|iso| format!("{iso}+00:00"));
+    let utc = iso.strip_suffix(['Z', 'z']).map(|iso| format!("{iso}+00:00"));
     let with_zone = utc.as_ref().unwrap_or(&iso);
     let local = LOCAL.iter().find_map(|form| local(&iso, form));
     let zoned = || ZONED.iter().find_map(|form| zoned(with_zone, form));
@@ -84,23 +78,16 @@ mod tests {
         let at = |cell: &str| stamp(cell, None).unwrap_or_else(|| panic!("{cell}"));
         let noon = at("2026-11-22T12:00:00Z");
         assert_eq!(noon.clock, Clock::Zone);
-        for same in [
-            "2026-11-22T13:00:00+01:00",
-            "2026-11-22 07:30:00-0430",
-            "2026-11-22T13:00:00.000+01",
-            "20261122T120000Z",
-        ] {
+        for same in
+            ["2026-11-22T13:00:00+01:00", "2026-11-22 07:30:00-0430", "2026-11-22T13:00:00.000+01", "20261122T120000Z"]
+        {
             assert_eq!(at(same), noon, "{same}");
         }
         let later = at("2026-11-22T12:00:00,250000001Z");
         assert_eq!(later.nanoseconds - noon.nanoseconds, 250_000_001);
         let local = at("2026-11-22T12:00:00.25");
         assert_eq!(local.clock, Clock::Local);
-        for same in [
-            "22.11.2026 12:00:00,25",
-            "2026/11/22 12:00:00.250",
-            "11/22/2026 12:00:00.25 PM",
-        ] {
+        for same in ["22.11.2026 12:00:00,25", "2026/11/22 12:00:00.250", "11/22/2026 12:00:00.25 PM"] {
             assert_eq!(at(same), local, "{same}");
         }
         let minute = at("22.11.2026 12:01");
@@ -110,15 +97,7 @@ mod tests {
         assert_eq!(stamp("03/11/2026 12:00:00", None), None);
         let said = stamp("03/11/2026 12:00:00", Some("%d/%m/%Y %H:%M:%S")).unwrap();
         assert_eq!(said, at("2026-11-03 12:00:00"));
-        for none in [
-            "",
-            "2026-11-22",
-            "2026-13-01T00:00:00Z",
-            "s",
-            "1.5",
-            "12:00",
-            "T",
-        ] {
+        for none in ["", "2026-11-22", "2026-13-01T00:00:00Z", "s", "1.5", "12:00", "T"] {
             assert_eq!(stamp(none, None), None, "{none}");
         }
     }

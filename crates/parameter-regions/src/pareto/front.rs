@@ -27,9 +27,7 @@ pub fn front(objectives: &[Vec<f64>]) -> Vec<usize> {
         first.unwrap_or_else(|| a.cmp(&b))
     });
     // Equal points share their fate; of different ones, no worse in everything means dominating.
-    let groups: Vec<&[usize]> = order
-        .chunk_by(|&a, &b| objectives[a] == objectives[b])
-        .collect();
+    let groups: Vec<&[usize]> = order.chunk_by(|&a, &b| objectives[a] == objectives[b]).collect();
     let points = groups.iter().map(|g| objectives[g[0]].as_slice());
     let kept = Ordered(points.collect()).front(0..groups.len());
     let mut front: Vec<usize> = kept.into_iter().flat_map(|g| groups[g]).copied().collect();
@@ -87,8 +85,7 @@ impl Ordered<'_> {
         let Some(limit) = self.between(others, last) else {
             // All of `others` are equal here.
             let only = value(others[0]);
-            let (behind, mut kept): (Vec<_>, Vec<_>) =
-                candidates.into_iter().partition(|&i| value(i) >= only);
+            let (behind, mut kept): (Vec<_>, Vec<_>) = candidates.into_iter().partition(|&i| value(i) >= only);
             kept.extend(self.unbeaten(others, behind, last - 1));
             return kept;
         };
@@ -123,14 +120,8 @@ mod tests {
 
     #[test]
     fn the_front_of_a_few_points() {
-        let points = [
-            vec![1.0, 4.0],
-            vec![2.0, 2.0],
-            vec![3.0, 3.0],
-            vec![4.0, 1.0],
-            vec![f64::NAN, 0.0],
-            vec![2.0, 2.0],
-        ];
+        let points =
+            [vec![1.0, 4.0], vec![2.0, 2.0], vec![3.0, 3.0], vec![4.0, 1.0], vec![f64::NAN, 0.0], vec![2.0, 2.0]];
         assert_eq!(front(&points), [0, 1, 3, 5]);
         assert_eq!(front(&[]), [0usize; 0]);
         assert_eq!(front(&[vec![2.0], vec![1.0], vec![1.0]]), [1, 2]);

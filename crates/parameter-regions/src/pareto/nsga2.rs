@@ -46,10 +46,8 @@ pub fn minimise<E>(
         let rows = objectives(&points)?;
         assert_eq!(rows.len(), points.len(), "each point has its objectives");
         let bounded = |v: f64| if v.is_finite() { v } else { f64::MAX };
-        let solution = |(x, values): (Vec<f64>, Vec<f64>)| Solution {
-            x,
-            objectives: values.into_iter().map(bounded).collect(),
-        };
+        let solution =
+            |(x, values): (Vec<f64>, Vec<f64>)| Solution { x, objectives: values.into_iter().map(bounded).collect() };
         Ok(points.into_iter().zip(rows).map(solution).collect())
     };
     let size = settings.population.max(4);
@@ -152,8 +150,7 @@ fn survivors(points: Vec<Solution>, size: usize) -> Vec<Solution> {
 
 fn tournament(places: &[(usize, f64)], random: &mut Random) -> usize {
     let [a, b] = [(); 2].map(|()| random.below(places.len()));
-    let better =
-        places[a].0 < places[b].0 || (places[a].0 == places[b].0 && places[a].1 > places[b].1);
+    let better = places[a].0 < places[b].0 || (places[a].0 == places[b].0 && places[a].1 > places[b].1);
     if better { a } else { b }
 }
 
@@ -172,11 +169,7 @@ fn crossover(a: &[f64], b: &[f64], limits: &[[f64; 2]], random: &mut Random) -> 
         let spread = |room: f64| {
             let alpha = 2.0 - (1.0 + 2.0 * room / (y - x)).powf(-(CROSSOVER + 1.0));
             let power = 1.0 / (CROSSOVER + 1.0);
-            if u <= 1.0 / alpha {
-                (u * alpha).powf(power)
-            } else {
-                (1.0 / (2.0 - u * alpha)).powf(power)
-            }
+            if u <= 1.0 / alpha { (u * alpha).powf(power) } else { (1.0 / (2.0 - u * alpha)).powf(power) }
         };
         let left = (0.5 * ((x + y) - spread(x - low) * (y - x))).clamp(low, high);
         let right = (0.5 * ((x + y) + spread(high - y) * (y - x))).clamp(low, high);
@@ -243,11 +236,7 @@ mod tests {
     /// The area that the front of a search dominates below (1.1, 1.1) (Zitzler and Thiele 1999).
     fn hypervolume(kind: u8, parameters: usize, seed: u64) -> f64 {
         const WORST: f64 = 1.1;
-        let settings = Evolution {
-            population: 100,
-            generations: 250,
-            seed,
-        };
+        let settings = Evolution { population: 100, generations: 250, seed };
         let Ok(mut solutions) = minimise(&vec![[0.0, 1.0]; parameters], settings, |points| {
             Ok::<_, Infallible>(points.iter().map(|x| zdt(kind, x)).collect())
         });
@@ -266,13 +255,9 @@ mod tests {
     /// 1.3274, 0.8553 to 0.8673, 0.4938 to 0.4973. The optimum of ZDT6 has nine of ten parameters at their lower limits.
     #[test]
     fn the_zdt_functions_are_solved_as_well_as_by_another_program() {
-        for (kind, parameters, other) in [
-            (1, 30, 0.8697),
-            (2, 30, 0.5363),
-            (3, 30, 1.3275),
-            (4, 10, 0.8662),
-            (6, 10, 0.4941),
-        ] {
+        for (kind, parameters, other) in
+            [(1, 30, 0.8697), (2, 30, 0.5363), (3, 30, 1.3275), (4, 10, 0.8662), (6, 10, 0.4941)]
+        {
             let area = hypervolume(kind, parameters, 3);
             assert!(area > 0.995 * other, "ZDT{kind}: {area}");
         }
@@ -280,21 +265,12 @@ mod tests {
 
     #[test]
     fn failed_evaluations_do_not_survive() {
-        let settings = Evolution {
-            population: 20,
-            generations: 20,
-            seed: 1,
-        };
+        let settings = Evolution { population: 20, generations: 20, seed: 1 };
         let objectives = |x: &Vec<f64>| {
-            if x[0] < 0.5 {
-                vec![f64::NAN; 2]
-            } else {
-                vec![x[0], 1.0 - x[0] + x[1]]
-            }
+            if x[0] < 0.5 { vec![f64::NAN; 2] } else { vec![x[0], 1.0 - x[0] + x[1]] }
         };
-        let Ok(solutions) = minimise(&[[0.0, 1.0]; 2], settings, |points| {
-            Ok::<_, Infallible>(points.iter().map(objectives).collect())
-        });
+        let Ok(solutions) =
+            minimise(&[[0.0, 1.0]; 2], settings, |points| Ok::<_, Infallible>(points.iter().map(objectives).collect()));
         assert!(solutions.iter().all(|s| s.x[0] >= 0.5));
     }
 }

@@ -110,23 +110,15 @@ pub struct Conflict {
 /// The best compromise is the point with the least largest deviation (Zeleny 1973, "Compromise
 /// programming", with the infinite norm): every criterion is met with as much room to spare as the
 /// worst of them can have.
-pub fn trade_off(
-    table: &PointTable,
-    labelled: bool,
-    nominal: Option<Member>,
-    method: String,
-) -> Option<Pareto> {
+pub fn trade_off(table: &PointTable, labelled: bool, nominal: Option<Member>, method: String) -> Option<Pareto> {
     let completed: Vec<usize> = (0..table.len()).filter(|&i| table.completed(i)).collect();
     let objectives = completed.iter().map(|&i| table.deviations(i).collect());
     let unbeaten = front(&objectives.collect::<Vec<_>>()).into_iter();
-    let member = |k: usize| Member {
-        point: labelled.then(|| table.ids[completed[k]]),
-        ..Member::of(table, completed[k])
-    };
+    let member =
+        |k: usize| Member { point: labelled.then(|| table.ids[completed[k]]), ..Member::of(table, completed[k]) };
     let mut chosen: Vec<Member> = unbeaten.map(member).collect();
     chosen.sort_by(|a, b| a.largest().total_cmp(&b.largest()));
-    let by_distance =
-        |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
+    let by_distance = |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
     let nearest = (0..chosen.len()).min_by(by_distance)?;
     let unbeaten = chosen.len();
     let unbeaten_verified = chosen.iter().filter(|m| m.verified()).count();
@@ -187,11 +179,7 @@ fn conflicts(front: &[Member], criteria: usize) -> Vec<Conflict> {
     let column = |k: usize| ranks(&front.iter().map(|m| m.deviations[k]).collect::<Vec<_>>());
     let columns: Vec<Vec<f64>> = (0..criteria).map(column).collect();
     let pairs = (0..criteria).flat_map(|a| (a + 1..criteria).map(move |b| (a, b)));
-    let conflict = |(a, b): (usize, usize)| Conflict {
-        a,
-        b,
-        correlation: pearson(&columns[a], &columns[b]),
-    };
+    let conflict = |(a, b): (usize, usize)| Conflict { a, b, correlation: pearson(&columns[a], &columns[b]) };
     let mut conflicts: Vec<Conflict> = pairs.map(conflict).collect();
     conflicts.sort_by(|a, b| a.correlation.total_cmp(&b.correlation));
     conflicts
@@ -238,11 +226,7 @@ mod tests {
         // Everything between the two measured values is on the front, nothing else.
         assert_eq!(p.front.len(), 21);
         // x = 2 (1 - x): both deviations are 2/3; the nearest grid point is 0.65.
-        assert!(
-            (p.front[0].parameters[0] - 0.65).abs() < 1e-9,
-            "{:?}",
-            p.front[0]
-        );
+        assert!((p.front[0].parameters[0] - 0.65).abs() < 1e-9, "{:?}", p.front[0]);
         assert_eq!(p.front[0].point, Some(34));
         assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
         assert!(p.front[0].verified() && !p.front[20].verified());
@@ -259,10 +243,7 @@ mod tests {
     fn a_large_front_is_counted_and_its_best_points_are_kept() {
         let x: Vec<f64> = (0..=30_000).map(|k| f64::from(k) / 30_000.0).collect();
         let p = trade_off(&table(&x), true, None, String::new()).unwrap();
-        assert_eq!(
-            (p.unbeaten, p.front.len()),
-            (30_001, MOST + usize::from(p.nearest >= MOST / 2))
-        );
+        assert_eq!((p.unbeaten, p.front.len()), (30_001, MOST + usize::from(p.nearest >= MOST / 2)));
         // Verified from 0.5 on.
         assert_eq!(p.unbeaten_verified, 15_001);
         assert!((p.front[0].parameters[0] - 2.0 / 3.0).abs() < 1e-9);
@@ -272,18 +253,11 @@ mod tests {
 
     #[test]
     fn the_nearest_point_is_kept_wherever_it_is() {
-        let member = |k: usize| Member {
-            point: Some(k as u64),
-            parameters: vec![],
-            values: vec![],
-            deviations: vec![],
-        };
+        let member =
+            |k: usize| Member { point: Some(k as u64), parameters: vec![], values: vec![], deviations: vec![] };
         let mut front: Vec<Member> = (0..5 * MOST).map(member).collect();
         let place = shorten(&mut front, MOST + 7);
-        assert_eq!(
-            (front.len(), front[place].point),
-            (MOST + 1, Some(MOST as u64 + 7))
-        );
+        assert_eq!((front.len(), front[place].point), (MOST + 1, Some(MOST as u64 + 7)));
         assert!(front.is_sorted_by_key(|m| m.point));
         assert!(front[MOST].point > Some(4 * MOST as u64));
     }

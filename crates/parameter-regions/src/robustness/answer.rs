@@ -78,11 +78,7 @@ impl Answer {
                 at_most: upper_limit(0, points, 0.05),
             };
         }
-        Self::NotFound {
-            searches: SEARCHES,
-            verified,
-            highest,
-        }
+        Self::NotFound { searches: SEARCHES, verified, highest }
     }
 
     /// The answer in a line, given whether the statement of the box shows the level.
@@ -96,12 +92,8 @@ impl Answer {
             }
             Self::Confirmed => "a box was found, and fresh runs confirm it",
             Self::Refuted => "a box was found, but fresh runs contradict it",
-            Self::NotFound { .. } => {
-                "no box was found by this search; that does not show that there is none"
-            }
-            Self::NoneSeen {
-                points, at_most, ..
-            } => {
+            Self::NotFound { .. } => "no box was found by this search; that does not show that there is none",
+            Self::NoneSeen { points, at_most, .. } => {
                 return format!(
                     "the surrogates see no box; 0 of {points} points met all criteria, up to {:.2} % of the space may",
                     100.0 * at_most
@@ -114,9 +106,7 @@ impl Answer {
     /// The answer once fresh runs have been made.
     pub fn after(self, region: &Region, level: f64) -> Self {
         match (self, region.fresh) {
-            (Self::Found, Some(fresh)) if fresh.interval[1] < level.max(region.interval[0]) => {
-                Self::Refuted
-            }
+            (Self::Found, Some(fresh)) if fresh.interval[1] < level.max(region.interval[0]) => Self::Refuted,
             (Self::Found, Some(fresh)) if fresh.points > 0 => Self::Confirmed,
             (answer, _) => answer,
         }
@@ -125,21 +115,12 @@ impl Answer {
     /// The remark that the reader needs where there is no box.
     pub(super) fn warning(&self, level: f64) -> Option<String> {
         match self {
-            Self::NotFound {
-                searches,
-                verified,
-                highest,
-            } => Some(format!(
+            Self::NotFound { searches, verified, highest } => Some(format!(
                 "no box with a verification probability of {level} was found from {searches} places; that does not show \
                  that there is none: {verified} of the study's points are verified, and the surrogates give up to \
                  {highest:.3} at a place; verify more points, or ask for a lower --level"
             )),
-            Self::NoneSeen {
-                places,
-                highest,
-                criterion,
-                ..
-            } => Some(format!(
+            Self::NoneSeen { places, highest, criterion, .. } => Some(format!(
                 "no box with a verification probability of {level} is seen: at none of {places} sampled places do the \
                  surrogates give more than {highest:.2e}, and {criterion} is met least; what lies between the points, they \
                  cannot see"

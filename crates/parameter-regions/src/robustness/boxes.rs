@@ -41,11 +41,7 @@ pub fn largest_box(sample: &Sample<'_>, level: f64) -> Option<Region> {
     let scale = Scale::new(sample.points);
     let everything = vec![[f64::NEG_INFINITY, f64::INFINITY]; scale.columns.len()];
     let start = |seed: &Seed| {
-        if seed.mean >= level {
-            (seed.cube.clone(), None)
-        } else {
-            (everything.clone(), Some(seed.point))
-        }
+        if seed.mean >= level { (seed.cube.clone(), None) } else { (everything.clone(), Some(seed.point)) }
     };
     let seeds = seeds(sample, &scale, level);
     let whole = std::iter::once((everything.clone(), None));
@@ -83,9 +79,7 @@ impl Scale {
     fn new(points: &[Vec<f64>]) -> Self {
         let d = points.first().map_or(0, Vec::len);
         let column = |k: usize| sorted(points.iter().map(|x| x[k]).collect());
-        Self {
-            columns: (0..d).map(column).collect(),
-        }
+        Self { columns: (0..d).map(column).collect() }
     }
 
     fn rank(&self, k: usize, value: f64) -> f64 {
@@ -105,9 +99,7 @@ impl Scale {
     /// Sides that were never cut end where the samples do.
     fn closed(&self, limits: &Limits) -> Limits {
         let sides = limits.iter().zip(&self.columns);
-        sides
-            .map(|([l, h], column)| [l.max(column[0]), h.min(column[column.len() - 1])])
-            .collect()
+        sides.map(|([l, h], column)| [l.max(column[0]), h.min(column[column.len() - 1])]).collect()
     }
 }
 
@@ -123,9 +115,7 @@ struct Seed {
 /// Good points far from each other: those in whose neighbourhood the level is held, if there are any. At the edge of a
 /// good part there is no room for a box.
 fn seeds(sample: &Sample<'_>, scale: &Scale, level: f64) -> Vec<Seed> {
-    let good: Vec<usize> = (0..sample.points.len())
-        .filter(|&j| sample.verdicts[j] >= level)
-        .collect();
+    let good: Vec<usize> = (0..sample.points.len()).filter(|&j| sample.verdicts[j] >= level).collect();
     let step = good.len().div_ceil(CHOICE).max(1);
     let good: Vec<usize> = good.into_iter().step_by(step).collect();
     let rank = |x: &Vec<f64>| -> Vec<f64> {
@@ -134,9 +124,8 @@ fn seeds(sample: &Sample<'_>, scale: &Scale, level: f64) -> Vec<Seed> {
     };
     let ranks: Vec<Vec<f64>> = sample.points.par_iter().map(rank).collect();
     let seed = |&point: &usize| seed(sample, scale, &ranks, point);
-    let (deep, edge): (Vec<Seed>, Vec<Seed>) = (good.par_iter().map(seed).collect::<Vec<_>>())
-        .into_iter()
-        .partition(|seed| seed.mean >= level);
+    let (deep, edge): (Vec<Seed>, Vec<Seed>) =
+        (good.par_iter().map(seed).collect::<Vec<_>>()).into_iter().partition(|seed| seed.mean >= level);
     spread(if deep.is_empty() { edge } else { deep })
 }
 
@@ -151,8 +140,7 @@ fn seed(sample: &Sample<'_>, scale: &Scale, ranks: &[Vec<f64>], point: usize) ->
     near.select_nth_unstable_by(most, |a, b| a.0.total_cmp(&b.0));
     let radius = near[most].0;
     let inside: Vec<usize> = near[..=most].iter().map(|(_, j)| *j).collect();
-    let side =
-        |(k, rank): (usize, &f64)| [rank - radius, rank + radius].map(|rank| scale.limit(k, rank));
+    let side = |(k, rank): (usize, &f64)| [rank - radius, rank + radius].map(|rank| scale.limit(k, rank));
     Seed {
         point,
         cube: of_point.iter().enumerate().map(side).collect(),
@@ -198,19 +186,11 @@ fn peel(sample: &Sample<'_>, level: f64, limits: &mut Limits, kept: Option<usize
 }
 
 fn beyond(value: f64, side: usize, cut: f64) -> bool {
-    if side == 0 {
-        value >= cut
-    } else {
-        value <= cut
-    }
+    if side == 0 { value >= cut } else { value <= cut }
 }
 
 /// The slice whose loss raises the mean most: the mean then, the parameter, the side, and the new limit.
-fn thinnest(
-    sample: &Sample<'_>,
-    inside: &[usize],
-    kept: Option<usize>,
-) -> Option<(f64, usize, usize, f64)> {
+fn thinnest(sample: &Sample<'_>, inside: &[usize], kept: Option<usize>) -> Option<(f64, usize, usize, f64)> {
     let mut best: Option<(f64, usize, usize, f64)> = None;
     for k in 0..sample.points.first().map_or(0, Vec::len) {
         let column = sorted(inside.iter().map(|&j| sample.points[j][k]).collect());

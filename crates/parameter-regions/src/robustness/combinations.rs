@@ -33,11 +33,7 @@ pub struct Bound {
 impl Bound {
     fn holds(&self, x: &[f64]) -> bool {
         let value = x[self.parameter];
-        if self.below {
-            value < self.limit
-        } else {
-            value > self.limit
-        }
+        if self.below { value < self.limit } else { value > self.limit }
     }
 }
 
@@ -97,20 +93,13 @@ impl Slices {
             let slice = |x: &Vec<f64>| edges[k].partition_point(|e| *e <= x[k]);
             points.iter().map(slice).collect()
         };
-        Self {
-            of: (0..d).map(of).collect(),
-            edges,
-        }
+        Self { of: (0..d).map(of).collect(), edges }
     }
 
     /// The bound of the first (or last) `count` slices.
     fn bound(&self, parameter: usize, below: bool, count: usize) -> Bound {
         let edge = if below { count } else { SLICES - count };
-        Bound {
-            parameter,
-            below,
-            limit: self.edges[parameter][edge - 1],
-        }
+        Bound { parameter, below, limit: self.edges[parameter][edge - 1] }
     }
 
     /// A point's slice, counted from the side where a region begins.
@@ -122,11 +111,7 @@ impl Slices {
 
 /// Lists the unsafe ranges of single parameters and, outside these, the unsafe corners of pairs, the
 /// largest first. `judges` are points that the surrogates do not know, each with whether it is verified.
-pub(super) fn combinations(
-    stand: &Stand,
-    cloud: &Sample<'_>,
-    judges: &[(&Vec<f64>, bool)],
-) -> Vec<Combination> {
+pub(super) fn combinations(stand: &Stand, cloud: &Sample<'_>, judges: &[(&Vec<f64>, bool)]) -> Vec<Combination> {
     const ERROR: f64 = 0.05;
     let Some(d) = cloud.points.first().map(Vec::len) else {
         return vec![];
@@ -138,11 +123,8 @@ pub(super) fn combinations(
         .filter_map(|side| corner(cloud, &slices, &all, &side))
         .map(|bounds| finish(bounds, stand, cloud, &all))
         .collect();
-    let open: Vec<usize> = all
-        .iter()
-        .copied()
-        .filter(|&j| !listed.iter().any(|c| c.contains(&cloud.points[j])))
-        .collect();
+    let open: Vec<usize> =
+        all.iter().copied().filter(|&j| !listed.iter().any(|c| c.contains(&cloud.points[j]))).collect();
     for (x, y) in (0..d).flat_map(|x| (x + 1..d).map(move |y| (x, y))) {
         for (x_below, y_below) in [(true, true), (true, false), (false, true), (false, false)] {
             let sides = [(x, x_below), (y, y_below)];
@@ -165,12 +147,7 @@ pub(super) fn combinations(
 }
 
 /// The unsafe corner of two parameters that holds most of the points; of one parameter the range from one of its ends.
-fn corner(
-    cloud: &Sample<'_>,
-    slices: &Slices,
-    open: &[usize],
-    sides: &[(usize, bool)],
-) -> Option<Vec<Bound>> {
+fn corner(cloud: &Sample<'_>, slices: &Slices, open: &[usize], sides: &[(usize, bool)]) -> Option<Vec<Bound>> {
     const FEWEST: usize = 30;
     // A parameter that is not there has all points in its first slice.
     let place = |k: usize, j: usize| {

@@ -57,12 +57,8 @@ impl Evidence<'_> {
             return statement;
         };
         // Few points inside may all happen to agree with their forecasts, so these count as no better than they admit.
-        let admitted = inside
-            .iter()
-            .map(|&i| self.foretold[i] * (1.0 - self.foretold[i]));
-        let square = variance(&errors, 1)
-            .max(admitted.sum::<f64>() / n)
-            .max(self.usual_square());
+        let admitted = inside.iter().map(|&i| self.foretold[i] * (1.0 - self.foretold[i]));
+        let square = variance(&errors, 1).max(admitted.sum::<f64>() / n).max(self.usual_square());
         let deviation = (square / n + variance(&sampled, 1) / sampled.len() as f64).sqrt();
         let reach = student.inverse_cdf(0.975) * deviation;
         let probability = (statement.probability + mean(&errors)).clamp(0.0, 1.0);
@@ -87,10 +83,7 @@ mod tests {
         let (sample, studied) = (line(4000), line(points));
         let verified: Vec<bool> = (0..points).map(|k| k % wrong != wrong - 1).collect();
         let evidence = Evidence {
-            unseen: Sample {
-                points: &sample,
-                verdicts: &vec![0.95; sample.len()],
-            },
+            unseen: Sample { points: &sample, verdicts: &vec![0.95; sample.len()] },
             points: &studied,
             verified: &verified,
             foretold: &vec![0.95; points],
@@ -112,10 +105,7 @@ mod tests {
     fn few_points_that_agree_show_little() {
         // All of ten are verified: no more than the forecasts admit, 0.95 +- 2.262 sqrt(0.95 * 0.05 / 10) at the least.
         let statement = stated(20, usize::MAX);
-        assert!(
-            statement.interval[0] < 0.85 && statement.interval[1] >= 0.99,
-            "{statement:?}"
-        );
+        assert!(statement.interval[0] < 0.85 && statement.interval[1] >= 0.99, "{statement:?}");
         assert_eq!(stated(2, 1).interval, [0.0, 1.0]);
     }
 }

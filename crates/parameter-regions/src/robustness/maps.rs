@@ -39,9 +39,7 @@ pub fn maps(table: &PointTable, stand: &Stand, inputs: &[Vec<f64>]) -> Vec<Map> 
     let others: Vec<&Vec<f64>> = inputs.iter().step_by(every).collect();
     let map = |(x, y): (usize, usize)| {
         let (x_range, y_range) = (range(x), range(y));
-        let place = |k: usize, range: [f64; 2]| {
-            range[0] + (range[1] - range[0]) * (k as f64 + 0.5) / CELLS as f64
-        };
+        let place = |k: usize, range: [f64; 2]| range[0] + (range[1] - range[0]) * (k as f64 + 0.5) / CELLS as f64;
         let at = |base: &[f64], cell: usize| {
             let mut point = base.to_vec();
             point[x] = place(cell % CELLS, x_range);

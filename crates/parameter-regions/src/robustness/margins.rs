@@ -39,17 +39,10 @@ pub fn margins(table: &PointTable, stand: &Stand, best: &[f64]) -> Vec<Margin> {
             let Some(step) = first else {
                 return (end, None);
             };
-            let (mut a, mut b) = (
-                step.saturating_sub(1) as f64 / STEPS as f64,
-                step as f64 / STEPS as f64,
-            );
+            let (mut a, mut b) = (step.saturating_sub(1) as f64 / STEPS as f64, step as f64 / STEPS as f64);
             for _ in 0..40 {
                 let middle = (a + b) / 2.0;
-                if lost(at(middle)).is_some() {
-                    b = middle
-                } else {
-                    a = middle
-                }
+                if lost(at(middle)).is_some() { b = middle } else { a = middle }
             }
             (at(b), lost(at(b)).map(|c| table.criteria[c].name.clone()))
         };

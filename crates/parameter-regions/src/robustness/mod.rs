@@ -63,8 +63,7 @@ impl Robustness {
         let bound = |name: &String| names.contains(&name.as_str());
         let parameters = &self.parameters;
         self.margins.retain(|margin| !bound(&margin.parameter));
-        self.maps
-            .retain(|map| !bound(&parameters[map.x]) && !bound(&parameters[map.y]));
+        self.maps.retain(|map| !bound(&parameters[map.x]) && !bound(&parameters[map.y]));
         self.warnings.push(format!(
             "{} are drawn together from a sample: box, ellipsoid and unsafe combinations count its rows; there are no maps and \
              no margins of these parameters, which would move one of them away from its row",
@@ -115,16 +114,9 @@ impl Part {
             }
         }
         Some(Self {
-            criterion: CriterionColumn {
-                values: vec![],
-                ok: vec![],
-                ..criterion.clone()
-            },
+            criterion: CriterionColumn { values: vec![], ok: vec![], ..criterion.clone() },
             scale,
-            quality: Quality {
-                error: surrogate.quality.error * scale.unwrap_or(1.0),
-                ..surrogate.quality
-            },
+            quality: Quality { error: surrogate.quality.error * scale.unwrap_or(1.0), ..surrogate.quality },
             left_out: surrogate.left_out(inputs, &output),
             surrogate,
         })
@@ -133,9 +125,7 @@ impl Part {
     fn value(&self, x: &[f64]) -> f64 {
         let value = self.surrogate.at(x);
         // The transform is not to be trusted beyond what it has seen: sinh grows fast.
-        self.scale.map_or(value, |scale| {
-            self.criterion.nominal + scale * value.clamp(-12.0, 12.0).sinh()
-        })
+        self.scale.map_or(value, |scale| self.criterion.nominal + scale * value.clamp(-12.0, 12.0).sinh())
     }
 
     /// The probability that the criterion is met.
@@ -162,9 +152,7 @@ impl Stand {
     pub fn fit(table: &PointTable) -> Option<Self> {
         let inputs = rows(table);
         let parts = table.criteria.iter().map(|c| Part::fit(c, &inputs));
-        Some(Self {
-            criteria: parts.collect::<Option<_>>()?,
-        })
+        Some(Self { criteria: parts.collect::<Option<_>>()? })
     }
 
     /// The predicted value of a criterion.
@@ -203,9 +191,7 @@ impl Stand {
 
 /// The parameters of every point.
 pub fn rows(table: &PointTable) -> Vec<Vec<f64>> {
-    (0..table.len())
-        .map(|i| table.parameters.iter().map(|p| p.values[i]).collect())
-        .collect()
+    (0..table.len()).map(|i| table.parameters.iter().map(|p| p.values[i]).collect()).collect()
 }
 
 /// One in so many places of the sample is searched, the others state what was found.
@@ -222,15 +208,9 @@ pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<
 
 /// The same with surrogates that are fitted to other points than those of the study: these and
 /// further runs, where it matters.
-pub fn refined(
-    table: &PointTable,
-    fitted: &PointTable,
-    cloud: &[Vec<f64>],
-    level: f64,
-) -> Option<Robustness> {
-    let varying: Vec<usize> = (0..table.parameters.len())
-        .filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1]))
-        .collect();
+pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
+    let varying: Vec<usize> =
+        (0..table.parameters.len()).filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1])).collect();
     let parameter = |table: &PointTable, k: &usize| table.parameters[*k].clone();
     let only = |table: &PointTable| PointTable {
         parameters: varying.iter().map(|k| parameter(table, k)).collect(),
@@ -245,10 +225,7 @@ pub fn refined(
     let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
     // A part to search with, the rest to state what was found: a search flatters its own sample.
     let part = cloud.len() / SEARCHED;
-    let sample = |range: std::ops::Range<usize>| Sample {
-        points: &cloud[range.clone()],
-        verdicts: &verdicts[range],
-    };
+    let sample = |range: std::ops::Range<usize>| Sample { points: &cloud[range.clone()], verdicts: &verdicts[range] };
     let seen = sample(0..part);
     let evidence = Evidence {
         unseen: sample(part..cloud.len()),
@@ -273,11 +250,7 @@ pub fn refined(
             },
             &evidence,
         ),
-        ellipsoid: firm(
-            level,
-            |target, _| region::largest_ellipsoid(&seen, target),
-            &evidence,
-        ),
+        ellipsoid: firm(level, |target, _| region::largest_ellipsoid(&seen, target), &evidence),
         unsafe_combinations: unsafe_combinations(table, &only(fitted), &cloud),
         margins: margins::margins(table, &stand, &inputs[best]),
         warnings: vec![],
@@ -299,11 +272,7 @@ pub fn refined(
 
 /// The unsafe combinations by surrogates of one half of the points (and of those fitted beside them), judged by the other;
 /// none where a half is too small for surrogates.
-fn unsafe_combinations(
-    table: &PointTable,
-    fitted: &PointTable,
-    cloud: &[Vec<f64>],
-) -> Vec<combinations::Combination> {
+fn unsafe_combinations(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>]) -> Vec<combinations::Combination> {
     // At random: the points of a net take turns in the halves of the space.
     let mut random = Random::new(1, Purpose::Resample, 0);
     let order = random.choice(table.len(), table.len());
@@ -314,23 +283,14 @@ fn unsafe_combinations(
         return Vec::new();
     };
     let inputs = rows(table);
-    let judges: Vec<(&Vec<f64>, bool)> = (judging.iter())
-        .map(|&i| (&inputs[i], table.verified[i]))
-        .collect();
+    let judges: Vec<(&Vec<f64>, bool)> = (judging.iter()).map(|&i| (&inputs[i], table.verified[i])).collect();
     let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
-    let sample = Sample {
-        points: cloud,
-        verdicts: &verdicts,
-    };
+    let sample = Sample { points: cloud, verdicts: &verdicts };
     combinations::combinations(&stand, &sample, &judges)
 }
 
 /// Warns of failed points: the surrogates are fitted to the others.
-fn unseen_failures(
-    table: &PointTable,
-    inputs: &[Vec<f64>],
-    region: Option<&Region>,
-) -> Option<String> {
+fn unseen_failures(table: &PointTable, inputs: &[Vec<f64>], region: Option<&Region>) -> Option<String> {
     let failed = (0..table.len()).filter(|&i| !table.completed(i));
     let failed: Vec<&Vec<f64>> = failed.map(|i| &inputs[i]).collect();
     if failed.is_empty() {
@@ -373,11 +333,7 @@ fn firm<S: Shape + Clone>(
             break;
         }
         // Not a number where the other sample has no point inside: too small to be told.
-        let missing = if statement.probability.is_finite() {
-            level - statement.interval[0]
-        } else {
-            1.0
-        };
+        let missing = if statement.probability.is_finite() { level - statement.interval[0] } else { 1.0 };
         target = (target + 1.2 * missing).min(0.5 * (target + 1.0));
         before = Some(region);
     }

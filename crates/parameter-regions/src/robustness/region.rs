@@ -41,11 +41,7 @@ impl Confirmed {
             verified += usize::from(ok);
         }
         let share = Fraction::wilson(verified, points);
-        Self {
-            points,
-            verified,
-            interval: [share.low, share.high],
-        }
+        Self { points, verified, interval: [share.low, share.high] }
     }
 }
 
@@ -128,8 +124,7 @@ impl<S: Shape> Domain<S> {
 
     /// Whether fresh runs, where some were made, contradict neither what is stated nor the level.
     pub fn agrees(&self, level: f64) -> bool {
-        self.fresh
-            .is_none_or(|fresh| fresh.agrees(self.interval) && fresh.interval[1] >= level)
+        self.fresh.is_none_or(|fresh| fresh.agrees(self.interval) && fresh.interval[1] >= level)
     }
 
     /// Takes over what is stated of it.
@@ -188,13 +183,9 @@ pub fn cloud(points: &[Vec<f64>], seed: u64) -> Vec<Vec<f64>> {
     const SIZE: usize = 40_000;
     let mut random = Random::new(seed, Purpose::Between, 0);
     let d = points.first().map_or(0, Vec::len);
-    let columns: Vec<Vec<f64>> = (0..d)
-        .map(|k| sorted(points.iter().map(|p| p[k]).collect()))
-        .collect();
+    let columns: Vec<Vec<f64>> = (0..d).map(|k| sorted(points.iter().map(|p| p[k]).collect())).collect();
     // Between the samples: the smoothed distribution, so that few points do not leave gaps.
-    (0..SIZE)
-        .map(|_| columns.iter().map(|c| quantile(c, random.unit())).collect())
-        .collect()
+    (0..SIZE).map(|_| columns.iter().map(|c| quantile(c, random.unit())).collect()).collect()
 }
 
 /// The ellipsoid with centre and shape of the verified points, as large as the level allows.
@@ -208,9 +199,7 @@ pub(super) fn largest_ellipsoid(sample: &Sample<'_>, level: f64) -> Option<Ellip
     let pairs = || sample.points.iter().zip(sample.verdicts);
     let weighted = |of: &dyn Fn(&Vec<f64>) -> f64| pairs().map(|(x, v)| v * of(x)).sum::<f64>();
     let centre = DVector::from_fn(d, |k, _| weighted(&|x| x[k]) / weight);
-    let covariance = DMatrix::from_fn(d, d, |a, b| {
-        weighted(&|x| (x[a] - centre[a]) * (x[b] - centre[b])) / weight
-    });
+    let covariance = DMatrix::from_fn(d, d, |a, b| weighted(&|x| (x[a] - centre[a]) * (x[b] - centre[b])) / weight);
     let inverse = covariance.cholesky()?.inverse();
     let distance = |x: &Vec<f64>| {
         let off = DVector::from_fn(d, |k, _| x[k] - centre[k]);
@@ -228,9 +217,7 @@ pub(super) fn largest_ellipsoid(sample: &Sample<'_>, level: f64) -> Option<Ellip
     let size = size?;
     let form = Quadric {
         centre: centre.iter().copied().collect(),
-        shape: (0..d)
-            .map(|a| (0..d).map(|b| inverse[(a, b)] / size).collect())
-            .collect(),
+        shape: (0..d).map(|a| (0..d).map(|b| inverse[(a, b)] / size).collect()).collect(),
     };
     Some(Domain::new(form, sample))
 }

@@ -70,9 +70,8 @@ impl Surrogate {
 
     /// The same with another highest degree, which few parameters can afford.
     pub fn fit_to(inputs: &[Vec<f64>], output: &[f64], most: usize) -> Option<Self> {
-        let kept: Vec<usize> = (0..output.len())
-            .filter(|&j| output[j].is_finite() && inputs[j].iter().all(|v| v.is_finite()))
-            .collect();
+        let kept: Vec<usize> =
+            (0..output.len()).filter(|&j| output[j].is_finite() && inputs[j].iter().all(|v| v.is_finite())).collect();
         let every = kept.len().div_ceil(MOST_POINTS).max(1);
         let kept: Vec<usize> = kept.into_iter().step_by(every).collect();
         let d = inputs.first()?.len();
@@ -91,12 +90,7 @@ impl Surrogate {
             if terms.len() as f64 * POINTS_A_TERM > n || best.as_ref().is_some_and(exact) {
                 break;
             }
-            let basis = Basis {
-                centre: centre.clone(),
-                scale: scale.clone(),
-                terms,
-                degree,
-            };
+            let basis = Basis { centre: centre.clone(), scale: scale.clone(), terms, degree };
             let is_better = |fit: &Self| {
                 let before = best.as_ref().map(|best| best.quality.error);
                 before.is_none_or(|before| fit.quality.error < before)
@@ -111,16 +105,8 @@ impl Surrogate {
         Some(best)
     }
 
-    fn solve(
-        mut basis: Basis,
-        inputs: &[Vec<f64>],
-        kept: &[usize],
-        y: &DVector<f64>,
-    ) -> Option<Self> {
-        let rows: Vec<Vec<f64>> = kept
-            .iter()
-            .map(|&j| basis.values(&inputs[j]).collect())
-            .collect();
+    fn solve(mut basis: Basis, inputs: &[Vec<f64>], kept: &[usize], y: &DVector<f64>) -> Option<Self> {
+        let rows: Vec<Vec<f64>> = kept.iter().map(|&j| basis.values(&inputs[j]).collect()).collect();
         let mut matrix = DMatrix::from_fn(rows.len(), basis.terms.len(), |r, c| rows[r][c]);
         let mut dependent = dependent(&matrix);
         if !dependent.is_empty() {
@@ -145,11 +131,7 @@ impl Surrogate {
         let errors: Vec<f64> = errors.collect();
         let mean_square = errors.iter().map(|e| e * e).sum::<f64>() / y.len() as f64;
         let variance = y.variance();
-        let left = if variance > 0.0 {
-            mean_square / variance
-        } else {
-            0.0
-        };
+        let left = if variance > 0.0 { mean_square / variance } else { 0.0 };
         Some(Self {
             quality: Quality {
                 degree: basis.degree,
@@ -233,9 +215,7 @@ mod tests {
 
     pub fn points(n: usize, d: usize, seed: u64) -> Vec<Vec<f64>> {
         let mut random = StdRng::seed_from_u64(seed);
-        (0..n)
-            .map(|_| (0..d).map(|_| random.random_range(-1.0..1.0)).collect())
-            .collect()
+        (0..n).map(|_| (0..d).map(|_| random.random_range(-1.0..1.0)).collect()).collect()
     }
 
     #[test]
@@ -263,11 +243,7 @@ mod tests {
         let fresh = points(2000, 3, 3);
         let error = (fresh.iter().map(|p| (s.at(p) - f(p)).powi(2)).sum::<f64>() / 2000.0).sqrt();
         assert!(s.quality.predicted > 0.95, "{:?}", s.quality);
-        assert!(
-            error < 1.5 * s.quality.error && error > 0.5 * s.quality.error,
-            "{error} {:?}",
-            s.quality
-        );
+        assert!(error < 1.5 * s.quality.error && error > 0.5 * s.quality.error, "{error} {:?}", s.quality);
     }
 
     #[test]

@@ -9,9 +9,7 @@ fn model(x: &[f64]) -> [f64; 2] {
 
 fn sample(n: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut random = StdRng::seed_from_u64(seed);
-    (0..n)
-        .map(|_| (0..3).map(|_| random.random_range(-2.0..2.0)).collect())
-        .collect()
+    (0..n).map(|_| (0..3).map(|_| random.random_range(-2.0..2.0)).collect()).collect()
 }
 
 fn verified(x: &[f64]) -> bool {
@@ -58,15 +56,8 @@ fn the_stated_probability_holds_on_fresh_samples() {
     let (region, ellipsoid) = (r.region.unwrap(), r.ellipsoid.unwrap());
     let fresh = sample(100_000, 99);
     let share = |inside: &dyn Fn(&[f64]) -> bool| {
-        let held: Vec<bool> = fresh
-            .iter()
-            .filter(|x| inside(x))
-            .map(|x| verified(x))
-            .collect();
-        (
-            held.iter().filter(|v| **v).count() as f64 / held.len() as f64,
-            held.len() as f64 / fresh.len() as f64,
-        )
+        let held: Vec<bool> = fresh.iter().filter(|x| inside(x)).map(|x| verified(x)).collect();
+        (held.iter().filter(|v| **v).count() as f64 / held.len() as f64, held.len() as f64 / fresh.len() as f64)
     };
     let (p, size) = share(&|x| region.contains(x));
     // Not much more than the level, which the lower limit of what is stated must reach.
@@ -79,10 +70,7 @@ fn the_stated_probability_holds_on_fresh_samples() {
     assert!(held(ellipsoid.interval, p), "{p} {ellipsoid:?}");
     assert!(region.confirmed.points > 0 && region.confirmed.verified <= region.confirmed.points);
     // The parameter without influence is not cut.
-    assert!(
-        region.form.limits[2][1] - region.form.limits[2][0] > 3.4,
-        "{region:?}"
-    );
+    assert!(region.form.limits[2][1] - region.form.limits[2][0] > 3.4, "{region:?}");
 }
 
 #[test]
@@ -92,10 +80,7 @@ fn margins_end_where_a_criterion_does() {
     let best = &rows(&t)[t.ranking()[0].point];
     let m = &r.margins[0];
     // c0 = p0 + 0.3 p1^2 <= 1.
-    assert!(
-        (m.high.0 - (1.0 - 0.3 * best[1] * best[1])).abs() < 1e-6,
-        "{m:?}"
-    );
+    assert!((m.high.0 - (1.0 - 0.3 * best[1] * best[1])).abs() < 1e-6, "{m:?}");
     assert_eq!(m.high.1.as_deref(), Some("c0"));
     assert_eq!(r.margins[2].low.1, None);
 }

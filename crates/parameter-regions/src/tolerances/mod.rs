@@ -146,17 +146,9 @@ impl Problem {
         for good in run(self.points_of(&places, scales))? {
             moments.add(good);
         }
-        let rule = Rule {
-            share: self.target,
-            confidence: self.confidence,
-        };
+        let rule = Rule { share: self.target, confidence: self.confidence };
         let interval = of_mean(&[moments], self.confidence);
-        Ok(Confirmed {
-            runs: self.confirm,
-            share: moments.mean(),
-            interval,
-            decision: rule.decide(interval),
-        })
+        Ok(Confirmed { runs: self.confirm, share: moments.mean(), interval, decision: rule.decide(interval) })
     }
 
     /// Points of the parameters' distributions with these tolerances.
@@ -193,8 +185,7 @@ impl Problem {
     fn point(&self, scaled: &[Distribution], place: &[f64]) -> Vec<f64> {
         let (parameters, rows) = place.split_at(scaled.len());
         let quantiles = scaled.iter().zip(parameters);
-        let quantiles =
-            quantiles.map(|(distribution, u)| distribution.quantile(u.clamp(1e-12, 1.0 - 1e-12)));
+        let quantiles = quantiles.map(|(distribution, u)| distribution.quantile(u.clamp(1e-12, 1.0 - 1e-12)));
         let rows = self.samples.iter().zip(rows);
         let rows = rows.flat_map(|(sample, &u)| sample.row(u).iter().copied());
         quantiles.chain(rows).collect()
@@ -301,8 +292,7 @@ impl Problem {
     fn settled(&self, sample: &Sample, scales: &[f64]) -> bool {
         let enough = FEWEST.max(0.25 * self.points as f64);
         let mut pairs = scales.iter().zip(&sample.reach);
-        let inside =
-            pairs.all(|(&scale, &reach)| scale < 0.999 * reach || reach >= 0.999 * self.limit);
+        let inside = pairs.all(|(&scale, &reach)| scale < 0.999 * reach || reach >= 0.999 * self.limit);
         inside && sample.estimate(scales).effective >= enough
     }
 
@@ -372,12 +362,7 @@ impl Problem {
 
     /// The widest tolerances in given proportions at which a condition holds, but none wider than what was drawn, and none
     /// of which the points know too little.
-    fn ray(
-        &self,
-        sample: &Sample,
-        proportions: &[f64],
-        holds: impl Fn(Estimate) -> bool,
-    ) -> Vec<f64> {
+    fn ray(&self, sample: &Sample, proportions: &[f64], holds: impl Fn(Estimate) -> bool) -> Vec<f64> {
         let at = |length: f64| self.at(sample, proportions, length);
         let mut long = self.longest(sample, proportions);
         let mut short = long;
@@ -428,9 +413,7 @@ impl Problem {
 
 fn scaled(distributions: &[Distribution], scales: &[f64]) -> Vec<Distribution> {
     let pairs = distributions.iter().zip(scales);
-    pairs
-        .map(|(distribution, &scale)| distribution.scaled(scale))
-        .collect()
+    pairs.map(|(distribution, &scale)| distribution.scaled(scale)).collect()
 }
 
 /// Whether the points tell enough about the tolerances of an estimate to search there.

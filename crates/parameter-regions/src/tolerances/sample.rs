@@ -87,16 +87,11 @@ impl Sample {
     pub fn estimate(&self, scales: &[f64]) -> Estimate {
         let scaled = scaled(&self.distributions, scales);
         let pairs = self.points.iter().zip(&self.ln_mixture);
-        let weights: Vec<f64> = pairs
-            .map(|(point, ln_mixture)| (ln_density(&scaled, point) - ln_mixture).exp())
-            .collect();
+        let weights: Vec<f64> =
+            pairs.map(|(point, ln_mixture)| (ln_density(&scaled, point) - ln_mixture).exp()).collect();
         let sum: f64 = weights.iter().sum();
         if sum.is_nan() || sum <= 0.0 {
-            return Estimate {
-                share: 0.0,
-                effective: 0.0,
-                trials: 0.0,
-            };
+            return Estimate { share: 0.0, effective: 0.0, trials: 0.0 };
         }
         let goods = || weights.iter().zip(&self.goods);
         let share = goods().map(|(w, good)| w * good).sum::<f64>() / sum;
@@ -104,17 +99,11 @@ impl Sample {
         let scatter: f64 = goods().map(|(w, good)| (w * (good - share)).powi(2)).sum();
         let effective = sum * sum / squares;
         let trials = share * (1.0 - share) * sum * sum / scatter;
-        Estimate {
-            share,
-            effective,
-            trials: if scatter > 0.0 { trials } else { effective },
-        }
+        Estimate { share, effective, trials: if scatter > 0.0 { trials } else { effective } }
     }
 }
 
 fn ln_density(scaled: &[Distribution], point: &[f64]) -> f64 {
     let pairs = scaled.iter().zip(point);
-    pairs
-        .map(|(distribution, &x)| distribution.ln_density(x))
-        .sum()
+    pairs.map(|(distribution, &x)| distribution.ln_density(x)).sum()
 }

@@ -33,11 +33,7 @@ type Known<'a> = &'a dyn Fn(u64) -> Job;
 
 impl Doubt {
     pub(super) fn new(auditor: Box<dyn Worker>) -> Self {
-        Self {
-            auditor,
-            used: None,
-            spent: Duration::ZERO,
-        }
+        Self { auditor, used: None, spent: Duration::ZERO }
     }
 }
 
@@ -49,11 +45,7 @@ impl Pipeline<'_> {
             return Ok(());
         };
         let used = self.used_before(&mut doubt);
-        let within: Vec<u64> = used
-            .iter()
-            .copied()
-            .filter(|index| set.contains(index))
-            .collect();
+        let within: Vec<u64> = used.iter().copied().filter(|index| set.contains(index)).collect();
         if self.are_sound(&mut doubt, &within, job)? {
             if set.end < used.iter().max().map_or(0, |last| last + 1) {
                 self.doubt = Some(doubt);
@@ -68,8 +60,7 @@ impl Pipeline<'_> {
     }
 
     fn wants_fresh(&self) -> bool {
-        self.crew
-            .is_some_and(|crew| crew.wish() == Isolation::Fresh)
+        self.crew.is_some_and(|crew| crew.wish() == Isolation::Fresh)
     }
 
     /// The points that shared processes before this run began, the latest first.
@@ -80,12 +71,7 @@ impl Pipeline<'_> {
     }
 
     /// Whether points count that shared processes, as far as some of them tell.
-    fn are_sound(
-        &mut self,
-        doubt: &mut Doubt,
-        points: &[u64],
-        job: Known<'_>,
-    ) -> Result<bool, Error> {
+    fn are_sound(&mut self, doubt: &mut Doubt, points: &[u64], job: Known<'_>) -> Result<bool, Error> {
         match self.crew.map(|crew| crew.wish()) {
             _ if points.is_empty() => Ok(true),
             Some(Isolation::Fresh) => Ok(false),
@@ -111,8 +97,7 @@ impl Pipeline<'_> {
         };
         let all = doubt.used.as_deref().unwrap_or_default();
         let latest = &all[..LATEST.min(all.len())];
-        let (mut latest, mut others): (Vec<u64>, Vec<u64>) =
-            points.iter().partition(|index| latest.contains(index));
+        let (mut latest, mut others): (Vec<u64>, Vec<u64>) = points.iter().partition(|index| latest.contains(index));
         // Those that the seed has chosen were audited before.
         others.sort_by_cached_key(|&index| (self.repeats.has(index), self.repeats.rank(index)));
         others.truncate((AUDITS * points.len()).div_ceil(all.len()));
@@ -154,7 +139,6 @@ fn is_same(one: &Outcome, other: &Outcome) -> bool {
     let (Ok(one), Ok(other)) = (one, other) else {
         return false;
     };
-    let bits =
-        |values: &[f64]| -> Vec<u64> { values.iter().map(|value| value.to_bits()).collect() };
+    let bits = |values: &[f64]| -> Vec<u64> { values.iter().map(|value| value.to_bits()).collect() };
     bits(one) == bits(other)
 }

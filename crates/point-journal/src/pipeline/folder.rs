@@ -43,24 +43,11 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the folder holds something else, and when the system says no.
-    pub fn open(
-        lock: Lock,
-        folder: &Path,
-        header: &Header,
-        earlier: Earlier,
-        complete: bool,
-    ) -> Result<Self, Error> {
+    pub fn open(lock: Lock, folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<Self, Error> {
         // What killed runs left: nobody else is at work here.
         scratch::remove_starting_with(folder, &[RUNNING, DRAFT]);
         let (journal, finished) = journal(folder, header, earlier, complete)?;
-        Ok(Self {
-            journal,
-            finished,
-            kept: Kept {
-                scratch: Scratch::within(folder, RUNNING)?,
-                _lock: lock,
-            },
-        })
+        Ok(Self { journal, finished, kept: Kept { scratch: Scratch::within(folder, RUNNING)?, _lock: lock } })
     }
 }
 

@@ -28,21 +28,11 @@ impl Progress {
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(500));
         }
-        Self {
-            bar,
-            verified: 0,
-            failed: 0,
-            points: 0,
-        }
+        Self { bar, verified: 0, failed: 0, points: 0 }
     }
 
     /// One more point is done; `answered` says how many points each host has answered, where there are several.
-    pub(super) fn step(
-        &mut self,
-        verified: bool,
-        failed: bool,
-        answered: impl FnOnce() -> BTreeMap<String, u64>,
-    ) {
+    pub(super) fn step(&mut self, verified: bool, failed: bool, answered: impl FnOnce() -> BTreeMap<String, u64>) {
         const RARELY: u64 = 64;
         self.verified += u64::from(verified);
         self.failed += u64::from(failed);
@@ -68,11 +58,7 @@ impl Progress {
 
 fn message(verified: u64, failed: u64, points: u64) -> String {
     let share = 100.0 * verified as f64 / points.max(1) as f64;
-    let failed = if failed > 0 {
-        format!(", {failed} failed")
-    } else {
-        String::new()
-    };
+    let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
     format!("{share:.1} % verified{failed}")
 }
 
@@ -95,8 +81,7 @@ mod tests {
 
     #[test]
     fn hosts_are_told_where_there_are_several() {
-        let answered =
-            [("a", 7), ("b", 2), ("c", 9)].map(|(host, points)| (host.to_owned(), points));
+        let answered = [("a", 7), ("b", 2), ("c", 9)].map(|(host, points)| (host.to_owned(), points));
         assert_eq!(hosts(&answered.clone().into()), ", 3 hosts: b 2 .. c 9");
         assert_eq!(hosts(&answered.into_iter().take(1).collect()), "");
     }

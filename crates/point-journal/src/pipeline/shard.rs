@@ -37,11 +37,7 @@ const RUN: u64 = 32;
 impl Part {
     /// The points of a run that a shard has of it; all of them where it has no shards.
     pub fn of(shard: Option<Shard>, header: &Header) -> Self {
-        Self {
-            shard: shard.unwrap_or(Shard { number: 1, of: 1 }),
-            seed: header.seed,
-            points: header.points,
-        }
+        Self { shard: shard.unwrap_or(Shard { number: 1, of: 1 }), seed: header.seed, points: header.points }
     }
 
     /// Whether the point of this index belongs to the part.
@@ -110,19 +106,12 @@ mod tests {
     }
 
     fn part(number: u64, of: u64, points: Option<u64>) -> Part {
-        Part {
-            shard: Shard { number, of },
-            seed: 3,
-            points,
-        }
+        Part { shard: Shard { number, of }, seed: 3, points }
     }
 
     #[test]
     fn parts_are_disjoint_and_differ_by_one_point_at_most() {
-        for (points, of) in (0..200)
-            .map(|points| (points, 3))
-            .chain([(1000, 7), (5, 8)])
-        {
+        for (points, of) in (0..200).map(|points| (points, 3)).chain([(1000, 7), (5, 8)]) {
             let parts = (1..=of).map(|number| part(number, of, Some(points)));
             let counted: Vec<u64> = parts.clone().filter_map(|part| part.count()).collect();
             let held = |part: Part| (0..points).filter(|&index| part.has(index)).count() as u64;
@@ -142,9 +131,7 @@ mod tests {
     fn unevenness(is_dear: impl Fn(u64) -> bool) -> f64 {
         const POINTS: u64 = 4096;
         let mut costs = [0.0; 8];
-        let parts: Vec<Part> = (1..=8)
-            .map(|number| part(number, 8, Some(POINTS)))
-            .collect();
+        let parts: Vec<Part> = (1..=8).map(|number| part(number, 8, Some(POINTS))).collect();
         for index in 0..POINTS {
             let holder = parts.iter().position(|part| part.has(index)).unwrap();
             costs[holder] += if is_dear(index) { 100.0 } else { 1.0 };
@@ -158,8 +145,7 @@ mod tests {
             let points = sampling::design::cube(3, 4096, seed, replicates).unwrap();
             for parameter in [0, 1, 2] {
                 let value = |index: u64| points[index as usize][parameter];
-                let most = unevenness(|index| value(index) < 0.1)
-                    .max(unevenness(|index| value(index) > 0.9));
+                let most = unevenness(|index| value(index) < 0.1).max(unevenness(|index| value(index) > 0.9));
                 assert!(most < 1.3, "seed {seed}, parameter {parameter}: {most}");
             }
         }

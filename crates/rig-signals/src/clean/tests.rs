@@ -6,9 +6,7 @@ use std::f64::consts::TAU;
 fn signal(noise: f64) -> Vec<f64> {
     let mut random = StdRng::seed_from_u64(3);
     let wave = |k: u32| 1.0 + 0.6 * (TAU * f64::from(k) / 40.0).sin();
-    (0..4000)
-        .map(|k| wave(k) + noise * random.sample::<f64, _>(StandardNormal))
-        .collect()
+    (0..4000).map(|k| wave(k) + noise * random.sample::<f64, _>(StandardNormal)).collect()
 }
 
 #[test]
@@ -20,16 +18,11 @@ fn a_clean_signal_stays() {
         assert_eq!(cleaned.values, values);
     }
     // Steps are no spikes, and a constant has neither spikes nor a range.
-    let steps: Vec<f64> = (0..400)
-        .map(|k| f64::from(k / 20 % 2) + 0.01 * f64::from(k % 7))
-        .collect();
+    let steps: Vec<f64> = (0..400).map(|k| f64::from(k / 20 % 2) + 0.01 * f64::from(k % 7)).collect();
     assert_eq!(clean(&steps).spikes, 0);
     assert_eq!(clean(&[3.0; 50]).clipped_count(), 0);
     // A turn of whole samples repeats its peaks exactly.
-    let coarse: Vec<f64> = signal(0.0)
-        .iter()
-        .map(|v| (v * 50.0).round() / 50.0)
-        .collect();
+    let coarse: Vec<f64> = signal(0.0).iter().map(|v| (v * 50.0).round() / 50.0).collect();
     assert_eq!(clean(&coarse).clipped_count(), 0);
 }
 
@@ -53,20 +46,11 @@ fn spikes_are_left_out() {
 fn peaks_of_a_quick_signal_are_no_spikes() {
     for seed in 0..10 {
         let mut random = StdRng::seed_from_u64(seed);
-        let tones: Vec<[f64; 2]> = (0..40)
-            .map(|_| {
-                [
-                    random.random_range(0.5..30.0),
-                    random.random_range(0.0..TAU),
-                ]
-            })
-            .collect();
+        let tones: Vec<[f64; 2]> =
+            (0..40).map(|_| [random.random_range(0.5..30.0), random.random_range(0.0..TAU)]).collect();
         let at = |k: u32| {
             let time = f64::from(k) / 250.0;
-            tones
-                .iter()
-                .map(|[frequency, phase]| (TAU * frequency * time + phase).sin())
-                .sum::<f64>()
+            tones.iter().map(|[frequency, phase]| (TAU * frequency * time + phase).sin()).sum::<f64>()
         };
         let mut values: Vec<f64> = (0..3000).map(at).collect();
         assert_eq!(clean(&values).spikes, 0, "seed {seed}");
@@ -84,10 +68,7 @@ fn a_run_of_marks_is_no_part_of_the_signal() {
     let mut values = signal(0.05);
     values[2000..2040].fill(-9999.0);
     let cleaned = clean(&values);
-    assert_eq!(
-        (cleaned.marks, cleaned.spikes, cleaned.clipped_count()),
-        (40, 0, 0)
-    );
+    assert_eq!((cleaned.marks, cleaned.spikes, cleaned.clipped_count()), (40, 0, 0));
     assert!(cleaned.values[2020].is_nan());
     // What rests for long is a level of its own.
     values[2000..2900].fill(-9999.0);
@@ -118,27 +99,18 @@ fn noise(random: &mut StdRng) -> f64 {
 fn with_noise(values: impl Iterator<Item = f64>, random: &mut StdRng) -> Vec<f64> {
     let size = [0.0, 0.001, 0.005, 0.02][random.random_range(0..4)];
     let values: Vec<f64> = values.collect();
-    values
-        .iter()
-        .map(|value| value + size * noise(random))
-        .collect()
+    values.iter().map(|value| value + size * noise(random)).collect()
 }
 
 fn decaying(random: &mut StdRng) -> Vec<f64> {
-    let (period, decay) = (
-        random.random_range(8.0..60.0),
-        10.0_f64.powf(random.random_range(1.0..3.0)),
-    );
+    let (period, decay) = (random.random_range(8.0..60.0), 10.0_f64.powf(random.random_range(1.0..3.0)));
     let phase = random.random_range(0.0..TAU);
     let swing = |k: usize| (-(k as f64) / decay).exp() * (TAU * k as f64 / period + phase).sin();
     with_noise((0..ROWS).map(swing), random)
 }
 
 fn chirp(random: &mut StdRng) -> Vec<f64> {
-    let ends = [
-        random.random_range(60.0..400.0),
-        random.random_range(8.0..20.0),
-    ];
+    let ends = [random.random_range(60.0..400.0), random.random_range(8.0..20.0)];
     let phase = random.random_range(0.0..TAU);
     let angle = |k: usize| {
         let (k, rows) = (k as f64, ROWS as f64);
@@ -149,10 +121,7 @@ fn chirp(random: &mut StdRng) -> Vec<f64> {
 
 /// Levels of random heights or of two, each taken with a swing that decays.
 fn ringing(random: &mut StdRng) -> Vec<f64> {
-    let (period, damping) = (
-        random.random_range(8.0..40.0),
-        random.random_range(0.05..0.6),
-    );
+    let (period, damping) = (random.random_range(8.0..40.0), random.random_range(0.05..0.6));
     let hold = random.random_range(60..400);
     let two = random.random::<bool>();
     let [speed, decay] = [TAU / period, damping * TAU / period];
@@ -166,8 +135,7 @@ fn ringing(random: &mut StdRng) -> Vec<f64> {
             };
         }
         let since = ((k + hold - hold / 2) % hold) as f64 + random.random_range(0.0..1e-9);
-        let swing = (-decay * since).exp()
-            * ((speed * since).cos() + decay / speed * (speed * since).sin());
+        let swing = (-decay * since).exp() * ((speed * since).cos() + decay / speed * (speed * since).sin());
         values.push(level + (before - level) * swing);
     }
     with_noise(values.into_iter(), random)
@@ -196,17 +164,11 @@ fn levels(random: &mut StdRng) -> Vec<f64> {
 }
 
 fn quantised(random: &mut StdRng) -> Vec<f64> {
-    let (period, size) = (
-        random.random_range(300.0..5000.0),
-        random.random_range(1.0..30.0),
-    );
+    let (period, size) = (random.random_range(300.0..5000.0), random.random_range(1.0..30.0));
     let flicker = random.random_range(0.0..0.5);
     let phase = random.random_range(0.0..TAU);
     let at = |k: usize| size * (TAU * k as f64 / period + phase).sin() + flicker * noise(random);
-    (0..ROWS)
-        .map(at)
-        .map(|value| 0.05 * value.round())
-        .collect()
+    (0..ROWS).map(at).map(|value| 0.05 * value.round()).collect()
 }
 
 /// Slow rises with quick slips of a few samples.
@@ -223,17 +185,11 @@ fn stick_slip(random: &mut StdRng) -> Vec<f64> {
 
 /// A pulse of at least four samples at half its height every so often, with slow waves.
 fn heart(random: &mut StdRng) -> Vec<f64> {
-    let (width, every) = (
-        random.random_range(4.0..8.0),
-        random.random_range(40.0..100.0),
-    );
+    let (width, every) = (random.random_range(4.0..8.0), random.random_range(40.0..100.0));
     let at = |k: usize| {
         let since = ((k as f64 / every).fract() - 0.5) * every;
-        let pulse = |place: f64, width: f64| {
-            (-4.0 * 2.0_f64.ln() * ((since - place) / width).powi(2)).exp()
-        };
-        pulse(0.0, width) + 0.15 * pulse(-0.25 * every, 0.15 * every)
-            - 0.1 * pulse(1.1 * width, width)
+        let pulse = |place: f64, width: f64| (-4.0 * 2.0_f64.ln() * ((since - place) / width).powi(2)).exp();
+        pulse(0.0, width) + 0.15 * pulse(-0.25 * every, 0.15 * every) - 0.1 * pulse(1.1 * width, width)
     };
     with_noise((0..ROWS).map(at), random)
 }
@@ -283,9 +239,7 @@ fn spikes_are_found_in_noise_sines_and_ramps() {
                 "sine" => (TAU * k as f64 / period).sin(),
                 _ => k as f64 / ROWS as f64,
             };
-            let mut values: Vec<f64> = (0..ROWS)
-                .map(|k| smooth(k) + deviation * noise(&mut random))
-                .collect();
+            let mut values: Vec<f64> = (0..ROWS).map(|k| smooth(k) + deviation * noise(&mut random)).collect();
             let mut spikes = vec![false; ROWS];
             for place in (50..ROWS - 50).step_by(150) {
                 let height = (deviation * random.random_range(12.0..50.0)).max(0.2 * range);
@@ -301,10 +255,7 @@ fn spikes_are_found_in_noise_sines_and_ramps() {
                 others += usize::from(!spike && value.is_nan());
             }
         }
-        assert!(
-            all > 1500 && 100 * found >= 99 * all,
-            "{name}: {found} of {all}"
-        );
+        assert!(all > 1500 && 100 * found >= 99 * all, "{name}: {found} of {all}");
         assert!(500 * others <= all, "{name}: {others} others");
     }
 }

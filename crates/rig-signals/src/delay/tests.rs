@@ -51,24 +51,14 @@ fn record(load: Load, [rate, seconds]: [f64; 2], delay: f64, noise: f64, seed: u
     let mut signal = |size: f64, late: f64| Even {
         start: 0.0,
         step: 1.0 / rate,
-        values: (0..count)
-            .map(|k| size * (wave(f64::from(k) / rate - late) + noise * normal(&mut random)))
-            .collect(),
+        values: (0..count).map(|k| size * (wave(f64::from(k) / rate - late) + noise * normal(&mut random))).collect(),
     };
-    Record {
-        load: signal(750.0, 0.0),
-        torque: signal(0.443, delay),
-    }
+    Record { load: signal(750.0, 0.0), torque: signal(0.443, delay) }
 }
 
 fn delay_of(record: &Record, turn: Option<f64>) -> Delay {
     let good = vec![true; record.load.values.len()];
-    let pair = Pair {
-        load: &record.load,
-        torque: &record.torque,
-        load_good: &good,
-        torque_good: &good,
-    };
+    let pair = Pair { load: &record.load, torque: &record.torque, load_good: &good, torque_good: &good };
     find(pair, 0.05, turn).unwrap()
 }
 
@@ -85,10 +75,7 @@ struct Faults {
     cut: f64,
 }
 
-const NONE: Faults = Faults {
-    spikes: 0.0,
-    cut: f64::INFINITY,
-};
+const NONE: Faults = Faults { spikes: 0.0, cut: f64::INFINITY };
 
 /// A signal with faults, cleaned as a recording is, and its samples that can be used.
 fn cleaned(signal: &mut Even, size: f64, faults: Faults, random: &mut StdRng) -> Vec<bool> {
@@ -112,12 +99,8 @@ fn trial(load: Load, shape: [f64; 2], noise: f64, faults: Faults, seeds: u64) ->
         let mut random = StdRng::seed_from_u64(1000 + seed);
         let load_good = cleaned(&mut record.load, 750.0, faults, &mut random);
         let torque_good = cleaned(&mut record.torque, 0.443, faults, &mut random);
-        let pair = Pair {
-            load: &record.load,
-            torque: &record.torque,
-            load_good: &load_good,
-            torque_good: &torque_good,
-        };
+        let pair =
+            Pair { load: &record.load, torque: &record.torque, load_good: &load_good, torque_good: &torque_good };
         let estimate = find(pair, 0.05, Some(0.2)).unwrap().delay.unwrap();
         let off = estimate.value - delay(seed);
         sum += off;
@@ -137,10 +120,7 @@ fn delays_between_samples_have_no_bias_and_intervals_hold() {
     ] {
         let [bias, rms, held] = trial(load, shape, noise, NONE, 20);
         assert!(rms < error, "{load:?} {shape:?}: {rms}");
-        assert!(
-            bias.abs() < 4.0 * rms / 20f64.sqrt(),
-            "{load:?}: {bias} {rms}"
-        );
+        assert!(bias.abs() < 4.0 * rms / 20f64.sqrt(), "{load:?}: {bias} {rms}");
         // 95 % of 20: 15 or fewer have a chance of 3 in 1000.
         assert!(held > 0.75, "{load:?}: {held}");
     }
@@ -189,18 +169,9 @@ fn samples_that_are_no_good_do_not_count() {
     let mut record = record(Load::Turns(0.64), [1000.0, 10.0], 0.0163, 0.02, 2);
     let limit = 750.0 * 1.4;
     let good: Vec<bool> = record.load.values.iter().map(|&v| v < limit).collect();
-    record
-        .load
-        .values
-        .iter_mut()
-        .for_each(|v| *v = v.min(limit));
+    record.load.values.iter_mut().for_each(|v| *v = v.min(limit));
     let all = vec![true; good.len()];
-    let pair = Pair {
-        load: &record.load,
-        torque: &record.torque,
-        load_good: &good,
-        torque_good: &all,
-    };
+    let pair = Pair { load: &record.load, torque: &record.torque, load_good: &good, torque_good: &all };
     let value = find(pair, 0.05, Some(0.2)).unwrap().shift();
     assert!((value - 0.0163).abs() < 1e-4, "{value}");
 }
@@ -209,12 +180,7 @@ fn samples_that_are_no_good_do_not_count() {
 fn a_short_record_is_refused() {
     let record = record(Load::Turns(0.64), [200.0, 1.0], 0.0, 0.05, 1);
     let good = vec![true; 200];
-    let pair = Pair {
-        load: &record.load,
-        torque: &record.torque,
-        load_good: &good,
-        torque_good: &good,
-    };
+    let pair = Pair { load: &record.load, torque: &record.torque, load_good: &good, torque_good: &good };
     let error = find(pair, 0.05, Some(0.2)).unwrap_err().to_string();
     assert!(error.contains("200 usable samples"), "{error}");
 }
@@ -272,10 +238,7 @@ fn share_of_unrelated() {
     ] {
         let count = related(one, other, [200.0, 10.0], 500);
         println!("| {one:?} | {other:?} | {count} of 500 |");
-        assert!(
-            count <= 20 || matches!(one, Load::Random(..10.0)),
-            "{count}"
-        );
+        assert!(count <= 20 || matches!(one, Load::Random(..10.0)), "{count}");
     }
 }
 
@@ -299,15 +262,10 @@ fn told(load: Load, shape: [f64; 2], noise: f64, disturbance: Disturbance, seeds
         let mut random = StdRng::seed_from_u64(2000 + seed);
         let phase = TAU * random.random::<f64>();
         for k in 0..record.load.values.len() {
-            let [f, m] = [
-                record.load.values[k] / 750.0,
-                record.torque.values[k] / 0.443,
-            ];
+            let [f, m] = [record.load.values[k] / 750.0, record.torque.values[k] / 0.443];
             let [to_load, to_torque] = match disturbance {
                 Disturbance::None => [0.0; 2],
-                Disturbance::Hum(frequency, size) => {
-                    [size * (TAU * frequency * k as f64 / shape[0] + phase).sin(); 2]
-                }
+                Disturbance::Hum(frequency, size) => [size * (TAU * frequency * k as f64 / shape[0] + phase).sin(); 2],
                 Disturbance::Common(size) => [size * normal(&mut random); 2],
                 Disturbance::Leak(part) => [part * m, part * f],
             };
@@ -361,20 +319,13 @@ fn table_of_disturbances() {
             let (mut of, mut sum) = (0, [0, 0]);
             for load in [Load::Turns(0.64), Load::Turns(0.1), Load::Random(60.0)] {
                 for noise in [0.01, 0.05] {
-                    let seeds = if matches!(disturbance, Disturbance::None) {
-                        20
-                    } else {
-                        12
-                    };
+                    let seeds = if matches!(disturbance, Disturbance::None) { 20 } else { 12 };
                     let [told, held] = told(load, shape, noise, disturbance, seeds);
                     of += seeds;
                     sum = [sum[0] + told, sum[1] + held];
                 }
             }
-            println!(
-                "| {disturbance:?} | {shape:?} | {} of {of} | {} |",
-                sum[0], sum[1]
-            );
+            println!("| {disturbance:?} | {shape:?} | {} of {of} | {} |", sum[0], sum[1]);
         }
     }
 }

@@ -31,9 +31,7 @@ impl Correlation {
         })?;
         let factor = factor.l();
         let row = |i: usize| (0..=i).map(|j| factor[(i, j)]).collect();
-        Ok(Self {
-            rows: (0..inputs).map(row).collect(),
-        })
+        Ok(Self { rows: (0..inputs).map(row).collect() })
     }
 
     /// The correlation coefficient of the normal scores of two inputs.
@@ -63,9 +61,7 @@ impl Correlation {
 
     /// The matrix of the coefficients of some of the inputs.
     pub(super) fn among(&self, inputs: &[usize]) -> DMatrix<f64> {
-        DMatrix::from_fn(inputs.len(), inputs.len(), |a, b| {
-            self.coefficient(inputs[a], inputs[b])
-        })
+        DMatrix::from_fn(inputs.len(), inputs.len(), |a, b| self.coefficient(inputs[a], inputs[b]))
     }
 
     /// The inputs' values from independent standard normal scores, one for each input.
@@ -103,8 +99,7 @@ mod tests {
     fn the_coefficients_of_some_inputs_are_those_given() {
         let mixed = Correlation::new(4, &[(0, 1, 0.6), (1, 3, -0.3), (0, 3, 0.2)]).unwrap();
         let coefficients = mixed.among(&[0, 1, 3]);
-        let expected =
-            DMatrix::from_row_slice(3, 3, &[1.0, 0.6, 0.2, 0.6, 1.0, -0.3, 0.2, -0.3, 1.0]);
+        let expected = DMatrix::from_row_slice(3, 3, &[1.0, 0.6, 0.2, 0.6, 1.0, -0.3, 0.2, -0.3, 1.0]);
         assert!((coefficients - expected).amax() < 1e-12);
     }
 
@@ -129,10 +124,7 @@ mod tests {
     /// The density of two normal numbers with the correlation 0.6, over that of independent ones.
     #[test]
     fn correlated_inputs_have_the_density_of_the_copula() {
-        let normal = Distribution::Normal {
-            mean: 1.0,
-            deviation: 2.0,
-        };
+        let normal = Distribution::Normal { mean: 1.0, deviation: 2.0 };
         let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
         let density = mixed.ln_density(&[3.0, 0.0], &[normal.clone(), normal.clone()]);
         let (x, y, r) = (1.0, -0.5, 0.6_f64);
@@ -153,18 +145,12 @@ mod tests {
 
     #[test]
     fn scores_are_mixed_as_asked_for() {
-        let normal = Distribution::Normal {
-            mean: 0.0,
-            deviation: 1.0,
-        };
+        let normal = Distribution::Normal { mean: 0.0, deviation: 1.0 };
         let mixed = Correlation::new(2, &[(0, 1, 0.6)]).unwrap();
         let [a, b] = [0.3, 0.9].map(normal_quantile);
         let values = mixed.values(&[0.3, 0.9], &[normal.clone(), normal.clone()]);
         assert!((values[0] - a).abs() < 1e-12);
         assert!((values[1] - (0.6 * a + 0.8 * b)).abs() < 1e-12);
-        assert_eq!(
-            mixed.at_scores(&[a, b], &[normal.clone(), normal.clone()]),
-            values
-        );
+        assert_eq!(mixed.at_scores(&[a, b], &[normal.clone(), normal.clone()]), values);
     }
 }

@@ -124,8 +124,7 @@ impl Discrepancy {
         // The pair of `a` and `b` itself does not change, and each point's product with itself counts once.
         let pair = change(x, of_a[a], of_b[a]) + change(y, of_a[b], of_b[b]);
         let swapped = |product: f64, from: f64, to: f64| product * (to / from - 1.0);
-        let squares =
-            swapped(of_a[a], two(x, x), two(y, y)) + swapped(of_b[b], two(y, y), two(x, x));
+        let squares = swapped(of_a[a], two(x, x), two(y, y)) + swapped(of_b[b], two(y, y), two(x, x));
         let single = swapped(self.ones[a], one(x), one(y)) + swapped(self.ones[b], one(y), one(x));
         [single, squares + 2.0 * (sums.iter().sum::<f64>() - pair)]
     }
@@ -163,8 +162,7 @@ mod tests {
             for j in 0..n {
                 let mut product = 1.0;
                 for x in coordinates {
-                    product *= 1.0 + 0.5 * (x[i] - 0.5).abs() + 0.5 * (x[j] - 0.5).abs()
-                        - 0.5 * (x[i] - x[j]).abs();
+                    product *= 1.0 + 0.5 * (x[i] - 0.5).abs() + 0.5 * (x[j] - 0.5).abs() - 0.5 * (x[i] - x[j]).abs();
                 }
                 square += product / (n * n) as f64;
             }
@@ -173,9 +171,7 @@ mod tests {
     }
 
     fn points(count: u32) -> Vec<Vec<f64>> {
-        let place = |i: u32, step: u32| {
-            (f64::from(step * i % count) + 0.3 + 0.1 * f64::from(i % 5)) / f64::from(count)
-        };
+        let place = |i: u32, step: u32| (f64::from(step * i % count) + 0.3 + 0.1 * f64::from(i % 5)) / f64::from(count);
         let column = |step| (0..count).map(|i| place(i, step)).collect();
         [3, 7, 11].map(column).to_vec()
     }

@@ -14,17 +14,13 @@ impl Registered for Grid {
 
     fn new(_: &Numbers, inputs: &Inputs) -> Result<Self, String> {
         if inputs.correlation.is_some() {
-            return Err(
-                "a full factorial combines all levels and knows no correlations".to_owned(),
-            );
+            return Err("a full factorial combines all levels and knows no correlations".to_owned());
         }
         let levels = inputs.distributions.iter().zip(&inputs.levels);
-        let levels = levels
-            .filter(|(input, _)| input.varies())
-            .map(|(_, levels)| {
-                let missing = "a full factorial needs `levels` for every parameter that varies";
-                levels.filter(|&levels| levels > 0).ok_or(missing)
-            });
+        let levels = levels.filter(|(input, _)| input.varies()).map(|(_, levels)| {
+            let missing = "a full factorial needs `levels` for every parameter that varies";
+            levels.filter(|&levels| levels > 0).ok_or(missing)
+        });
         Self::of(levels.collect::<Result<_, _>>()?)
     }
 }

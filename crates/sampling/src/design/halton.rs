@@ -54,9 +54,7 @@ impl Sequence {
         let bases: Vec<u64> = primes().take(dimensions).collect();
         if bases.len() < dimensions {
             let most = bases.len();
-            return Err(format!(
-                "a Halton sequence has at most {most} inputs, not {dimensions}"
-            ));
+            return Err(format!("a Halton sequence has at most {most} inputs, not {dimensions}"));
         }
         let radix = |(base, dimension)| Radix::new(seed, base, dimension);
         let inputs = bases.into_iter().zip(0..).map(radix).collect();
@@ -76,21 +74,14 @@ impl Radix {
             }
             digits
         };
-        Self {
-            base,
-            permutations: (0..places).map(permutation).collect(),
-        }
+        Self { base, permutations: (0..places).map(permutation).collect() }
     }
 }
 
 /// The bases: primes, up to a size at which every place takes a permutation of thousands of digits.
 fn primes() -> impl Iterator<Item = u64> {
     const MOST: u64 = 1 << 13;
-    let is_prime = |&n: &u64| {
-        (2..)
-            .take_while(|d| d * d <= n)
-            .all(|d| !n.is_multiple_of(d))
-    };
+    let is_prime = |&n: &u64| (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d));
     (2..MOST).filter(is_prime)
 }
 
@@ -121,10 +112,7 @@ mod tests {
         let mut rounded = 0;
         for seed in 0..20 {
             let sequence = Sequence::of(seed, 1).unwrap();
-            let ones = sequence.inputs[0]
-                .permutations
-                .iter()
-                .map(|digits| u64::from(digits[1] == 1));
+            let ones = sequence.inputs[0].permutations.iter().map(|digits| u64::from(digits[1] == 1));
             let index = (0..).zip(ones).map(|(place, digit)| digit << place).sum();
             let rest = random::uniform(seed, Purpose::Jitter, index, 0);
             rounded += u32::from(1.0_f64.next_down() + rest * 2.0_f64.powi(-53) == 1.0);

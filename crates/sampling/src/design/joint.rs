@@ -27,9 +27,7 @@ impl Joint {
         }
         if let Some(row) = rows.iter().find(|row| row.len() != inputs.len()) {
             let (count, wanted) = (row.len(), inputs.len());
-            return Err(format!(
-                "a row of the sample has {count} numbers, not {wanted}"
-            ));
+            return Err(format!("a row of the sample has {count} numbers, not {wanted}"));
         }
         let rows = Arc::new(sorted(rows));
         Ok(Self { inputs, rows })
@@ -76,11 +74,7 @@ fn sorted(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let (count, columns) = (rows.len() as f64, rows[0].len());
     let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / count;
     let means: Vec<f64> = (0..columns).map(mean).collect();
-    let squares = |k: usize| {
-        rows.iter()
-            .map(|row| (row[k] - means[k]).powi(2))
-            .sum::<f64>()
-    };
+    let squares = |k: usize| rows.iter().map(|row| (row[k] - means[k]).powi(2)).sum::<f64>();
     // A column that does not vary gives no direction.
     let unit = |k: usize| match squares(k) {
         squares if squares > 0.0 => (count / squares).sqrt(),
@@ -96,11 +90,7 @@ fn sorted(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let eigen = DMatrix::from_fn(columns, columns, product).symmetric_eigen();
     let first = eigen.eigenvectors.column(eigen.eigenvalues.imax());
     let sign = first[first.icamax()].signum();
-    let score = |row: &[f64]| -> f64 {
-        (0..columns)
-            .map(|k| sign * first[k] * standard(row, k))
-            .sum()
-    };
+    let score = |row: &[f64]| -> f64 { (0..columns).map(|k| sign * first[k] * standard(row, k)).sum() };
     let mut scored: Vec<(f64, Vec<f64>)> = rows.drain(..).map(|row| (score(&row), row)).collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
     scored.into_iter().map(|(_, row)| row).collect()
@@ -113,9 +103,8 @@ mod tests {
     #[test]
     fn rows_stay_whole_and_follow_the_main_direction() {
         // Along a line, in a random order, with a third column that does not vary.
-        let rows: Vec<Vec<f64>> = [7, 2, 9, 0, 5, 1, 8, 3, 6, 4]
-            .map(|k| vec![f64::from(k), 100.0 - 10.0 * f64::from(k), 3.0])
-            .to_vec();
+        let rows: Vec<Vec<f64>> =
+            [7, 2, 9, 0, 5, 1, 8, 3, 6, 4].map(|k| vec![f64::from(k), 100.0 - 10.0 * f64::from(k), 3.0]).to_vec();
         let joint = Joint::new(vec![2, 0, 1], rows).unwrap();
         let mut first = Vec::new();
         for k in 0..10 {
@@ -126,18 +115,12 @@ mod tests {
             assert!(point[3].is_nan());
             first.push(point[2]);
         }
-        assert!(
-            first.is_sorted() || first.iter().rev().is_sorted(),
-            "{first:?}"
-        );
+        assert!(first.is_sorted() || first.iter().rev().is_sorted(), "{first:?}");
         // Every row has its tenth of the interval, the ends too.
         first.sort_by(f64::total_cmp);
         assert_eq!(first, (0..10).map(f64::from).collect::<Vec<_>>());
         assert_eq!(joint.row(1.0), joint.row(0.999));
-        assert_eq!(
-            (joint.inputs(), joint.lead(), joint.count()),
-            (&[2, 0, 1][..], 2, 10)
-        );
+        assert_eq!((joint.inputs(), joint.lead(), joint.count()), (&[2, 0, 1][..], 2, 10));
         assert!(joint.binds() && !Joint::new(vec![0], vec![vec![1.0]]).unwrap().binds());
     }
 
@@ -167,10 +150,7 @@ mod tests {
         let row = |k: u8| vec![f64::from(k), 7.0 - f64::from(k) + zigzag[usize::from(k)]];
         let rows = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
         let firsts: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-        assert!(
-            firsts.is_sorted() || firsts.is_sorted_by(|a, b| a >= b),
-            "{firsts:?}"
-        );
+        assert!(firsts.is_sorted() || firsts.is_sorted_by(|a, b| a >= b), "{firsts:?}");
     }
 
     /// The column with the largest part in the direction rises, whichever it is and however the others go with it.
@@ -182,11 +162,7 @@ mod tests {
             for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
                 let row = |k: u8| {
                     let (rise, k) = (f64::from(k), usize::from(k));
-                    let mut row = vec![
-                        rise,
-                        signs[0] * (rise + zigzag[k]),
-                        signs[1] * (rise + apart[k]),
-                    ];
+                    let mut row = vec![rise, signs[0] * (rise + zigzag[k]), signs[1] * (rise + apart[k])];
                     row.rotate_right(leading);
                     row
                 };

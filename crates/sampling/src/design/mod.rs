@@ -73,9 +73,7 @@ impl Design {
         }
         if sampling.method.is_by_levels() && !inputs.joints.is_empty() {
             let without = Method::named(|method| !method.is_by_levels());
-            return Err(format!(
-                "levels do not say which rows of a sample to take; use method = {without}"
-            ));
+            return Err(format!("levels do not say which rows of a sample to take; use method = {without}"));
         }
         let mut rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
         let points = rule.points().unwrap_or(sampling.points);
@@ -84,13 +82,7 @@ impl Design {
             let numbers = (sampling.seed, points);
             rule = Arc::new(stratified::correlated(&*rule, numbers, &wanted, &inputs)?);
         }
-        Ok(Self {
-            points,
-            rule,
-            inputs: inputs.distributions,
-            correlation,
-            joints: inputs.joints,
-        })
+        Ok(Self { points, rule, inputs: inputs.distributions, correlation, joints: inputs.joints })
     }
 
     /// Independently scrambled Sobol nets in turn, in the unit cube.
@@ -98,12 +90,7 @@ impl Design {
     /// # Errors
     /// When there is no such net of this number of dimensions or points.
     pub fn net(dimensions: usize, points: u64, seed: u64, replicates: u64) -> Result<Self, String> {
-        let sampling = Sampling {
-            method: Method::Sobol,
-            points,
-            seed,
-            replicates,
-        };
+        let sampling = Sampling { method: Method::Sobol, points, seed, replicates };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         Self::new(&sampling, vec![unit; dimensions])
     }
@@ -159,12 +146,7 @@ fn with_leads(mut inputs: Inputs) -> Inputs {
 ///
 /// # Errors
 /// When there is no such net of this number of dimensions or points.
-pub fn cube(
-    dimensions: usize,
-    points: u64,
-    seed: u64,
-    replicates: u64,
-) -> Result<Vec<Vec<f64>>, String> {
+pub fn cube(dimensions: usize, points: u64, seed: u64, replicates: u64) -> Result<Vec<Vec<f64>>, String> {
     let net = Design::net(dimensions, points, seed, replicates)?;
     Ok((0..points).map(|index| net.point(index)).collect())
 }
@@ -174,31 +156,14 @@ mod tests {
     use super::*;
 
     fn design(method: Method, points: u64, seed: u64) -> Design {
-        let settings = Sampling {
-            method,
-            points,
-            seed,
-            replicates: if method == Method::Sobol { 4 } else { 1 },
-        };
-        let normal = Distribution::Normal {
-            mean: 0.0,
-            deviation: 1.0,
-        };
+        let settings = Sampling { method, points, seed, replicates: if method == Method::Sobol { 4 } else { 1 } };
+        let normal = Distribution::Normal { mean: 0.0, deviation: 1.0 };
         let fixed = Distribution::Fixed { value: 3.0 };
-        Design::new(
-            &settings,
-            vec![normal.clone(), fixed, normal.clone(), normal],
-        )
-        .unwrap()
+        Design::new(&settings, vec![normal.clone(), fixed, normal.clone(), normal]).unwrap()
     }
 
-    const METHODS: [Method; 5] = [
-        Method::MonteCarlo,
-        Method::LatinHypercube,
-        Method::OptimisedLatinHypercube,
-        Method::Sobol,
-        Method::Halton,
-    ];
+    const METHODS: [Method; 5] =
+        [Method::MonteCarlo, Method::LatinHypercube, Method::OptimisedLatinHypercube, Method::Sobol, Method::Halton];
 
     #[test]
     fn means_deviations_and_correlations_are_right() {
@@ -211,10 +176,7 @@ mod tests {
                 // Four standard errors of a plain Monte Carlo estimate.
                 let error = 4.0 / (N as f64).sqrt();
                 assert!(mean(&|p| p[a]).abs() < error, "{method:?}");
-                assert!(
-                    (mean(&|p| p[a] * p[a]) - 1.0).abs() < 1.5 * error,
-                    "{method:?}"
-                );
+                assert!((mean(&|p| p[a] * p[a]) - 1.0).abs() < 1.5 * error, "{method:?}");
                 assert!(mean(&|p| p[a] * p[b]).abs() < error, "{method:?}");
             }
             assert!(points.iter().all(|point| point[1] == 3.0));
@@ -242,47 +204,27 @@ mod tests {
     fn correlations_are_those_asked_for() {
         const N: u64 = 4096;
         let [normal, bounded, lognormal] = [
-            Distribution::Normal {
-                mean: 5.0,
-                deviation: 2.0,
-            },
+            Distribution::Normal { mean: 5.0, deviation: 2.0 },
             Distribution::Uniform { min: 0.0, max: 1.0 },
-            Distribution::Lognormal {
-                mean: 2.0,
-                deviation: 0.5,
-            },
+            Distribution::Lognormal { mean: 2.0, deviation: 0.5 },
         ];
         for method in METHODS {
-            let settings = Sampling {
-                method,
-                points: N,
-                seed: 9,
-                replicates: 1,
-            };
+            let settings = Sampling { method, points: N, seed: 9, replicates: 1 };
             let pairs = [(0, 1, 0.8), (0, 3, -0.5), (1, 3, -0.2)];
             let fixed = Distribution::Fixed { value: 3.0 };
             let inputs = Inputs {
                 joints: Vec::new(),
-                distributions: vec![
-                    normal.clone(),
-                    normal.clone(),
-                    fixed,
-                    bounded.clone(),
-                    lognormal.clone(),
-                ],
+                distributions: vec![normal.clone(), normal.clone(), fixed, bounded.clone(), lognormal.clone()],
                 levels: Vec::new(),
                 correlation: Some(Correlation::new(5, &pairs).unwrap()),
             };
             let design = Design::new(&settings, inputs).unwrap();
             let points: Vec<Vec<f64>> = (0..N).map(|index| design.point(index)).collect();
             let pearson = |a: usize, b: usize| {
-                let mean =
-                    |f: &dyn Fn(&Vec<f64>) -> f64| points.iter().map(f).sum::<f64>() / N as f64;
+                let mean = |f: &dyn Fn(&Vec<f64>) -> f64| points.iter().map(f).sum::<f64>() / N as f64;
                 let [ma, mb] = [mean(&|p| p[a]), mean(&|p| p[b])];
-                let covariance =
-                    |i: usize, mi: f64, j: usize, mj: f64| mean(&|p| (p[i] - mi) * (p[j] - mj));
-                covariance(a, ma, b, mb)
-                    / (covariance(a, ma, a, ma) * covariance(b, mb, b, mb)).sqrt()
+                let covariance = |i: usize, mi: f64, j: usize, mj: f64| mean(&|p| (p[i] - mi) * (p[j] - mj));
+                covariance(a, ma, b, mb) / (covariance(a, ma, a, ma) * covariance(b, mb, b, mb)).sqrt()
             };
             // The error of a correlation is (1 - r^2) / sqrt(N); four of them. Between a normal and a uniform
             // number, the coefficient of the normal scores shrinks by sqrt(3 / pi).
@@ -290,27 +232,15 @@ mod tests {
             for (a, b, expected) in [(0, 1, 0.8), (0, 3, -0.5 * shrunk), (0, 4, 0.0)] {
                 let error = 4.0 * (1.0 - expected * expected) / (N as f64).sqrt();
                 let coefficient = pearson(a, b);
-                assert!(
-                    (coefficient - expected).abs() < error,
-                    "{method:?}: {coefficient} for {expected}"
-                );
+                assert!((coefficient - expected).abs() < error, "{method:?}: {coefficient} for {expected}");
             }
-            assert!(
-                points
-                    .iter()
-                    .all(|p| p[2] == 3.0 && (0.0..=1.0).contains(&p[3]))
-            );
+            assert!(points.iter().all(|p| p[2] == 3.0 && (0.0..=1.0).contains(&p[3])));
         }
     }
 
     #[test]
     fn numbers_that_make_no_design_are_refused() {
-        let sampling = |method, points, replicates| Sampling {
-            method,
-            points,
-            seed: 1,
-            replicates,
-        };
+        let sampling = |method, points, replicates| Sampling { method, points, seed: 1, replicates };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         for (refused, reason) in [
             (sampling(Method::Sobol, 0, 1), "points"),
@@ -331,8 +261,7 @@ mod tests {
         assert_eq!(points.len(), 8);
         for net in 0..2 {
             for [columns, rows] in [[4.0, 1.0], [2.0, 2.0], [1.0, 4.0]] {
-                let cell =
-                    |p: &Vec<f64>| (p[0] * columns).floor() + columns * (p[1] * rows).floor();
+                let cell = |p: &Vec<f64>| (p[0] * columns).floor() + columns * (p[1] * rows).floor();
                 let mut cells: Vec<f64> = points.iter().skip(net).step_by(2).map(cell).collect();
                 cells.sort_by(f64::total_cmp);
                 assert_eq!(cells, [0.0, 1.0, 2.0, 3.0], "{columns} by {rows}");
@@ -343,10 +272,7 @@ mod tests {
 
     #[test]
     fn methods_are_named_as_in_a_study() {
-        assert_eq!(
-            Method::OptimisedLatinHypercube.name(),
-            "optimised-latin-hypercube"
-        );
+        assert_eq!(Method::OptimisedLatinHypercube.name(), "optimised-latin-hypercube");
         assert_eq!(Method::named(Method::has_replicates), "sobol");
         let extensible = [Method::MonteCarlo, Method::Sobol, Method::Halton];
         assert!(extensible.into_iter().all(Method::is_extensible));
@@ -359,11 +285,7 @@ mod tests {
     fn inputs_that_do_not_vary_need_no_design() {
         let fixed = Distribution::Fixed { value: 3.0 };
         for method in METHODS {
-            let sampling = Sampling {
-                method,
-                points: 8,
-                ..Sampling::default()
-            };
+            let sampling = Sampling { method, points: 8, ..Sampling::default() };
             let design = Design::new(&sampling, vec![fixed.clone(); 2]).unwrap();
             assert_eq!(design.point(7), [3.0, 3.0], "{method:?}");
         }
@@ -374,20 +296,13 @@ mod tests {
         let extensible = |method: Method| method.is_extensible();
         let random = [Method::MonteCarlo, Method::Sobol, Method::Halton];
         assert!(random.into_iter().all(extensible));
-        let whole = [
-            Method::LatinHypercube,
-            Method::OptimisedLatinHypercube,
-            Method::FullFactorial,
-        ];
+        let whole = [Method::LatinHypercube, Method::OptimisedLatinHypercube, Method::FullFactorial];
         assert!(!whole.into_iter().any(extensible));
     }
 
     #[test]
     fn a_full_factorial_has_its_own_number_of_points() {
-        let settings = Sampling {
-            method: Method::FullFactorial,
-            ..Sampling::default()
-        };
+        let settings = Sampling { method: Method::FullFactorial, ..Sampling::default() };
         let inputs = |levels| Inputs {
             joints: Vec::new(),
             distributions: vec![
@@ -401,10 +316,7 @@ mod tests {
         let design = Design::new(&settings, inputs(vec![Some(4), None, Some(2)])).unwrap();
         let points: Vec<Vec<f64>> = (0..design.len()).map(|index| design.point(index)).collect();
         assert_eq!(points.len(), 8);
-        assert_eq!(
-            (&points[0], &points[7]),
-            (&vec![0.5, 7.0, 0.25], &vec![3.5, 7.0, 0.75])
-        );
+        assert_eq!((&points[0], &points[7]), (&vec![0.5, 7.0, 0.25], &vec![3.5, 7.0, 0.75]));
         let missing = Design::new(&settings, inputs(vec![Some(4), None, None])).unwrap_err();
         assert!(missing.contains("`levels`"), "{missing}");
     }

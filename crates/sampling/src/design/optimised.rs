@@ -60,24 +60,13 @@ impl Spread {
 
 /// The ranks of a Sobol net, input after input; of random points where there are more inputs than nets have.
 fn start(seed: u64, dimensions: usize, points: u64) -> Vec<Vec<u32>> {
-    let numbers = Numbers {
-        points,
-        seed,
-        replicates: 1,
-    };
+    let numbers = Numbers { points, seed, replicates: 1 };
     let rule: Box<dyn Rule> = match Nets::of(&numbers, dimensions) {
         Ok(net) => Box::new(net),
         Err(_) => Box::new(Hypercube::of(seed, points)),
     };
-    let column = |dimension| -> Vec<f64> {
-        (0..points)
-            .map(|index| rule.uniform(index, dimension))
-            .collect()
-    };
-    (0..)
-        .take(dimensions)
-        .map(|dimension| ranks(&column(dimension)))
-        .collect()
+    let column = |dimension| -> Vec<f64> { (0..points).map(|index| rule.uniform(index, dimension)).collect() };
+    (0..).take(dimensions).map(|dimension| ranks(&column(dimension))).collect()
 }
 
 /// A search for a better pairing of slices.
@@ -92,20 +81,11 @@ impl Search {
     fn new(seed: u64, points: usize, columns: Vec<Vec<u32>>) -> Self {
         let place = |dimension, slices: &Vec<u32>| {
             let slices = slices.iter();
-            slices
-                .map(|&slice| Slices::place(seed, points, slice, dimension))
-                .collect()
+            slices.map(|&slice| Slices::place(seed, points, slice, dimension)).collect()
         };
-        let coordinates: Vec<Vec<f64>> = (0..)
-            .zip(&columns)
-            .map(|(dimension, slices)| place(dimension, slices))
-            .collect();
-        Self {
-            seed,
-            points,
-            state: Discrepancy::new(&coordinates),
-            columns,
-        }
+        let coordinates: Vec<Vec<f64>> =
+            (0..).zip(&columns).map(|(dimension, slices)| place(dimension, slices)).collect();
+        Self { seed, points, state: Discrepancy::new(&coordinates), columns }
     }
 
     /// The best pairing that was found.
@@ -143,11 +123,7 @@ impl Search {
             (bits % count as u64) as usize
         };
         let a = below(1, self.points);
-        Exchange {
-            dimension: below(0, self.columns.len()),
-            a,
-            b: (a + 1 + below(2, self.points - 1)) % self.points,
-        }
+        Exchange { dimension: below(0, self.columns.len()), a, b: (a + 1 + below(2, self.points - 1)) % self.points }
     }
 }
 
@@ -179,11 +155,7 @@ mod tests {
     #[test]
     fn the_search_sees_the_points_as_they_are() {
         let spread = Spread::of(3, 3, 20).unwrap();
-        let column = |dimension| {
-            (0..20)
-                .map(|index| spread.uniform(index, dimension))
-                .collect()
-        };
+        let column = |dimension| (0..20).map(|index| spread.uniform(index, dimension)).collect();
         let points: Vec<Vec<f64>> = (0..3).map(column).collect();
         let discrepancy = discrepancy(3, spread.0.columns());
         assert_eq!(discrepancy, Discrepancy::new(&points).square());
@@ -191,11 +163,7 @@ mod tests {
 
     #[test]
     fn the_search_starts_from_a_net() {
-        let numbers = Numbers {
-            points: 32,
-            seed: 5,
-            replicates: 1,
-        };
+        let numbers = Numbers { points: 32, seed: 5, replicates: 1 };
         let net = Nets::of(&numbers, 3).unwrap();
         for (dimension, column) in (0..).zip(start(5, 3, 32)) {
             for (index, slice) in (0..).zip(column) {
@@ -225,10 +193,7 @@ mod tests {
             let least = values.fold(f64::INFINITY, f64::min);
             let spread = Spread::of(seed, pairings[0].len(), 3).unwrap();
             let discrepancy = discrepancy(seed, spread.0.columns());
-            assert!(
-                (discrepancy - least).abs() < 1e-12,
-                "{seed}: {discrepancy} {least}"
-            );
+            assert!((discrepancy - least).abs() < 1e-12, "{seed}: {discrepancy} {least}");
         }
     }
 
@@ -250,14 +215,7 @@ mod tests {
 
     /// All pairings of three slices.
     fn pairings(dimensions: usize) -> Vec<Vec<Vec<u32>>> {
-        const ORDERS: [[u32; 3]; 6] = [
-            [0, 1, 2],
-            [0, 2, 1],
-            [1, 0, 2],
-            [1, 2, 0],
-            [2, 0, 1],
-            [2, 1, 0],
-        ];
+        const ORDERS: [[u32; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         (1..dimensions).fold(vec![vec![vec![0, 1, 2]]], |pairings, _| {
             let longer = |known: &Vec<Vec<u32>>| {
                 let with = |order: [u32; 3]| [&known[..], &[order.to_vec()]].concat();

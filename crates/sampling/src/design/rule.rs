@@ -72,9 +72,6 @@ impl Inputs {
 
 impl From<Vec<Distribution>> for Inputs {
     fn from(distributions: Vec<Distribution>) -> Self {
-        Self {
-            distributions,
-            ..Self::default()
-        }
+        Self { distributions, ..Self::default() }
     }
 }

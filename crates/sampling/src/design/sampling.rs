@@ -23,21 +23,12 @@ pub struct Sampling {
 impl Sampling {
     /// The numbers without the method.
     pub fn numbers(&self) -> Numbers {
-        Numbers {
-            points: self.points,
-            seed: self.seed,
-            replicates: self.replicates,
-        }
+        Numbers { points: self.points, seed: self.seed, replicates: self.replicates }
     }
 }
 
 impl Default for Sampling {
     fn default() -> Self {
-        Self {
-            method: Method::default(),
-            points: 50,
-            seed: 1,
-            replicates: 1,
-        }
+        Self { method: Method::default(), points: 50, seed: 1, replicates: 1 }
     }
 }

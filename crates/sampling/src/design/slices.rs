@@ -15,11 +15,7 @@ pub(super) struct Slices {
 
 impl Slices {
     pub(super) fn new(seed: u64, points: usize, columns: Vec<Vec<u32>>) -> Self {
-        Self {
-            seed,
-            points,
-            columns,
-        }
+        Self { seed, points, columns }
     }
 
     /// The place in (0, 1) that belongs to a slice of an input. It belongs to the slice and not to the point, so that the

@@ -47,31 +47,17 @@ impl Nets {
         let parameters = JoeKuoD6::minimal();
         if dimensions > parameters.max_dims {
             let most = parameters.max_dims;
-            return Err(format!(
-                "a Sobol net has at most {most} inputs, not {dimensions}"
-            ));
+            return Err(format!("a Sobol net has at most {most} inputs, not {dimensions}"));
         }
         let others = parameters.dim_params.iter();
         let others = others.map(|dimension| directions(dimension.a, &dimension.m));
-        let directions = std::iter::once(van_der_corput())
-            .chain(others)
-            .take(dimensions)
-            .collect();
-        Ok(Self {
-            seed: numbers.seed,
-            replicates: numbers.replicates,
-            directions,
-        })
+        let directions = std::iter::once(van_der_corput()).chain(others).take(dimensions).collect();
+        Ok(Self { seed: numbers.seed, replicates: numbers.replicates, directions })
     }
 
     /// Where the scrambling hash of an input starts.
     fn key(&self, replicate: u64, dimension: u32) -> u64 {
-        random::bits(
-            self.seed,
-            Purpose::Permutation,
-            u64::MAX - replicate,
-            dimension,
-        )
+        random::bits(self.seed, Purpose::Permutation, u64::MAX - replicate, dimension)
     }
 }
 
@@ -102,10 +88,7 @@ fn directions(coefficients: u32, initial: &[u32]) -> [u32; BITS as usize] {
 
 /// A point of the unscrambled net, in the order of its index (not of the Gray code).
 fn plain(index: u64, directions: &[u32; BITS as usize]) -> u32 {
-    let set = directions
-        .iter()
-        .enumerate()
-        .filter(|(bit, _)| index >> bit & 1 == 1);
+    let set = directions.iter().enumerate().filter(|(bit, _)| index >> bit & 1 == 1);
     set.fold(0, |digits, (_, direction)| digits ^ direction)
 }
 
@@ -150,20 +133,14 @@ mod tests {
         ];
         for (coefficients, initial, expected) in cases {
             let all = directions(coefficients, initial);
-            let whole = (0..)
-                .zip(all)
-                .map(|(k, direction)| direction >> (BITS - 1 - k));
+            let whole = (0..).zip(all).map(|(k, direction)| direction >> (BITS - 1 - k));
             let numbers: Vec<u32> = whole.take(initial.len() + expected.len()).collect();
             assert_eq!(numbers, [initial, expected].concat(), "{coefficients:b}");
         }
     }
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
-        let numbers = Numbers {
-            points,
-            seed: 11,
-            replicates,
-        };
+        let numbers = Numbers { points, seed: 11, replicates };
         Nets::of(&numbers, dimensions)
     }
 

@@ -29,12 +29,10 @@ pub(super) fn correlated(
     inputs: &Inputs,
 ) -> Result<Slices, String> {
     let points = in_a_table(points)?;
-    let varying: Vec<usize> = (0..inputs.distributions.len())
-        .filter(|&input| inputs.distributions[input].varies())
-        .collect();
+    let varying: Vec<usize> =
+        (0..inputs.distributions.len()).filter(|&input| inputs.distributions[input].varies()).collect();
     let wanted = correlation.among(&varying).cholesky();
-    let wanted =
-        wanted.ok_or("the correlations of the parameters that vary contradict each other")?;
+    let wanted = wanted.ok_or("the correlations of the parameters that vary contradict each other")?;
     // Indices are below lengths.
     let start = DMatrix::from_fn(points, varying.len(), |index, dimension| {
         normal_quantile(rule.uniform(index as u64, dimension as u32))
@@ -110,12 +108,7 @@ mod tests {
 
     /// Five inputs, the third one fixed, the fourth one correlated with none.
     fn points(method: Method, points: u64, seed: u64) -> Vec<Vec<f64>> {
-        let sampling = Sampling {
-            method,
-            points,
-            seed,
-            replicates: 1,
-        };
+        let sampling = Sampling { method, points, seed, replicates: 1 };
         let fixed = Distribution::Fixed { value: 3.0 };
         let inputs = Inputs {
             joints: Vec::new(),
@@ -145,10 +138,7 @@ mod tests {
 
     #[test]
     fn every_slice_holds_one_point() {
-        for (method, count) in METHODS
-            .into_iter()
-            .flat_map(|m| [1, 2, 5, 64].map(|n| (m, n)))
-        {
+        for (method, count) in METHODS.into_iter().flat_map(|m| [1, 2, 5, 64].map(|n| (m, n))) {
             let points = points(method, count, 3);
             for input in [0, 1, 3, 4] {
                 let mut slices = column(&points, input, |u| (u * count as f64).floor());
@@ -176,18 +166,12 @@ mod tests {
                 let r = wanted(a, b);
                 let [x, y] = [a, b].map(|input| column(&points, input, normal_quantile));
                 let of_scores = coefficient(x, y);
-                assert!(
-                    (of_scores - r).abs() < most,
-                    "{method:?} {count} {a} {b}: {of_scores}"
-                );
+                assert!((of_scores - r).abs() < most, "{method:?} {count} {a} {b}: {of_scores}");
                 let slice = |u: f64| (u * count as f64).floor();
                 let [x, y] = [a, b].map(|input| column(&points, input, slice));
                 let of_slices = coefficient(x, y);
                 let off = of_slices - 6.0 / std::f64::consts::PI * (r / 2.0).asin();
-                assert!(
-                    off.abs() < most_of_ranks,
-                    "{method:?} {count} {a} {b}: {off}"
-                );
+                assert!(off.abs() < most_of_ranks, "{method:?} {count} {a} {b}: {off}");
             }
         }
     }
@@ -209,19 +193,11 @@ mod tests {
     fn few_points_are_mixed_as_they_are() {
         let points = points(Method::LatinHypercube, 3, 9);
         let free = {
-            let sampling = Sampling {
-                method: Method::LatinHypercube,
-                points: 3,
-                seed: 9,
-                replicates: 1,
-            };
+            let sampling = Sampling { method: Method::LatinHypercube, points: 3, seed: 9, replicates: 1 };
             let design = Design::new(&sampling, vec![UNIT; 4]).unwrap();
             (0..3).map(|index| design.point(index)).collect::<Vec<_>>()
         };
-        let mixed: Vec<f64> = free
-            .iter()
-            .map(|p| 0.8 * normal_quantile(p[0]) + 0.6 * normal_quantile(p[1]))
-            .collect();
+        let mixed: Vec<f64> = free.iter().map(|p| 0.8 * normal_quantile(p[0]) + 0.6 * normal_quantile(p[1])).collect();
         let slices: Vec<u32> = points.iter().map(|p| (3.0 * p[1]) as u32).collect();
         assert_eq!(slices, ranks(&mixed));
     }
@@ -234,12 +210,7 @@ mod tests {
 
     #[test]
     fn too_many_points_are_refused_with_the_remedy() {
-        let sampling = Sampling {
-            method: Method::LatinHypercube,
-            points: MOST + 1,
-            seed: 1,
-            replicates: 1,
-        };
+        let sampling = Sampling { method: Method::LatinHypercube, points: MOST + 1, seed: 1, replicates: 1 };
         let inputs = Inputs {
             joints: Vec::new(),
             distributions: vec![UNIT; 2],
@@ -247,9 +218,6 @@ mod tests {
             correlation: Some(Correlation::new(2, &[(0, 1, 0.5)]).unwrap()),
         };
         let error = Design::new(&sampling, inputs).unwrap_err();
-        assert!(
-            error.contains("16777216") && error.contains("sobol"),
-            "{error}"
-        );
+        assert!(error.contains("16777216") && error.contains("sobol"), "{error}");
     }
 }

@@ -20,9 +20,7 @@ impl Distribution {
     pub fn below(&self, value: f64) -> f64 {
         match *self {
             Self::Normal { mean, deviation } => normal_cdf((value - mean) / deviation),
-            Self::TruncatedNormal {
-                mean, deviation, ..
-            } => {
+            Self::TruncatedNormal { mean, deviation, .. } => {
                 let [low, high] = self.cut();
                 let share = (normal_cdf((value - mean) / deviation) - low) / (high - low);
                 share.clamp(0.0, 1.0)
@@ -41,15 +39,9 @@ impl Distribution {
             }
             Self::Lognormal { mean, deviation } => {
                 let (centre, spread) = of_logarithm(mean, deviation);
-                if value > 0.0 {
-                    normal_cdf((value.ln() - centre) / spread)
-                } else {
-                    0.0
-                }
+                if value > 0.0 { normal_cdf((value.ln() - centre) / spread) } else { 0.0 }
             }
-            Self::Sample { ref values } => {
-                values.partition_point(|one| *one <= value) as f64 / values.len() as f64
-            }
+            Self::Sample { ref values } => values.partition_point(|one| *one <= value) as f64 / values.len() as f64,
             Self::Fixed { value: only } => f64::from(u8::from(value >= only)),
             Self::Whole(ref of) => match of.uniform_whole() {
                 Some([first, count]) => ((value.floor() - first + 1.0) / count).clamp(0.0, 1.0),
@@ -64,12 +56,7 @@ impl Distribution {
     pub fn ln_density(&self, value: f64) -> f64 {
         match *self {
             Self::Normal { mean, deviation } => ln_normal(value, mean, deviation),
-            Self::TruncatedNormal {
-                mean,
-                deviation,
-                min,
-                max,
-            } => {
+            Self::TruncatedNormal { mean, deviation, min, max } => {
                 let [least, most] = limits(min, max);
                 if value < least || value > most {
                     return f64::NEG_INFINITY;
@@ -125,35 +112,21 @@ impl Distribution {
     pub fn scaled(&self, factor: f64) -> Self {
         let about = |centre: f64, value: f64| centre + factor * (value - centre);
         match *self {
-            Self::Normal { mean, deviation } => Self::Normal {
-                mean,
-                deviation: factor * deviation,
-            },
-            Self::TruncatedNormal {
-                deviation,
-                min,
-                max,
-                ..
-            } => Self::TruncatedNormal {
+            Self::Normal { mean, deviation } => Self::Normal { mean, deviation: factor * deviation },
+            Self::TruncatedNormal { deviation, min, max, .. } => Self::TruncatedNormal {
                 // A mean outside of the cuts would leave almost nothing of a narrow distribution.
                 mean: self.centre(),
                 deviation: factor * deviation,
                 min,
                 max,
             },
-            Self::Uniform { min, max } => Self::Uniform {
-                min: about(self.centre(), min),
-                max: about(self.centre(), max),
-            },
-            Self::Triangular { min, mode, max } => Self::Triangular {
-                min: about(mode, min),
-                mode,
-                max: about(mode, max),
-            },
-            Self::Lognormal { mean, deviation } => Self::Lognormal {
-                mean,
-                deviation: factor * deviation,
-            },
+            Self::Uniform { min, max } => {
+                Self::Uniform { min: about(self.centre(), min), max: about(self.centre(), max) }
+            }
+            Self::Triangular { min, mode, max } => {
+                Self::Triangular { min: about(mode, min), mode, max: about(mode, max) }
+            }
+            Self::Lognormal { mean, deviation } => Self::Lognormal { mean, deviation: factor * deviation },
             // A sample is as wide as it is.
             Self::Sample { .. } | Self::Fixed { .. } => self.clone(),
             Self::Whole(ref of) => of.scaled(factor).whole(),
@@ -167,29 +140,11 @@ mod tests {
 
     fn all() -> [Distribution; 5] {
         [
-            Distribution::Normal {
-                mean: 2.0,
-                deviation: 0.5,
-            },
-            Distribution::TruncatedNormal {
-                mean: 2.0,
-                deviation: 0.5,
-                min: Some(1.5),
-                max: Some(3.5),
-            },
-            Distribution::Uniform {
-                min: -1.0,
-                max: 3.0,
-            },
-            Distribution::Triangular {
-                min: 0.0,
-                mode: 1.0,
-                max: 4.0,
-            },
-            Distribution::Lognormal {
-                mean: 2.0,
-                deviation: 0.5,
-            },
+            Distribution::Normal { mean: 2.0, deviation: 0.5 },
+            Distribution::TruncatedNormal { mean: 2.0, deviation: 0.5, min: Some(1.5), max: Some(3.5) },
+            Distribution::Uniform { min: -1.0, max: 3.0 },
+            Distribution::Triangular { min: 0.0, mode: 1.0, max: 4.0 },
+            Distribution::Lognormal { mean: 2.0, deviation: 0.5 },
         ]
     }
 
@@ -208,19 +163,12 @@ mod tests {
     #[test]
     fn densities_are_the_slopes_of_probabilities() {
         for distribution in all() {
-            for scaled in [
-                distribution.clone(),
-                distribution.scaled(0.5),
-                distribution.scaled(1.5),
-            ] {
+            for scaled in [distribution.clone(), distribution.scaled(0.5), distribution.scaled(1.5)] {
                 for u in [0.05, 0.3, 0.6, 0.95] {
                     let (value, h) = (scaled.quantile(u), 1e-5);
                     let slope = (scaled.below(value + h) - scaled.below(value - h)) / (2.0 * h);
                     let density = scaled.ln_density(value).exp();
-                    assert!(
-                        (density / slope - 1.0).abs() < 1e-5,
-                        "{scaled:?}: {density} {slope}"
-                    );
+                    assert!((density / slope - 1.0).abs() < 1e-5, "{scaled:?}: {density} {slope}");
                 }
             }
             assert!(distribution.ln_density(-1e3) < -1e3);
@@ -230,11 +178,7 @@ mod tests {
     /// Triangles whose mode is an end have the closed forms 1 - (1 - x)^2 and x^2 on the unit interval.
     #[test]
     fn triangles_without_one_of_their_sides() {
-        let triangle = |mode| Distribution::Triangular {
-            min: 0.0,
-            mode,
-            max: 1.0,
-        };
+        let triangle = |mode| Distribution::Triangular { min: 0.0, mode, max: 1.0 };
         let [falling, rising] = [0.0, 1.0].map(triangle);
         for (x, below) in [(-1.0, 0.0), (0.0, 0.0), (0.5, 0.75), (1.0, 1.0), (2.0, 1.0)] {
             assert_eq!(falling.below(x), below, "{x}");
@@ -252,11 +196,7 @@ mod tests {
     fn limits_belong_to_the_quantity_and_nothing_beyond_them() {
         let [_, truncated, uniform, _, lognormal] = all();
         for (distribution, [min, max]) in [(truncated, [1.5, 3.5]), (uniform, [-1.0, 3.0])] {
-            assert_eq!(
-                [min, max].map(|end| distribution.below(end)),
-                [0.0, 1.0],
-                "{distribution:?}"
-            );
+            assert_eq!([min, max].map(|end| distribution.below(end)), [0.0, 1.0], "{distribution:?}");
             for end in [min, max] {
                 assert!(distribution.ln_density(end).is_finite(), "{distribution:?}");
             }
@@ -284,19 +224,10 @@ mod tests {
         let [_, _, uniform, triangular, _] = all();
         let half = Distribution::Uniform { min: 0.0, max: 2.0 };
         assert_eq!(uniform.scaled(0.5), half);
-        let half = Distribution::Triangular {
-            min: 0.5,
-            mode: 1.0,
-            max: 2.5,
-        };
+        let half = Distribution::Triangular { min: 0.5, mode: 1.0, max: 2.5 };
         assert_eq!(triangular.scaled(0.5), half);
         // A mean beyond the cuts moves to the nearest value that they leave.
-        let cut = |mean, deviation| Distribution::TruncatedNormal {
-            mean,
-            deviation,
-            min: Some(1.5),
-            max: Some(3.5),
-        };
+        let cut = |mean, deviation| Distribution::TruncatedNormal { mean, deviation, min: Some(1.5), max: Some(3.5) };
         assert_eq!(cut(1.0, 0.5).scaled(2.0), cut(1.5, 1.0));
         assert_eq!(cut(9.0, 0.5).scaled(2.0), cut(3.5, 1.0));
     }

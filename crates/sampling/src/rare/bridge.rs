@@ -41,11 +41,7 @@ pub(super) fn tell<E>(
         let points = found.points.into_iter();
         let missed: Vec<Vec<f64>> = points.filter(|p| weight(p, &from) > limit).collect();
         let part = 1.0 - missed.len() as f64 / all;
-        parts.push(Part {
-            share: found.share,
-            part,
-            modes,
-        });
+        parts.push(Part { share: found.share, part, modes });
         outside.extend(missed);
     }
     if parts.len() < FEWEST {
@@ -121,11 +117,7 @@ mod tests {
     use super::*;
 
     fn parts(all: &[f64], modes: f64) -> Vec<Part> {
-        let part = |&part: &f64| Part {
-            share: 2e-7,
-            part,
-            modes,
-        };
+        let part = |&part: &f64| Part { share: 2e-7, part, modes };
         all.iter().map(part).collect()
     }
 
@@ -138,17 +130,13 @@ mod tests {
         assert!((share.error - error).abs() < 1e-8);
         let [low, high] = share.interval.unwrap();
         let half = 3.182_446 * error;
-        assert!(
-            (low / 1e-7 - (-half).exp()).abs() < 1e-6 && (high / 1e-7 - half.exp()).abs() < 1e-6
-        );
+        assert!((low / 1e-7 - (-half).exp()).abs() < 1e-6 && (high / 1e-7 - half.exp()).abs() < 1e-6);
         // A search counts by its share.
         let mut uneven = parts(&[0.8, 0.8, 0.8, 0.1], 1e3);
         uneven[3].share = 0.0;
         assert!((joined(&uneven, 8e-8, 0.0, 0.95).unwrap().value - 1e-7).abs() < 1e-20);
         // Searches that all see the same may lose the same.
-        let error = joined(&parts(&[1.0; 4], 1e6), 1e-7, 0.0, 0.95)
-            .unwrap()
-            .error;
+        let error = joined(&parts(&[1.0; 4], 1e6), 1e-7, 0.0, 0.95).unwrap().error;
         assert_eq!(error, UNSEEN);
         let few = parts(&[1.0, 0.1, 0.2, 0.9], 1e3);
         assert_eq!(joined(&few, 1e-7, 1e-4, 0.95), None);

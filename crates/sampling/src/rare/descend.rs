@@ -28,11 +28,7 @@ pub(super) fn descend<E>(
     runs: &mut Runs<'_, E>,
     random: &mut Random,
 ) -> Result<Vec<Vec<f64>>, E> {
-    let walk = |(point, level)| Walk {
-        point,
-        level,
-        width: 0.5,
-    };
+    let walk = |(point, level)| Walk { point, level, width: 0.5 };
     let mut walks: Vec<Walk> = starts.map(walk).collect();
     let mut arrived = Vec::new();
     for _ in 0..MOST_STEPS {
@@ -53,11 +49,7 @@ pub(super) fn descend<E>(
         }
         let ended = |walk: &mut Walk| walk.level == f64::NEG_INFINITY || walk.width < NARROWEST;
         let ended = walks.extract_if(.., ended);
-        arrived.extend(
-            ended
-                .filter(|w| w.level == f64::NEG_INFINITY)
-                .map(|w| w.point),
-        );
+        arrived.extend(ended.filter(|w| w.level == f64::NEG_INFINITY).map(|w| w.point));
         if walks.is_empty() {
             break;
         }

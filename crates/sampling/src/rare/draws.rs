@@ -37,12 +37,7 @@ impl Drawn {
 }
 
 /// Draws so many points and weighs them.
-pub(super) fn draw<E>(
-    from: &Mixture,
-    count: u64,
-    runs: &mut Runs<'_, E>,
-    random: &mut Random,
-) -> Result<Drawn, E> {
+pub(super) fn draw<E>(from: &Mixture, count: u64, runs: &mut Runs<'_, E>, random: &mut Random) -> Result<Drawn, E> {
     let points: Vec<Vec<f64>> = (0..count).map(|_| from.draw(random)).collect();
     let results = runs.of(&points)?;
     let weight = |(point, met): (&Vec<f64>, bool)| match met {

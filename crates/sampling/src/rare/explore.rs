@@ -40,14 +40,8 @@ pub(super) fn explore<E>(
 ) -> Result<Option<Population>, E> {
     let size = points.len();
     let end = (runs.made + most_runs).min(runs.most);
-    let mut population = Population {
-        points,
-        levels,
-        reached: f64::INFINITY,
-        share: 1.0,
-        widths: [0.6, 1.0],
-        changes: [1.0; 2],
-    };
+    let mut population =
+        Population { points, levels, reached: f64::INFINITY, share: 1.0, widths: [0.6, 1.0], changes: [1.0; 2] };
     for _ in 0..MOST_LEVELS {
         if runs.made + size as u64 > end {
             break;
@@ -78,12 +72,7 @@ impl Population {
     }
 
     /// The population at the next level; none where that is no other one.
-    fn deeper<E>(
-        &self,
-        size: usize,
-        runs: &mut Runs<'_, E>,
-        random: &mut Random,
-    ) -> Result<Option<Self>, E> {
+    fn deeper<E>(&self, size: usize, runs: &mut Runs<'_, E>, random: &mut Random) -> Result<Option<Self>, E> {
         let count = self.points.len();
         let kept = ((KEPT * count as f64) as usize).max(FEWEST).min(count);
         let mut sorted = self.levels.clone();
@@ -107,10 +96,7 @@ impl Population {
         let chains = points.len();
         for _ in 1..size.div_ceil(chains) {
             let from = points.len() - chains;
-            let tried: Vec<Vec<f64>> = points[from..]
-                .iter()
-                .map(|point| moves.from(point, 1.0, random))
-                .collect();
+            let tried: Vec<Vec<f64>> = points[from..].iter().map(|point| moves.from(point, 1.0, random)).collect();
             let results = runs.levels(&tried)?;
             let mut accepted = 0;
             for (k, (point, result)) in tried.into_iter().zip(results).enumerate() {

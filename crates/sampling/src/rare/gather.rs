@@ -77,10 +77,7 @@ pub(super) fn gather<E>(
     random: &mut Random,
     answer: &mut Answer,
 ) -> Result<Gathered, E> {
-    let mut gathered = Gathered {
-        is_flat: search.is_binary,
-        ..Gathered::default()
-    };
+    let mut gathered = Gathered { is_flat: search.is_binary, ..Gathered::default() };
     let mut known = known.0.chunks(size).zip(known.1.chunks(size));
     for number in 0..MOST_SEARCHES {
         // What is left must do for the draws, or for the bridge.
@@ -132,9 +129,7 @@ impl Gathered {
             widen(search.dimensions, size as u64, runs, random, wider)?
         } else {
             self.starts = match known {
-                Some((points, results)) => {
-                    (points.to_vec(), results.iter().map(Judged::rank).collect())
-                }
+                Some((points, results)) => (points.to_vec(), results.iter().map(Judged::rank).collect()),
                 None => {
                     let points = plain(search, size as u64, random);
                     let levels = runs.levels(&points)?;
@@ -172,20 +167,12 @@ impl Gathered {
     pub(super) fn scatter(&self) -> Option<f64> {
         let told: Option<Vec<[f64; 2]>> = self.told.iter().copied().collect();
         let told = told.filter(|told| !told.is_empty())?;
-        Some(
-            told.iter()
-                .fold(self.foretold, |most, [_, scatter]| most.max(*scatter)),
-        )
+        Some(told.iter().fold(self.foretold, |most, [_, scatter]| most.max(*scatter)))
     }
 
     /// The same from points of the event that the mixture does not know: the mean of p / (P q) over them, less 1.
     fn foretell(&mut self, points: &[Vec<f64>]) {
-        let shares: Vec<f64> = self
-            .told
-            .iter()
-            .flatten()
-            .map(|[share, _]| *share)
-            .collect();
+        let shares: Vec<f64> = self.told.iter().flatten().map(|[share, _]| *share).collect();
         if shares.is_empty() {
             return;
         }
@@ -240,17 +227,11 @@ impl Gathered {
 
     /// Improves the mixture by trials. Their hits are independent of each other, and count as if drawn from the mean of all
     /// mixtures that were tried (Veach and Guibas 1995, "Optimally combining sampling techniques").
-    pub(super) fn improve<E>(
-        &mut self,
-        runs: &mut Runs<'_, E>,
-        random: &mut Random,
-    ) -> Result<(), E> {
+    pub(super) fn improve<E>(&mut self, runs: &mut Runs<'_, E>, random: &mut Random) -> Result<(), E> {
         const FEWEST_DRAWS: u64 = 1000;
         self.told.clear();
         for _ in 0..TRIALS {
-            let count = FEWEST_DRAWS
-                .min(runs.most / 50)
-                .max(50 * self.mixture.len() as u64);
+            let count = FEWEST_DRAWS.min(runs.most / 50).max(50 * self.mixture.len() as u64);
             if runs.left() < count {
                 break;
             }
@@ -279,18 +260,14 @@ impl Gathered {
             let terms: Vec<f64> = terms.map(|(n, m)| n.ln() + m.ln_density(point)).collect();
             ln_sum(&terms)
         };
-        let weights: Vec<f64> = (hits.iter())
-            .map(|point| ln_standard(point) - ln_drawn(point))
-            .collect();
+        let weights: Vec<f64> = (hits.iter()).map(|point| ln_standard(point) - ln_drawn(point)).collect();
         let most = weights.iter().copied().fold(f64::MIN, f64::max);
         let mut weights: Vec<f64> = weights.iter().map(|w| (w - most).exp()).collect();
         cap(&mut weights);
         let scatter = |mixture: &Mixture| -> f64 {
             let from = mixture.defended(&self.points);
             let pairs = hits.iter().zip(&weights);
-            pairs
-                .map(|(point, w)| w * (ln_standard(point) - from.ln_density(point)).exp())
-                .sum()
+            pairs.map(|(point, w)| w * (ln_standard(point) - from.ln_density(point)).exp()).sum()
         };
         let candidates = [
             Mixture::fit(&hits, &weights, 1.0),
@@ -304,12 +281,7 @@ impl Gathered {
 
     /// Looks for parts of the event that the searches lose, by walks from so many of the last one's plain points; tells
     /// whether there are any. Where few walks come to one, the mixture follows it from now on; many show that there are more.
-    fn walk<E>(
-        &mut self,
-        count: usize,
-        runs: &mut Runs<'_, E>,
-        random: &mut Random,
-    ) -> Result<bool, E> {
+    fn walk<E>(&mut self, count: usize, runs: &mut Runs<'_, E>, random: &mut Random) -> Result<bool, E> {
         const MANY: f64 = 0.1;
         let (points, levels) = std::mem::take(&mut self.starts);
         let chosen = random.choice(count, points.len());
@@ -363,9 +335,7 @@ impl Gathered {
             return Ok(0.0);
         }
         let chosen = random.choice(hits.len(), hits.len());
-        let mut points: Vec<Vec<f64>> = (0..chains)
-            .map(|k| hits[chosen[k % chosen.len()]].clone())
-            .collect();
+        let mut points: Vec<Vec<f64>> = (0..chains).map(|k| hits[chosen[k % chosen.len()]].clone()).collect();
         let mut moves = Moves::along(&points, [0.4, 1.0]);
         let mut led = Vec::new();
         for step in 0..STEPS {

@@ -27,21 +27,15 @@ impl Component {
         // Of other components' points there is nothing to tell.
         let most = weights.iter().copied().fold(0.0, f64::max);
         let matter = |&i: &usize| weights[i] > NEGLIGIBLE * most;
-        let (points, weights): (Vec<&[f64]>, Vec<f64>) = (0..points.len())
-            .filter(matter)
-            .map(|i| (points[i].as_slice(), weights[i]))
-            .unzip();
+        let (points, weights): (Vec<&[f64]>, Vec<f64>) =
+            (0..points.len()).filter(matter).map(|i| (points[i].as_slice(), weights[i])).unzip();
         let scatter = Scatter::of(&points, &weights);
         let ratio = (scatter.mean.len() as f64 / (told * scatter.effective).max(1.0)).sqrt();
         let low = (1.0 - ratio).max(0.0).powi(2) / SLACK;
         let high = (1.0 + ratio).powi(2) * SLACK;
         let pairs = scatter.axes.into_iter().zip(scatter.variances);
         let (axes, variances) = pairs.filter(|(_, v)| !(low..=high).contains(v)).unzip();
-        Self {
-            mean: scatter.mean,
-            axes,
-            variances,
-        }
+        Self { mean: scatter.mean, axes, variances }
     }
 
     /// About the centre, with the points' mean square.
@@ -49,11 +43,7 @@ impl Component {
         let dimensions = points.first().map_or(0, Vec::len);
         let squares: f64 = points.iter().flatten().map(|x| x * x).sum();
         let variance = (squares / (points.len() * dimensions).max(1) as f64).max(1.0);
-        let axis = |k: usize| {
-            (0..dimensions)
-                .map(|j| f64::from(u8::from(j == k)))
-                .collect()
-        };
+        let axis = |k: usize| (0..dimensions).map(|j| f64::from(u8::from(j == k))).collect();
         Self {
             mean: vec![0.0; dimensions],
             axes: (0..dimensions).map(axis).collect(),
@@ -88,10 +78,7 @@ impl Component {
 
     fn wider(&self, factor: f64) -> Self {
         let variances = self.variances.iter().map(|v| v * factor * factor);
-        Self {
-            variances: variances.collect(),
-            ..self.clone()
-        }
+        Self { variances: variances.collect(), ..self.clone() }
     }
 }
 
@@ -113,11 +100,7 @@ pub(super) fn ln_standard(point: &[f64]) -> f64 {
 impl Mixture {
     /// The mixture that explains the points best, by Schwarz's criterion (1978), of those that begin with one component.
     pub(super) fn fit(points: &[Vec<f64>], weights: &[f64], told: f64) -> Self {
-        let one = Self {
-            parts: vec![Component::fit(points, weights, told)],
-            weights: vec![1.0],
-            told,
-        };
+        let one = Self { parts: vec![Component::fit(points, weights, told)], weights: vec![1.0], told };
         one.grown(points, weights).1
     }
 
@@ -134,10 +117,7 @@ impl Mixture {
 
     /// The same, but beginning with what this is.
     pub(super) fn fit_on(&self, points: &[Vec<f64>], weights: &[f64]) -> Self {
-        let this = Self {
-            told: 1.0,
-            ..self.clone()
-        };
+        let this = Self { told: 1.0, ..self.clone() };
         this.grown(points, weights).1
     }
 
@@ -237,11 +217,7 @@ impl Mixture {
     fn is_enough(&self, points: &[Vec<f64>], part: &[f64]) -> bool {
         const FEWEST: usize = 15;
         let dimensions = points.first().map_or(0, Vec::len);
-        let fewest = if self.told < 1.0 {
-            FEWEST
-        } else {
-            FEWEST.max(dimensions)
-        };
+        let fewest = if self.told < 1.0 { FEWEST } else { FEWEST.max(dimensions) };
         effective(part) >= fewest as f64
     }
 
@@ -276,9 +252,7 @@ impl Mixture {
 
     fn terms(&self, point: &[f64]) -> Vec<f64> {
         let pairs = self.parts.iter().zip(&self.weights);
-        pairs
-            .map(|(part, weight)| weight.ln() + part.ln_density(point))
-            .collect()
+        pairs.map(|(part, weight)| weight.ln() + part.ln_density(point)).collect()
     }
 
     pub(super) fn ln_density(&self, point: &[f64]) -> f64 {
@@ -297,8 +271,7 @@ impl Mixture {
     pub(super) fn add(&mut self, other: Self, weight: f64) {
         self.weights.iter_mut().for_each(|w| *w *= 1.0 - weight);
         self.parts.extend(other.parts);
-        self.weights
-            .extend(other.weights.iter().map(|w| weight * w));
+        self.weights.extend(other.weights.iter().map(|w| weight * w));
     }
 
     /// The mixture with a part of it drawn wider, so that no weight becomes large where its own tails are too light.
@@ -309,14 +282,7 @@ impl Mixture {
             let parts = self.parts.iter().map(|p| p.wider(factor)).collect();
             let weights = self.weights.clone();
             let told = self.told;
-            all.add(
-                Self {
-                    parts,
-                    weights,
-                    told,
-                },
-                share,
-            );
+            all.add(Self { parts, weights, told }, share);
         }
         all
     }
@@ -325,11 +291,7 @@ impl Mixture {
     pub(super) fn defended(&self, points: &[Vec<f64>]) -> Self {
         const ABOUT_CENTRE: f64 = 0.1;
         let mut all = self.widened();
-        let centre = Self {
-            parts: vec![Component::about_centre(points)],
-            weights: vec![1.0],
-            told: 1.0,
-        };
+        let centre = Self { parts: vec![Component::about_centre(points)], weights: vec![1.0], told: 1.0 };
         all.add(centre, ABOUT_CENTRE);
         all
     }

@@ -178,35 +178,14 @@ pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
     }
     let known = (points, results);
     let population = size as usize;
-    let mut gathered = gather(
-        search,
-        population,
-        known,
-        &mut runs,
-        &mut random,
-        &mut answer,
-    )?;
+    let mut gathered = gather(search, population, known, &mut runs, &mut random, &mut answer)?;
     // Where no way leads to the event, as over flat outputs, the runs that are left tell at least how large its share may be.
     let Some(rough) = gathered.share().filter(|share| *share < FREQUENT) else {
         return counted(search, answer, runs, &mut random);
     };
-    let is_told = gathered.is_settled()
-        && weigh::weigh(
-            &mut gathered,
-            search.confidence,
-            &mut runs,
-            &mut random,
-            &mut answer,
-        )?;
-    let is_told = is_told
-        || bridge::tell(
-            &mut gathered,
-            search,
-            population,
-            &mut runs,
-            &mut random,
-            &mut answer,
-        )?;
+    let is_told =
+        gathered.is_settled() && weigh::weigh(&mut gathered, search.confidence, &mut runs, &mut random, &mut answer)?;
+    let is_told = is_told || bridge::tell(&mut gathered, search, population, &mut runs, &mut random, &mut answer)?;
     if !is_told {
         answer.rough = Some(rough);
     } else if let Some(share) = answer.share.clone()
@@ -223,12 +202,7 @@ pub fn share<E>(search: &Search, ask: Ask<'_, E>) -> Result<Answer, E> {
 }
 
 /// Counts the event among fresh plain points: as many as tell a frequent one well, or all that are left.
-fn counted<E>(
-    search: &Search,
-    mut answer: Answer,
-    mut runs: Runs<'_, E>,
-    random: &mut Random,
-) -> Result<Answer, E> {
+fn counted<E>(search: &Search, mut answer: Answer, mut runs: Runs<'_, E>, random: &mut Random) -> Result<Answer, E> {
     /// So many hits leave a relative error of 5 %.
     const HITS: f64 = 400.0;
     let first = answer.plain;
@@ -257,9 +231,7 @@ fn counted<E>(
 }
 
 fn plain(search: &Search, count: u64, random: &mut Random) -> Vec<Vec<f64>> {
-    (0..count)
-        .map(|_| random.normals(search.dimensions))
-        .collect()
+    (0..count).map(|_| random.normals(search.dimensions)).collect()
 }
 
 impl Answer {
@@ -270,10 +242,7 @@ impl Answer {
             self.plain.met += u64::from(result.met);
             self.plain.failed += u64::from(result.failed);
             if result.met {
-                self.sample.push(Weighted {
-                    scores: point.clone(),
-                    weight: 0.0,
-                });
+                self.sample.push(Weighted { scores: point.clone(), weight: 0.0 });
             }
         }
     }

@@ -34,12 +34,7 @@ impl Moves {
     pub(super) fn along(points: &[Vec<f64>], widths: [f64; 2]) -> Self {
         let scatter = Scatter::of(points, &vec![1.0; points.len()]);
         let spreads = scatter.variances.iter().map(|v| v.sqrt().min(1.0));
-        Self {
-            spreads: spreads.collect(),
-            axes: scatter.axes,
-            widths,
-            steps: 0,
-        }
+        Self { spreads: spreads.collect(), axes: scatter.axes, widths, steps: 0 }
     }
 
     /// Which kind is next.

@@ -18,11 +18,7 @@ pub(super) struct Scatter {
 pub(super) fn effective(weights: &[f64]) -> f64 {
     let sum: f64 = weights.iter().sum();
     let squares: f64 = weights.iter().map(|w| w * w).sum();
-    if squares > 0.0 {
-        sum * sum / squares
-    } else {
-        0.0
-    }
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
 impl Scatter {
@@ -50,9 +46,8 @@ impl Scatter {
         }
         matrix.fill_upper_triangle_with_lower_triangle();
         let eigen = matrix.symmetric_eigen();
-        let axes: Vec<Vec<f64>> = (0..dimensions)
-            .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())
-            .collect();
+        let axes: Vec<Vec<f64>> =
+            (0..dimensions).map(|k| eigen.eigenvectors.column(k).iter().copied().collect()).collect();
         // Rounding hides small eigenvalues beside large ones; the variance along their axes is exact.
         let correction = effective / (effective - 1.0).max(1.0);
         let variance = |axis: &Vec<f64>| {
@@ -65,11 +60,6 @@ impl Scatter {
             (correction * squares.sum::<f64>()).max(f64::MIN_POSITIVE)
         };
         let variances = axes.iter().map(variance).collect();
-        Self {
-            mean,
-            axes,
-            variances,
-            effective,
-        }
+        Self { mean, axes, variances, effective }
     }
 }

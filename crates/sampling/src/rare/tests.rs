@@ -3,13 +3,7 @@ use std::convert::Infallible;
 use super::*;
 
 fn search(dimensions: usize, runs: u64, seed: u64) -> Search {
-    Search {
-        dimensions,
-        runs,
-        seed,
-        confidence: 0.95,
-        is_binary: false,
-    }
+    Search { dimensions, runs, seed, confidence: 0.95, is_binary: false }
 }
 
 /// The answer for an event whose level falls to 0, and the sets of points that it asked for.
@@ -19,11 +13,7 @@ fn asked(search: &Search, level: impl Fn(&[f64]) -> f64) -> (Answer, Vec<Vec<Vec
         sets.push(points.to_vec());
         let judged = points.iter().map(|point| {
             let level = level(point);
-            Judged {
-                level: if search.is_binary { 0.0 } else { level },
-                met: level <= 0.0,
-                failed: level.is_nan(),
-            }
+            Judged { level: if search.is_binary { 0.0 } else { level }, met: level <= 0.0, failed: level.is_nan() }
         });
         Ok::<_, Infallible>(judged.collect())
     };
@@ -56,12 +46,7 @@ fn the_tail_of_a_normal_number_is_told_with_its_interval() {
         // random one, here of some thousand in seven dimensions.
         let centre = &answer.regions[0].centre;
         assert!((6.0..6.6).contains(&centre[3]), "{centre:?}");
-        assert!(
-            centre
-                .iter()
-                .enumerate()
-                .all(|(k, x)| k == 3 || x.abs() < 0.6)
-        );
+        assert!(centre.iter().enumerate().all(|(k, x)| k == 3 || x.abs() < 0.6));
     }
 }
 
@@ -85,10 +70,7 @@ fn what_is_frequent_is_counted() {
     let share = answer.share.unwrap();
     assert_eq!((share.method, share.interval), (Method::Counted, None));
     assert!((share.value - 0.4013).abs() < 0.1);
-    let rare = asked(&search(2, 20_000, 1), |u| 3.5 - u[0])
-        .0
-        .share
-        .unwrap();
+    let rare = asked(&search(2, 20_000, 1), |u| 3.5 - u[0]).0.share.unwrap();
     assert_eq!(rare.method, Method::Weighted);
     assert!((rare.value / 2.326e-4 - 1.0).abs() < 0.25, "{rare:?}");
 }
@@ -96,10 +78,7 @@ fn what_is_frequent_is_counted() {
 #[test]
 fn an_event_that_runs_only_say_yes_or_no_to_is_found_by_wider_draws() {
     for seed in 1..=2 {
-        let binary = Search {
-            is_binary: true,
-            ..search(4, 60_000, seed)
-        };
+        let binary = Search { is_binary: true, ..search(4, 60_000, seed) };
         let (answer, _) = asked(&binary, |u| LIMIT - u[1]);
         let share = answer.share.clone().unwrap();
         assert!((share.value / 1e-9 - 1.0).abs() < 0.25, "{share:?}");
@@ -121,16 +100,10 @@ fn what_never_happens_is_not_told() {
     let (deep, _) = asked(&search(3, 5000, 1), |u| 30.0 - u[0]);
     assert_eq!(deep.share, None);
     let (level, share) = deep.levels.last().copied().unwrap();
-    assert!(
-        level > 0.0 && share > 0.0 && share < 1e-2,
-        "{level} {share}"
-    );
+    assert!(level > 0.0 && share > 0.0 && share < 1e-2, "{level} {share}");
     assert_eq!(deep.runs, 5000);
     // Wider draws do not find it, and all that is left is counted.
-    let binary = Search {
-        is_binary: true,
-        ..search(3, 5000, 1)
-    };
+    let binary = Search { is_binary: true, ..search(3, 5000, 1) };
     let (none, _) = asked(&binary, |u| 30.0 - u[0]);
     assert_eq!((none.share, none.wider.met), (None, 0));
     assert_eq!(none.runs, 5000);
@@ -140,9 +113,7 @@ fn what_never_happens_is_not_told() {
 /// Failed runs are no part of the event, and the way to it leads around them.
 #[test]
 fn failed_runs_are_counted_apart() {
-    let (answer, _) = asked(&search(2, 30_000, 1), |u| {
-        if u[1] > 1.0 { f64::NAN } else { LIMIT - u[0] }
-    });
+    let (answer, _) = asked(&search(2, 30_000, 1), |u| if u[1] > 1.0 { f64::NAN } else { LIMIT - u[0] });
     let share = answer.share.unwrap();
     // The other parameter is below 1 in 84.13 %.
     assert!((share.value / 0.8413e-9 - 1.0).abs() < 0.2, "{share:?}");
@@ -161,9 +132,7 @@ fn a_search_is_the_same_whenever_it_is_run() {
 #[test]
 fn a_shape_that_no_mixture_follows_is_not_told() {
     let half = 4e-6;
-    let (answer, _) = asked(&search(2, 20_000, 3), |u| {
-        (u[0].hypot(u[1]) - 1.5).abs() / half - 1.0
-    });
+    let (answer, _) = asked(&search(2, 20_000, 3), |u| (u[0].hypot(u[1]) - 1.5).abs() / half - 1.0);
     assert_eq!((answer.share, answer.sample.len()), (None, 0));
 }
 
@@ -172,9 +141,7 @@ const FAR: f64 = 5.612_001_244_174_789;
 
 #[test]
 fn all_of_many_equal_regions_are_found() {
-    let (answer, _) = asked(&search(5, 100_000, 1), |u| {
-        FAR - u.iter().copied().fold(f64::MIN, f64::max)
-    });
+    let (answer, _) = asked(&search(5, 100_000, 1), |u| FAR - u.iter().copied().fold(f64::MIN, f64::max));
     let share = answer.share.unwrap();
     assert!((share.value / 5e-8 - 1.0).abs() < 0.1, "{share:?}");
 }
@@ -193,10 +160,7 @@ fn a_part_that_all_searches_lose_is_found() {
             PLACES.into_iter().map(away).fold(f64::MAX, f64::min)
         });
         let share = answer.share.unwrap();
-        assert!(
-            (share.value / exact - 1.0).abs() < 0.1,
-            "{share:?}, {exact}"
-        );
+        assert!((share.value / exact - 1.0).abs() < 0.1, "{share:?}, {exact}");
         assert_eq!(answer.regions.len(), 2);
     }
 }
@@ -222,18 +186,14 @@ fn intervals_of_many_regions_hold() {
         let exact = -(f64::from(regions) * (-1e-8_f64).ln_1p()).exp_m1();
         let (mut told, mut held) = (0, 0);
         for seed in 1..=SEEDS {
-            let (answer, _) = asked(&search(regions as usize, 100_000, seed), |u| {
-                FAR - u.iter().copied().fold(f64::MIN, f64::max)
-            });
+            let (answer, _) =
+                asked(&search(regions as usize, 100_000, seed), |u| FAR - u.iter().copied().fold(f64::MIN, f64::max));
             if let Some([low, high]) = answer.share.and_then(|share| share.interval) {
                 told += 1;
                 held += u32::from(low <= exact && exact <= high);
             }
         }
-        assert!(
-            20 * held >= 17 * told,
-            "{regions} regions: {held} of {told}"
-        );
+        assert!(20 * held >= 17 * told, "{regions} regions: {held} of {told}");
         (all_told, all_held) = (all_told + told, all_held + held);
     }
     assert!(100 * all_held >= 93 * all_told, "{all_held} of {all_told}");

@@ -99,8 +99,7 @@ pub(super) fn regions(mixture: &Mixture, points: &[Vec<f64>], weights: &[f64]) -
     let region = |number: usize| {
         let members = || (0..points.len()).filter(|&k| of[k] == number);
         let share: f64 = members().map(|k| weights[k]).sum();
-        let mean =
-            |axis: usize| members().map(|k| weights[k] * points[k][axis]).sum::<f64>() / share;
+        let mean = |axis: usize| members().map(|k| weights[k] * points[k][axis]).sum::<f64>() / share;
         let mean: Vec<f64> = (0..points.first()?.len()).map(mean).collect();
         // The mean of a curved region may lie outside of it.
         let apart = |&k: &usize| -> f64 {

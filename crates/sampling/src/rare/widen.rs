@@ -74,10 +74,7 @@ fn back<E>(
         scale = next;
         let mut moves = Moves::along(&points, widths);
         for _ in 0..MOVES {
-            let tried: Vec<Vec<f64>> = points
-                .iter()
-                .map(|point| moves.from(point, scale, random))
-                .collect();
+            let tried: Vec<Vec<f64>> = points.iter().map(|point| moves.from(point, scale, random)).collect();
             let results = runs.of(&tried)?;
             let mut accepted = 0;
             for ((point, next), result) in points.iter_mut().zip(tried).zip(results) {

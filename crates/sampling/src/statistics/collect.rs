@@ -64,10 +64,6 @@ impl<C: Collect> Collect for Scaled<C> {
     fn result(&self, span: f64) -> f64 {
         let Self([plain, scaled]) = self;
         let result = plain.result(span);
-        if result.is_finite() {
-            result
-        } else {
-            LARGE * scaled.result(span)
-        }
+        if result.is_finite() { result } else { LARGE * scaled.result(span) }
     }
 }

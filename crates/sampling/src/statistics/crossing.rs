@@ -20,10 +20,7 @@ pub enum Direction {
 impl Direction {
     /// Whether a signal that goes from one value to another comes to the level in this direction.
     fn passes(self, level: f64, before: f64, after: f64) -> bool {
-        let (rises, falls) = (
-            before < level && after >= level,
-            before > level && after <= level,
-        );
+        let (rises, falls) = (before < level && after >= level, before > level && after <= level);
         match self {
             Self::Either => rises || falls,
             Self::Rising => rises,
@@ -49,11 +46,7 @@ pub struct Crossing {
 impl Crossing {
     /// The first time at which a signal passes the level in this direction.
     pub fn new(level: f64, direction: Direction) -> Self {
-        Self {
-            level,
-            direction,
-            ..Self::default()
-        }
+        Self { level, direction, ..Self::default() }
     }
 
     /// The range of a signal that never came to the level.

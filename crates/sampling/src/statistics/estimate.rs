@@ -24,11 +24,7 @@ pub fn or_not_a_number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64,
 impl Estimate {
     /// An estimate with a symmetric interval.
     pub fn around(value: f64, half: f64) -> Self {
-        Self {
-            value,
-            low: value - half,
-            high: value + half,
-        }
+        Self { value, low: value - half, high: value + half }
     }
 
     /// Whether the interval holds a value.
@@ -45,21 +41,14 @@ mod tests {
     fn an_interval_holds_its_ends_and_what_lies_between() {
         let one = Estimate::around(1.0, 0.5);
         assert!([0.5, 1.0, 1.5].iter().all(|&value| one.contains(value)));
-        assert!(
-            ![0.4, 1.6, f64::NAN]
-                .iter()
-                .any(|&value| one.contains(value))
-        );
+        assert!(![0.4, 1.6, f64::NAN].iter().any(|&value| one.contains(value)));
     }
 
     /// A number that is none becomes `null` in a file, and is none again when the file is read.
     #[test]
     fn estimates_are_the_same_when_they_are_read_again() {
         let written = serde_json::json!(Estimate::around(2.5, f64::NAN));
-        assert_eq!(
-            written,
-            serde_json::json!({ "value": 2.5, "low": null, "high": null })
-        );
+        assert_eq!(written, serde_json::json!({ "value": 2.5, "low": null, "high": null }));
         let read: Estimate = serde_json::from_value(written).unwrap();
         assert_eq!(read.value, 2.5);
         assert!(read.low.is_nan() && read.high.is_nan());

@@ -14,11 +14,7 @@ pub type Max = Extreme<true>;
 
 impl<const LARGEST: bool> Default for Extreme<LARGEST> {
     fn default() -> Self {
-        Self(if LARGEST {
-            f64::NEG_INFINITY
-        } else {
-            f64::INFINITY
-        })
+        Self(if LARGEST { f64::NEG_INFINITY } else { f64::INFINITY })
     }
 }
 
@@ -28,11 +24,7 @@ impl<const LARGEST: bool> Collect for Extreme<LARGEST> {
 
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
         for (_, value) in values {
-            let is_beyond = if LARGEST {
-                value > self.0
-            } else {
-                value < self.0
-            };
+            let is_beyond = if LARGEST { value > self.0 } else { value < self.0 };
             if is_beyond || value.is_nan() {
                 self.0 = value;
             }

@@ -26,10 +26,6 @@ impl Collect for Mean {
     }
 
     fn result(&self, span: f64) -> f64 {
-        if span > 0.0 {
-            0.5 * self.integral / span
-        } else {
-            self.last
-        }
+        if span > 0.0 { 0.5 * self.integral / span } else { self.last }
     }
 }

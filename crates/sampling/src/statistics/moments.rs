@@ -64,11 +64,7 @@ pub fn pearson(a: &[f64], b: &[f64]) -> f64 {
         bb += (y - mb).powi(2);
         ab += (x - ma) * (y - mb);
     }
-    if aa > 0.0 && bb > 0.0 {
-        ab / (aa * bb).sqrt()
-    } else {
-        0.0
-    }
+    if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
 /// Ranks from 1; equal values share the mean of theirs.
@@ -129,9 +125,8 @@ pub fn ks_probability(distance: f64, n: usize, m: usize) -> f64 {
     if l < 0.2 {
         return 1.0;
     }
-    let series: f64 = (1..=100)
-        .map(|k| if k % 2 == 1 { 2.0 } else { -2.0 } * (-2.0 * (f64::from(k) * l).powi(2)).exp())
-        .sum();
+    let series: f64 =
+        (1..=100).map(|k| if k % 2 == 1 { 2.0 } else { -2.0 } * (-2.0 * (f64::from(k) * l).powi(2)).exp()).sum();
     series.clamp(0.0, 1.0)
 }
 
@@ -175,10 +170,7 @@ mod tests {
         let a = [1.0, 2.0, 4.0, 5.0, 9.0].map(|v| v + FAR);
         let b = [2.0, -1.0, 4.0, 3.0, 7.0].map(|v| v + FAR);
         for coefficient in [pearson(&a, &b), pearson(&b, &a)] {
-            assert!(
-                (coefficient - 0.8535055952315547).abs() < 1e-9,
-                "{coefficient}"
-            );
+            assert!((coefficient - 0.8535055952315547).abs() < 1e-9, "{coefficient}");
         }
     }
 
@@ -220,10 +212,7 @@ mod tests {
         // At 2 all of the first sample has been seen, and two of five of the second.
         assert_eq!(distance(&[1.0, 2.0], &[1.0, 1.0, 3.0, 3.0, 3.0]), [0.6; 2]);
         // The steps are 0 - 1/4, 3/4 - 1/4, 3/4 - 2/4, 1 - 2/4.
-        assert_eq!(
-            distance(&[1.0, 1.0, 1.0, 5.0], &[0.0, 2.0, 6.0, 7.0]),
-            [0.5; 2]
-        );
+        assert_eq!(distance(&[1.0, 1.0, 1.0, 5.0], &[0.0, 2.0, 6.0, 7.0]), [0.5; 2]);
     }
 
     /// Kolmogorov's distribution: Smirnov (1948), "Table for estimating the goodness of fit of empirical distributions",
@@ -232,13 +221,7 @@ mod tests {
     fn small_samples_have_the_probabilities_that_stephens_gives() {
         // 30 and 70 values count as much as 21 and a known distribution.
         let corrected = 21_f64.sqrt() + 0.12 + 0.11 / 21_f64.sqrt();
-        for (l, probability) in [
-            (0.5, 0.963945),
-            (1.0, 0.27),
-            (1.224, 0.10),
-            (1.358, 0.05),
-            (1.628, 0.01),
-        ] {
+        for (l, probability) in [(0.5, 0.963945), (1.0, 0.27), (1.224, 0.10), (1.358, 0.05), (1.628, 0.01)] {
             let chance = ks_probability(l / corrected, 30, 70);
             assert!((chance - probability).abs() < 1e-4, "{l}: {chance}");
         }

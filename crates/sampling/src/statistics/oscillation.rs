@@ -66,10 +66,7 @@ impl Recording {
     /// The largest magnitude of the values; none where there are none, or one is no number.
     fn largest(&self) -> Option<f64> {
         let finite = self.values.iter().all(|value| value.is_finite());
-        let largest = self
-            .values
-            .iter()
-            .fold(0.0, |most: f64, v| most.max(v.abs()));
+        let largest = self.values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         (finite && !self.values.is_empty()).then_some(largest)
     }
 
@@ -90,10 +87,7 @@ impl Recording {
         let frequency = self.refine(&weights, peak as f64 * spacing, spacing);
         let fit = self.fit(&weights, frequency)?;
         let amplitude = fit.coefficients[2].hypot(fit.coefficients[3]);
-        (amplitude > ROUNDING * largest).then_some(Oscillation {
-            frequency,
-            amplitude,
-        })
+        (amplitude > ROUNDING * largest).then_some(Oscillation { frequency, amplitude })
     }
 
     /// The window at each value, times the time for which the value stands.
@@ -123,13 +117,8 @@ impl Recording {
             while self.times[place + 1] < time {
                 place += 1;
             }
-            let [(before, low), (after, high)] =
-                [place, place + 1].map(|k| (self.times[k], self.values[k]));
-            let share = if after > before {
-                (time - before) / (after - before)
-            } else {
-                1.0
-            };
+            let [(before, low), (after, high)] = [place, place + 1].map(|k| (self.times[k], self.values[k]));
+            let share = if after > before { (time - before) / (after - before) } else { 1.0 };
             let value = low + share * (high - low) - drift[0] - drift[1] * self.centred(time);
             *slot = value * (1.0 - (TAU * time / span).cos());
         }
@@ -151,9 +140,7 @@ impl Recording {
         for ((time, value), weight) in self.times.iter().zip(&self.values).zip(weights) {
             let u = self.centred(*time);
             let terms = [1.0, u, u * u, *value, u * value];
-            sums.iter_mut()
-                .zip(terms)
-                .for_each(|(sum, term)| *sum += weight * term);
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
         }
         let [one, u, uu, y, uy] = sums;
         let slope = (one * uy - u * y) / (one * uu - u * u);
@@ -171,10 +158,7 @@ impl Recording {
             moments.axpy(weight * (value - self.values[0]), &basis, 1.0);
         }
         let coefficients = products.cholesky()?.solve(&moments);
-        Some(Fit {
-            explained: coefficients.dot(&moments),
-            coefficients,
-        })
+        Some(Fit { explained: coefficients.dot(&moments), coefficients })
     }
 
     /// Refines a peak of the spectrum: the frequency near it whose fitted sine explains most of the signal.
@@ -189,11 +173,7 @@ impl Recording {
         for _ in 0..ROUNDS {
             let [low, here, high] = [best - reach, best, best + reach].map(explained);
             let bend = low - 2.0 * here + high;
-            let shift = if bend < 0.0 {
-                0.5 * (low - high) / bend
-            } else {
-                0.0
-            };
+            let shift = if bend < 0.0 { 0.5 * (low - high) / bend } else { 0.0 };
             best += reach * shift.clamp(-1.0, 1.0);
             reach *= CLOSER;
         }
@@ -244,23 +224,13 @@ mod tests {
     /// Of a sine on a drift, the fit is exact, wherever the window ends and however the values lie.
     #[test]
     fn a_sine_on_a_line_is_found_exactly() {
-        for (periods, steps) in [
-            (3.4, &vec![0.01; 300]),
-            (40.3, &vec![0.01; 300]),
-            (17.0, &uneven(700)),
-        ] {
+        for (periods, steps) in [(3.4, &vec![0.01; 300]), (40.3, &vec![0.01; 300]), (17.0, &uneven(700))] {
             let span: f64 = steps.iter().sum();
             let frequency = periods / span;
             let signal = |t: f64| 1e3 - 5.0 * t + 0.3 * (TAU * frequency * t + 1.1).cos();
             let strongest = recording(signal, steps).strongest().unwrap();
-            assert!(
-                (strongest.frequency / frequency - 1.0).abs() < 1e-6,
-                "{periods}: {strongest:?}"
-            );
-            assert!(
-                (strongest.amplitude / 0.3 - 1.0).abs() < 1e-6,
-                "{periods}: {strongest:?}"
-            );
+            assert!((strongest.frequency / frequency - 1.0).abs() < 1e-6, "{periods}: {strongest:?}");
+            assert!((strongest.amplitude / 0.3 - 1.0).abs() < 1e-6, "{periods}: {strongest:?}");
         }
     }
 
@@ -273,10 +243,7 @@ mod tests {
             let strongest = cosine.strongest().map(|oscillation| oscillation.frequency);
             if frequency < 31.0 {
                 let strongest = strongest.unwrap();
-                assert!(
-                    (strongest / frequency - 1.0).abs() < 1e-6,
-                    "{frequency}: {strongest}"
-                );
+                assert!((strongest / frequency - 1.0).abs() < 1e-6, "{frequency}: {strongest}");
             }
         }
     }
@@ -293,12 +260,7 @@ mod tests {
     #[test]
     fn a_drift_is_no_oscillation() {
         let steps = vec![0.01; 1000];
-        for signal in [
-            |t: f64| (-t / 3.0).exp(),
-            |t: f64| 3.0 - t,
-            |_: f64| 5.0,
-            |t: f64| t * t,
-        ] {
+        for signal in [|t: f64| (-t / 3.0).exp(), |t: f64| 3.0 - t, |_: f64| 5.0, |t: f64| t * t] {
             assert_eq!(recording(signal, &steps).strongest(), None);
         }
         let step = recording(|t| if t > 5.0 { 1.0 } else { 0.0 }, &steps);
@@ -375,10 +337,7 @@ mod tests {
         let weights = values.weights();
         assert!(weights.iter().zip(expected).all(close), "{weights:?}");
         assert_eq!((values.span(), values.even_step()), (4.0, 4.0 / 3.0));
-        assert_eq!(
-            [0.0, 1.0, 4.0].map(|t| values.centred(t)),
-            [-1.0, -0.5, 1.0]
-        );
+        assert_eq!([0.0, 1.0, 4.0].map(|t| values.centred(t)), [-1.0, -0.5, 1.0]);
         // The first and the last value of a short recording: the window does not close there when it is left out.
         let third = of(&[(0.0, 5.0), (2.0, 5.0), (4.0, 5.0)]).weights();
         assert!((third[1] - 3.0 * 0.75).abs() < 1e-15, "{third:?}");
@@ -408,24 +367,13 @@ mod tests {
     #[test]
     fn a_fit_at_its_frequency_is_exact() {
         let frequency = 9.0;
-        let values = recording(
-            |t| 2.0 + 3.0 * t + 0.5 * (TAU * frequency * t).cos(),
-            &uneven(100),
-        );
+        let values = recording(|t| 2.0 + 3.0 * t + 0.5 * (TAU * frequency * t).cos(), &uneven(100));
         let (weights, middle) = (values.weights(), 0.5 * values.span());
         let fit = values.fit(&weights, frequency).unwrap();
         let phase = TAU * frequency * middle;
-        let expected = [
-            2.0 + 3.0 * middle - values.values[0],
-            3.0 * middle,
-            0.5 * phase.cos(),
-            -0.5 * phase.sin(),
-        ];
+        let expected = [2.0 + 3.0 * middle - values.values[0], 3.0 * middle, 0.5 * phase.cos(), -0.5 * phase.sin()];
         for (coefficient, expected) in fit.coefficients.iter().zip(expected) {
-            assert!(
-                (coefficient - expected).abs() < 1e-9,
-                "{coefficient} {expected}"
-            );
+            assert!((coefficient - expected).abs() < 1e-9, "{coefficient} {expected}");
         }
         // It explains all of the sum of squares.
         let square = |(value, weight): (&f64, &f64)| weight * (value - values.values[0]).powi(2);
@@ -474,10 +422,7 @@ mod tests {
                 slots.iter().enumerate().map(term).sum()
             };
             let expected = sum(f64::cos).hypot(sum(f64::sin));
-            assert!(
-                (amplitude - expected).abs() < 1e-12,
-                "{k}: {amplitude} {expected}"
-            );
+            assert!((amplitude - expected).abs() < 1e-12, "{k}: {amplitude} {expected}");
         }
     }
 

@@ -21,10 +21,7 @@ impl Default for Percentile {
 impl Percentile {
     /// The percentile of so many percent, from 0 (the smallest value) to 100 (the greatest one).
     pub fn new(percent: f64) -> Self {
-        Self {
-            share: 0.01 * percent,
-            values: Vec::new(),
-        }
+        Self { share: 0.01 * percent, values: Vec::new() }
     }
 
     /// The time for which the signal is at most `level`, or below it.
@@ -68,10 +65,7 @@ impl Collect for Percentile {
             return f64::NAN;
         };
         if (greatest - least).is_infinite() && least.is_finite() && greatest.is_finite() {
-            let quarter = self
-                .values
-                .iter()
-                .map(|(elapsed, value)| (*elapsed, 0.25 * value));
+            let quarter = self.values.iter().map(|(elapsed, value)| (*elapsed, 0.25 * value));
             let values = quarter.collect();
             return 4.0 * Self { values, ..*self }.result(0.0);
         }

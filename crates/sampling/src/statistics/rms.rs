@@ -13,8 +13,7 @@ impl Collect for Rms {
 
     #[inline]
     fn add_all(&mut self, values: impl Iterator<Item = (f64, f64)>) {
-        self.0
-            .add_all(values.map(|(elapsed, value)| (elapsed, value * value)));
+        self.0.add_all(values.map(|(elapsed, value)| (elapsed, value * value)));
     }
 
     fn result(&self, span: f64) -> f64 {

@@ -41,21 +41,12 @@ impl Fraction {
         // The two-sided 95 % point of the standard normal distribution.
         const Z95: f64 = 1.959_963_984_540_054;
         let [low, high] = score(count as f64 / of as f64, of as f64, Z95);
-        Self {
-            count,
-            of,
-            low,
-            high,
-        }
+        Self { count, of, low, high }
     }
 
     /// The fraction itself; 0 of no trials.
     pub fn value(&self) -> f64 {
-        if self.of == 0 {
-            0.0
-        } else {
-            self.count as f64 / self.of as f64
-        }
+        if self.of == 0 { 0.0 } else { self.count as f64 / self.of as f64 }
     }
 }
 
@@ -66,12 +57,9 @@ mod tests {
     /// Newcombe (1998), "Two-sided confidence intervals for the single proportion", table I.
     #[test]
     fn wilson_matches_published_values() {
-        for (count, of, low, high) in [
-            (81, 263, 0.2553, 0.3662),
-            (15, 148, 0.0624, 0.1605),
-            (0, 20, 0.0, 0.1611),
-            (1, 29, 0.0061, 0.1718),
-        ] {
+        for (count, of, low, high) in
+            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+        {
             let f = Fraction::wilson(count, of);
             assert!((f.low - low).abs() < 5e-5, "{f:?}");
             assert!((f.high - high).abs() < 5e-5, "{f:?}");
@@ -87,14 +75,6 @@ mod tests {
     #[test]
     fn wilson_at_the_ends() {
         assert_eq!(Fraction::wilson(7, 7).high, 1.0);
-        assert_eq!(
-            Fraction::wilson(0, 0),
-            Fraction {
-                count: 0,
-                of: 0,
-                low: 0.0,
-                high: 1.0
-            }
-        );
+        assert_eq!(Fraction::wilson(0, 0), Fraction { count: 0, of: 0, low: 0.0, high: 1.0 });
     }
 }

@@ -14,11 +14,7 @@ pub type Frequency = Strongest<false>;
 pub type Amplitude = Strongest<true>;
 
 impl<const AMPLITUDE: bool> Collect for Strongest<AMPLITUDE> {
-    const LABEL: &'static str = if AMPLITUDE {
-        "amplitude of the strongest oscillation"
-    } else {
-        "frequency"
-    };
+    const LABEL: &'static str = if AMPLITUDE { "amplitude of the strongest oscillation" } else { "frequency" };
     const DIFFERENCE: bool = AMPLITUDE;
     const UNIT: Option<&'static str> = if AMPLITUDE { None } else { Some("Hz") };
     const NEEDS_LINES: bool = true;

@@ -22,10 +22,7 @@ pub struct MeanOverTurns {
 impl MeanOverTurns {
     /// Without values; `turn` is the angle of a turn, more than zero.
     pub fn new(turn: f64) -> Self {
-        Self {
-            turn,
-            ..Self::default()
-        }
+        Self { turn, ..Self::default() }
     }
 
     /// Takes a value and the angle at it, `elapsed` after the one before; the first one after zero.
@@ -73,11 +70,7 @@ mod tests {
             for k in 0..=3600_u32 {
                 let turned = 1e-3 * f64::from(k);
                 let value = 5.0 + (TAU * turned).cos() + 0.5 * (2.0 * TAU * turned).sin();
-                mean.add(
-                    if k == 0 { 0.0 } else { 0.01 },
-                    value,
-                    7.0 + direction * TAU * turned,
-                );
+                mean.add(if k == 0 { 0.0 } else { 0.01 }, value, 7.0 + direction * TAU * turned);
             }
             assert!((mean.result() - 5.0).abs() < 1e-12, "{}", mean.result());
         }
@@ -86,16 +79,10 @@ mod tests {
     #[test]
     fn the_largest_numbers_have_a_mean() {
         let mut mean = MeanOverTurns::new(1.0);
-        for (elapsed, value, angle) in
-            [(0.0, 1e308, 0.0), (50.0, -1e308, 0.5), (50.0, 1.7e308, 1.0)]
-        {
+        for (elapsed, value, angle) in [(0.0, 1e308, 0.0), (50.0, -1e308, 0.5), (50.0, 1.7e308, 1.0)] {
             mean.add(elapsed, value, angle);
         }
-        assert!(
-            (mean.result() / 0.175e308 - 1.0).abs() < 1e-12,
-            "{}",
-            mean.result()
-        );
+        assert!((mean.result() / 0.175e308 - 1.0).abs() < 1e-12, "{}", mean.result());
     }
 
     /// The signal is the time; the angle goes on, back a little, and on again.

@@ -77,9 +77,7 @@ pub fn filled(template: &str, values: Cell) -> String {
         };
         Ok(out.write_str(&written)?)
     });
-    environment.add_filter("text", |text: &str| {
-        Cell::from_safe_string(escape(printable(text)).into_owned())
-    });
+    environment.add_filter("text", |text: &str| Cell::from_safe_string(escape(printable(text)).into_owned()));
     let document = environment.render_str(template, values);
     let document = document.expect("a template of ours has all that it needs");
     let mut shown = String::new();
@@ -95,9 +93,5 @@ pub fn filled(template: &str, values: Cell) -> String {
 /// A text without the control characters that XML has no way to write.
 fn printable(text: &str) -> Cow<'_, str> {
     let foreign = |c: char| c < ' ' && !['\n', '\t', '\r'].contains(&c);
-    if text.contains(foreign) {
-        Cow::Owned(text.replace(foreign, " "))
-    } else {
-        Cow::Borrowed(text)
-    }
+    if text.contains(foreign) { Cow::Owned(text.replace(foreign, " ")) } else { Cow::Borrowed(text) }
 }

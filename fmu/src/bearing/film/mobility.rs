@@ -5,9 +5,7 @@ use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situatio
 use crate::bearing::parameters::{Bearing, FilmEnergy};
 use fmu_export::model::Fault;
 use journal_bearing::contact::{Contact, ContactAt, ContactFamily, Touch};
-use journal_bearing::mobility::{
-    LookUp, MapError, MobilityMap, MobilitySlice, RoughAt, RoughSlices, SliceFamily,
-};
+use journal_bearing::mobility::{LookUp, MapError, MobilityMap, MobilitySlice, RoughAt, RoughSlices, SliceFamily};
 use journal_bearing::reynolds::mean_gap;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -69,12 +67,7 @@ struct Factors {
 
 impl Factors {
     fn new(bearing: &Bearing) -> Self {
-        let Bearing {
-            radial_clearance: c,
-            width,
-            diameter,
-            ..
-        } = *bearing;
+        let Bearing { radial_clearance: c, width, diameter, .. } = *bearing;
         Self {
             mobility: bearing.relative_clearance().powi(2) / (width * diameter),
             side_flow: c.powi(3) / (3.0 * width * width),
@@ -126,9 +119,7 @@ impl JournalFilm for MobilityFilm {
     }
 
     fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
-        let map = MAP
-            .as_ref()
-            .map_err(|error| Fault::Failed(error.to_string()))?;
+        let map = MAP.as_ref().map_err(|error| Fault::Failed(error.to_string()))?;
         let width_to_diameter = bearing.width / bearing.diameter;
         // Variables have limits; the bytes of a saved state may hold anything.
         if width_to_diameter.is_nan() || width_to_diameter <= 0.0 {
@@ -139,22 +130,13 @@ impl JournalFilm for MobilityFilm {
         }
         let slice = map.slice(width_to_diameter);
         let roughness = bearing.surface.roughness;
-        let rough = bearing.surface.touches().then(|| {
-            RoughSlices::new(
-                &slice,
-                width_to_diameter,
-                roughness,
-                bearing.radial_clearance,
-            )
-        });
+        let rough = bearing
+            .surface
+            .touches()
+            .then(|| RoughSlices::new(&slice, width_to_diameter, roughness, bearing.radial_clearance));
         let rough = rough.transpose();
         self.prepared = Arc::new(Prepared {
-            contact: ContactFamily::new(
-                &bearing.surface,
-                bearing.radial_clearance,
-                bearing.width,
-                bearing.diameter,
-            ),
+            contact: ContactFamily::new(&bearing.surface, bearing.radial_clearance, bearing.width, bearing.diameter),
             factors: Factors::new(bearing),
             slice: Some(slice),
             rough: rough.map_err(|error| Fault::Failed(error.to_string()))?,
@@ -218,11 +200,7 @@ impl Instant {
     fn gap(&self, bearing: &Bearing, clearance: f64) -> f64 {
         let distance = clearance * (1.0 - self.ratio);
         let roughness = bearing.surface.roughness;
-        if self.touches {
-            mean_gap(distance / roughness) * roughness
-        } else {
-            distance
-        }
+        if self.touches { mean_gap(distance / roughness) * roughness } else { distance }
     }
 
     /// How far the mean planes of rough surfaces cross, over the roughness, 1.
@@ -236,11 +214,7 @@ impl Instant {
     /// What the time integration needs.
     #[inline(always)]
     fn drift(&self, at: &Situation) -> Drift {
-        Drift {
-            velocity: self.push.velocity,
-            torque: self.torque(at),
-            flows: self.flows,
-        }
+        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows }
     }
 
     /// Friction torque on the journal, N.m.
@@ -262,21 +236,13 @@ impl Prepared {
         side_flow: bool,
         known: Option<&AtClearance<'a>>,
     ) -> Instant {
-        let Situation {
-            viscosity,
-            speed,
-            clearance,
-            ..
-        } = *at;
+        let Situation { viscosity, speed, clearance, .. } = *at;
         // The clearance as a multiple of the measured one.
         let wider = clearance / bearing.radial_clearance;
         let e = Vector2::from(at.eccentricity);
         let length = e.norm();
         let touch = match known {
-            Some(film) => film.contact.touch(length).map(|touch| Touching {
-                touch,
-                rough: film.rough,
-            }),
+            Some(film) => film.contact.touch(length).map(|touch| Touching { touch, rough: film.rough }),
             None => (self.contact.touch(length, clearance)).map(|touch| Touching {
                 touch,
                 rough: (self.rough.as_ref()).map(|rough| rough.with_clearance(clearance)),
@@ -324,13 +290,7 @@ impl Prepared {
     /// happens next to standstill only. There friction takes the direction of the sliding, or, where it would turn that
     /// round, the value between that makes the contact stick. So it never drives the journal.
     #[inline(always)]
-    fn rub(
-        &self,
-        bearing: &Bearing,
-        at: &Situation,
-        place: (Vector2<f64>, f64),
-        touch: Option<&Touching<'_>>,
-    ) -> Push {
+    fn rub(&self, bearing: &Bearing, at: &Situation, place: (Vector2<f64>, f64), touch: Option<&Touching<'_>>) -> Push {
         let friction = match touch {
             Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.speed),
             _ => 0.0,
@@ -339,9 +299,7 @@ impl Prepared {
         if push.boundary.heat >= 0.0 {
             return push;
         }
-        Self::stick(friction.abs(), |friction| {
-            self.push(bearing, at, place, touch, friction)
-        })
+        Self::stick(friction.abs(), |friction| self.push(bearing, at, place, touch, friction))
     }
 
     /// The motion at a friction coefficient of at most `most` in either direction. The sliding falls as friction grows; the
@@ -410,30 +368,16 @@ impl Prepared {
         }
         let slice = self.slice.as_ref().filter(|_| magnitude > 0.0);
         let film = slice.map(|slice| match touch {
-            Some(Touching {
-                touch,
-                rough: Some(rough),
-            }) => rough.look_up(e, length, touch, direction),
+            Some(Touching { touch, rough: Some(rough) }) => rough.look_up(e, length, touch, direction),
             _ => slice.look_up(e, length, direction),
         });
         let wider = at.clearance / bearing.radial_clearance;
         let driven = magnitude / at.viscosity * (self.factors.mobility * wider * wider);
-        let squeeze = film
-            .as_ref()
-            .map_or(Vector2::zeros(), |film| film.mobility() * driven);
+        let squeeze = film.as_ref().map_or(Vector2::zeros(), |film| film.mobility() * driven);
         let velocity = [squeeze.x - 0.5 * speed * e.y, squeeze.y + 0.5 * speed * e.x];
         let place = at.eccentricity;
         let clearance = at.clearance;
-        let boundary = Boundary::of(
-            bearing, clearance, &contact, friction, speed, place, velocity,
-        );
-        Push {
-            film,
-            force,
-            magnitude,
-            squeeze,
-            velocity,
-            boundary,
-        }
+        let boundary = Boundary::of(bearing, clearance, &contact, friction, speed, place, velocity);
+        Push { film, force, magnitude, squeeze, velocity, boundary }
     }
 }

@@ -1,16 +1,14 @@
 //! The Reynolds film at work in the stand: it takes steps of its own and carries its journal along.
 
 use crate::bearing::friction::Boundary;
-use crate::bearing::journal::{
-    Drift, Flows, Interval, JournalFilm, Motion, Passed, Setup, Situation, TransientFilm,
-};
+use crate::bearing::journal::{Drift, Flows, Interval, JournalFilm, Motion, Passed, Setup, Situation, TransientFilm};
 use crate::bearing::parameters::{Bearing, FilmEnergy, Resolution};
 use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::ContactFamily;
 use journal_bearing::profile::Profile;
 use journal_bearing::reynolds::{
-    Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, HeatExchange,
-    PeriodicSearch, ReynoldsFilm, RoughFilm,
+    Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, HeatExchange, PeriodicSearch,
+    ReynoldsFilm, RoughFilm,
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -66,11 +64,7 @@ impl JournalFilm for ReynoldsJournal {
         let plain = profile.is_round() && resolution.tilt == [0.0; 2];
         let rough = bearing.surface.touches();
         let settings = FilmSettings {
-            cavitation: if resolution.mass_conserving {
-                Cavitation::MassConserving
-            } else {
-                Cavitation::NonNegative
-            },
+            cavitation: if resolution.mass_conserving { Cavitation::MassConserving } else { Cavitation::NonNegative },
             side_pressure: resolution.bath_above_cavities(),
             cells: cells(bearing),
             rheology: setup.rheology,
@@ -78,25 +72,16 @@ impl JournalFilm for ReynoldsJournal {
             tilt: resolution.tilt,
             feed: bearing.supply.in_film(),
             asperities: (rough && !plain).then(|| bearing.surface.clone()),
-            roughness: if rough {
-                bearing.surface.roughness
-            } else {
-                0.0
-            },
+            roughness: if rough { bearing.surface.roughness } else { 0.0 },
             rough_film: if resolution.flow_factors {
-                RoughFilm::FlowFactors {
-                    journal_share: resolution.journal_roughness_share,
-                }
+                RoughFilm::FlowFactors { journal_share: resolution.journal_roughness_share }
             } else {
                 RoughFilm::MeanGap
             },
             ..FilmSettings::new(bearing.width, bearing.diameter, setup.clearance)
         };
         let film = ReynoldsFilm::new(settings).map_err(|error| Fault::Invalid(message(&error)))?;
-        let motion = Motion {
-            min_film_thickness: film.smallest_gap(),
-            ..Motion::default()
-        };
+        let motion = Motion { min_film_thickness: film.smallest_gap(), ..Motion::default() };
         let mut film = Self {
             film: Arc::new(film),
             motion,
@@ -110,12 +95,8 @@ impl JournalFilm for ReynoldsJournal {
     }
 
     fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
-        self.contact = Arc::new(ContactFamily::new(
-            &bearing.surface,
-            bearing.radial_clearance,
-            bearing.width,
-            bearing.diameter,
-        ));
+        self.contact =
+            Arc::new(ContactFamily::new(&bearing.surface, bearing.radial_clearance, bearing.width, bearing.diameter));
         Ok(())
     }
 
@@ -124,11 +105,7 @@ impl JournalFilm for ReynoldsJournal {
     }
 
     fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> Drift {
-        Drift {
-            velocity: self.motion.velocity,
-            torque: self.motion.torque,
-            flows: self.motion.flows,
-        }
+        Drift { velocity: self.motion.velocity, torque: self.motion.torque, flows: self.motion.flows }
     }
 
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
@@ -137,8 +114,7 @@ impl JournalFilm for ReynoldsJournal {
             ..Drive::steady(at.load.into(), at.speed, at.viscosity)
         };
         let contact = self.plain.then_some(&*self.contact);
-        self.film
-            .coefficients(&drive, &|ratio| aligned(contact, ratio, at.clearance))
+        self.film.coefficients(&drive, &|ratio| aligned(contact, ratio, at.clearance))
     }
 
     fn columns(&self) -> Option<usize> {
@@ -169,13 +145,7 @@ impl TransientFilm for ReynoldsJournal {
         interval: &Interval,
         exchange: Option<&HeatExchange<'_>>,
     ) -> Result<Passed, Fault> {
-        let Interval {
-            duration,
-            load,
-            speed,
-            clearance,
-            viscosity,
-        } = *interval;
+        let Interval { duration, load, speed, clearance, viscosity } = *interval;
         self.widen(clearance)?;
         let friction = bearing.contact_friction(speed);
         let drive = Drive {
@@ -227,11 +197,7 @@ impl TransientFilm for ReynoldsJournal {
             feed: report.mean_feed_flow,
         };
         let temperature = exchange.and_then(|_| self.film.temperature());
-        Ok(Passed {
-            flows,
-            steps: report.steps,
-            warm: temperature.map(|temperature| (report.given, temperature)),
-        })
+        Ok(Passed { flows, steps: report.steps, warm: temperature.map(|temperature| (report.given, temperature)) })
     }
 
     fn seek_orbit(&mut self) {
@@ -254,9 +220,7 @@ impl TransientFilm for ReynoldsJournal {
         let (state, motion, clearance) = kept.expect("a state was kept").as_ref();
         let film = Arc::make_mut(&mut self.film);
         let restored = film.restore(state);
-        restored
-            .and_then(|()| film.set_clearance(*clearance))
-            .expect("state and clearance are this film's own");
+        restored.and_then(|()| film.set_clearance(*clearance)).expect("state and clearance are this film's own");
         self.motion = *motion;
     }
 }
@@ -267,9 +231,7 @@ impl ReynoldsJournal {
         if clearance == self.film.settings().clearance {
             return Ok(());
         }
-        Arc::make_mut(&mut self.film)
-            .set_clearance(clearance)
-            .map_err(|error| Fault::Failed(message(&error)))
+        Arc::make_mut(&mut self.film).set_clearance(clearance).map_err(|error| Fault::Failed(message(&error)))
     }
 }
 

@@ -59,10 +59,7 @@ impl Newton {
     pub(super) fn new(equilibrium: &Equilibrium, period: f64, isothermal: bool) -> Self {
         let lasting = lasting(&equilibrium.drift, period);
         // A change of the rates warms by as much as is left of it at the turn's end.
-        let gain = equilibrium
-            .drift
-            .lu()
-            .solve(&(lasting - Matrix4::identity()));
+        let gain = equilibrium.drift.lu().solve(&(lasting - Matrix4::identity()));
         Self {
             lasting,
             settle: (Matrix4::identity() - lasting).lu(),
@@ -101,10 +98,7 @@ impl Newton {
         } else {
             self.settle.solve(&(turn.warming + self.warming * closer))?
         };
-        Some(Change {
-            place: closer + self.shift * temperatures,
-            temperatures,
-        })
+        Some(Change { place: closer + self.shift * temperatures, temperatures })
     }
 }
 
@@ -168,13 +162,7 @@ mod tests {
             let (mut e, mut t) = (Vector2::new(1e-3, -2e-3), Vector4::new(0.1, 0.2, -0.1, 0.3));
             for turn in 1..50 {
                 let (miss, warming) = self.miss(e, t);
-                newton.learn(Turn {
-                    place: e,
-                    temperatures: t,
-                    miss,
-                    warming,
-                    error: 1e-15,
-                });
+                newton.learn(Turn { place: e, temperatures: t, miss, warming, error: 1e-15 });
                 let change = newton.change().unwrap();
                 e += change.place;
                 t += change.temperatures;

@@ -39,10 +39,7 @@ impl<'a> Measured<'a> {
     /// # Errors
     /// When it cannot be read, or its times do not grow.
     pub(super) fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
-        let how = How {
-            comments: true,
-            gaps: false,
-        };
+        let how = How { comments: true, gaps: false };
         let mut rows = number_tables::open(path, how)?;
         let header = rows.names().to_vec();
         let more = rows.advance()?;
@@ -73,11 +70,7 @@ impl<'a> Measured<'a> {
     fn column(&self, header: &str, fmu: &'a Description) -> Result<Column<'a>, String> {
         let (name, unit) = split(header, fmu);
         let variable = variable(name, fmu)?;
-        if self
-            .columns
-            .iter()
-            .any(|column| column.variable.name == variable.name)
-        {
+        if self.columns.iter().any(|column| column.variable.name == variable.name) {
             return Err(format!("`{name}` is there twice"));
         }
         if self.time.is_some() && !is_real(variable) {
@@ -89,21 +82,12 @@ impl<'a> Measured<'a> {
         let values: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
         let first = values.first();
         if self.time.is_some() && values.iter().all(|value| Some(value) == first) {
-            return Err(
-                "it is the same in all rows: write it as `nominal` of a criterion".to_owned(),
-            );
+            return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
         }
         if let (None, Some(unit)) = (unit, variable.unit()) {
-            fmu_points::tell::line!(
-                "note: column `{header}` names no unit, so it is read in {unit}"
-            );
+            fmu_points::tell::line!("note: column `{header}` names no unit, so it is read in {unit}");
         }
-        Ok(Column {
-            header: header.to_owned(),
-            unit: unit.or(variable.unit()).map(str::to_owned),
-            variable,
-            values,
-        })
+        Ok(Column { header: header.to_owned(), unit: unit.or(variable.unit()).map(str::to_owned), variable, values })
     }
 
     /// Leaves out columns of which the FMU computes no finite values, in their order.
@@ -127,15 +111,9 @@ impl<'a> Measured<'a> {
     pub(super) fn tell(&self) -> Result<(), Error> {
         let file = self.file.display();
         if self.columns.is_empty() {
-            let reasons = self
-                .left
-                .iter()
-                .map(|(name, reason)| format!("{name}: {reason}"));
+            let reasons = self.left.iter().map(|(name, reason)| format!("{name}: {reason}"));
             let reasons: Vec<String> = reasons.collect();
-            let message = format!(
-                "{file}: no column is an output of the FMU ({})",
-                reasons.join("; ")
-            );
+            let message = format!("{file}: no column is an output of the FMU ({})", reasons.join("; "));
             return Err(Error::option("measured", message));
         }
         for (name, reason) in &self.left {
@@ -157,18 +135,13 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
     let known = fmu.variables.get(name);
     match known.map(|variable| (variable, variable.causality)) {
         Some((variable, _)) if is_shown(&variable) => Ok(variable),
-        Some((_, Causality::Input)) => {
-            Err("it is an input: [inputs] in the study can feed it to the FMU".to_owned())
-        }
+        Some((_, Causality::Input)) => Err("it is an input: [inputs] in the study can feed it to the FMU".to_owned()),
         Some((_, Causality::Output | Causality::Local)) => Err("it is no number".to_owned()),
         Some(_) => Err("it is no output of the FMU".to_owned()),
         None => {
             let names = fmu.variables.values().filter(is_shown);
             let suggestion = nearest(name, names.map(|variable| &*variable.name));
-            Err(format!(
-                "the FMU has no such variable{}",
-                did_you_mean(suggestion)
-            ))
+            Err(format!("the FMU has no such variable{}", did_you_mean(suggestion)))
         }
     }
 }

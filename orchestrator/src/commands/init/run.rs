@@ -113,18 +113,12 @@ impl<'a> Signal<'a> {
         };
         let pairs = self.course.iter().zip(&coarse.course);
         let apart: Vec<f64> = pairs.map(|(a, b)| (a - b).abs()).collect();
-        [
-            (value - coarse.of(statistic)).abs() / size,
-            mean(&apart) / range.max(SMALL * size),
-        ]
+        [(value - coarse.of(statistic)).abs() / size, mean(&apart) / range.max(SMALL * size)]
     }
 }
 
 /// The numbers of the first ones that move.
-pub(super) fn moving<'s>(
-    signals: &'s [Signal<'_>],
-    most: usize,
-) -> impl Iterator<Item = usize> + 's {
+pub(super) fn moving<'s>(signals: &'s [Signal<'_>], most: usize) -> impl Iterator<Item = usize> + 's {
     let all = 0..signals.len();
     all.filter(|&k| signals[k].moves()).take(most)
 }
@@ -162,9 +156,7 @@ pub(super) fn settled<'a>(
     let first = with(first_step)?;
     let (mut found, mut first_changed, mut is_short_enough) = (None, None, false);
     for _ in 0..HALVINGS {
-        let (step, signals) = found
-            .as_ref()
-            .map_or((first_step, &first), |(step, signals)| (*step, signals));
+        let (step, signals) = found.as_ref().map_or((first_step, &first), |(step, signals)| (*step, signals));
         // An FMU may refuse such a step, and what takes long is no first study.
         let step = 0.5 * step;
         let Ok(finer) = with(step) else { break };
@@ -187,11 +179,7 @@ pub(super) fn settled<'a>(
         digits(coarse.of(statistic), 4),
         digits(value, 4),
         digits(100.0 * course, 2),
-        if is_short_enough {
-            ""
-        } else {
-            ", and changes on: choose a step yourself"
-        }
+        if is_short_enough { "" } else { ", and changes on: choose a step yourself" }
     );
     if kept || !is_short_enough {
         return Ok((first, Some(told)));

@@ -54,17 +54,11 @@ impl<'a> View<'a> {
     fn new(fmu: &Description, variable: &'a Variable) -> Self {
         let unit = variable.display_unit();
         let way = unit.and_then(|unit| fmu.conversion(unit, variable).ok());
-        Self {
-            unit: unit.filter(|_| way.is_some()),
-            to_variable: way.unwrap_or(Conversion::IDENTITY),
-        }
+        Self { unit: unit.filter(|_| way.is_some()), to_variable: way.unwrap_or(Conversion::IDENTITY) }
     }
 
     fn value(&self, value: f64) -> f64 {
-        let (zero, shown) = (
-            self.to_variable.inverse().value(0.0),
-            self.to_variable.inverse().value(value),
-        );
+        let (zero, shown) = (self.to_variable.inverse().value(0.0), self.to_variable.inverse().value(value));
         // At an offset such as that of degF a zero is rounded.
         match shown.abs() < 1e-12 * zero.abs() {
             true => 0.0,
@@ -73,8 +67,7 @@ impl<'a> View<'a> {
     }
 
     fn key(&self) -> String {
-        self.unit
-            .map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
+        self.unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
     }
 }
 
@@ -95,13 +88,7 @@ impl<'a> Shown<'a> {
     /// or 0, or has no room.
     pub(super) fn about_start(fmu: &Description, variable: &'a Variable) -> Option<Self> {
         const PART: f64 = 0.1;
-        let Kind::Real {
-            start: Some(start),
-            min,
-            max,
-            ..
-        } = variable.kind
-        else {
+        let Kind::Real { start: Some(start), min, max, .. } = variable.kind else {
             return None;
         };
         let view = View::new(fmu, variable);
@@ -116,10 +103,7 @@ impl<'a> Shown<'a> {
         let low = rounded(middle - half).max(limits[0].unwrap_or(f64::NEG_INFINITY));
         let high = rounded(middle + half).min(limits[1].unwrap_or(f64::INFINITY));
         let is_range = low < high && low.is_finite() && high.is_finite();
-        is_range.then_some(Self {
-            view,
-            ends: [low, high],
-        })
+        is_range.then_some(Self { view, ends: [low, high] })
     }
 
     fn line(&self, variable: &Variable) -> String {
@@ -135,19 +119,12 @@ impl<'a> Shown<'a> {
 
 impl Criteria {
     /// The first outputs that move, with what they do in a run of the model.
-    pub(super) fn of_model(
-        signals: &[Signal<'_>],
-        fmu: &Description,
-        path: &Path,
-    ) -> Result<Self, Error> {
+    pub(super) fn of_model(signals: &[Signal<'_>], fmu: &Description, path: &Path) -> Result<Self, Error> {
         let mut moving: Vec<_> = signals.iter().filter(|signal| signal.moves()).collect();
         let stands = moving.is_empty();
         if stands {
             // An equation without time says something, too.
-            moving = signals
-                .iter()
-                .filter(|signal| signal.is_finite && signal.most != 0.0)
-                .collect();
+            moving = signals.iter().filter(|signal| signal.is_finite && signal.most != 0.0).collect();
         }
         if moving.is_empty() {
             let message = "none of its outputs is a finite number other than 0 in a run: choose another end (--stop), or write a study \
@@ -160,11 +137,7 @@ impl Criteria {
             "# `nominal-from`. Then add how far it may be from the true one, such as uncertainty = \"1 %\" (k = 2)."
                 .to_owned(),
         ];
-        let others: Vec<_> = moving
-            .iter()
-            .skip(CRITERIA)
-            .map(|s| &*s.variable.name)
-            .collect();
+        let others: Vec<_> = moving.iter().skip(CRITERIA).map(|s| &*s.variable.name).collect();
         lines.extend(stands.then(|| "# No output moves in this run.".to_owned()));
         lines.extend(more(&others, "Further outputs"));
         for signal in moving.iter().take(CRITERIA) {
@@ -172,11 +145,7 @@ impl Criteria {
             lines.extend(own(signal, fmu));
         }
         let count = moving.len().min(CRITERIA);
-        Ok(Self {
-            lines,
-            count,
-            own: true,
-        })
+        Ok(Self { lines, count, own: true })
     }
 
     /// The columns of a table, as curves where it has a column of the time.
@@ -197,22 +166,14 @@ impl Criteria {
                 None => reading(column),
             });
         }
-        Self {
-            lines,
-            count: table.columns.len(),
-            own: false,
-        }
+        Self { lines, count: table.columns.len(), own: false }
     }
 }
 
 /// Names of things that are left out.
 fn more(names: &[&str], what: &str) -> Option<String> {
     const SHOWN: usize = 3;
-    let shown: Vec<_> = names
-        .iter()
-        .take(SHOWN)
-        .map(|name| one_line(name))
-        .collect();
+    let shown: Vec<_> = names.iter().take(SHOWN).map(|name| one_line(name)).collect();
     let rest = if names.len() > SHOWN { ", ..." } else { "" };
     (!names.is_empty()).then(|| format!("# {what}: {}{rest}", shown.join(", ")))
 }
@@ -221,10 +182,7 @@ fn head(variable: &Variable) -> [String; 2] {
     // Columns of points.csv have these names already.
     let taken = ["point", "verified", "accepted", "status"].contains(&&*variable.name);
     let name = one_line(&variable.name) + if taken { "_" } else { "" };
-    [
-        format!("[criteria.{}]", quoted(&name)),
-        format!("variable = {}{}", quoted(&variable.name), about(variable)),
-    ]
+    [format!("[criteria.{}]", quoted(&name)), format!("variable = {}{}", quoted(&variable.name), about(variable))]
 }
 
 /// A criterion whose nominal value comes from the model.
@@ -235,10 +193,7 @@ fn own(signal: &Signal<'_>, fmu: &Description) -> Vec<String> {
     let range = (view.value(signal.most) - view.value(signal.least)).abs();
     let mut lines = head(signal.variable).to_vec();
     lines.push(format!("statistic = \"{}\"", statistic.name()));
-    lines.push(format!(
-        "nominal = {} # put the measured value here,",
-        number(nominal)
-    ));
+    lines.push(format!("nominal = {} # put the measured value here,", number(nominal)));
     lines.push("nominal-from = \"model\" # and remove this line".to_owned());
     lines.push(tolerance(nominal, range));
     lines.extend(view.unit.map(|unit| format!("unit = {}", quoted(unit))));
@@ -268,28 +223,19 @@ fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
             quoted(time),
             quoted(&column.header)
         ),
-        format!(
-            "metric = \"nrmse\" # of the range; or {}",
-            others.join(", ")
-        ),
+        format!("metric = \"nrmse\" # of the range; or {}", others.join(", ")),
         "tolerance = \"5 %\"".to_owned(),
     ]
 }
 
 fn reading(column: &Column<'_>) -> Vec<String> {
     let (value, count) = (rounded(mean(&column.values)), column.values.len());
-    let noise = if count > 1 {
-        deviation(&column.values, 1)
-    } else {
-        0.0
-    };
+    let noise = if count > 1 { deviation(&column.values, 1) } else { 0.0 };
     let mut lines = head(column.variable).to_vec();
     lines.push(format!("nominal = {}", number(value)));
     if noise > 0.0 {
         let noise = number(rounded(noise));
-        lines.push(format!(
-            "noise = {noise} # the standard deviation of one row"
-        ));
+        lines.push(format!("noise = {noise} # the standard deviation of one row"));
         lines.push(format!("repeats = {count}"));
     }
     lines.push(match value == 0.0 {
@@ -304,9 +250,7 @@ fn reading(column: &Column<'_>) -> Vec<String> {
 impl Study<'_> {
     /// The text.
     pub(super) fn text(&self) -> String {
-        let Schedule {
-            start, stop, step, ..
-        } = self.schedule;
+        let Schedule { start, stop, step, .. } = self.schedule;
         let (fmu, of_step) = (self.fmu, self.of_step.as_deref());
         let mut lines = vec![
             format!("title = {}", quoted(&fmu.model_name)),
@@ -319,40 +263,21 @@ impl Study<'_> {
         }
         lines.extend([
             format!("stop = {} # s", number(stop)),
-            format!(
-                "step = {} # s{}",
-                number(step),
-                of_step.map_or_else(String::new, |told| format!("; {told}"))
-            ),
+            format!("step = {} # s{}", number(step), of_step.map_or_else(String::new, |told| format!("; {told}"))),
             String::new(),
             "[design]".to_owned(),
-            format!(
-                "method = \"sobol\" # or {}",
-                Method::named(|method| method != Method::Sobol)
-            ),
+            format!("method = \"sobol\" # or {}", Method::named(|method| method != Method::Sobol)),
             "points = 64".to_owned(),
             "seed = 1".to_owned(),
             String::new(),
         ]);
         let room = MOST_LINES.saturating_sub(lines.len() + self.criteria.lines.len() + 4);
         let shown = room.max(FEWEST_PARAMETERS).min(self.parameters.len());
-        lines.push(
-            "# Start values +-10 %, a guess: write what your parts' tolerances are.".to_owned(),
-        );
-        let others: Vec<&str> = self.parameters[shown..]
-            .iter()
-            .map(|(v, _)| &*v.name)
-            .collect();
-        lines.extend(more(
-            &others,
-            &format!("{} further ones keep their start values", others.len()),
-        ));
+        lines.push("# Start values +-10 %, a guess: write what your parts' tolerances are.".to_owned());
+        let others: Vec<&str> = self.parameters[shown..].iter().map(|(v, _)| &*v.name).collect();
+        lines.extend(more(&others, &format!("{} further ones keep their start values", others.len())));
         lines.push("[parameters]".to_owned());
-        lines.extend(
-            self.parameters[..shown]
-                .iter()
-                .map(|(variable, range)| range.line(variable)),
-        );
+        lines.extend(self.parameters[..shown].iter().map(|(variable, range)| range.line(variable)));
         lines.push(String::new());
         lines.extend(self.criteria.lines.iter().cloned());
         lines.join("\n") + "\n"
@@ -362,29 +287,18 @@ impl Study<'_> {
     pub(super) fn told(&self, path: &Path) -> String {
         let path = path.display();
         let next = match self.criteria.own {
-            true => {
-                "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n"
-            }
-            false => {
-                "the tolerances are a guess: write how far the model may be from the true values\n"
-            }
+            true => "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n",
+            false => "the tolerances are a guess: write how far the model may be from the true values\n",
         };
         let plural = if self.criteria.count == 1 { "on" } else { "a" };
-        format!(
-            "{path}: {} criteri{plural}; `orchestrator verify {path}` runs it\n{next}",
-            self.criteria.count
-        )
+        format!("{path}: {} criteri{plural}; `orchestrator verify {path}` runs it\n{next}", self.criteria.count)
     }
 }
 
 /// The FMU's description of a variable, as a comment behind a line. A line end in it would end the comment.
 fn about(variable: &Variable) -> String {
     const MOST: usize = 60;
-    let Some(text) = variable
-        .description
-        .as_deref()
-        .filter(|text| !text.is_empty())
-    else {
+    let Some(text) = variable.description.as_deref().filter(|text| !text.is_empty()) else {
         return String::new();
     };
     let text = one_line(text);
@@ -397,11 +311,7 @@ fn about(variable: &Variable) -> String {
 /// A path with slashes, which every system takes.
 fn file(path: &Path) -> String {
     let text = path.display().to_string();
-    quoted(&if cfg!(windows) {
-        text.replace('\\', "/")
-    } else {
-        text
-    })
+    quoted(&if cfg!(windows) { text.replace('\\', "/") } else { text })
 }
 
 /// A text as TOML writes it.

@@ -9,21 +9,14 @@ use fmu_import::quantity::Scale;
 use fmu_points::task::{Schedule, Series};
 use number_tables::{How, Table};
 use study::inputs::{
-    covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running,
-    takes_any_step,
+    covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running, takes_any_step,
 };
 use study::plan::find;
 
 /// The variables of `--record`.
 pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {
-    let names = lists
-        .iter()
-        .flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
-    let variable = |name: &str| {
-        find(fmu, name)
-            .cloned()
-            .map_err(|message| Error::option("record", message))
-    };
+    let names = lists.iter().flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
+    let variable = |name: &str| find(fmu, name).cloned().map_err(|message| Error::option("record", message));
     Ok(Columns::of(names.map(variable).collect::<Result<_, _>>()?))
 }
 
@@ -65,26 +58,17 @@ pub(super) fn inputs(
     schedule: &Schedule,
 ) -> Result<Vec<Series>, Error> {
     const TIME: &str = "time";
-    let how = How {
-        comments: true,
-        gaps: false,
-    };
+    let how = How { comments: true, gaps: false };
     let header = number_tables::open(path, how)?.names().to_vec();
     let series = |column: &String| {
-        let wrong = |message: String| {
-            Error::option(
-                "input",
-                format!("{}: column `{column}`: {message}", path.display()),
-            )
-        };
+        let wrong =
+            |message: String| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
         let (name, unit) = split(column, fmu);
         let variable = find(fmu, name).map_err(wrong)?;
         let slot = slot_while_running(variable).map_err(wrong)?;
         let scale = Scale::new(unit, fmu, variable).map_err(wrong)?;
-        let columns = [
-            number_tables::column(TIME, "the time"),
-            number_tables::column(column, format!("the input {name}")),
-        ];
+        let columns =
+            [number_tables::column(TIME, "the time"), number_tables::column(column, format!("the input {name}"))];
         let table = Table::read(path, &columns)?;
         let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
         series.hold = is_discrete(variable, &series.slot);
@@ -102,10 +86,7 @@ pub(super) fn inputs(
     let inputs = header.iter().filter(|name| *name != TIME);
     let inputs = inputs.map(series).collect::<Result<Vec<Series>, Error>>()?;
     if inputs.is_empty() {
-        let message = format!(
-            "{}: no column beside `{TIME}`: add one for each input",
-            path.display()
-        );
+        let message = format!("{}: no column beside `{TIME}`: add one for each input", path.display());
         return Err(Error::option("input", message));
     }
     if let Some(concern) = many_steps(&inputs, schedule) {
@@ -115,13 +96,8 @@ pub(super) fn inputs(
 }
 
 /// A column's variable and unit: `NAME`, or `NAME [UNIT]`.
-pub(in crate::commands) fn split<'a>(
-    column: &'a str,
-    fmu: &Description,
-) -> (&'a str, Option<&'a str>) {
-    let parts = column
-        .strip_suffix(']')
-        .and_then(|rest| rest.split_once(" ["));
+pub(in crate::commands) fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<&'a str>) {
+    let parts = column.strip_suffix(']').and_then(|rest| rest.split_once(" ["));
     match parts {
         Some((name, unit)) if !fmu.variables.contains_key(column) => (name.trim(), Some(unit)),
         _ => (column, None),

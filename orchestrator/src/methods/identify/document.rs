@@ -45,10 +45,10 @@ pub(super) struct Page<'a> {
 pub(super) fn curves(bound: &Bound) -> Vec<Group> {
     let cases = 0..bound.problem.cases.len();
     let values = |quantity: usize| cases.clone().map(move |case| [case, quantity]);
-    let curves = bound.curves.iter().map(|curve| Group {
-        name: curve.name.clone(),
-        values: curve.quantities.clone().flat_map(values).collect(),
-    });
+    let curves = bound
+        .curves
+        .iter()
+        .map(|curve| Group { name: curve.name.clone(), values: curve.quantities.clone().flat_map(values).collect() });
     curves.collect()
 }
 
@@ -75,13 +75,7 @@ impl Page<'_> {
     /// # Errors
     /// When the system says no.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
-        let documents = [
-            Some(self.fit()),
-            self.shared(),
-            Some(self.parameters()),
-            self.pairs(),
-            self.next(),
-        ];
+        let documents = [Some(self.fit()), self.shared(), Some(self.parameters()), self.pairs(), self.next()];
         let documents: Vec<Document> = documents.into_iter().flatten().collect();
         let links: Vec<[&str; 2]> = documents.iter().map(|d| [d.id, d.link]).collect();
         let (good, headline, told) = self.headline();
@@ -110,17 +104,11 @@ impl Page<'_> {
         let values = count(self.bound.problem.values());
         let fit = outcome.fit();
         let headline = match (outcome.end, outcome.has_several(), fit) {
-            (End::Converged, true, Fit::Misses) => {
-                "No set of parameters fits the measured values".to_owned()
-            }
+            (End::Converged, true, Fit::Misses) => "No set of parameters fits the measured values".to_owned(),
             (End::Converged, true, _) => format!("{} sets of parameters fit", outcome.optima.len()),
             (End::Converged, false, Fit::Good) => "The model fits the measured values".to_owned(),
-            (End::Converged, false, Fit::Untested) => {
-                "Nothing is left to test the model by".to_owned()
-            }
-            (End::Converged, false, Fit::Misses) => {
-                "The model misses the measured values".to_owned()
-            }
+            (End::Converged, false, Fit::Untested) => "Nothing is left to test the model by".to_owned(),
+            (End::Converged, false, Fit::Misses) => "The model misses the measured values".to_owned(),
             _ => "The search ended before it converged".to_owned(),
         };
         let agreement = match outcome.probability.filter(|_| fit == Fit::Good) {
@@ -135,18 +123,12 @@ impl Page<'_> {
         };
         let told = format!(
             "{values} measured value{}; sum of squares {} with {} degrees of freedom. {agreement}",
-            if self.bound.problem.values() == 1 {
-                ""
-            } else {
-                "s"
-            },
+            if self.bound.problem.values() == 1 { "" } else { "s" },
             number(outcome.cost, 4),
             outcome.degrees_of_freedom
         );
-        let good = outcome.end == End::Converged
-            && !outcome.has_several()
-            && fit == Fit::Good
-            && self.warnings().is_empty();
+        let good =
+            outcome.end == End::Converged && !outcome.has_several() && fit == Fit::Good && self.warnings().is_empty();
         (good, headline, told)
     }
 
@@ -178,11 +160,7 @@ impl Page<'_> {
         if curves.peek().is_some() {
             told.blocks.push(Block::Legend(vec![
                 Key::new("line measured", "M0,9l3,-5l3,6l3,-6l5,4", "measured"),
-                Key::new(
-                    "band",
-                    "M0,3h14v8h-14z",
-                    "two standard deviations of its noise",
-                ),
+                Key::new("band", "M0,3h14v8h-14z", "two standard deviations of its noise"),
                 Key::new("line", "M0,7h14", "model"),
             ]));
             let figures = curves.by_ref().take(MOST_CURVES).filter_map(|curve| {
@@ -190,8 +168,7 @@ impl Page<'_> {
                 let rows: Vec<&Residual> = rows.map(|k| self.residual(0, k)).collect();
                 fitted(&curve.name, unit(&curve.unit), &curve.times, &rows)
             });
-            told.blocks
-                .push(Block::Figures("planes", figures.collect()));
+            told.blocks.push(Block::Figures("planes", figures.collect()));
             let left = self.bound.curves.len().saturating_sub(MOST_CURVES);
             if left > 0 {
                 told.say(format!("{left} more curves are not drawn."));
@@ -214,7 +191,9 @@ impl Page<'_> {
         told.table(values(rows));
         if !figures.is_empty() {
             told.blocks.push(Block::Figures("thirds", figures));
-            told.hint("Model less measurement of each case, in standard uncertainties; the band reaches to two of them.");
+            told.hint(
+                "Model less measurement of each case, in standard uncertainties; the band reaches to two of them.",
+            );
         }
         told
     }
@@ -229,8 +208,8 @@ impl Page<'_> {
                 1 => value.quantity.clone(),
                 _ => format!("{}, case {}", value.quantity, cases[case].label),
             };
-            let [measured, model] = [value.measured, value.predicted]
-                .map(|v| format!("{} {unit}", number(v, 5)).trim_end().to_owned());
+            let [measured, model] =
+                [value.measured, value.predicted].map(|v| format!("{} {unit}", number(v, 5)).trim_end().to_owned());
             let missed = value.missed();
             vec![
                 name,
@@ -246,17 +225,12 @@ impl Page<'_> {
     /// A quantity's residuals, case by case.
     fn by_case(&self, quantity: usize, rows: Vec<Vec<String>>) -> Option<Figure> {
         let name = &self.bound.problem.quantities[quantity].name;
-        let missed: Vec<f64> = (0..self.outcome.cases.len())
-            .map(|case| self.residual(case, quantity).missed())
-            .collect();
+        let missed: Vec<f64> =
+            (0..self.outcome.cases.len()).map(|case| self.residual(case, quantity).missed()).collect();
         let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
         let frame = Frame::new(360.0, 200.0, [0.0, missed.len() as f64 + 1.0], y);
         let mut out = frame.axes("case, in the order of the table", Some("residual"));
-        out += &area(
-            "band",
-            [frame.x.from, frame.x.to],
-            [frame.y.at(-2.0), frame.y.at(2.0)],
-        );
+        out += &area("band", [frame.x.from, frame.x.to], [frame.y.at(-2.0), frame.y.at(2.0)]);
         let points = missed.iter().enumerate();
         let points = points.map(|(k, v)| circle([frame.x.at(k as f64 + 1.0), frame.y.at(*v)], 3.0));
         out += &path("pt in", points.collect::<String>());
@@ -270,11 +244,7 @@ impl Page<'_> {
     }
 
     fn shared(&self) -> Option<Document> {
-        let sample = self
-            .outcome
-            .posterior
-            .as_ref()
-            .filter(|sample| sample.trusted);
+        let sample = self.outcome.posterior.as_ref().filter(|sample| sample.trusted);
         let all = sample.map_or(&self.outcome.shared, |sample| &sample.shared);
         let mut told = Document::new("errors", "Sensors", "What the data say of the sensors");
         let rows = all.iter().map(|error| {
@@ -283,13 +253,8 @@ impl Page<'_> {
                 SharedKind::Gain => (100.0, "%"),
                 SharedKind::Scaled => (1.0, "of the stated uncertainty"),
             };
-            let [value, low, high, limit] = [
-                error.value,
-                error.interval[0],
-                error.interval[1],
-                error.limit,
-            ]
-            .map(|v| number(factor * v, 3));
+            let [value, low, high, limit] =
+                [error.value, error.interval[0], error.interval[1], error.limit].map(|v| number(factor * v, 3));
             vec![
                 error.name.clone(),
                 error.kind.words().trim_start_matches("a ").to_owned(),
@@ -328,29 +293,24 @@ impl Page<'_> {
 
     fn parameters(&self) -> Document {
         let mut told = Document::new("parameters", "Parameters", "Parameters");
-        let rows = self
-            .outcome
-            .optima
-            .iter()
-            .enumerate()
-            .flat_map(|(place, optimum)| {
-                optimum.free.iter().map(move |free| {
-                    let name = match self.outcome.has_several() {
-                        true => format!("{}, optimum {}", free.name, place + 1),
-                        false => free.name.clone(),
-                    };
-                    let [value, low, high] = self::told(free);
-                    vec![
-                        name,
-                        with_unit(value, free),
-                        match free.at_bound {
-                            Some(side) => format!("{low} .. {high}, at its {side} bound"),
-                            None => format!("{low} .. {high}"),
-                        },
-                        format!("{} %", number(100.0 * free.left, 2)),
-                    ]
-                })
-            });
+        let rows = self.outcome.optima.iter().enumerate().flat_map(|(place, optimum)| {
+            optimum.free.iter().map(move |free| {
+                let name = match self.outcome.has_several() {
+                    true => format!("{}, optimum {}", free.name, place + 1),
+                    false => free.name.clone(),
+                };
+                let [value, low, high] = self::told(free);
+                vec![
+                    name,
+                    with_unit(value, free),
+                    match free.at_bound {
+                        Some(side) => format!("{low} .. {high}, at its {side} bound"),
+                        None => format!("{low} .. {high}"),
+                    },
+                    format!("{} %", number(100.0 * free.left, 2)),
+                ]
+            })
+        });
         told.table(Table {
             name: "Parameters".into(),
             columns: vec![
@@ -367,25 +327,14 @@ impl Page<'_> {
             told.say(evidence.words());
         }
         let posterior = match self.sample {
-            Some(_) => Key::new(
-                "bar in",
-                "M1,13v-6h4v6zM5,13v-10h4v10zM9,13v-4h4v4z",
-                "sample of the posterior",
-            ),
-            None => Key::new(
-                "line",
-                "M0,12q4,0 7,-9q3,9 7,9",
-                "posterior, by its normal approximation",
-            ),
+            Some(_) => Key::new("bar in", "M1,13v-6h4v6zM5,13v-10h4v10zM9,13v-4h4v4z", "sample of the posterior"),
+            None => Key::new("line", "M0,12q4,0 7,-9q3,9 7,9", "posterior, by its normal approximation"),
         };
-        told.blocks.push(Block::Legend(vec![
-            Key::new("line before", "M0,7h14", "prior: what was known before"),
-            posterior,
-        ]));
+        told.blocks
+            .push(Block::Legend(vec![Key::new("line before", "M0,7h14", "prior: what was known before"), posterior]));
         let all = 0..self.bound.problem.free.len();
         let figures = all.filter_map(|k| self.density(k)).chain(self.common());
-        told.blocks
-            .push(Block::Figures("thirds", figures.collect()));
+        told.blocks.push(Block::Figures("thirds", figures.collect()));
         told
     }
 
@@ -398,9 +347,7 @@ impl Page<'_> {
             let ends = marginal.intervals.iter();
             let ends = ends.map(|ends| ends.map(|v| number(v, 4)).join(" .. "));
             [
-                format!("{} {unit}", number(marginal.mean, 4))
-                    .trim_end()
-                    .to_owned(),
+                format!("{} {unit}", number(marginal.mean, 4)).trim_end().to_owned(),
                 ends.collect::<Vec<String>>().join(" or "),
             ]
         };
@@ -433,27 +380,20 @@ impl Page<'_> {
             .iter()
             .map(|optimum| {
                 let of = &optimum.free[index];
-                [
-                    optimum.weight,
-                    drawn(free, of.value),
-                    drawn(free, of.deviation),
-                ]
+                [optimum.weight, drawn(free, of.value), drawn(free, of.deviation)]
             })
             .collect();
         let x = match &sampled {
             Some(values) => reach(values, ends)?,
             None => {
-                let around = normals
-                    .iter()
-                    .flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]);
+                let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]);
                 within(around, ends)?
             }
         };
         let before = prior_density(free, ends);
         let after = |v: f64| -> f64 {
             let parts = normals.iter().map(|[weight, centre, width]| {
-                weight / width * (-0.5 * ((v - centre) / width).powi(2)).exp()
-                    / std::f64::consts::TAU.sqrt()
+                weight / width * (-0.5 * ((v - centre) / width).powi(2)).exp() / std::f64::consts::TAU.sqrt()
             });
             parts.sum()
         };
@@ -476,46 +416,37 @@ impl Page<'_> {
         };
         let problem = &self.bound.problem;
         let first = sample.unknowns() - 2 * problem.populations.len();
-        let figures = problem
-            .populations
-            .iter()
-            .enumerate()
-            .flat_map(|(number, population)| {
-                let free = &problem.free[population.members[0]];
-                let at = first + 2 * number;
-                let means = sample.places(at);
-                let means: Vec<f64> = means.map(|v| drawn(free, free.value(v))).collect();
-                let spreads = sample.places(at + 1);
-                let spreads: Vec<f64> = spreads.map(|v| drawn(free, free.spread(v))).collect();
-                let scale = drawn(free, free.spread(population.scale(problem)));
-                let half_normal = move |v: f64| {
-                    let z = v / scale;
-                    (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
-                };
-                let ends = [free.min, free.max].map(|v| drawn(free, v));
-                let figure =
-                    |what: &str, values: &[f64], ends: [f64; 2], before: &dyn Fn(f64) -> f64| {
-                        let x = reach(values, ends)?;
-                        let name = format!("{}, {what}", population.name);
-                        let axis = axis(&Free {
-                            name: name.clone(),
-                            ..free.clone()
-                        });
-                        let (svg, note) =
-                            densities(&name, &axis, x, before, &Shape::Sample(values));
-                        Some(Figure {
-                            file: format!("{what}-{number}"),
-                            caption: name,
-                            svg,
-                            note: note.trim_start_matches("; ").to_owned(),
-                            ..Figure::default()
-                        })
-                    };
-                [
-                    figure("mean", &means, ends, &prior_density(free, ends)),
-                    figure("spread", &spreads, [0.0, f64::INFINITY], &half_normal),
-                ]
-            });
+        let figures = problem.populations.iter().enumerate().flat_map(|(number, population)| {
+            let free = &problem.free[population.members[0]];
+            let at = first + 2 * number;
+            let means = sample.places(at);
+            let means: Vec<f64> = means.map(|v| drawn(free, free.value(v))).collect();
+            let spreads = sample.places(at + 1);
+            let spreads: Vec<f64> = spreads.map(|v| drawn(free, free.spread(v))).collect();
+            let scale = drawn(free, free.spread(population.scale(problem)));
+            let half_normal = move |v: f64| {
+                let z = v / scale;
+                (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
+            };
+            let ends = [free.min, free.max].map(|v| drawn(free, v));
+            let figure = |what: &str, values: &[f64], ends: [f64; 2], before: &dyn Fn(f64) -> f64| {
+                let x = reach(values, ends)?;
+                let name = format!("{}, {what}", population.name);
+                let axis = axis(&Free { name: name.clone(), ..free.clone() });
+                let (svg, note) = densities(&name, &axis, x, before, &Shape::Sample(values));
+                Some(Figure {
+                    file: format!("{what}-{number}"),
+                    caption: name,
+                    svg,
+                    note: note.trim_start_matches("; ").to_owned(),
+                    ..Figure::default()
+                })
+            };
+            [
+                figure("mean", &means, ends, &prior_density(free, ends)),
+                figure("spread", &spreads, [0.0, f64::INFINITY], &half_normal),
+            ]
+        });
         figures.flatten().collect()
     }
 
@@ -525,25 +456,11 @@ impl Page<'_> {
             Some(sample) => sample.correlations[a][b],
             None => self.outcome.correlations[a][b],
         };
-        let mut pairs: Vec<(usize, usize)> = (0..n)
-            .flat_map(|a| (a + 1..n).map(move |b| (a, b)))
-            .collect();
-        pairs.sort_by(|p, q| {
-            correlation(q.0, q.1)
-                .abs()
-                .total_cmp(&correlation(p.0, p.1).abs())
-        });
-        let mut told = Document::new(
-            "pairs",
-            "Pairs",
-            "Which parameters the data tell only together",
-        );
-        let figures = pairs
-            .iter()
-            .take(MOST_PAIRS)
-            .filter_map(|&(a, b)| self.pair([a, b], correlation(a, b)));
-        told.blocks
-            .push(Block::Figures("thirds", figures.collect()));
+        let mut pairs: Vec<(usize, usize)> = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))).collect();
+        pairs.sort_by(|p, q| correlation(q.0, q.1).abs().total_cmp(&correlation(p.0, p.1).abs()));
+        let mut told = Document::new("pairs", "Pairs", "Which parameters the data tell only together");
+        let figures = pairs.iter().take(MOST_PAIRS).filter_map(|&(a, b)| self.pair([a, b], correlation(a, b)));
+        told.blocks.push(Block::Figures("thirds", figures.collect()));
         told.hint(match self.sample {
             Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
             None => {
@@ -559,21 +476,15 @@ impl Page<'_> {
         let points: Vec<[f64; 2]> = match (self.sampled(a), self.sampled(b)) {
             (Some(x), Some(y)) => {
                 let every = x.len().div_ceil(MOST_POINTS);
-                x.into_iter()
-                    .zip(y)
-                    .step_by(every)
-                    .map(|(x, y)| [x, y])
-                    .collect()
+                x.into_iter().zip(y).step_by(every).map(|(x, y)| [x, y]).collect()
             }
             _ => {
                 let of = [a, b].map(|k| &self.outcome.free[k]);
-                let [x, y] =
-                    [0, 1].map(|k| [drawn(free[k], of[k].value), drawn(free[k], of[k].deviation)]);
+                let [x, y] = [0, 1].map(|k| [drawn(free[k], of[k].value), drawn(free[k], of[k].deviation)]);
                 // Of two normal numbers 95 % lie within 2.448 deviations (chi-square with two degrees of freedom).
                 let at = |k: u32| {
                     let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 90.0).sin_cos();
-                    let other =
-                        correlation * cos + (1.0 - correlation * correlation).max(0.0).sqrt() * sin;
+                    let other = correlation * cos + (1.0 - correlation * correlation).max(0.0).sqrt() * sin;
                     [x[0] + 2.448 * x[1] * cos, y[0] + 2.448 * y[1] * other]
                 };
                 (0..=90).map(at).collect()
@@ -584,23 +495,11 @@ impl Page<'_> {
         let mut out = frame.axes(&axis(free[0]), Some(&axis(free[1])));
         let place = |p: &[f64; 2]| [frame.x.at(p[0]), frame.y.at(p[1])];
         out += &match self.sample {
-            Some(_) => path(
-                "pt in",
-                points
-                    .iter()
-                    .map(|p| circle(place(p), 1.6))
-                    .collect::<String>(),
-            ),
+            Some(_) => path("pt in", points.iter().map(|p| circle(place(p), 1.6)).collect::<String>()),
             None => {
                 let [x, y] = place(&points[0]);
-                let around = points[1..]
-                    .iter()
-                    .map(place)
-                    .map(|[x, y]| format!("L{x:.1},{y:.1}"));
-                path(
-                    "accept",
-                    format!("M{x:.1},{y:.1}{}z", around.collect::<String>()),
-                )
+                let around = points[1..].iter().map(place).map(|[x, y]| format!("L{x:.1},{y:.1}"));
+                path("accept", format!("M{x:.1},{y:.1}{}z", around.collect::<String>()))
             }
         };
         let [x, y] = [a, b].map(|k| self.outcome.free[k].value);
@@ -609,9 +508,7 @@ impl Page<'_> {
         Some(Figure {
             file: format!("pair-{a}-{b}"),
             caption: format!("correlation {}", number(correlation, 2)),
-            svg: frame
-                .wrap(&format!("{} and {}", free[0].name, free[1].name), &out)
-                .replacen("plot", "plot crowd", 1),
+            svg: frame.wrap(&format!("{} and {}", free[0].name, free[1].name), &out).replacen("plot", "plot crowd", 1),
             ..Figure::default()
         })
     }
@@ -619,35 +516,20 @@ impl Page<'_> {
     fn next(&self) -> Option<Document> {
         let next = self.outcome.next.as_ref()?;
         let mut told = Document::new("next", "Measure next", "What to measure next");
-        told.say(format!(
-            "{} is known to {} (one standard deviation).",
-            next.parameter,
-            next.words(next.deviation)
-        ));
+        told.say(format!("{} is known to {} (one standard deviation).", next.parameter, next.words(next.deviation)));
         let rows: Vec<Vec<String>> = next
             .worthwhile()
             .map(|measurement| {
-                let left = measurement
-                    .left
-                    .iter()
-                    .map(|left| format!("{} %", number(100.0 * left, 2)));
-                [measurement.work.clone(), next.words(measurement.deviation)]
-                    .into_iter()
-                    .chain(left)
-                    .collect()
+                let left = measurement.left.iter().map(|left| format!("{} %", number(100.0 * left, 2)));
+                [measurement.work.clone(), next.words(measurement.deviation)].into_iter().chain(left).collect()
             })
             .collect();
         if rows.is_empty() {
             told.say(calibration::next::NOTHING);
         }
-        let left = self.outcome.free.iter().map(|free| Column {
-            unit: "left of its deviation".into(),
-            ..numbers(&free.name)
-        });
-        let columns = [
-            words("Work"),
-            numbers(format!("{} would be known to", next.parameter)),
-        ];
+        let left =
+            self.outcome.free.iter().map(|free| Column { unit: "left of its deviation".into(), ..numbers(&free.name) });
+        let columns = [words("Work"), numbers(format!("{} would be known to", next.parameter))];
         told.table(Table {
             name: "What to measure next".into(),
             columns: columns.into_iter().chain(left).collect(),
@@ -666,9 +548,7 @@ impl Page<'_> {
 
 /// The range of an axis with a margin; none of equal values.
 fn range(all: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| {
-        [a.min(v), b.max(v)]
-    });
+    let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
     let margin = 0.05 * (high - low);
     (margin > 0.0).then_some([low - margin, high + margin])
 }
@@ -715,31 +595,18 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     let frame = Frame::new(560.0, 230.0, [start, end], y);
     let back = times.iter().zip(&high).rev();
     let mut out = frame.axes("time (s)", Some(if unit.is_empty() { name } else { unit }));
-    out += &path(
-        "band",
-        envelope(times.iter().zip(&low).chain(back), &frame) + "z",
-    );
-    out += &path(
-        "line measured",
-        envelope(times.iter().zip(&measured), &frame),
-    );
+    out += &path("band", envelope(times.iter().zip(&low).chain(back), &frame) + "z");
+    out += &path("line measured", envelope(times.iter().zip(&measured), &frame));
     out += &path("line", envelope(times.iter().zip(&model), &frame));
     let top = frame.wrap(&format!("{name}: measurement and model"), &out);
     let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
     let frame = Frame::new(560.0, 130.0, [start, end], y);
     let mut out = frame.axes("time (s)", Some("residual"));
-    out += &area(
-        "band",
-        [frame.x.at(start), frame.x.at(end)],
-        [frame.y.at(-2.0), frame.y.at(2.0)],
-    );
+    out += &area("band", [frame.x.at(start), frame.x.at(end)], [frame.y.at(-2.0), frame.y.at(2.0)]);
     out += &path("line", envelope(times.iter().zip(&missed), &frame));
     let bottom = frame.wrap(&format!("{name}: residuals in standard deviations"), &out);
     let squares: f64 = missed.iter().map(|m| m * m).sum();
-    let shared = rows
-        .iter()
-        .map(|r| r.shared)
-        .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let shared = rows.iter().map(|r| r.shared).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
     let taken = match shared == 0.0 {
         true => String::new(),
         false => format!(
@@ -768,9 +635,7 @@ enum Shape<'a> {
 
 /// The range of these values between ends.
 fn within(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Option<[f64; 2]> {
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-        [low.min(v), high.max(v)]
-    });
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
     let [low, high] = [low.max(ends[0]), high.min(ends[1])];
     (high > low).then_some([low, high])
 }
@@ -778,27 +643,16 @@ fn within(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Option<[f64; 2]>
 /// The range in which a sample is drawn.
 fn reach(values: &[f64], ends: [f64; 2]) -> Option<[f64; 2]> {
     let (centre, width) = (mean(values), deviation(values, 1));
-    within(
-        [-5.0, 5.0].into_iter().map(|side| centre + side * width),
-        ends,
-    )
+    within([-5.0, 5.0].into_iter().map(|side| centre + side * width), ends)
 }
 
 /// Prior and posterior over a range, and words on the scale of the prior: where the posterior is far narrower, the prior is drawn
 /// higher, as it would lie on the axis.
-fn densities(
-    name: &str,
-    axis: &str,
-    x: [f64; 2],
-    before: &dyn Fn(f64) -> f64,
-    shape: &Shape<'_>,
-) -> (String, String) {
+fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, shape: &Shape<'_>) -> (String, String) {
     /// The least height of the prior, as a part of the posterior's.
     const LEAST: f64 = 0.2;
     let width = x[1] - x[0];
-    let grid: Vec<f64> = (0..=200)
-        .map(|k| x[0] + width * f64::from(k) / 200.0)
-        .collect();
+    let grid: Vec<f64> = (0..=200).map(|k| x[0] + width * f64::from(k) / 200.0).collect();
     let line = |of: &dyn Fn(f64) -> f64| grid.iter().map(|v| of(*v)).collect::<Vec<f64>>();
     let highest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
     let mut before = line(before);
@@ -826,10 +680,7 @@ fn densities(
         Shape::Line(_) => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
     }
     out += &path("line before", envelope(grid.iter().zip(&before), &frame));
-    (
-        frame.wrap(&format!("{name}: prior and posterior"), &out),
-        scaled,
-    )
+    (frame.wrap(&format!("{name}: prior and posterior"), &out), scaled)
 }
 
 /// The density of a sample in even bins of a range.
@@ -885,9 +736,7 @@ fn note(free: &Free) -> String {
                 Spacing::Log => format!("within a factor of {}", number(prior.spread, 3)),
             };
             let centre = number(prior.centre, 5);
-            format!(
-                "prior: {centre} {unit} {spread} (one standard deviation), within {min} .. {max} {unit}"
-            )
+            format!("prior: {centre} {unit} {spread} (one standard deviation), within {min} .. {max} {unit}")
         }
         None => format!("prior: anything within {min} .. {max} {unit}"),
     };
@@ -899,14 +748,9 @@ fn with_unit(text: String, free: &FreeOutcome) -> String {
 }
 
 /// The number of the parameter that is to be narrowed: the one that is named, or the one that the data leave most of.
-pub(super) fn to_narrow(
-    problem: &Problem,
-    outcome: &IdentificationOutcome,
-    name: Option<&str>,
-) -> Option<usize> {
+pub(super) fn to_narrow(problem: &Problem, outcome: &IdentificationOutcome, name: Option<&str>) -> Option<usize> {
     match name {
         Some(name) => problem.free.iter().position(|free| free.name == name),
-        None => (0..problem.free.len())
-            .max_by(|a, b| outcome.free[*a].left.total_cmp(&outcome.free[*b].left)),
+        None => (0..problem.free.len()).max_by(|a, b| outcome.free[*a].left.total_cmp(&outcome.free[*b].left)),
     }
 }

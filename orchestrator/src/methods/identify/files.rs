@@ -67,9 +67,7 @@ fn write_validation(folder: &Path, outcome: &IdentificationOutcome) -> Result<()
         return remove(&path);
     };
     let mut rows = cross::text::rows(validation).into_iter();
-    Ok(write_table(&path, cross::text::HEAD, |table| {
-        rows.try_for_each(|row| write_texts(table, &row))
-    })?)
+    Ok(write_table(&path, cross::text::HEAD, |table| rows.try_for_each(|row| write_texts(table, &row)))?)
 }
 
 /// The table of cases with the latent parameters' most probable values in place of what it had.
@@ -87,13 +85,8 @@ fn write_cases(
     let mut table = CsvFile::open(&path, Some(b'#'))?;
     let header = table.header()?;
     let latents = settings.latent.values();
-    let places: Vec<Option<usize>> = latents
-        .map(|latent| {
-            header
-                .iter()
-                .position(|name| Some(name) == latent.column.as_ref())
-        })
-        .collect();
+    let places: Vec<Option<usize>> =
+        latents.map(|latent| header.iter().position(|name| Some(name) == latent.column.as_ref())).collect();
     let (mut rows, mut row) = (Vec::new(), csv::StringRecord::new());
     for case in &outcome.optima[optimum].latents {
         if !table.row(&mut row)? {
@@ -109,9 +102,7 @@ fn write_cases(
         rows.push(cells);
     }
     let file = numbered("cases", "csv", optimum, outcome.optima.len());
-    Ok(write_table(&folder.join(file), &header, |table| {
-        rows.iter().try_for_each(|row| write_texts(table, row))
-    })?)
+    Ok(write_table(&folder.join(file), &header, |table| rows.iter().try_for_each(|row| write_texts(table, row)))?)
 }
 
 /// A path that the study gives relative to itself.

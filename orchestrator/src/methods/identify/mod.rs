@@ -147,9 +147,7 @@ impl Analysis for Asked {
     type Source = Fit;
 
     fn one_piece(&self) -> Option<&'static str> {
-        Some(
-            "each step of a search depends on the one before, so it has no parts; --resume goes on with one",
-        )
+        Some("each step of a search depends on the one before, so it has no parts; --resume goes on with one")
     }
 
     fn open(&self, request: Request) -> Result<Fit, Error> {
@@ -164,19 +162,11 @@ impl Analysis for Asked {
             true => Bound::new(&study, &settings, fmu)?,
             false => from_study::bind(&study, &settings, fmu)?,
         };
-        Ok(Fit {
-            request: Request { seed, ..request },
-            study,
-            settings,
-            package,
-            bound,
-        })
+        Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound })
     }
 
     fn points(&self, fit: &Fit) -> Result<PointSet, Error> {
-        let Fit {
-            study, settings, ..
-        } = fit;
+        let Fit { study, settings, .. } = fit;
         let table = settings.cases.as_ref().map(|path| {
             let path = files::resolve(study, path.as_ref());
             number_tables::files::digest(&path).map_err(Error::io(&path))
@@ -190,17 +180,10 @@ impl Analysis for Asked {
     }
 
     fn check(&self, fit: &Fit) -> Result<(), Error> {
-        let Fit {
-            study,
-            settings,
-            bound,
-            ..
-        } = fit;
+        let Fit { study, settings, bound, .. } = fit;
         if self.cross_validate && bound.problem.cases.len() < 2 {
             let message = match study.cases.is_empty() {
-                true => {
-                    "there is one case only, and nothing to predict it from; give more under `cases` in [identify]"
-                }
+                true => "there is one case only, and nothing to predict it from; give more under `cases` in [identify]",
                 false => {
                     "the cases of a study are fitted together; to predict one from the others, set `held-out = true` in it"
                 }
@@ -211,8 +194,7 @@ impl Analysis for Asked {
             let free = bound.problem.free.iter().map(|free| free.name.as_str());
             if !free.clone().any(|free| free == name) {
                 let suggestion = did_you_mean(nearest(name, free));
-                let message =
-                    format!("`{name}` is none of the parameters that are sought{suggestion}");
+                let message = format!("`{name}` is none of the parameters that are sought{suggestion}");
                 return Err(Error::option("narrow", message));
             }
         }
@@ -221,17 +203,9 @@ impl Analysis for Asked {
         surrogate::check(study, settings, bound, self)
     }
 
-    fn find(
-        &self,
-        fit: &Fit,
-        pipeline: &mut Pipeline<'_>,
-        folder: &Path,
-    ) -> Result<AnalysisResult, Error> {
+    fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
         let (mut outcome, sample) = find(self, fit, pipeline)?;
-        if let (Some(other), Some(evidence)) = (
-            self.other(&fit.settings, &fit.bound)?,
-            &mut outcome.evidence,
-        ) {
+        if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
             let compared = evidence.compare(&other);
             compared.unwrap_or_else(|message| {
                 outcome.posterior.iter_mut().for_each(|sample| {
@@ -280,10 +254,7 @@ impl Asked {
             return Ok(None);
         };
         if settings.posterior.is_none() {
-            return Err(Error::option(
-                "against",
-                "the evidence comes with --posterior N",
-            ));
+            return Err(Error::option("against", "the evidence comes with --posterior N"));
         }
         posterior::other(path, &bound.problem).map(Some)
     }
@@ -311,19 +282,12 @@ fn find(
     fit: &Fit,
     pipeline: &mut Pipeline<'_>,
 ) -> Result<(IdentificationOutcome, Option<Sample>), Error> {
-    let Fit {
-        study,
-        settings,
-        bound,
-        ..
-    } = fit;
+    let Fit { study, settings, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort {
         descents: settings.descents.max(1),
         iterations: settings.iterations.max(1),
-        deadline: options
-            .time_limit
-            .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
+        deadline: options.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
     };
     let model = FmuModel::new(bound, pipeline);
     let remembered = Remembered::new(&model);
@@ -356,14 +320,7 @@ fn find(
         let again = again.transpose()?;
         let optima = &searched.optima;
         let cross_validation = options.cross_validate.then(|| {
-            validate(
-                (bound, &searched.problem),
-                &remembered,
-                &model,
-                settings,
-                &optima[0].minimum,
-                limits.deadline,
-            )
+            validate((bound, &searched.problem), &remembered, &model, settings, &optima[0].minimum, limits.deadline)
         });
         let mut outcome = IdentificationOutcome {
             cross_validation: cross_validation.transpose()?,
@@ -419,9 +376,7 @@ fn look_closer(
     searched: &Searched,
     model: &FmuModel<'_, '_>,
 ) -> Result<(), SearchError> {
-    let Searched {
-        problem, optima, ..
-    } = searched;
+    let Searched { problem, optima, .. } = searched;
     model.say("half the communication step".to_owned());
     let finer = Finer(model);
     // It takes no derivatives.
@@ -431,9 +386,9 @@ fn look_closer(
             let steps = model.steps();
             outcome.numerical_error = Some(NumericalError::new(problem, &optima[0], &finer, steps));
         }
-        Err(NoPrediction::Here(why)) => outcome
-            .notes
-            .push(format!("Half the communication step was not tried: {why}.")),
+        Err(NoPrediction::Here(why)) => {
+            outcome.notes.push(format!("Half the communication step was not tried: {why}."))
+        }
         Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
     }
     Ok(())
@@ -441,12 +396,8 @@ fn look_closer(
 
 /// The doubts about a result, for programs.
 fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
-    let coarse = outcome
-        .numerical_error
-        .as_ref()
-        .and_then(NumericalError::doubt);
-    let coarse =
-        coarse.map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY));
+    let coarse = outcome.numerical_error.as_ref().and_then(NumericalError::doubt);
+    let coarse = coarse.map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY));
     coarse.into_iter().collect()
 }
 
@@ -476,22 +427,12 @@ fn validate(
 
 /// How far a search has got, for people.
 fn so_far(progress: &Progress) -> String {
-    let best = progress.best().map_or_else(String::new, |best| {
-        format!(", sum of squares {:.4}", best.misfit.cost())
-    });
-    format!(
-        "{} starts screened, {} followed down{best}",
-        progress.screened.len(),
-        progress.descents.len()
-    )
+    let best = progress.best().map_or_else(String::new, |best| format!(", sum of squares {:.4}", best.misfit.cost()));
+    format!("{} starts screened, {} followed down{best}", progress.screened.len(), progress.descents.len())
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
-fn starts(
-    study: &Study,
-    settings: &Identification,
-    unknowns: usize,
-) -> Result<Vec<Vec<f64>>, Error> {
+fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>, Error> {
     let starts = cube(unknowns, settings.starts.max(1), settings.seed, 1);
     Ok(starts.map_err(|message| study.error(format!("[identify] {message}")))?)
 }

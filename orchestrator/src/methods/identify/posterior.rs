@@ -33,12 +33,7 @@ const EACH: u64 = 20;
 const FILE: &str = "posterior.csv";
 
 /// Refuses numbers of particles that would say nothing.
-pub(super) fn check(
-    study: &Study,
-    settings: &Identification,
-    bound: &Bound,
-    by_option: bool,
-) -> Result<(), Error> {
+pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result<(), Error> {
     let Some(particles) = &settings.posterior else {
         return Ok(());
     };
@@ -49,9 +44,7 @@ pub(super) fn check(
     if (fewest..=MOST).contains(&number) {
         return Ok(());
     }
-    let message = format!(
-        "{number} particles: with {unknowns} unknowns, give {fewest} or more, and at most {MOST}"
-    );
+    let message = format!("{number} particles: with {unknowns} unknowns, give {fewest} or more, and at most {MOST}");
     Err(match by_option {
         true => Error::option("posterior", message),
         false => study.error_at(particles, message).into(),
@@ -70,12 +63,9 @@ pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence, Error> {
     };
     let other = serde_json::from_str::<Other>(&files::text(&path)?);
     let other = other.map_err(|error| Error::content(&path, error))?;
-    let evidence = other.evidence.ok_or_else(|| {
-        Error::content(
-            &path,
-            "there is no evidence in it; run that identify with --posterior N",
-        )
-    })?;
+    let evidence = other
+        .evidence
+        .ok_or_else(|| Error::content(&path, "there is no evidence in it; run that identify with --posterior N"))?;
     let same = evidence.is_of(problem);
     same.map_err(|message| Error::content(&path, message))?;
     Ok(evidence)
@@ -99,21 +89,12 @@ pub(super) fn sampled(
         PosteriorStart::Optima => optima,
         PosteriorStart::Prior => &[],
     };
-    let deviations = outcome
-        .discrepancies
-        .iter()
-        .map(|discrepancy| discrepancy.deviation);
+    let deviations = outcome.discrepancies.iter().map(|discrepancy| discrepancy.deviation);
     let discrepancies: Vec<(Unknown, f64)> = unknown.iter().copied().zip(deviations).collect();
-    let settings = Settings {
-        particles: *particles.as_ref(),
-        seed: settings.seed,
-        deadline,
-        discrepancies: &discrepancies,
-    };
+    let settings =
+        Settings { particles: *particles.as_ref(), seed: settings.seed, deadline, discrepancies: &discrepancies };
     let observe = |exponent: f64, step: usize| {
-        say(format!(
-            "posterior with exponent {exponent:.2e}, step {step}"
-        ));
+        say(format!("posterior with exponent {exponent:.2e}, step {step}"));
     };
     match sample(objective, seeds, &settings, &observe) {
         Ok(sample) => {
@@ -124,8 +105,7 @@ pub(super) fn sampled(
             outcome.posterior = Some(posterior);
             let pairs = outcome.discrepancies.iter_mut().zip(unknown).enumerate();
             for (index, (discrepancy, unknown)) in pairs {
-                let sampled =
-                    PosteriorOutcome::discrepancy(objective.problem, &sample, unknown, index);
+                let sampled = PosteriorOutcome::discrepancy(objective.problem, &sample, unknown, index);
                 discrepancy.sampled = Some(sampled);
             }
             Ok(Some(sample))

@@ -17,12 +17,7 @@ use study::{Identification, Study};
 const MOST: u64 = 4000;
 
 /// Refuses numbers of runs from which no surrogate can be made, and what a surrogate cannot serve.
-pub(super) fn check(
-    study: &Study,
-    settings: &Identification,
-    bound: &Bound,
-    options: &Asked,
-) -> Result<(), Error> {
+pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, options: &Asked) -> Result<(), Error> {
     let Some(runs) = &settings.surrogate else {
         return Ok(());
     };
@@ -59,15 +54,12 @@ pub(super) fn replaced(
         cube(unknowns, count as u64, seed, 1)
     };
     // Whether there is a net of so many dimensions shows at the first one.
-    evenly(1, 0).map_err(|message| {
-        SearchError::Surrogate(study.error(format!("[identify] {message}")).to_string())
-    })?;
+    evenly(1, 0).map_err(|message| SearchError::Surrogate(study.error(format!("[identify] {message}")).to_string()))?;
     let task = Task {
         search: *search,
         runs: *runs.as_ref() as usize,
         spread: &|count, round| {
-            evenly(count, round)
-                .expect("a net of these dimensions was made above, and so few points fit in it")
+            evenly(count, round).expect("a net of these dimensions was made above, and so few points fit in it")
         },
         seed: settings.seed,
     };
@@ -80,17 +72,11 @@ pub(super) fn run_again(
     replaced: &Replaced,
     optima: &mut [Optimum],
 ) -> Result<SurrogateOutcome, SearchError> {
-    let places: Vec<&[f64]> = optima
-        .iter()
-        .map(|optimum| &optimum.minimum.places[..])
-        .collect();
+    let places: Vec<&[f64]> = optima.iter().map(|optimum| &optimum.minimum.places[..]).collect();
     let misfits = objective.misfits(&places)?;
     let mut told = replaced.told.clone();
     for (Optimum { minimum, .. }, misfit) in optima.iter_mut().zip(misfits) {
-        told.optima.push(RunAgain {
-            surrogate: minimum.misfit.cost(),
-            model: misfit.as_ref().ok().map(Misfit::cost),
-        });
+        told.optima.push(RunAgain { surrogate: minimum.misfit.cost(), model: misfit.as_ref().ok().map(Misfit::cost) });
         if let Ok(misfit) = misfit {
             minimum.misfit = misfit;
         }

@@ -62,39 +62,23 @@ fn members(result: &Pareto, best: &Member) -> Table {
     let nominal = result.nominal.iter();
     rows.extend(nominal.map(|n| row("Nominal design", &n.member)));
     let parameters = result.parameters.iter().zip(&result.units);
-    let parameters = parameters.map(|(name, unit)| Column {
-        unit: unit.clone(),
-        ..numbers(name)
-    });
+    let parameters = parameters.map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
     let columns = [words(""), numbers("largest"), numbers("distance")].into_iter();
     Table {
         name: "Best compromise".into(),
         class: "best",
-        columns: columns
-            .chain(result.criteria.iter().map(numbers))
-            .chain(parameters)
-            .collect(),
+        columns: columns.chain(result.criteria.iter().map(numbers)).chain(parameters).collect(),
         rows,
     }
 }
 
 fn row(title: &str, m: &Member) -> Vec<String> {
     let point = m.point.map_or_else(String::new, |p| format!(", point {p}"));
-    let criterion = |(value, deviation): (&f64, &f64)| {
-        format!("{} ({})", number(*value, 5), number(*deviation, 2))
-    };
-    let title = [
-        format!("{title}{point}"),
-        number(m.largest(), 3),
-        number(m.distance(), 3),
-    ];
+    let criterion = |(value, deviation): (&f64, &f64)| format!("{} ({})", number(*value, 5), number(*deviation, 2));
+    let title = [format!("{title}{point}"), number(m.largest(), 3), number(m.distance(), 3)];
     let criteria = m.values.iter().zip(&m.deviations).map(criterion);
     let parameters = m.parameters.iter().map(|v| number(*v, 4));
-    title
-        .into_iter()
-        .chain(criteria)
-        .chain(parameters)
-        .collect()
+    title.into_iter().chain(criteria).chain(parameters).collect()
 }
 
 fn legend(result: &Pareto) -> Block {
@@ -167,14 +151,6 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Figure {
         note += &format!("{outside} points of the front lie outside the plot.");
     }
     let [one, other] = [a, b].map(|k| &result.criteria[k]);
-    let title = format!(
-        "Deviations of {one} and {other} over the {} points of the front",
-        result.front.len()
-    );
-    Figure {
-        file: format!("pareto-{one}-{other}"),
-        svg: frame.wrap(&title, &out),
-        note,
-        ..Figure::default()
-    }
+    let title = format!("Deviations of {one} and {other} over the {} points of the front", result.front.len());
+    Figure { file: format!("pareto-{one}-{other}"), svg: frame.wrap(&title, &out), note, ..Figure::default() }
 }

@@ -28,10 +28,8 @@ pub const FILE: &str = "pareto.json";
 
 /// Options of `pareto`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples: orchestrator pareto studies/paper-table3.toml --from results/paper-table3\n\
-    \u{20}         orchestrator pareto studies/paper-table3.toml --generations 50"
-)]
+#[command(after_help = "Examples: orchestrator pareto studies/paper-table3.toml --from results/paper-table3\n\
+    \u{20}         orchestrator pareto studies/paper-table3.toml --generations 50")]
 pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
@@ -43,12 +41,7 @@ pub struct Options {
     #[arg(long, value_name = "G")]
     pub generations: Option<usize>,
     /// Runs in a generation
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 100,
-        requires = "generations"
-    )]
+    #[arg(long, value_name = "N", default_value_t = 100, requires = "generations")]
     pub population: usize,
     /// The seed of the search
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -68,14 +61,8 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Work { study, output, .. } = &options.work;
     let from = known::from(options.from.as_deref(), study);
     let analysis = match options.generations {
-        Some(generations) => Asked::Search {
-            generations,
-            population: options.population,
-            seed: options.seed,
-        },
-        None => Asked::Points {
-            from: known::absolute(&from),
-        },
+        Some(generations) => Asked::Search { generations, population: options.population, seed: options.seed },
+        None => Asked::Points { from: known::absolute(&from) },
     };
     let folder = output.clone().unwrap_or_else(|| from.clone());
     let session = asking::open(&options.work, &analysis);
@@ -83,9 +70,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     let run = |session| asking::run(session, &analysis, &options.work, folder.clone());
     match session.and_then(run) {
         // Without the FMU the front is the same, but the nominal design cannot be run.
-        Err(error)
-            if options.generations.is_none() && (!bound || matches!(error, Error::Fmu(_))) =>
-        {
+        Err(error) if options.generations.is_none() && (!bound || matches!(error, Error::Fmu(_))) => {
             let result = of_points(&from, &Study::read(study)?, |_| Ok(None))?;
             Delivery::without_runs(result, &options.work, folder)
         }
@@ -125,9 +110,7 @@ impl Analysis for Asked {
     fn points(&self, _: &Session) -> Result<PointSet, Error> {
         // A search over more generations begins as one over fewer, so their number is left out.
         Ok(match self {
-            Self::Search {
-                population, seed, ..
-            } => PointSet {
+            Self::Search { population, seed, .. } => PointSet {
                 seed: *seed,
                 points: None,
                 method: format!("NSGA-II in generations of {population}"),
@@ -151,29 +134,14 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(
-        &self,
-        session: &Session,
-        pipeline: &mut Pipeline<'_>,
-        _: &Path,
-    ) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
         match *self {
-            Self::Search {
-                generations,
-                population,
-                seed,
-            } => {
-                let settings = nsga2::Evolution {
-                    population,
-                    generations,
-                    seed,
-                };
+            Self::Search { generations, population, seed } => {
+                let settings = nsga2::Evolution { population, generations, seed };
                 let table = search(session, pipeline, settings)?;
                 let nominal = nominal(session, pipeline)?;
                 let inputs = &session.plan.inputs;
-                let cut = inputs
-                    .iter()
-                    .filter(|input| input.distribution.reach() != [0.0, 1.0]);
+                let cut = inputs.iter().filter(|input| input.distribution.reach() != [0.0, 1.0]);
                 let cut: Vec<&str> = cut.map(|input| input.name.as_str()).collect();
                 let within = match cut[..] {
                     [] => String::new(),
@@ -182,8 +150,7 @@ impl Analysis for Asked {
                         cut.join(", ")
                     ),
                 };
-                let method =
-                    format!("NSGA-II over {generations} generations of {population}{within}");
+                let method = format!("NSGA-II over {generations} generations of {population}{within}");
                 let result = trade_off(&table, false, Some(nominal), method);
                 result_of(result, asking::origin(session)?)
             }
@@ -209,12 +176,7 @@ fn of_points(
 
 fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, Error> {
     let result = result.ok_or_else(|| Error::Search("no point has values".to_owned()))?;
-    Ok(AnalysisResult::new(
-        &result,
-        origin,
-        document(&result).as_text(),
-        FILE,
-    ))
+    Ok(AnalysisResult::new(&result, origin, document(&result).as_text(), FILE))
 }
 
 /// The parameters at the medians of their distributions.
@@ -226,15 +188,9 @@ fn nominal(session: &Session, pipeline: &mut Pipeline<'_>) -> Result<Member, Err
 }
 
 /// All runs of a search, to the ends of bounded distributions and over the middle of others.
-fn search(
-    session: &Session,
-    pipeline: &mut Pipeline<'_>,
-    settings: nsga2::Evolution,
-) -> Result<PointTable, Error> {
+fn search(session: &Session, pipeline: &mut Pipeline<'_>, settings: nsga2::Evolution) -> Result<PointTable, Error> {
     let varied = session.plan.varied();
-    let limits: Vec<[f64; 2]> = (varied.iter())
-        .map(|&k| session.plan.inputs[k].distribution.reach())
-        .collect();
+    let limits: Vec<[f64; 2]> = (varied.iter()).map(|&k| session.plan.inputs[k].distribution.reach()).collect();
     let (mut points, mut outcomes) = (Vec::new(), Vec::new());
     nsga2::minimise(&limits, settings, |cube| {
         let asked: Vec<Vec<f64>> = cube.iter().map(|u| session.plan.from_cube(u)).collect();
@@ -242,11 +198,7 @@ fn search(
         let table = asking::table(session, &asked, answers.clone());
         points.extend(asked);
         outcomes.extend(answers);
-        Ok::<_, Error>(
-            (0..cube.len())
-                .map(|i| Member::of(&table, i).deviations)
-                .collect(),
-        )
+        Ok::<_, Error>((0..cube.len()).map(|i| Member::of(&table, i).deviations).collect())
     })?;
     Ok(asking::table(session, &points, outcomes))
 }

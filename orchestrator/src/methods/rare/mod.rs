@@ -59,15 +59,10 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let points = options.points.unwrap_or(USUAL_RUNS);
     if points < FEWEST_RUNS {
-        let message =
-            format!("a rare share takes at least {FEWEST_RUNS} runs; give more, or leave it out");
+        let message = format!("a rare share takes at least {FEWEST_RUNS} runs; give more, or leave it out");
         return Err(Error::option("points", message));
     }
-    let mut analysis = Rare {
-        event: options.event,
-        points,
-        seed: 1,
-    };
+    let mut analysis = Rare { event: options.event, points, seed: 1 };
     let session = asking::open(&options.work, &analysis)?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
     // A refusal is one line, without doubts before it.
@@ -80,7 +75,8 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 /// Refuses studies of which a rare share says nothing.
 fn refuse(session: &Session, event: RareEvent) -> Result<(), Error> {
     if event != RareEvent::Failed && session.judge.has_own_values() {
-        let message = "a share of verified points needs measured values; write them as `nominal` and remove `nominal-from`";
+        let message =
+            "a share of verified points needs measured values; write them as `nominal` and remove `nominal-from`";
         return Err(session.study.error(message).into());
     }
     if let Some(joint) = session.plan.joints.first() {
@@ -117,21 +113,9 @@ impl Rare {
         let failed = values.is_none();
         let deviation = values.map_or(f64::INFINITY, |values| deviation(judge, values));
         match self.event {
-            RareEvent::Verified => Judged {
-                level: deviation,
-                met: verified,
-                failed,
-            },
-            RareEvent::NotConforming => Judged {
-                level: -deviation,
-                met: !failed && !verified,
-                failed,
-            },
-            RareEvent::Failed => Judged {
-                level: 0.0,
-                met: failed,
-                failed,
-            },
+            RareEvent::Verified => Judged { level: deviation, met: verified, failed },
+            RareEvent::NotConforming => Judged { level: -deviation, met: !failed && !verified, failed },
+            RareEvent::Failed => Judged { level: 0.0, met: failed, failed },
         }
     }
 }
@@ -139,9 +123,7 @@ impl Rare {
 /// The largest deviation from a measured value, in its tolerance.
 fn deviation(judge: &Judge, values: &[f64]) -> f64 {
     let pairs = judge.criteria.iter().zip(values);
-    pairs
-        .map(|(criterion, &value)| criterion.level(value))
-        .fold(f64::NAN, f64::max)
+    pairs.map(|(criterion, &value)| criterion.level(value)).fold(f64::NAN, f64::max)
 }
 
 impl Analysis for Rare {
@@ -172,12 +154,7 @@ impl Analysis for Rare {
         refuse(session, self.event)
     }
 
-    fn find(
-        &self,
-        session: &Session,
-        pipeline: &mut Pipeline<'_>,
-        folder: &Path,
-    ) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
         let Session { plan, judge, .. } = session;
         let search = Search {
             dimensions: plan.varied().len(),
@@ -189,8 +166,7 @@ impl Analysis for Rare {
         // The outcomes at points of the event, which go into the table.
         let mut met: HashMap<Vec<u64>, Outcome> = HashMap::new();
         let mut ask = |scores: &[Vec<f64>]| -> Result<Vec<Judged>, Error> {
-            let points: Vec<Vec<f64>> =
-                scores.iter().map(|scores| plan.at_scores(scores)).collect();
+            let points: Vec<Vec<f64>> = scores.iter().map(|scores| plan.at_scores(scores)).collect();
             let outcomes = pipeline.ask(&points)?;
             let mut results = Vec::with_capacity(outcomes.len());
             for (scores, outcome) in scores.iter().zip(outcomes) {
@@ -206,8 +182,7 @@ impl Analysis for Rare {
         write_points(&folder.join(TABLE), session, &answer, &met)?;
         let statement = Statement::new(self.event, &search, &answer, session);
         let origin = asking::origin(session)?;
-        let mut result =
-            AnalysisResult::new(&statement, origin, statement.document().as_text(), FILE);
+        let mut result = AnalysisResult::new(&statement, origin, statement.document().as_text(), FILE);
         result.code = match (statement.verdict, self.event) {
             (Some(verdict), _) => exit_code(Some(verdict)),
             // One verified point is enough.

@@ -79,19 +79,12 @@ pub(super) struct Statement {
 }
 
 impl Statement {
-    pub(super) fn new(
-        event: RareEvent,
-        search: &Search,
-        answer: &Answer,
-        session: &Session,
-    ) -> Self {
+    pub(super) fn new(event: RareEvent, search: &Search, answer: &Answer, session: &Session) -> Self {
         let Search { confidence, .. } = *search;
         let Plain { runs, met, failed } = answer.plain;
         let of_plain = |count: u64| clopper_pearson(count as f64, runs as f64, confidence);
         let share = answer.share.as_ref();
-        let interval = share
-            .and_then(|share| share.interval)
-            .unwrap_or_else(|| of_plain(met));
+        let interval = share.and_then(|share| share.interval).unwrap_or_else(|| of_plain(met));
         let rule = session.judge.rule;
         let failed_interval = of_plain(failed);
         let plan = &session.plan;
@@ -100,11 +93,7 @@ impl Statement {
             let names = plan.inputs.iter().map(|input| input.name.clone());
             names.zip(values).collect()
         };
-        let sign = if event == RareEvent::NotConforming {
-            -1.0
-        } else {
-            1.0
-        };
+        let sign = if event == RareEvent::NotConforming { -1.0 } else { 1.0 };
         Self {
             event,
             share: share.map(|share| share.value),
@@ -121,33 +110,16 @@ impl Statement {
             rough: answer.rough,
             disagree: answer.disagree,
             runs: answer.runs,
-            plain: Counted {
-                runs,
-                met,
-                failed,
-                failed_interval,
-            },
+            plain: Counted { runs, met, failed, failed_interval },
             wider: [answer.wider.runs, answer.wider.met],
-            levels: answer
-                .levels
-                .iter()
-                .map(|&(level, share)| Level {
-                    deviation: sign * level,
-                    share,
-                })
-                .collect(),
+            levels: answer.levels.iter().map(|&(level, share)| Level { deviation: sign * level, share }).collect(),
             regions: answer
                 .regions
                 .iter()
-                .map(|region| Region {
-                    share: region.share,
-                    centre: centre(&region.centre),
-                })
+                .map(|region| Region { share: region.share, centre: centre(&region.centre) })
                 .collect(),
             assumes: match share.map(|share| share.method) {
-                Some(Method::Counted) | None => {
-                    "Plain points are counted, so the interval assumes nothing"
-                }
+                Some(Method::Counted) | None => "Plain points are counted, so the interval assumes nothing",
                 Some(_) => {
                     "The interval holds if the searches reached all regions of the event; nothing shows regions that none of \
                      them reached, so a verdict takes from plain points how large the share may be"
@@ -168,12 +140,7 @@ impl Statement {
         let event = sampling::word(&self.event).replace('-', " ");
         let percent = number(100.0 * self.confidence, 4);
         let [low, high] = self.interval.map(|end| number(end, 3));
-        let Counted {
-            runs,
-            met,
-            failed,
-            failed_interval,
-        } = &self.plain;
+        let Counted { runs, met, failed, failed_interval } = &self.plain;
         match self.share {
             Some(share) => told.say(format!(
                 "{event}: {} of the space in the regions that were found, {percent} % interval {low} to {high} ({})",
@@ -188,10 +155,9 @@ impl Statement {
             }
         }
         told.say(match self.effective {
-            Some(effective) => format!(
-                "{} runs, an effective sample size of {effective:.0} points of the event",
-                self.runs
-            ),
+            Some(effective) => {
+                format!("{} runs, an effective sample size of {effective:.0} points of the event", self.runs)
+            }
             None => format!("{} runs", self.runs),
         });
         for (k, region) in self.regions.iter().enumerate() {
@@ -241,9 +207,7 @@ impl Statement {
         }
         let [drawn, met] = self.wider;
         if drawn > 0 {
-            told.say(format!(
-                "{met} of {drawn} runs drawn wider than the study's distribution met the event"
-            ));
+            told.say(format!("{met} of {drawn} runs drawn wider than the study's distribution met the event"));
         }
     }
 }
@@ -267,16 +231,10 @@ mod tests {
         let shares = verified(RareEvent::NotConforming, [1e-6, 2e-6], [0.0, 1e-3]);
         assert!((shares[0] - (1.0 - 2e-6 - 1e-3)).abs() < 1e-15);
         assert!((shares[1] - (1.0 - 1e-6)).abs() < 1e-15);
-        let rule = Rule {
-            share: 0.9,
-            confidence: 0.95,
-        };
+        let rule = Rule { share: 0.9, confidence: 0.95 };
         // Two statements, each wrong in half of 5 %.
         assert_eq!(confidence(RareEvent::NotConforming, Some(rule)), 0.975);
         assert_eq!(confidence(RareEvent::Verified, Some(rule)), 0.95);
-        assert_eq!(
-            verified(RareEvent::Failed, [0.2, 0.3], [0.2, 0.3]),
-            [0.0, 0.8]
-        );
+        assert_eq!(verified(RareEvent::Failed, [0.2, 0.3], [0.2, 0.3]), [0.0, 0.8]);
     }
 }

@@ -41,14 +41,8 @@ impl Confirmation<'_, '_> {
         for round in 0..ROUNDS {
             let runs = self.judge(&mut result, round)?;
             let level = result.level;
-            if result
-                .region
-                .as_ref()
-                .is_none_or(|region| region.agrees(level))
-                && result
-                    .ellipsoid
-                    .as_ref()
-                    .is_none_or(|ellipsoid| ellipsoid.agrees(level))
+            if result.region.as_ref().is_none_or(|region| region.agrees(level))
+                && result.ellipsoid.as_ref().is_none_or(|ellipsoid| ellipsoid.agrees(level))
             {
                 break;
             }
@@ -67,26 +61,19 @@ impl Confirmation<'_, '_> {
     /// Fresh runs inside what is stated, noted there.
     fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, Error> {
         let parameters = &self.table.parameters;
-        let places: Vec<usize> = (0..parameters.len())
-            .filter(|&k| result.parameters.contains(&parameters[k].name))
-            .collect();
+        let places: Vec<usize> =
+            (0..parameters.len()).filter(|&k| result.parameters.contains(&parameters[k].name)).collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
         let boxed = result.region.as_ref();
         let boxed = boxed.map(|region| self.inside(2 * round, |x| region.contains(&varying(x))));
         let rounded = result.ellipsoid.as_ref();
-        let rounded = rounded
-            .map(|ellipsoid| self.inside(2 * round + 1, |x| ellipsoid.contains(&varying(x))));
-        let [in_box, in_ellipsoid] = [
-            boxed.transpose()?.unwrap_or_default(),
-            rounded.transpose()?.unwrap_or_default(),
-        ];
+        let rounded = rounded.map(|ellipsoid| self.inside(2 * round + 1, |x| ellipsoid.contains(&varying(x))));
+        let [in_box, in_ellipsoid] = [boxed.transpose()?.unwrap_or_default(), rounded.transpose()?.unwrap_or_default()];
         // Asked for together: neither depends on the other.
         let boundary = in_box.len();
         let all = self.run([in_box, in_ellipsoid].concat())?;
         let part = |range: Range<usize>| all.subset(&range.collect::<Vec<_>>());
-        let inner = |runs: &PointTable| -> Vec<Vec<f64>> {
-            rows(runs).iter().map(|x| varying(x)).collect()
-        };
+        let inner = |runs: &PointTable| -> Vec<Vec<f64>> { rows(runs).iter().map(|x| varying(x)).collect() };
         if let Some(region) = &mut result.region {
             let runs = part(0..boundary);
             region.fresh = Some(region.confirm(&inner(&runs), &runs.verified));
@@ -99,11 +86,7 @@ impl Confirmation<'_, '_> {
     }
 
     /// The first points of a sequence of independent ones that lie inside.
-    fn inside(
-        &self,
-        sequence: u64,
-        inside: impl Fn(&[f64]) -> bool,
-    ) -> Result<Vec<Vec<f64>>, Error> {
+    fn inside(&self, sequence: u64, inside: impl Fn(&[f64]) -> bool) -> Result<Vec<Vec<f64>>, Error> {
         let plan = &self.session.plan;
         // Far from the seeds that people give to studies.
         let seed = !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence);

@@ -46,9 +46,7 @@ pub fn document(result: &Robustness) -> Document {
     told.heading("Surrogates");
     if result.further_runs > 0 {
         let further = result.further_runs;
-        told.say(format!(
-            "Refined with {further} further runs in box and ellipsoid."
-        ));
+        told.say(format!("Refined with {further} further runs in box and ellipsoid."));
     }
     told.table(surrogates(result));
     told.hint("Polynomials stand for the model. Their errors are by leave-one-out.");
@@ -158,22 +156,12 @@ fn bounds(result: &Robustness, c: &Combination) -> String {
         let words = format!("{} {side} {limit} {unit}", result.parameters[b.parameter]);
         words.trim_end().to_owned()
     };
-    c.bounds
-        .iter()
-        .map(bound)
-        .collect::<Vec<_>>()
-        .join(" with ")
+    c.bounds.iter().map(bound).collect::<Vec<_>>().join(" with ")
 }
 
 fn surrogates(result: &Robustness) -> Table {
     let row = |(name, q): &(String, Quality)| {
-        vec![
-            name.clone(),
-            q.terms.to_string(),
-            q.degree.to_string(),
-            number(q.error, 2),
-            percent(q.predicted.max(0.0)),
-        ]
+        vec![name.clone(), q.terms.to_string(), q.degree.to_string(), number(q.error, 2), percent(q.predicted.max(0.0))]
     };
     Table {
         name: "Surrogates".into(),
@@ -197,34 +185,17 @@ fn maps(result: &Robustness) -> Vec<Block> {
     type Values = fn(&Map, usize) -> &[f64];
     let group = |name: &str, range: [f64; 2], values: Values, k: usize| {
         let figure = |map: &Map| Figure {
-            file: format!(
-                "map-{name}-{}-{}",
-                result.parameters[map.x], result.parameters[map.y]
-            ),
+            file: format!("map-{name}-{}-{}", result.parameters[map.x], result.parameters[map.y]),
             svg: drawn(result, map, name, values(map, k), range),
             ..Figure::default()
         };
         let [low, high] = range.map(|end| number(end, 4));
-        let scale = Block::Legend(vec![
-            Key {
-                svg: String::new(),
-                words: low,
-            },
-            Key {
-                svg: shades(),
-                words: high,
-            },
-        ]);
+        let scale = Block::Legend(vec![Key { svg: String::new(), words: low }, Key { svg: shades(), words: high }]);
         let figures = Block::Figures("maps", result.maps.iter().map(figure).collect());
         let title = format!("{name} over all pairs of parameters");
         Block::Folded(title, false, vec![scale, figures])
     };
-    let mut groups = vec![group(
-        "Probability of verification",
-        [0.0, 1.0],
-        |map, _| &map.probability,
-        0,
-    )];
+    let mut groups = vec![group("Probability of verification", [0.0, 1.0], |map, _| &map.probability, 0)];
     for (k, (name, _)) in result.criteria.iter().enumerate() {
         let values = result.maps.iter().flat_map(|m| &m.criteria[k]);
         let range = range(values);
@@ -237,9 +208,7 @@ fn maps(result: &Robustness) -> Vec<Block> {
 }
 
 fn range<'a>(values: impl Iterator<Item = &'a f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-        [low.min(*v), high.max(*v)]
-    })
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
 }
 
 const SHADES: usize = 9;
@@ -268,16 +237,10 @@ fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64
         let x = LEFT + (k % CELLS) as f64 * cell;
         let y = TOP + SIDE - (k / CELLS + 1) as f64 * cell;
         // Neighbouring cells overlap slightly: some renderers would show seams between them.
-        let _ = write!(
-            paths[shade],
-            "M{x:.0},{y:.0}h{0:.1}v{0:.1}h-{0:.1}z",
-            cell + 0.3
-        );
+        let _ = write!(paths[shade], "M{x:.0},{y:.0}h{0:.1}v{0:.1}h-{0:.1}z", cell + 0.3);
     }
     let shades = paths.iter().enumerate().filter(|(_, d)| !d.is_empty());
-    let mut out: String = shades
-        .map(|(s, d)| result_document::svg::path(&format!("shade s{s}"), d))
-        .collect();
+    let mut out: String = shades.map(|(s, d)| result_document::svg::path(&format!("shade s{s}"), d)).collect();
     let x = Axis::new(map.x_range, [LEFT, LEFT + SIDE]);
     let y = Axis::new(map.y_range, [TOP + SIDE, TOP]);
     for t in ticks(x.low, x.high, 3) {

@@ -31,10 +31,8 @@ pub const FILE: &str = "robustness.json";
 
 /// Options of `robustness`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: orchestrator robustness studies/paper-table3.toml \
-    --from results/paper-table3 --level 0.9"
-)]
+#[command(after_help = "Example: orchestrator robustness studies/paper-table3.toml \
+    --from results/paper-table3 --level 0.9")]
 pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
@@ -133,11 +131,7 @@ pub struct Asked {
 
 impl Asked {
     /// The points of the finished study, to which results they belong, and a large sample of its distributions.
-    fn known(
-        &self,
-        study: &Study,
-        plan: Option<&Plan>,
-    ) -> Result<(Origin, PointTable, Vec<Vec<f64>>), Error> {
+    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, PointTable, Vec<Vec<f64>>), Error> {
         let (summary, table) = known::points_of(&self.from, study, table::read)?;
         let cloud = cloud(plan, &table, self.seed)?;
         Ok((Origin::of_points(&summary), table, cloud))
@@ -170,30 +164,14 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(
-        &self,
-        session: &Session,
-        pipeline: &mut Pipeline<'_>,
-        _: &Path,
-    ) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
         let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&table, &cloud)?;
-        let mut confirmed = Confirmation {
-            session,
-            pipeline,
-            table: &table,
-            cloud: &cloud,
-            points: self.confirm,
-            seed: self.seed,
-        }
-        .of(stated)?;
+        let mut confirmed =
+            Confirmation { session, pipeline, table: &table, cloud: &cloud, points: self.confirm, seed: self.seed }
+                .of(stated)?;
         confirmed.keep_together(&session.plan.together());
-        Ok(AnalysisResult::new(
-            &confirmed,
-            origin,
-            document(&confirmed).as_text(),
-            FILE,
-        ))
+        Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))
     }
 }
 
@@ -204,13 +182,11 @@ fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f
     let names = || table.parameters.iter().map(|p| &p.name);
     match plan {
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) && !plan.is_independent() => {
-            let points =
-                joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
+            let points = joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
             Ok((0..SIZE).map(|index| points.point(index)).collect())
         }
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => {
-            let cube = cube(plan.varied().len(), SIZE, seed, 1)
-                .map_err(|message| Error::option("seed", message))?;
+            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?;
             Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),
@@ -219,10 +195,5 @@ fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f
 
 /// Independent points of the study's joint distribution, correlations included.
 fn joint(plan: &Plan, points: u64, seed: u64) -> Result<Design, String> {
-    plan.design(&Sampling {
-        method: Method::MonteCarlo,
-        points,
-        seed,
-        ..Sampling::default()
-    })
+    plan.design(&Sampling { method: Method::MonteCarlo, points, seed, ..Sampling::default() })
 }

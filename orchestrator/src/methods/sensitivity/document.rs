@@ -30,8 +30,7 @@ pub fn document(result: &Sensitivity, table: &PointTable) -> Document {
     }
     let figures = result.outputs.iter();
     let figures = figures.map(|output| figure(&result.parameters, output));
-    told.blocks
-        .push(Block::Figures("planes", figures.collect()));
+    told.blocks.push(Block::Figures("planes", figures.collect()));
     if !result.verdict.is_empty() {
         told.heading("What decides pass or fail");
         told.table(splits(result, table));
@@ -48,13 +47,7 @@ fn splits(result: &Sensitivity, table: &PointTable) -> Table {
         let known = table.parameters.iter().find(|p| p.name == *name);
         let unit = known.map_or("", |p| p.unit.as_str());
         let with_unit = |value| format!("{} {unit}", number(value, 5)).trim_end().to_owned();
-        vec![
-            name.clone(),
-            number(s.distance, 3),
-            number(s.chance, 2),
-            with_unit(s.passing),
-            with_unit(s.failing),
-        ]
+        vec![name.clone(), number(s.distance, 3), number(s.chance, 2), with_unit(s.passing), with_unit(s.failing)]
     };
     let pairs = result.parameters.iter().zip(&result.verdict);
     Table {
@@ -123,16 +116,9 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
     let value = |k: usize| finite(first.estimates[k].value);
     order.sort_by(|&a, &b| value(b).total_cmp(&value(a)));
-    let most = measures
-        .iter()
-        .flat_map(|m| m.surest())
-        .map(|e| finite(e.high))
-        .fold(1e-12, f64::max);
-    let least = measures
-        .iter()
-        .flat_map(|m| m.surest())
-        .map(|e| finite(e.low).min(finite(e.value)))
-        .fold(0.0, f64::min);
+    let most = measures.iter().flat_map(|m| m.surest()).map(|e| finite(e.high)).fold(1e-12, f64::max);
+    let least =
+        measures.iter().flat_map(|m| m.surest()).map(|e| finite(e.low).min(finite(e.value))).fold(0.0, f64::min);
     let (left, width, band) = (170.0, 560.0, 16.0 * measures.len() as f64 + 12.0);
     // Estimates of an index near 0 scatter below it, too: their whiskers are drawn whole.
     let at = |v: f64| {
@@ -156,9 +142,7 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
             let class = format!("bar solid {}", CLASSES[m.min(2)]);
             out += &area(&class, [at(0.0), at(e.value)], [y, y + 11.0]);
             let ([low, high], middle, upper) = ([e.low, e.high].map(at), y + 5.5, y + 2.5);
-            let whisker = format_args!(
-                "M{low:.1},{middle:.1}H{high:.1}M{low:.1},{upper:.1}v6M{high:.1},{upper:.1}v6"
-            );
+            let whisker = format_args!("M{low:.1},{middle:.1}H{high:.1}M{low:.1},{upper:.1}v6M{high:.1},{upper:.1}v6");
             out += &path("whisker", whisker);
             if let Some(bounds) = measure.bounds.as_ref().map(|bounds| bounds[k]) {
                 let [low, high] = bounds.map(at);

@@ -56,10 +56,8 @@ fn estimator() -> impl TypedValueParser<Value = FirstOrder> {
 
 /// Options of `sensitivity`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Examples: orchestrator sensitivity studies/paper-table3.toml --base 256\n\
-    \u{20}         orchestrator sensitivity studies/paper-table3.toml --from results/paper-table3"
-)]
+#[command(after_help = "Examples: orchestrator sensitivity studies/paper-table3.toml --base 256\n\
+    \u{20}         orchestrator sensitivity studies/paper-table3.toml --from results/paper-table3")]
 pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
@@ -113,8 +111,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
             result.warnings.insert(0, SAMPLED.to_owned());
         }
         let origin = Origin::of_points(&summary);
-        let result =
-            AnalysisResult::new(&result, origin, document(&result, &table).as_text(), FILE);
+        let result = AnalysisResult::new(&result, origin, document(&result, &table).as_text(), FILE);
         let folder = options.work.output.as_ref().unwrap_or(from).clone();
         return Delivery::without_runs(result, &options.work, folder);
     }
@@ -138,8 +135,7 @@ impl Asked {
         let said = &study.sensitivity;
         let estimator = said.estimator.as_ref().map(|name| {
             FirstOrder::named(name.as_ref()).ok_or_else(|| {
-                let [others @ .., last] =
-                    &FirstOrder::ALL.map(|known| format!("`{}`", known.name()));
+                let [others @ .., last] = &FirstOrder::ALL.map(|known| format!("`{}`", known.name()));
                 let known = format!("{} and {last}", others.join(", "));
                 study.error_at(name, format!("the estimators are {known}"))
             })
@@ -181,24 +177,14 @@ impl Asked {
     }
 
     fn settled(&self) -> Settled {
-        Settled {
-            size: self.size,
-            estimator: self.estimator,
-            seed: self.seed,
-        }
+        Settled { size: self.size, estimator: self.estimator, seed: self.seed }
     }
 }
 
 impl Options {
     /// Method and size from the command line.
-    fn method_and_size(
-        &self,
-    ) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), Error> {
-        let sizes = [
-            ("sobol", self.base),
-            ("morris", self.morris),
-            ("shapley", self.shapley),
-        ];
+    fn method_and_size(&self) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), Error> {
+        let sizes = [("sobol", self.base), ("morris", self.morris), ("shapley", self.shapley)];
         let by_size = sizes.into_iter().find(|(_, size)| size.is_some());
         let chosen = match (&self.method, by_size) {
             (Some(name), _) => (Some(name.as_str()), self.size),
@@ -206,10 +192,7 @@ impl Options {
             (None, None) => (None, self.size),
         };
         let method = chosen.0.map(named).transpose();
-        Ok((
-            method.map_err(|message| Error::option("method", message))?,
-            chosen.1,
-        ))
+        Ok((method.map_err(|message| Error::option("method", message))?, chosen.1))
     }
 }
 
@@ -219,10 +202,7 @@ impl Analysis for Asked {
     type Source = Session;
 
     fn open(&self, request: Request) -> Result<Session, Error> {
-        let takes = Takes {
-            correlations: self.method()?.facts().takes_correlations,
-            samples: false,
-        };
+        let takes = Takes { correlations: self.method()?.facts().takes_correlations, samples: false };
         asking::session(request, takes)
     }
 
@@ -237,12 +217,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(
-        &self,
-        session: &Session,
-        pipeline: &mut Pipeline<'_>,
-        folder: &Path,
-    ) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
         let method = self.method()?;
         let design = method
             .design(&space(&session.plan), &self.settled())
@@ -254,12 +229,7 @@ impl Analysis for Asked {
             result.warnings.insert(0, CORRELATED.to_owned());
         }
         let origin = asking::origin(session)?;
-        Ok(AnalysisResult::new(
-            &result,
-            origin,
-            document(&result, &rows).as_text(),
-            FILE,
-        ))
+        Ok(AnalysisResult::new(&result, origin, document(&result, &rows).as_text(), FILE))
     }
 }
 
@@ -275,33 +245,18 @@ fn enough(size: u64) -> Result<(), String> {
 fn space(plan: &Plan) -> Space {
     let varied = plan.varied();
     let correlation = plan.correlation.as_ref().map(|correlation| {
-        DMatrix::from_fn(varied.len(), varied.len(), |a, b| {
-            correlation.coefficient(varied[a], varied[b])
-        })
+        DMatrix::from_fn(varied.len(), varied.len(), |a, b| correlation.coefficient(varied[a], varied[b]))
     });
-    Space {
-        parameters: varied.len(),
-        correlation,
-    }
+    Space { parameters: varied.len(), correlation }
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
-fn simulate(
-    session: &Session,
-    pipeline: &mut Pipeline<'_>,
-    cube: &[Vec<f64>],
-) -> Result<PointTable, Error> {
+fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -> Result<PointTable, Error> {
     let plan = &session.plan;
     let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
     let outcomes = pipeline.ask(&points)?;
     let (inputs, judge) = (&plan.inputs, &session.judge);
-    Ok(table::from_runs(
-        inputs,
-        &plan.varied(),
-        judge,
-        &points,
-        outcomes,
-    ))
+    Ok(table::from_runs(inputs, &plan.varied(), judge, &points, outcomes))
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.

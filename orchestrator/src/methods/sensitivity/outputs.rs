@@ -79,10 +79,7 @@ impl Output {
             "all numbers are 0: the output is the same in all runs that have a value, so no parameter matters to it"
         } else if !all(|e| e.value.is_finite()) {
             "a parameter has no number, as too few runs have values, so none can be called the most important"
-        } else if surest
-            .iter()
-            .any(|estimate| estimate.low.is_nan() || estimate.high.is_nan())
-        {
+        } else if surest.iter().any(|estimate| estimate.low.is_nan() || estimate.high.is_nan()) {
             "without intervals no parameter can be called the most important"
         } else if first.bounds.is_some() {
             "the bounds overlap: with other values of the failed runs another parameter could be the most important"
@@ -112,20 +109,11 @@ pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
 }
 
 fn of_points(table: &PointTable, outputs: Vec<(String, Vec<f64>)>, seed: u64) -> Sensitivity {
-    let columns: Vec<&[f64]> = table
-        .parameters
-        .iter()
-        .map(|p| p.values.as_slice())
-        .collect();
+    let columns: Vec<&[f64]> = table.parameters.iter().map(|p| p.values.as_slice()).collect();
     let parameters: Vec<String> = table.parameters.iter().map(|p| p.name.clone()).collect();
     let output = |(name, values): (String, Vec<f64>)| {
         let views = VIEWS.iter().map(|view| view.tell(&columns, &values, seed));
-        let mut output = Output {
-            name,
-            missing: failures::missing(&values),
-            told: unused(seed),
-            dominant: None,
-        };
+        let mut output = Output { name, missing: failures::missing(&values), told: unused(seed), dominant: None };
         output.told.extend(views.flatten());
         output.dominant = most_important(&output.shown(), &parameters);
         output
@@ -148,22 +136,13 @@ fn of_points(table: &PointTable, outputs: Vec<(String, Vec<f64>)>, seed: u64) ->
 
 /// The keys of the methods that were not used, without values.
 fn unused(seed: u64) -> Told {
-    let settled = Settled {
-        size: 0,
-        estimator: FirstOrder::default(),
-        seed,
-    };
+    let settled = Settled { size: 0, estimator: FirstOrder::default(), seed };
     let keys = RUNS.iter().map(|method| method.tell(&[], &[], &settled));
     keys.flatten().collect()
 }
 
 /// Analyses the runs of a method's own design, and its plain sample by the methods for any points.
-pub fn from_runs(
-    method: &dyn FromRuns,
-    design: &[Vec<f64>],
-    rows: &PointTable,
-    settled: &Settled,
-) -> Sensitivity {
+pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, settled: &Settled) -> Sensitivity {
     let plain = method.plain_sample(rows.len(), settled);
     let outputs = outputs(rows);
     let values = |(name, values): &(String, Vec<f64>)| {
@@ -202,19 +181,12 @@ fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
         let flags = (0..table.len()).map(flag);
         flags.map(|flag| f64::from(u8::from(flag))).collect()
     };
-    let criteria = table
-        .criteria
-        .iter()
-        .map(|c| (c.name.clone(), c.values.clone()));
+    let criteria = table.criteria.iter().map(|c| (c.name.clone(), c.values.clone()));
     let verified = ("verified".to_owned(), flags(&|i| table.verified[i]));
     let failed = (failures::failed(table) > 0).then(|| {
         // A criterion may have this name.
         let taken = table.criteria.iter().any(|c| c.name == failures::OUTPUT);
-        let name = if taken {
-            "the run failed"
-        } else {
-            failures::OUTPUT
-        };
+        let name = if taken { "the run failed" } else { failures::OUTPUT };
         (name.to_owned(), flags(&|i| !table.completed(i)))
     });
     criteria.chain([verified]).chain(failed).collect()
@@ -229,16 +201,8 @@ mod tests {
 
     /// An output with these two indices.
     fn output(median: [Estimate; 2]) -> Output {
-        let pawn = Pawn {
-            median: median.to_vec(),
-            max: vec![1.0; 2],
-            threshold: 0.1,
-            used: 8,
-        };
-        Output {
-            told: Told::from_iter([("pawn".to_owned(), json!(pawn))]),
-            ..Output::default()
-        }
+        let pawn = Pawn { median: median.to_vec(), max: vec![1.0; 2], threshold: 0.1, used: 8 };
+        Output { told: Told::from_iter([("pawn".to_owned(), json!(pawn))]), ..Output::default() }
     }
 
     #[test]
@@ -248,21 +212,12 @@ mod tests {
         for (output, words) in [
             (Output::default(), "too few runs have values"),
             (output([nothing; 2]), "a parameter has no number"),
-            (
-                output([nothing, Estimate::around(0.8, 0.1)]),
-                "a parameter has no number",
-            ),
+            (output([nothing, Estimate::around(0.8, 0.1)]), "a parameter has no number"),
             (output([Estimate::around(0.0, 0.0); 2]), "all numbers are 0"),
             (output([bare(0.8), bare(0.3)]), "without intervals"),
-            (
-                output([Estimate::around(0.8, 0.3), Estimate::around(0.5, 0.2)]),
-                "the intervals overlap",
-            ),
+            (output([Estimate::around(0.8, 0.3), Estimate::around(0.5, 0.2)]), "the intervals overlap"),
         ] {
-            assert_eq!(
-                most_important(&output.shown(), &["a".into(), "b".into()]),
-                None
-            );
+            assert_eq!(most_important(&output.shown(), &["a".into(), "b".into()]), None);
             let said = output.undecided();
             assert!(said.starts_with(words), "{said}");
         }

@@ -33,11 +33,7 @@ pub fn document(result: &Tolerances) -> Document {
 
 fn table(result: &Tolerances) -> Table {
     let row = |p: &Parameter| {
-        let limited = if p.limited {
-            " (the search went no further)"
-        } else {
-            ""
-        };
+        let limited = if p.limited { " (the search went no further)" } else { "" };
         vec![
             p.name.clone(),
             p.own.clone(),
@@ -71,11 +67,7 @@ fn wanted(result: &Tolerances) -> String {
         Wanted::Accepted => "of all points accepted",
         Wanted::Conforming => "conformance probability",
     };
-    format!(
-        "Wanted: {} % {what}, at a confidence of {} %.",
-        percent(result.share),
-        percent(result.confidence)
-    )
+    format!("Wanted: {} % {what}, at a confidence of {} %.", percent(result.share), percent(result.confidence))
 }
 
 /// The result of the fresh runs; nothing where there are none.

@@ -36,9 +36,7 @@ impl<'a> Goal<'a> {
             (share, None) => (Wanted::Accepted, share),
             (None, conformance) => (Wanted::Conforming, conformance),
         };
-        if let (Wanted::Conforming, Some(stated), false) =
-            (wanted, stated, judge.measurement.complete())
-        {
+        if let (Wanted::Conforming, Some(stated), false) = (wanted, stated, judge.measurement.complete()) {
             let message = "a conformance probability needs the uncertainty of every measured value; add `uncertainty` \
                            to the criteria, or want a `share`";
             return Err(study.error_at(stated, message).into());
@@ -78,8 +76,7 @@ impl<'a> Goal<'a> {
             Wanted::Accepted => f64::from(u8::from(measurement.margin(values) >= self.guard)),
             Wanted::Conforming => {
                 let all = measurement.assess(values).all;
-                all.probability
-                    .expect("`new` refuses criteria without an uncertainty")
+                all.probability.expect("`new` refuses criteria without an uncertainty")
             }
         }
     }

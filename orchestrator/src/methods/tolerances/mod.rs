@@ -36,9 +36,7 @@ pub const FILE: &str = "tolerances.json";
 
 /// Options of `tolerances`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: orchestrator tolerances studies/paper-table3.toml --from results/paper-table3"
-)]
+#[command(after_help = "Example: orchestrator tolerances studies/paper-table3.toml --from results/paper-table3")]
 pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
@@ -99,10 +97,7 @@ impl Analysis for Asked {
     type Source = Session;
 
     fn open(&self, request: Request) -> Result<Session, Error> {
-        let takes = Takes {
-            correlations: false,
-            samples: true,
-        };
+        let takes = Takes { correlations: false, samples: true };
         asking::session(request, takes)
     }
 
@@ -112,10 +107,7 @@ impl Analysis for Asked {
             seed: self.seed,
             // Rounds follow until the weights are sure enough.
             points: None,
-            method: format!(
-                "rounds of {} points, {} to confirm",
-                self.points, self.confirm
-            ),
+            method: format!("rounds of {} points, {} to confirm", self.points, self.confirm),
             table: known.then(|| known::digest_of(&self.from)).transpose()?,
         })
     }
@@ -129,19 +121,10 @@ impl Analysis for Asked {
         self.problem(session, &goal).map(drop)
     }
 
-    fn find(
-        &self,
-        session: &Session,
-        pipeline: &mut Pipeline<'_>,
-        _: &Path,
-    ) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
-        let mut runs = Runs {
-            session,
-            varied: of_points(&session.plan),
-            pipeline,
-        };
+        let mut runs = Runs { session, varied: of_points(&session.plan), pipeline };
         let centre = runs.outcomes(&problem.centres())?;
         let (points, outcomes) = match self.known(session)? {
             Some(table) => runs.known(&table),
@@ -185,12 +168,7 @@ impl Analysis for Asked {
                 told.reasons.extend(most(session, &problem, &sample, &ones));
             }
         }
-        Ok(AnalysisResult::new(
-            &told,
-            asking::origin(session)?,
-            document(&told).as_text(),
-            FILE,
-        ))
+        Ok(AnalysisResult::new(&told, asking::origin(session)?, document(&told).as_text(), FILE))
     }
 }
 
@@ -201,13 +179,9 @@ impl Asked {
             return Ok(None);
         }
         let (summary, table) = table::read(&self.from)?;
-        let drawn = !matches!(
-            summary.provenance.method.as_str(),
-            "table" | "full-factorial"
-        );
+        let drawn = !matches!(summary.provenance.method.as_str(), "table" | "full-factorial");
         let same_files = session.study.digest() == summary.provenance.study_sha256;
-        let same_files =
-            same_files && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
+        let same_files = same_files && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
         Ok((drawn && same_files && !table.is_empty()).then_some(table))
     }
 
@@ -230,28 +204,17 @@ impl Asked {
             confirm: self.confirm,
             seed: self.seed,
         };
-        problem
-            .check()
-            .map_err(|message| study.error(format!("[tolerances] {message}")))?;
+        problem.check().map_err(|message| study.error(format!("[tolerances] {message}")))?;
         Ok(problem)
     }
 }
 
 /// The largest share that the points tell of at tolerances in these proportions, as a sentence.
-fn most(
-    session: &Session,
-    problem: &Problem,
-    sample: &Sample,
-    proportions: &[f64],
-) -> Option<String> {
+fn most(session: &Session, problem: &Problem, sample: &Sample, proportions: &[f64]) -> Option<String> {
     let (scales, largest) = problem.most(sample, proportions)?;
     let with_tolerances = session.plan.with_tolerances();
-    let names = with_tolerances
-        .iter()
-        .map(|&k| &session.plan.inputs[k].name);
-    let each = names
-        .zip(&scales)
-        .map(|(name, scale)| format!("{name} {}", number(*scale, 3)));
+    let names = with_tolerances.iter().map(|&k| &session.plan.inputs[k].name);
+    let each = names.zip(&scales).map(|(name, scale)| format!("{name} {}", number(*scale, 3)));
     Some(format!(
         "at most about {} % can be reached in these proportions, at so many times the study's tolerances: {}",
         number(100.0 * largest.share, 3),
@@ -262,19 +225,12 @@ fn most(
 /// The places among the inputs of the numbers of a point: those with tolerances, then those from samples.
 fn of_points(plan: &Plan) -> Vec<usize> {
     let from_samples = plan.joints.iter().flat_map(Joint::inputs).copied();
-    plan.with_tolerances()
-        .into_iter()
-        .chain(from_samples)
-        .collect()
+    plan.with_tolerances().into_iter().chain(from_samples).collect()
 }
 
 /// Relative cost of a narrower tolerance, for each parameter that has one.
 fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, FileError> {
-    let varied: Vec<&str> = plan
-        .with_tolerances()
-        .iter()
-        .map(|&k| plan.inputs[k].name.as_str())
-        .collect();
+    let varied: Vec<&str> = plan.with_tolerances().iter().map(|&k| plan.inputs[k].name.as_str()).collect();
     for (name, cost) in &study.tolerances.costs {
         if !varied.contains(&name.as_ref().as_str()) {
             let message = format!(
@@ -287,13 +243,7 @@ fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, FileError> {
             return Err(study.error_at(cost, "a cost must be a positive, finite number"));
         }
     }
-    let cost = |name: &&str| {
-        study
-            .tolerances
-            .costs
-            .get(*name)
-            .map_or(1.0, |cost| *cost.as_ref())
-    };
+    let cost = |name: &&str| study.tolerances.costs.get(*name).map_or(1.0, |cost| *cost.as_ref());
     Ok(varied.iter().map(cost).collect())
 }
 
@@ -311,10 +261,7 @@ fn limit(study: &Study) -> Result<f64, FileError> {
 fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> Vec<Parameter> {
     let with_tolerances = plan.with_tolerances();
     let scaled = |input: &Input, scale: f64| {
-        ParameterSummary::new(&Input {
-            distribution: input.distribution.scaled(scale),
-            ..input.clone()
-        })
+        ParameterSummary::new(&Input { distribution: input.distribution.scaled(scale), ..input.clone() })
     };
     let parameter = |(k, &number): (usize, &usize)| {
         let input = &plan.inputs[number];
@@ -344,11 +291,7 @@ fn words(parameter: &ParameterSummary) -> String {
     }
     let words = rounded.distribution.iter().filter_map(|(key, value)| {
         let value = value.as_str()?;
-        Some(if key == "distribution" {
-            value.to_owned()
-        } else {
-            format!("{key} {value}")
-        })
+        Some(if key == "distribution" { value.to_owned() } else { format!("{key} {value}") })
     });
     let words = words.collect::<Vec<_>>().join(", ");
     match &parameter.unit {
@@ -370,14 +313,8 @@ impl Runs<'_, '_> {
     fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Error> {
         let inputs = &self.session.plan.inputs;
         let full = |point: &Vec<f64>| -> Vec<f64> {
-            let mut all: Vec<f64> = inputs
-                .iter()
-                .map(|input| input.distribution.centre())
-                .collect();
-            self.varied
-                .iter()
-                .zip(point)
-                .for_each(|(&k, &value)| all[k] = value);
+            let mut all: Vec<f64> = inputs.iter().map(|input| input.distribution.centre()).collect();
+            self.varied.iter().zip(point).for_each(|(&k, &value)| all[k] = value);
             all
         };
         let full: Vec<Vec<f64>> = points.iter().map(full).collect();
@@ -389,19 +326,11 @@ impl Runs<'_, '_> {
     fn known(&self, table: &PointTable) -> (Vec<Vec<f64>>, Vec<Option<Vec<f64>>>) {
         const MOST: usize = 20_000;
         let count = table.len().min(MOST);
-        let point = |i: usize| {
-            self.varied
-                .iter()
-                .map(|&k| table.parameters[k].values[i])
-                .collect()
-        };
+        let point = |i: usize| self.varied.iter().map(|&k| table.parameters[k].values[i]).collect();
         let outcome = |i: usize| {
             let values = table.criteria.iter().map(|criterion| criterion.values[i]);
             table.completed(i).then(|| values.collect())
         };
-        (
-            (0..count).map(point).collect(),
-            (0..count).map(outcome).collect(),
-        )
+        ((0..count).map(point).collect(), (0..count).map(outcome).collect())
     }
 }

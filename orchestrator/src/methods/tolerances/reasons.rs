@@ -15,9 +15,7 @@ pub(super) fn of(
 ) -> Vec<String> {
     let mut reasons = Vec::new();
     match centres {
-        [None] => {
-            reasons.push("the model fails with all parameters at their nominal values".to_owned())
-        }
+        [None] => reasons.push("the model fails with all parameters at their nominal values".to_owned()),
         [..] => {
             reasons.extend(off(judge, goal, centres));
             if let ([centre], true) = (centres, reasons.is_empty()) {
@@ -86,12 +84,8 @@ fn contradictions(judge: &Judge, points: &[Option<Vec<f64>>]) -> Vec<String> {
     const EXPECTED: f64 = 5.0;
     let completed: Vec<&Vec<f64>> = points.iter().flatten().collect();
     let meets = |k: usize, values: &[f64]| judge.criteria[k].accepts(values[k]);
-    let count = |condition: &dyn Fn(&[f64]) -> bool| {
-        completed.iter().filter(|values| condition(values)).count() as f64
-    };
-    let alone: Vec<f64> = (0..judge.criteria.len())
-        .map(|k| count(&|values| meets(k, values)))
-        .collect();
+    let count = |condition: &dyn Fn(&[f64]) -> bool| completed.iter().filter(|values| condition(values)).count() as f64;
+    let alone: Vec<f64> = (0..judge.criteria.len()).map(|k| count(&|values| meets(k, values))).collect();
     let name = |k: usize| &judge.criteria[k].name;
     let all = completed.len().max(1) as f64;
     let mut sentences = Vec::new();
@@ -102,8 +96,7 @@ fn contradictions(judge: &Judge, points: &[Option<Vec<f64>>]) -> Vec<String> {
         for b in a + 1..alone.len() {
             // Of independent criteria some points would meet both by chance.
             let expected = alone[a] * alone[b] / all;
-            if expected >= EXPECTED && count(&|values| meets(a, values) && meets(b, values)) == 0.0
-            {
+            if expected >= EXPECTED && count(&|values| meets(a, values) && meets(b, values)) == 0.0 {
                 sentences.push(format!(
                     "{} and {} contradict each other: {} points meet the first, {} the second, and none meets both",
                     name(a),

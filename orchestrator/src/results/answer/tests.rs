@@ -35,10 +35,7 @@ fn said(study: &str, inside: u64, outside: u64) -> String {
         let value = if label < inside { 0.0 } else { 100.0 };
         tally.add(label, &[], &Ok(vec![value, value]), None);
     }
-    let provenance = Provenance {
-        method: "monte-carlo".to_owned(),
-        ..Provenance::default()
-    };
+    let provenance = Provenance { method: "monte-carlo".to_owned(), ..Provenance::default() };
     let summary = tally.summary(None, provenance, Vec::new());
     let answer = Answer::new(&summary);
     let first = format!("{} {}\n{}", answer.sign.mark(), answer.title, answer.answer);
@@ -62,29 +59,19 @@ fn the_accepted_points_that_do_not_conform_are_counted() {
     let one = said(STUDY, 1, 9);
     assert!(one.contains("with a probability of 0.28 to 98 %"), "{one}");
     assert!(
-        one.contains(
-            "With a probability of 8.9 % (95 % interval 0 .. 98 %) the accepted point is outside"
-        ),
+        one.contains("With a probability of 8.9 % (95 % interval 0 .. 98 %) the accepted point is outside"),
         "{one}"
     );
     let none = said(STUDY, 0, 10);
-    assert!(
-        none.contains("with a probability of at most 98 %"),
-        "{none}"
-    );
-    assert!(
-        none.contains("Of all points 0.0 are expected to be within the tolerances"),
-        "{none}"
-    );
+    assert!(none.contains("with a probability of at most 98 %"), "{none}");
+    assert!(none.contains("Of all points 0.0 are expected to be within the tolerances"), "{none}");
 }
 
 #[test]
 fn without_an_uncertainty_nothing_is_stated() {
     let text = said(&STUDY.replacen("uncertainty = 1\n", "", 1), 5, 5);
     assert!(
-        text.contains(
-            "conform is not known: the study states no uncertainty of T, and nothing is assumed.\n"
-        ),
+        text.contains("conform is not known: the study states no uncertainty of T, and nothing is assumed.\n"),
         "{text}"
     );
     let text = said(&STUDY.replace("uncertainty = 1\n", ""), 5, 5);
@@ -96,39 +83,22 @@ fn a_verdict_that_is_open_tells_how_many_points_decide() {
     let rule = format!("{STUDY}[verdict]\nshare = \"10 %\"\n");
     let text = said(&rule, 12, 88);
     assert!(
-        text.starts_with(
-            "? Inconclusive\nThe points do not tell: it does at 12 of 100 points, which is "
-        ),
+        text.starts_with("? Inconclusive\nThe points do not tell: it does at 12 of 100 points, which is "),
         "{text}"
     );
-    assert!(
-        text.contains("independent points decide in another study, "),
-        "{text}"
-    );
+    assert!(text.contains("independent points decide in another study, "), "{text}");
     assert!(!text.contains("were repeated"));
     assert!(!said(&rule, 50, 50).contains("points decide"));
 }
 
 #[test]
 fn guard_bands_are_named() {
-    let with = |key: &str| {
-        said(
-            &format!("{STUDY}[verdict]\nshare = \"1 %\"\n{key}\n"),
-            50,
-            50,
-        )
-    };
+    let with = |key: &str| said(&format!("{STUDY}[verdict]\nshare = \"1 %\"\n{key}\n"), 50, 50);
     let text = with("guard-band = 0.5");
-    assert!(
-        text.contains("a guard band of 0.50 expanded uncertainties; 50 points"),
-        "{text}"
-    );
+    assert!(text.contains("a guard band of 0.50 expanded uncertainties; 50 points"), "{text}");
     assert!(!with("guard-band = 0").contains("guard band"));
     let text = with("risk = \"1 %\"");
-    assert!(
-        text.contains("nothing is accepted: measure better"),
-        "{text}"
-    );
+    assert!(text.contains("nothing is accepted: measure better"), "{text}");
 }
 
 /// Every value is at a limit, so that half of the errors are beyond it: at most a quarter of the accepted points conform.
@@ -142,14 +112,8 @@ fn a_verdict_whose_points_are_mostly_wrong_has_a_sign_of_its_own() {
     }
     let mut summary = tally.summary(None, Provenance::default(), Vec::new());
     let answer = Answer::new(&summary);
-    assert_eq!(
-        (answer.sign, &*answer.title),
-        (Sign::Doubt, "Verified, with doubts")
-    );
-    assert!(
-        answer.decides[0].contains("accepted points 7.5 (75 %"),
-        "{answer:?}"
-    );
+    assert_eq!((answer.sign, &*answer.title), (Sign::Doubt, "Verified, with doubts"));
+    assert!(answer.decides[0].contains("accepted points 7.5 (75 %"), "{answer:?}");
     // A warning is a doubt, too; a note is none.
     summary.conclusion.as_mut().unwrap().risk = None;
     assert_eq!(Answer::new(&summary).sign, Sign::Yes);
@@ -165,10 +129,7 @@ fn a_verdict_whose_points_are_mostly_wrong_has_a_sign_of_its_own() {
     assert_eq!(answer.sign, Sign::Doubt);
     let told = "Warning: T: its value still moves; but slowly (as well: F).".to_owned();
     assert!(answer.decides.contains(&told), "{answer:?}");
-    let simulate = answer
-        .next
-        .iter()
-        .filter(|next| *next == "Simulate longer.");
+    let simulate = answer.next.iter().filter(|next| *next == "Simulate longer.");
     assert_eq!(simulate.count(), 1, "{answer:?}");
 }
 
@@ -187,16 +148,11 @@ fn failures_are_told_by_their_kinds() {
     }
     let summary = tally.summary(None, Provenance::default(), Vec::new());
     let kinds = summary.failure_kinds.iter();
-    let kinds: Vec<String> = kinds
-        .map(|kind| format!("{} {} {}", kind.points, kind.first.point, kind.first.status))
-        .collect();
+    let kinds: Vec<String> =
+        kinds.map(|kind| format!("{} {} {}", kind.points, kind.first.point, kind.first.status)).collect();
     assert_eq!(
         kinds,
-        [
-            "100 2 fmi2Error: no film at h2 = -1 um",
-            "50 1 fmi2Error: singular at t = 1 (fmi2DoStep)",
-            "50 4 timeout"
-        ]
+        ["100 2 fmi2Error: no film at h2 = -1 um", "50 1 fmi2Error: singular at t = 1 (fmi2DoStep)", "50 4 timeout"]
     );
     assert_eq!(summary.failures["fmi2Error"], 150);
     assert_eq!(summary.failed, 200);
@@ -208,8 +164,5 @@ fn failures_are_told_by_their_kinds() {
     }
     let summary = tally.summary(None, Provenance::default(), Vec::new());
     let kinds = &summary.failure_kinds;
-    assert_eq!(
-        (kinds.len(), kinds[0].points, kinds[0].first.point),
-        (21, 980, 20)
-    );
+    assert_eq!((kinds.len(), kinds[0].points, kinds[0].first.point), (21, 980, 20));
 }

@@ -30,12 +30,7 @@ impl Way {
         let judge = judge(&text);
         let design = Some((self.method, self.replicates));
         let ending = Ending::new(Until::Verdict, &judge, design, &History::default()).unwrap();
-        let sampling = Sampling {
-            method: self.method,
-            points: self.points,
-            seed,
-            replicates: self.replicates,
-        };
+        let sampling = Sampling { method: self.method, points: self.points, seed, replicates: self.replicates };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         let design = Design::new(&sampling, vec![unit.clone(); 3]).unwrap();
         let mut front = Front::new(&ending);
@@ -45,11 +40,7 @@ impl Way {
                 break;
             }
         }
-        let looks = if self.waits {
-            ending.looks().unwrap()
-        } else {
-            Looks::default()
-        };
+        let looks = if self.waits { ending.looks().unwrap() } else { Looks::default() };
         looks.decide(judge.rule.unwrap(), &front.counts, front.front as u64)
     }
 }
@@ -69,32 +60,16 @@ fn check(way: Way, studies: u64, decided_far_away: u64) {
             decided += u64::from(verdict != Decision::Inconclusive);
         }
         println!("{way:?}, {required}: {wrong} wrong, {decided} decided of {studies}");
-        assert!(
-            wrong <= most_wrong,
-            "{way:?}, {required}: {wrong} of {studies}"
-        );
+        assert!(wrong <= most_wrong, "{way:?}, {required}: {wrong} of {studies}");
         if (required - SHARE).abs() > 0.04 {
-            assert!(
-                100 * decided >= decided_far_away * studies,
-                "{way:?}, {required}: {decided}"
-            );
+            assert!(100 * decided >= decided_far_away * studies, "{way:?}, {required}: {decided}");
         }
     }
 }
 
-const CHANCE: Way = Way {
-    method: Method::MonteCarlo,
-    replicates: 1,
-    points: 2000,
-    waits: true,
-};
+const CHANCE: Way = Way { method: Method::MonteCarlo, replicates: 1, points: 2000, waits: true };
 
-const NETS: Way = Way {
-    method: Method::Sobol,
-    replicates: 16,
-    points: 1024,
-    waits: true,
-};
+const NETS: Way = Way { method: Method::Sobol, replicates: 16, points: 1024, waits: true };
 
 #[test]
 fn verdicts_that_were_waited_for_are_hardly_ever_wrong() {
@@ -104,14 +79,7 @@ fn verdicts_that_were_waited_for_are_hardly_ever_wrong() {
 
 #[test]
 fn verdicts_of_replicates_are_hardly_ever_wrong() {
-    check(
-        Way {
-            waits: false,
-            ..NETS
-        },
-        120,
-        95,
-    );
+    check(Way { waits: false, ..NETS }, 120, 95);
 }
 
 #[test]
@@ -119,23 +87,10 @@ fn verdicts_of_replicates_are_hardly_ever_wrong() {
 fn of_a_thousand_studies_hardly_any_verdict_is_wrong() {
     for waits in [true, false] {
         for points in [500, 20_000] {
-            check(
-                Way {
-                    waits,
-                    points,
-                    ..CHANCE
-                },
-                1000,
-                0,
-            );
+            check(Way { waits, points, ..CHANCE }, 1000, 0);
         }
         for (replicates, points) in [(8, 256), (8, 4096), (16, 256), (16, 4096), (32, 8192)] {
-            let nets = Way {
-                replicates,
-                points,
-                waits,
-                ..NETS
-            };
+            let nets = Way { replicates, points, waits, ..NETS };
             check(nets, 1000, 0);
         }
     }
@@ -150,12 +105,7 @@ fn intervals_of_replicates_hold_the_share_in_95_per_cent_of_repetitions() {
     let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
     let (mut held, mut narrower) = (0, 0);
     for seed in 0..REPETITIONS {
-        let sampling = Sampling {
-            method: Method::Sobol,
-            points: POINTS,
-            seed,
-            replicates: 16,
-        };
+        let sampling = Sampling { method: Method::Sobol, points: POINTS, seed, replicates: 16 };
         let design = Design::new(&sampling, vec![unit.clone(); 3]).unwrap();
         let mut counts = [0; 16];
         for index in 0..POINTS {

@@ -25,12 +25,7 @@ pub(super) fn judge(text: &str) -> Judge {
 }
 
 fn ending(until: &str, design: Option<(Method, u64)>) -> Result<Ending, String> {
-    Ending::new(
-        until.parse().unwrap(),
-        &judge(STUDY),
-        design,
-        &History::default(),
-    )
+    Ending::new(until.parse().unwrap(), &judge(STUDY), design, &History::default())
 }
 
 pub(super) fn seen(counts: bool) -> Seen {
@@ -50,11 +45,9 @@ fn end(ending: &Ending, order: impl Iterator<Item = u64>, counts: impl Fn(u64) -
 
 #[test]
 fn the_order_in_which_points_finish_does_not_matter() {
-    for (until, design) in [
-        ("ci 0.2", (Method::Halton, 1)),
-        ("verdict", (Method::MonteCarlo, 1)),
-        ("verdict", (Method::Sobol, 8)),
-    ] {
+    for (until, design) in
+        [("ci 0.2", (Method::Halton, 1)), ("verdict", (Method::MonteCarlo, 1)), ("verdict", (Method::Sobol, 8))]
+    {
         let ending = ending(until, Some(design)).unwrap();
         let counts = |index| index % 3 == 0;
         let forward = end(&ending, 0..10_000, counts);
@@ -89,12 +82,7 @@ fn a_verdict_ends_a_study_at_the_first_look_that_decides() {
 fn guarded_points_count_for_the_verdict_and_others_for_the_width() {
     let judge = judge(STUDY);
     let design = Some((Method::MonteCarlo, 1));
-    let counts = |until, value: f64| {
-        ending(until, design)
-            .unwrap()
-            .counts(&judge, &Ok(vec![value]))
-            == Seen::Counts
-    };
+    let counts = |until, value: f64| ending(until, design).unwrap().counts(&judge, &Ok(vec![value])) == Seen::Counts;
     assert!(counts("verdict", 0.39) && !counts("verdict", 0.41));
     assert!(counts("ci 0.1", 0.5) && !counts("ci 0.1", 0.51));
     let failed = Err(fmu_points::failure::Failure::Timeout);
@@ -109,11 +97,7 @@ fn failures_alone_end_a_study_late() {
     for (failed, end) in [(20, 24), (40, 41), (1000, 100)] {
         let mut front = Front::new(&ending);
         let seen = |index| {
-            if index < failed {
-                Seen::Failed
-            } else {
-                Seen::Misses
-            }
+            if index < failed { Seen::Failed } else { Seen::Misses }
         };
         assert!((0..1000).any(|index| front.add(index, seen(index))));
         assert_eq!(front.front, end);

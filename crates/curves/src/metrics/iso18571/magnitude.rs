@@ -85,9 +85,7 @@ mod tests {
         }
         let from = |(dm, dr): &(usize, usize)| {
             let before = m.checked_sub(*dm).zip(r.checked_sub(*dr));
-            before.map_or(f64::INFINITY, |before| {
-                least(reference, model, before, most)
-            })
+            before.map_or(f64::INFINITY, |before| least(reference, model, before, most))
         };
         square + FROM.iter().map(from).fold(f64::INFINITY, f64::min)
     }
@@ -100,11 +98,7 @@ mod tests {
         let length: f64 = squares.sum();
         let expected = least(&reference, &model, (11, 11), 1);
         assert!((length - expected).abs() < 1e-12, "{length} {expected}");
-        let straight: f64 = model
-            .iter()
-            .zip(&reference)
-            .map(|(m, r)| (m - r).powi(2))
-            .sum();
+        let straight: f64 = model.iter().zip(&reference).map(|(m, r)| (m - r).powi(2)).sum();
         assert!(length < 0.5 * straight);
     }
 }

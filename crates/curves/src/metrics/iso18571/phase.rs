@@ -28,18 +28,10 @@ pub(super) fn shift(reference: &[f64], model: &[f64]) -> isize {
 }
 
 /// The samples that lie on each other when the model is moved back by a shift.
-pub(super) fn overlap<'a>(
-    reference: &'a [f64],
-    model: &'a [f64],
-    shift: isize,
-) -> (&'a [f64], &'a [f64]) {
+pub(super) fn overlap<'a>(reference: &'a [f64], model: &'a [f64], shift: isize) -> (&'a [f64], &'a [f64]) {
     let by = shift.unsigned_abs();
     let rest = reference.len() - by;
-    if shift >= 0 {
-        (&reference[..rest], &model[by..])
-    } else {
-        (&reference[by..], &model[..rest])
-    }
+    if shift >= 0 { (&reference[..rest], &model[by..]) } else { (&reference[by..], &model[..rest]) }
 }
 
 /// One without a shift, zero for the largest one, and straight between.
@@ -74,10 +66,7 @@ impl Sums {
             sum += value - first;
             sum
         });
-        Self {
-            first,
-            sums: std::iter::once(0.0).chain(running).collect(),
-        }
+        Self { first, sums: std::iter::once(0.0).chain(running).collect() }
     }
 
     fn mean(&self, begin: usize, count: usize) -> f64 {

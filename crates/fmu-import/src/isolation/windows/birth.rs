@@ -24,18 +24,14 @@ impl Keeper {
         // Odd, so that every ticket of the 2^64 has its turn.
         self.tickets = self.tickets.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let ticket = self.tickets;
-        let mut process = process::detach(command)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()?;
+        let mut process =
+            process::detach(command).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         // It waits for its ticket, so whatever it starts will be in the job.
         let group = ControlGroup::new().filter(|group| group.take(process.id()));
         let missing = || io::Error::other("a pipe to the process is missing");
         let mut orders = process.stdin.take().ok_or_else(missing)?;
         let answers = process.stdout.take().ok_or_else(missing)?;
-        self.words
-            .listen(process.stderr.take().ok_or_else(missing)?);
+        self.words.listen(process.stderr.take().ok_or_else(missing)?);
         frame::write(&mut orders, 0, &ticket.to_le_bytes())?;
         let process = Process { process, group };
         Ok(Child::new(process, Arrivals::of(answers), orders, ticket))
@@ -64,11 +60,7 @@ impl Place {
         let ticket = orders.wait()?.ok_or_else(missing)?;
         let ticket = u64::from_le_bytes(ticket.try_into().map_err(|_| missing())?);
         orders.expect(ticket);
-        Ok(Self {
-            ticket,
-            orders,
-            answers,
-        })
+        Ok(Self { ticket, orders, answers })
     }
 
     /// Sends an answer. A child that cannot send ends here.

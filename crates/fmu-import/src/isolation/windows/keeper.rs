@@ -26,10 +26,7 @@ impl Keeper {
     /// there.
     pub fn new(echo: Option<File>, seed: u64) -> Self {
         process::end_without_words();
-        Self {
-            words: Words::new(echo),
-            tickets: seed,
-        }
+        Self { words: Words::new(echo), tickets: seed }
     }
 
     /// Does what may take long without a look at the superior: a job object ends this process with that.
@@ -51,10 +48,7 @@ impl Keeper {
     }
 
     /// Waits a short time until there is something to read, or the end of it.
-    pub(in crate::isolation) fn is_ready(
-        &mut self,
-        answers: &mut Inbox<Arrivals>,
-    ) -> Result<bool, Loss> {
+    pub(in crate::isolation) fn is_ready(&mut self, answers: &mut Inbox<Arrivals>) -> Result<bool, Loss> {
         Ok(answers.source_mut().wait(LOOK))
     }
 }

@@ -30,12 +30,7 @@ impl Arrivals {
                 }
             }
         });
-        Self {
-            from,
-            piece: Vec::new(),
-            taken: 0,
-            over: false,
-        }
+        Self { from, piece: Vec::new(), taken: 0, over: false }
     }
 
     /// Waits until there is something to read, or the end of it; `false` when the time is over.

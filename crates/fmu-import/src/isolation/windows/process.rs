@@ -11,8 +11,8 @@ use windows_sys::Win32::System::Diagnostics::Debug::{
 use windows_sys::Win32::System::ProcessStatus::{K32GetProcessMemoryInfo, PROCESS_MEMORY_COUNTERS};
 use windows_sys::Win32::System::SystemInformation::{GlobalMemoryStatusEx, MEMORYSTATUSEX};
 use windows_sys::Win32::System::Threading::{
-    CREATE_NEW_PROCESS_GROUP, CREATE_NO_WINDOW, GetCurrentProcess, OpenProcess,
-    PROCESS_QUERY_LIMITED_INFORMATION, TerminateProcess,
+    CREATE_NEW_PROCESS_GROUP, CREATE_NO_WINDOW, GetCurrentProcess, OpenProcess, PROCESS_QUERY_LIMITED_INFORMATION,
+    TerminateProcess,
 };
 
 use crate::isolation::loss::{Loss, MUTE};
@@ -47,10 +47,7 @@ pub fn resident(pid: u32) -> u64 {
 
 /// The memory of this machine, bytes; `None` where that is not known.
 pub fn memory_of_machine() -> Option<u64> {
-    let mut status = MEMORYSTATUSEX {
-        dwLength: size_of::<MEMORYSTATUSEX>() as u32,
-        ..MEMORYSTATUSEX::default()
-    };
+    let mut status = MEMORYSTATUSEX { dwLength: size_of::<MEMORYSTATUSEX>() as u32, ..MEMORYSTATUSEX::default() };
     // SAFETY: a struct that tells its own size.
     let told = unsafe { GlobalMemoryStatusEx(&raw mut status) };
     (told != 0).then_some(status.ullTotalPhys)

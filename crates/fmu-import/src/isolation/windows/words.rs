@@ -24,11 +24,7 @@ pub(in crate::isolation) struct Words {
 impl Words {
     /// Nothing yet; with `echo`, what is printed is repeated there.
     pub(super) fn new(echo: Option<File>) -> Self {
-        Self {
-            heard: Arc::default(),
-            over: None,
-            echo: echo.map(Arc::new),
-        }
+        Self { heard: Arc::default(), over: None, echo: echo.map(Arc::new) }
     }
 
     /// Forgets what was heard, and listens to a new child.

@@ -22,17 +22,10 @@ impl QuasiStatic {
         let columns: Vec<Vector2<f64>> = [Vector2::x(), Vector2::y()]
             .into_iter()
             .map(|towards| {
-                damping * turned(towards) - self.by_conductances(towards)
-                    + self.by_area(towards, carried.velocity)
+                damping * turned(towards) - self.by_conductances(towards) + self.by_area(towards, carried.velocity)
             })
             .collect();
-        Ok((
-            carried,
-            Coefficients {
-                stiffness: Matrix2::from_columns(&columns),
-                damping,
-            },
-        ))
+        Ok((carried, Coefficients { stiffness: Matrix2::from_columns(&columns), damping }))
     }
 
     /// How the load changes with the area on which the film bears, which a displacement takes from asperities: the pressure acts
@@ -44,11 +37,7 @@ impl QuasiStatic {
         }
         for (i, smooth) in self.smooth.iter().enumerate() {
             let grid = &self.grid;
-            let places = [
-                grid.theta_edge(i),
-                grid.theta_centre(i),
-                grid.theta_edge(i + 1),
-            ];
+            let places = [grid.theta_edge(i), grid.theta_centre(i), grid.theta_edge(i + 1)];
             let [before, middle, after] = places.map(|theta| {
                 let [[_, parting], _] = self.gap(theta);
                 -parting * towards.dot(&Vector2::new(theta.cos(), theta.sin()))
@@ -80,8 +69,7 @@ impl QuasiStatic {
                     let neighbour = neighbour.filter(|&other| self.full[other]);
                     // An edge between two full cells comes twice.
                     let share = if neighbour.is_some() { 0.5 } else { 1.0 };
-                    let drop =
-                        |field: &[f64]| field[cell] - neighbour.map_or(0.0, |other| field[other]);
+                    let drop = |field: &[f64]| field[cell] - neighbour.map_or(0.0, |other| field[other]);
                     let units = Vector2::new(drop(&self.unit[0]), drop(&self.unit[1]));
                     sum += share * change * drop(&self.pressure) * units;
                 }
@@ -100,16 +88,12 @@ impl QuasiStatic {
         let columns = grid.columns();
         let over = |i: usize| {
             let ends = cubed(grid.theta_edge(i)) + cubed(grid.theta_edge(i + 1));
-            self.slenderness * grid.theta_width(i) * (ends + 4.0 * cubed(grid.theta_centre(i)))
-                / 6.0
+            self.slenderness * grid.theta_width(i) * (ends + 4.0 * cubed(grid.theta_centre(i))) / 6.0
         };
         let between = |i: usize| {
             let previous = grid.theta_width((i + columns - 1) % columns);
             2.0 * cubed(grid.theta_edge(i)) / (previous + grid.theta_width(i))
         };
-        (
-            (0..columns).map(between).collect(),
-            (0..columns).map(over).collect(),
-        )
+        ((0..columns).map(between).collect(), (0..columns).map(over).collect())
     }
 }

@@ -36,9 +36,6 @@ impl QuasiStatic {
         }
         let ratio = distance / self.roughness;
         let [[_, bears], [flow, widens]] = RoughFilm::MeanGap.gaps(ratio);
-        [
-            [bears, parting(ratio) / self.roughness],
-            cubed([flow * self.roughness, widens]),
-        ]
+        [[bears, parting(ratio) / self.roughness], cubed([flow * self.roughness, widens])]
     }
 }

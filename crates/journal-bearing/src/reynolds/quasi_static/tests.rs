@@ -24,18 +24,9 @@ fn steady(grid: Grid, e: f64, width: f64, boundary: Boundary) -> [f64; 3] {
 fn raimondi_and_boyd() {
     for [e, s, attitude, friction] in RAIMONDI_BOYD {
         let solution = steady(Grid::clustered(96, 8, e, 1.0), e, 1.0, Boundary::Seam);
-        assert!(
-            (solution[0] / s - 1.0).abs() < 0.015,
-            "S at {e}: {solution:?}"
-        );
-        assert!(
-            (solution[1] - attitude).abs() < 1.0,
-            "angle at {e}: {solution:?}"
-        );
-        assert!(
-            (solution[2] / friction - 1.0).abs() < 0.015,
-            "friction at {e}: {solution:?}"
-        );
+        assert!((solution[0] / s - 1.0).abs() < 0.015, "S at {e}: {solution:?}");
+        assert!((solution[1] - attitude).abs() < 1.0, "angle at {e}: {solution:?}");
+        assert!((solution[2] / friction - 1.0).abs() < 0.015, "friction at {e}: {solution:?}");
     }
 }
 
@@ -43,19 +34,13 @@ fn raimondi_and_boyd() {
 fn the_boundary_conditions_differ_as_known() {
     // At B/D = 1 the load differs by 2 % and the angle by 4.4 degrees at e = 0.1, the load by less than 0.4 % above 0.8. The
     // angles are from an independent solution with either condition, on 361 x 61 and 722 x 122 nodes.
-    for (e, largest, smallest, apart) in [
-        (0.1, 0.025, 0.015, 4.43),
-        (0.4, 0.004, 0.0, 2.56),
-        (0.8, 0.004, 0.0, 0.56),
-        (0.97, 0.004, 0.0, 0.05),
-    ] {
+    for (e, largest, smallest, apart) in
+        [(0.1, 0.025, 0.015, 4.43), (0.4, 0.004, 0.0, 2.56), (0.8, 0.004, 0.0, 0.56), (0.97, 0.004, 0.0, 0.05)]
+    {
         let of = |boundary| steady(Grid::clustered(192, 16, e, 1.0), e, 1.0, boundary);
         let (free, seam) = (of(Boundary::Free), of(Boundary::Seam));
         let difference = (seam[0] / free[0] - 1.0).abs();
-        assert!(
-            difference < largest && difference >= smallest,
-            "{e}: {difference}"
-        );
+        assert!(difference < largest && difference >= smallest, "{e}: {difference}");
         let angle = free[1] - seam[1];
         assert!((angle - apart).abs() < 0.05, "{e}: {angle} degrees");
     }
@@ -99,10 +84,7 @@ fn sufficient_cells_are_sufficient() {
             let [columns, rows] = Grid::sufficient_cells(width);
             let grid = Grid::standard(columns, rows, width);
             let error = (steady(grid, e, width, Boundary::Free)[0].recip() / exact - 1.0).abs();
-            println!(
-                "B/D {width}, e {e}: {columns} x {rows} cells, error {:.3} %",
-                100.0 * error
-            );
+            println!("B/D {width}, e {e}: {columns} x {rows} cells, error {:.3} %", 100.0 * error);
             assert!(error < 0.003, "{error} at {e}, {width}");
         }
     }
@@ -115,10 +97,7 @@ fn short_bearing_at_the_centre() {
     let mut film = QuasiStatic::new(Grid::uniform(96, 4), width, Boundary::Free);
     let carried = film.velocity_under(Vector2::new(1.0, 0.0)).unwrap();
     let mobility = carried.velocity.x / 6.0;
-    assert!(
-        (mobility * PI * width * width - 1.0).abs() < 2e-3,
-        "{mobility}"
-    );
+    assert!((mobility * PI * width * width - 1.0).abs() < 2e-3, "{mobility}");
 }
 
 /// A film between two grooves at 90 degrees from a load along `x`, with the journal at rest.
@@ -141,10 +120,7 @@ impl Resting {
 
 /// Grooves of some degrees.
 fn grooves(extent: f64) -> [Groove; 2] {
-    [-0.5 * PI, 0.5 * PI].map(|angle| Groove {
-        angle,
-        extent: extent.to_radians(),
-    })
+    [-0.5 * PI, 0.5 * PI].map(|angle| Groove { angle, extent: extent.to_radians() })
 }
 
 /// The resting place at a Sommerfeld number, by Newton's method.
@@ -178,37 +154,18 @@ fn between_grooves(width: f64, extent: f64, s: f64) -> Resting {
 #[test]
 fn lund_and_thomsen() {
     for ([s, e, angle], published) in [
-        (
-            [1.656, 0.244, 65.85],
-            [1.69, 5.06, -2.20, 1.95, 9.93, 2.15, 4.80],
-        ),
-        (
-            [0.917, 0.372, 57.45],
-            [2.12, 4.01, -1.30, 1.85, 7.70, 2.06, 3.23],
-        ),
-        (
-            [0.580, 0.477, 51.01],
-            [2.67, 3.70, -0.78, 1.75, 6.96, 1.94, 2.40],
-        ),
-        (
-            [0.379, 0.570, 45.43],
-            [3.33, 3.64, -0.43, 1.68, 6.76, 1.87, 1.89],
-        ),
+        ([1.656, 0.244, 65.85], [1.69, 5.06, -2.20, 1.95, 9.93, 2.15, 4.80]),
+        ([0.917, 0.372, 57.45], [2.12, 4.01, -1.30, 1.85, 7.70, 2.06, 3.23]),
+        ([0.580, 0.477, 51.01], [2.67, 3.70, -0.78, 1.75, 6.96, 1.94, 2.40]),
+        ([0.379, 0.570, 45.43], [3.33, 3.64, -0.43, 1.68, 6.76, 1.87, 1.89]),
     ] {
         let film = between_grooves(0.5, 20.0, s);
         assert!((film.place[0] - e).abs() < 0.002, "{film:?}");
         assert!((film.place[1] - angle).abs() < 0.3, "{film:?}");
         for (n, (computed, published)) in film.scaled().into_iter().zip(published).enumerate() {
-            let of_matrix = if n < 4 {
-                film.stiffness.norm()
-            } else {
-                film.damping.norm()
-            };
+            let of_matrix = if n < 4 { film.stiffness.norm() } else { film.damping.norm() };
             let bound = f64::max(0.025 * f64::abs(published), 0.01 * of_matrix);
-            assert!(
-                (computed - published).abs() < bound,
-                "{published}: {film:?}"
-            );
+            assert!((computed - published).abs() < bound, "{published}: {film:?}");
         }
     }
 }
@@ -230,10 +187,7 @@ fn someya() {
         assert!((film.place[0] - e).abs() < 0.002, "{film:?}");
         assert!((film.place[1] - angle).abs() < 0.9, "{film:?}");
         for (computed, published) in [(film.stiffness.m12, kxy), (film.damping.m11, bxx)] {
-            assert!(
-                (computed / published - 1.0).abs() < 0.05,
-                "{published}: {film:?}"
-            );
+            assert!((computed / published - 1.0).abs() < 0.05, "{published}: {film:?}");
         }
     }
 }

@@ -42,19 +42,13 @@ fn example(columns: usize, rows: usize, idle: &[usize]) -> (Ring, DMatrix<f64>) 
 
 #[test]
 fn agrees_with_a_dense_solution() {
-    for (columns, rows, idle, cut) in [
-        (5, 8, &[][..], 2),
-        (40, 8, &[], 7),
-        (6, 16, &[], 0),
-        (9, 24, &[3, 4], 5),
-        (12, 8, &[0, 11, 5], 0),
-    ] {
+    for (columns, rows, idle, cut) in
+        [(5, 8, &[][..], 2), (40, 8, &[], 7), (6, 16, &[], 0), (9, 24, &[3, 4], 5), (12, 8, &[0, 11, 5], 0)]
+    {
         let (mut ring, dense) = example(columns, rows, idle);
         ring.factorise(cut);
         let idle_cell = |k: usize| idle.contains(&(k / rows));
-        let b = DVector::from_fn(columns * rows, |k, _| {
-            if idle_cell(k) { 0.0 } else { (k as f64).sin() }
-        });
+        let b = DVector::from_fn(columns * rows, |k, _| if idle_cell(k) { 0.0 } else { (k as f64).sin() });
         let mut x = b.clone();
         let mut twice = &b * 2.0;
         ring.solve([x.as_mut_slice(), twice.as_mut_slice()]);

@@ -29,10 +29,7 @@ const MOVES: u8 = 6;
 impl ActiveSet {
     /// For a number of cells, none of which has moved.
     pub fn new(cells: usize) -> Self {
-        Self {
-            moves: vec![0; cells],
-            held: false,
-        }
+        Self { moves: vec![0; cells], held: false }
     }
 
     /// Begins a stage: every cell may move again.
@@ -55,20 +52,14 @@ impl ActiveSet {
         // Most of the time no cell moves: a loop without branches finds out.
         let n = field.full.len();
         let (pressure, content) = (&field.pressure[..n], &field.content[..n]);
-        let outside: u64 = (0..n)
-            .map(|c| u64::from(pressure[c] < tension) + u64::from(content[c] > over))
-            .sum();
+        let outside: u64 = (0..n).map(|c| u64::from(pressure[c] < tension) + u64::from(content[c] > over)).sum();
         if outside == 0 {
             return 0;
         }
         let mut moved = 0;
         for cell in 0..n {
             let full = field.full[cell];
-            let crosses = if full {
-                field.pressure[cell] < tension
-            } else {
-                field.content[cell] > over
-            };
+            let crosses = if full { field.pressure[cell] < tension } else { field.content[cell] > over };
             if !crosses {
                 continue;
             }
@@ -95,23 +86,13 @@ impl ActiveSet {
 
     /// Without conserved mass: fills empty cells whose inflow exceeds the growth of their gap. Returns the number of cells
     /// that moved.
-    pub fn refill(
-        &mut self,
-        cells: &Cells,
-        field: &mut Field,
-        balance: &Balance,
-        stage: &Stage<'_>,
-    ) -> usize {
+    pub fn refill(&mut self, cells: &Cells, field: &mut Field, balance: &Balance, stage: &Stage<'_>) -> usize {
         if cells.conserves_mass() {
             return 0;
         }
         let least = -ROUNDING / stage.duration;
         let n = field.full.len();
-        let (full, residual, area) = (
-            &mut field.full[..n],
-            &balance.residual[..n],
-            &cells.area[..n],
-        );
+        let (full, residual, area) = (&mut field.full[..n], &balance.residual[..n], &cells.area[..n]);
         let mut moved = 0;
         for cell in 0..n {
             if residual[cell] < least * area[cell] && !full[cell] && self.may_move(cell) {

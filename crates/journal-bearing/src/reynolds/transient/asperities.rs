@@ -38,11 +38,7 @@ fn each(surface: &Surface, geometry: &Geometry, mut visit: impl FnMut(Vector2<f6
     let developed = 0.5 * settings.diameter * settings.width;
     for (i, range) in cells.columns() {
         for cell in range {
-            let h = if gap.rough {
-                gap.film_ratio(cell)
-            } else {
-                gap.cell[cell] * ratio
-            };
+            let h = if gap.rough { gap.film_ratio(cell) } else { gap.cell[cell] * ratio };
             if h < NO_CONTACT {
                 let area = cells.area[cell] * developed;
                 visit(cells.directions.mean[i], area, h);

@@ -74,14 +74,7 @@ impl Balance {
     }
 
     /// Computes everything at the present gap, oil and field.
-    pub fn update(
-        &mut self,
-        cells: &Cells,
-        gap: &Gap,
-        liquid: &Liquid,
-        field: &Field,
-        stage: &Stage<'_>,
-    ) {
+    pub fn update(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage<'_>) {
         self.weigh(gap, liquid, field);
         self.flow_around(cells, gap, liquid, field, stage);
         if liquid.compressible {
@@ -99,14 +92,7 @@ impl Balance {
     }
 
     /// Computes conductances `rho H^3 / mu` and fluxes between columns.
-    fn flow_around(
-        &mut self,
-        cells: &Cells,
-        gap: &Gap,
-        liquid: &Liquid,
-        field: &Field,
-        stage: &Stage<'_>,
-    ) {
+    fn flow_around(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage<'_>) {
         let [_, flows] = gap.flow();
         for (behind, before) in cells.neighbours() {
             let (h, share) = (&gap.edge[behind.clone()], &cells.share[behind.clone()]);
@@ -137,36 +123,23 @@ impl Balance {
     }
 
     /// Computes conductances and fluxes between rows and through the open ends.
-    fn flow_over(
-        &mut self,
-        cells: &Cells,
-        gap: &Gap,
-        liquid: &Liquid,
-        field: &Field,
-        stage: &Stage<'_>,
-    ) {
+    fn flow_over(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage<'_>) {
         let n = self.mass.len();
         let ([h, _], p, ease) = (gap.flow(), &field.pressure[..], &liquid.ease[..]);
         let (below, above) = (..n - 1, 1..n);
         let across = &mut self.across[1..n];
         let both = [&cells.across[1..n], &h[below], &h[above.clone()]];
-        fill(across, both, |[at_one, below, above]| {
-            at_gap([at_one, 0.5 * (below + above)])
-        });
+        fill(across, both, |[at_one, below, above]| at_gap([at_one, 0.5 * (below + above)]));
         fill(&mut self.open, [&cells.open, h], at_gap);
         if !liquid.uniform {
             change(across, [&ease[below], &ease[above.clone()]], eased);
             change(&mut self.open, [ease; 2], eased);
         }
         fill(&mut self.over[1..n], [across, &p[below], &p[above]], driven);
-        fill(&mut self.out, [&self.open, p], |[conductance, p]| {
-            conductance * (p - stage.side)
-        });
+        fill(&mut self.out, [&self.open, p], |[conductance, p]| conductance * (p - stage.side));
         self.fed.resize(cells.feed.len(), 0.0);
         if !self.fed.is_empty() {
-            fill(&mut self.fed, [&cells.feed, p], |[conductance, p]| {
-                conductance * (p - stage.feed)
-            });
+            fill(&mut self.fed, [&cells.feed, p], |[conductance, p]| conductance * (p - stage.feed));
         }
     }
 
@@ -176,29 +149,21 @@ impl Balance {
         for (after, here) in cells.neighbours() {
             let residual = &mut self.residual[here.clone()];
             let masses = [&cells.area, stage.mass, &self.mass].map(|of| &of[here.clone()]);
-            fill(residual, masses, |[area, start, mass]| {
-                area * rate * (mass - start)
-            });
+            fill(residual, masses, |[area, start, mass]| area * rate * (mass - start));
             let around = [&self.around[here.clone()], &self.around[after]];
             add_difference(residual, around);
             let over = &self.over[here.start..=here.end];
             add_difference(residual, [over, &over[1..]]);
-            change(residual, [&self.out[here.clone()]], |residual, [out]| {
-                residual + out
-            });
+            change(residual, [&self.out[here.clone()]], |residual, [out]| residual + out);
             if !self.fed.is_empty() {
-                change(residual, [&self.fed[here]], |residual, [fed]| {
-                    residual + fed
-                });
+                change(residual, [&self.fed[here]], |residual, [fed]| residual + fed);
             }
         }
     }
 
     /// The sum of the residuals' absolute values, weighted by `counted`.
     pub fn imbalance(&self, counted: &[f64]) -> f64 {
-        sum_of([&self.residual, counted], |[residual, counted]| {
-            residual.abs() * counted
-        })
+        sum_of([&self.residual, counted], |[residual, counted]| residual.abs() * counted)
     }
 
     /// The mass in the whole film.
@@ -223,11 +188,7 @@ impl Balance {
     pub fn end_flow(&self) -> EndFlow {
         let net = sum_of([&self.out], |[out]| out);
         let size = sum_of([&self.out], |[out]| out.abs());
-        EndFlow {
-            out: 0.5 * (size + net),
-            into: 0.5 * (size - net),
-            fed: -self.fed.iter().sum::<f64>(),
-        }
+        EndFlow { out: 0.5 * (size + net), into: 0.5 * (size - net), fed: -self.fed.iter().sum::<f64>() }
     }
 }
 

@@ -55,10 +55,7 @@ pub struct Normal {
 
 impl Normal {
     fn new(cells: usize) -> Self {
-        Self {
-            mean: vec![0.0; cells],
-            edge: vec![0.0; cells],
-        }
+        Self { mean: vec![0.0; cells], edge: vec![0.0; cells] }
     }
 }
 
@@ -81,10 +78,7 @@ impl Directions {
             let (sin, cos) = grid.theta_edge(i).sin_cos();
             Vector2::new(cos, sin)
         };
-        Self {
-            mean: (0..grid.columns()).map(mean).collect(),
-            edge: (0..grid.columns()).map(edge).collect(),
-        }
+        Self { mean: (0..grid.columns()).map(mean).collect(), edge: (0..grid.columns()).map(edge).collect() }
     }
 }
 
@@ -183,8 +177,7 @@ impl Cells {
     /// The share of a cell's area that lies in a feed.
     fn share_in(&self, feed: &Feed, width: f64, [i, j]: [usize; 2]) -> f64 {
         const POINTS: usize = 16;
-        let along =
-            |from: f64, to: f64, k: usize| from + (to - from) * (k as f64 + 0.5) / POINTS as f64;
+        let along = |from: f64, to: f64, k: usize| from + (to - from) * (k as f64 + 0.5) / POINTS as f64;
         let (grid, half) = (&self.grid, 0.5 * width);
         let thetas = [grid.theta_edge(i), grid.theta_edge(i + 1)];
         let ends = [half * grid.zeta_edge(j), half * grid.zeta_edge(j + 1)];
@@ -227,10 +220,7 @@ impl Cells {
     /// the ring up to its seam, and a short one across the seam.
     pub fn neighbours(&self) -> [(Range<usize>, Range<usize>); 2] {
         let (stride, count) = (self.stride, self.count());
-        [
-            (stride..count, 0..count - stride),
-            (0..stride, count - stride..count),
-        ]
+        [(stride..count, 0..count - stride), (0..stride, count - stride..count)]
     }
 
     /// The smallest gap that the grid resolves: the variation of the gap over half a column at its narrowest point.

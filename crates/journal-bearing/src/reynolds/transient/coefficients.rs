@@ -25,14 +25,7 @@ impl ReynoldsFilm {
         let eps = work.state.eps;
         let mass = work.balance.mass.clone();
         let scale = work.geometry.settings.force_scale(drive.viscosity);
-        let task = Task {
-            start: eps,
-            guess: eps,
-            load: drive.load_after,
-            force_scale: scale,
-            drive,
-            contact,
-        };
+        let task = Task { start: eps, guess: eps, load: drive.load_after, force_scale: scale, drive, contact };
         let slow = SLOW * drive.rotation().abs();
         let mut slope = |rate: f64| -> Matrix2<f64> {
             let stage = stage(&work, 1.0 / rate, &mass, drive);
@@ -44,9 +37,6 @@ impl ReynoldsFilm {
         // A parabola through the three: its slope at zero.
         let damping = ((one - rest) * 4.0 - (two - rest)) / (2.0 * slow);
         let per_length = scale / self.settings().clearance;
-        Coefficients {
-            stiffness: rest * per_length,
-            damping: damping * per_length,
-        }
+        Coefficients { stiffness: rest * per_length, damping: damping * per_length }
     }
 }

@@ -75,12 +75,8 @@ impl Powers {
 
     /// Adds the change of a cell's mass.
     fn hold(&mut self, work: &Workspace, stage: &Stage<'_>, cell: usize, squeeze: f64) {
-        let (p, area) = (
-            work.state.field.pressure[cell],
-            work.geometry.cells.area[cell],
-        );
-        let start = work.geometry.gap.cell[cell]
-            + squeeze * work.geometry.gap.cell_apart[cell] * stage.duration;
+        let (p, area) = (work.state.field.pressure[cell], work.geometry.cells.area[cell]);
+        let start = work.geometry.gap.cell[cell] + squeeze * work.geometry.gap.cell_apart[cell] * stage.duration;
         let mass = stage.mass[cell];
         let taken = p * area * (start - mass / work.liquid.density[cell]) / stage.duration;
         if mass < (1.0 - LACK) * start {
@@ -107,7 +103,7 @@ fn mean_density(work: &Workspace, [before, behind]: [usize; 2]) -> f64 {
 
 /// The power that a flow over an edge, from the first of its ends to the second, takes to change to their densities.
 fn taken(work: &Workspace, ends: [usize; 2], flow: f64, density: f64) -> f64 {
-    let [before, behind] = ends
-        .map(|cell| work.state.field.pressure[cell] * (density / work.liquid.density[cell] - 1.0));
+    let [before, behind] =
+        ends.map(|cell| work.state.field.pressure[cell] * (density / work.liquid.density[cell] - 1.0));
     flow * (before - behind)
 }

@@ -74,8 +74,7 @@ pub fn diagnose(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Diagnosti
         max_pressure: (sums.max_pressure - stage.side) * 12.0 * drive.viscosity / (psi * psi),
         smallest_gap: work.geometry.smallest_gap(work.state.eps),
         crossing: work.geometry.crossing(work.state.eps),
-        contact_normal: asperities
-            .map_or(0.0, |surface| asperities::normal(surface, &work.geometry)),
+        contact_normal: asperities.map_or(0.0, |surface| asperities::normal(surface, &work.geometry)),
         outflow: flow.out * volume,
         inflow: flow.into * volume,
         feed_flow: flow.fed * volume,
@@ -111,15 +110,12 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
         let p = [&field.pressure[before], &field.pressure[behind.clone()]];
         sums.loss += lost(&balance.along[behind.clone()], p);
         let (share, h) = (&cells.share[behind.clone()], &gap.edge[behind.clone()]);
-        sums.rise += sum_of([share, h, p[0], p[1]], |[share, h, before, behind]| {
-            share * h * (behind - before)
-        });
+        sums.rise += sum_of([share, h, p[0], p[1]], |[share, h, before, behind]| share * h * (behind - before));
         if let Some(journal_share) = settings.flow_factors() {
             let excess = roughness * (2.0 * journal_share - 1.0);
             let of = [share, &gap.edge_ratio[behind], p[0], p[1]];
-            let rough = sum_of(of, |[share, ratio, before, behind]| {
-                share * shear_flow_factor(ratio) * (behind - before)
-            });
+            let rough =
+                sum_of(of, |[share, ratio, before, behind]| share * shear_flow_factor(ratio) * (behind - before));
             sums.rough += excess * rough;
         }
     }
@@ -144,9 +140,7 @@ fn sum(work: &Workspace, stage: &Stage<'_>, drive: &Drive) -> Sums {
 /// Power lost on the way from a feed's supply into its cells, and power that its pressure spends.
 fn fed(work: &Workspace, stage: &Stage<'_>) -> [f64; 2] {
     let cells = work.geometry.cells.feed.iter();
-    let of = cells
-        .zip(&work.state.field.pressure)
-        .zip(&work.liquid.density);
+    let of = cells.zip(&work.state.field.pressure).zip(&work.liquid.density);
     of.fold([0.0; 2], |[loss, spent], ((conductance, p), density)| {
         let flow = conductance * (p - stage.feed) / density;
         [loss + flow * (p - stage.feed), spent - flow * stage.feed]
@@ -157,10 +151,7 @@ fn fed(work: &Workspace, stage: &Stage<'_>) -> [f64; 2] {
 fn opening(work: &Workspace, column: usize) -> [f64; 2] {
     let settings = &work.geometry.settings;
     (settings.profile)
-        .opening_rates(
-            work.geometry.cells.grid.theta_centre(column),
-            work.state.angles,
-        )
+        .opening_rates(work.geometry.cells.grid.theta_centre(column), work.state.angles)
         .map(|rate| rate / settings.clearance)
 }
 
@@ -174,9 +165,7 @@ fn squeeze(work: &Workspace, drive: &Drive, column: usize) -> f64 {
 
 /// Integral of content over viscous gap: the film's resistance to sliding.
 fn shear(work: &Workspace, rotation: f64) -> f64 {
-    let Geometry {
-        cells, form, gap, ..
-    } = &work.geometry;
+    let Geometry { cells, form, gap, .. } = &work.geometry;
     let resolved = cells.resolved_gap();
     let neighbours = cells.neighbours().into_iter();
     if !gap.rough {
@@ -192,9 +181,7 @@ fn shear(work: &Workspace, rotation: f64) -> f64 {
         resistance.min(1.0 / resolved)
     };
     if form.tilt != Vector2::zeros() {
-        return sheared(work, rotation, neighbours, |_| {
-            |[_, ratio]: [f64; 2], fluidity| resistance(ratio) / fluidity
-        });
+        return sheared(work, rotation, neighbours, |_| |[_, ratio]: [f64; 2], fluidity| resistance(ratio) / fluidity);
     }
     // The gap is the same over the width.
     let columns = cells.columns().map(|(i, behind)| {
@@ -223,11 +210,7 @@ fn sheared<'a, Law: Fn([f64; 2], f64) -> f64>(
     let (area, fluidity) = (&work.geometry.cells.land, &work.liquid.fluidity);
     let content = &work.state.field.content;
     // Weights of the content before an edge and of that behind it.
-    let before_counts = if rotation == 0.0 {
-        0.5
-    } else {
-        f64::from(rotation > 0.0)
-    };
+    let before_counts = if rotation == 0.0 { 0.5 } else { f64::from(rotation > 0.0) };
     let shares = [before_counts, 1.0 - before_counts];
     let mut sum = 0.0;
     for (behind, before) in neighbours {
@@ -235,16 +218,7 @@ fn sheared<'a, Law: Fn([f64; 2], f64) -> f64>(
         let ([area, area_own], [fluidity, fluidity_own]) = (of_both(area), of_both(fluidity));
         let ([content, content_own], gap) = (of_both(content), &work.geometry.gap);
         let [h, ratio] = [&gap.edge, &gap.edge_ratio].map(|of| &of[behind.clone()]);
-        let of = [
-            area,
-            area_own,
-            fluidity,
-            fluidity_own,
-            content,
-            content_own,
-            h,
-            ratio,
-        ];
+        let of = [area, area_own, fluidity, fluidity_own, content, content_own, h, ratio];
         let resistance = resistance_at(behind.start);
         sum += sum_of(of, |[a, a_own, f, f_own, c, c_own, h, ratio]| {
             let carried = shares[0] * c + shares[1] * c_own;
@@ -256,10 +230,7 @@ fn sheared<'a, Law: Fn([f64; 2], f64) -> f64>(
 
 /// Dissipation by the pressure flow through edges.
 fn lost(conductance: &[f64], p: [&[f64]; 2]) -> f64 {
-    sum_of(
-        [conductance, p[0], p[1]],
-        |[conductance, before, behind]| conductance * (before - behind).powi(2),
-    )
+    sum_of([conductance, p[0], p[1]], |[conductance, before, behind]| conductance * (before - behind).powi(2))
 }
 
 /// Power lost in a column by oil that enters a full cell from a less full one, or fills it up: it arrives without the

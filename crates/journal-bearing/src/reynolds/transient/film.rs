@@ -60,10 +60,7 @@ struct Saved {
 
 impl From<ReynoldsFilm> for Saved {
     fn from(film: ReynoldsFilm) -> Self {
-        Self {
-            settings: film.work.geometry.settings.clone(),
-            state: film.work.state.clone(),
-        }
+        Self { settings: film.work.geometry.settings.clone(), state: film.work.state.clone() }
     }
 }
 
@@ -93,11 +90,7 @@ impl ReynoldsFilm {
     /// no gap.
     pub fn new(settings: FilmSettings) -> Result<Self, FilmError> {
         let work = Workspace::new(settings)?;
-        Ok(Self {
-            stepper: Stepper::new(&work),
-            before: work.state.clone(),
-            work,
-        })
+        Ok(Self { stepper: Stepper::new(&work), before: work.state.clone(), work })
     }
 
     /// Puts the journal at an eccentricity ratio and floods the film.
@@ -215,8 +208,7 @@ impl ReynoldsFilm {
         exchange: &HeatExchange<'_>,
     ) -> Result<Diagnostics, FilmError> {
         let conserves = self.work.geometry.cells.conserves_mass();
-        let must =
-            "one that conserves the oil's mass where the film has a temperature around the bearing";
+        let must = "one that conserves the oil's mass where the film has a temperature around the bearing";
         within("cavitation condition", f64::NAN, conserves, must)?;
         self.pass(interval, drive, contact, Some(exchange))
     }
@@ -258,28 +250,16 @@ impl ReynoldsFilm {
             }
             let left = interval - done;
             // Half of the rest at most, so that no sliver of a step remains.
-            let duration = if step < left {
-                step.clamp(shortest, 0.5 * left)
-            } else {
-                left
-            };
+            let duration = if step < left { step.clamp(shortest, 0.5 * left) } else { left };
             let duration = self.work.geometry.resolve_turning(duration, drive);
-            let place = Step {
-                from: done / interval,
-                share: duration / interval,
-                duration,
-            };
+            let place = Step { from: done / interval, share: duration / interval, duration };
             let stepped = (self.stepper).step(&mut self.work, place, drive, contact, exchange);
             match stepped {
                 Ok((report, error)) if error <= 2.0 || duration <= shortest => {
                     done += duration;
                     let fitting = duration * (0.9 / error.max(1e-6).sqrt()).clamp(0.3, 2.5);
                     // A step cut short by the interval's end is no reason for shorter ones.
-                    step = if duration < step {
-                        step.max(fitting)
-                    } else {
-                        fitting
-                    };
+                    step = if duration < step { step.max(fitting) } else { fitting };
                     total.add(report, duration);
                 }
                 Ok((_, error)) => {

@@ -54,10 +54,7 @@ impl Forces {
 
 /// A contact's force and stiffness with its friction. In each place friction is a multiple of the pressure and a quarter
 /// turn ahead of it on the load's side, and so are their resultants.
-fn rubbing(
-    task: &Task<'_>,
-    (force, stiffness): (Vector2<f64>, Matrix2<f64>),
-) -> (Vector2<f64>, Matrix2<f64>) {
+fn rubbing(task: &Task<'_>, (force, stiffness): (Vector2<f64>, Matrix2<f64>)) -> (Vector2<f64>, Matrix2<f64>) {
     let friction = task.drive.contact_friction;
     if friction == 0.0 {
         return (force, stiffness);
@@ -125,8 +122,5 @@ fn unresolved(
     let aside = (eps - start) / duration;
     let aside = (aside - n * aside.dot(&n)) * (carried / e);
     let turning = (Matrix2::identity() - along) * (carried * closing / e);
-    (
-        n * (carried * closing),
-        along * slope + n * aside.transpose() + turning,
-    )
+    (n * (carried * closing), along * slope + n * aside.transpose() + turning)
 }

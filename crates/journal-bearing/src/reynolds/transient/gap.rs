@@ -54,19 +54,11 @@ impl Form {
     #[inline(always)]
     fn see(&self, table: &Table, distance: f64) -> Seen {
         if !self.feels(distance) {
-            return Seen {
-                content: distance,
-                bears: 1.0,
-                flow: distance,
-            };
+            return Seen { content: distance, bears: 1.0, flow: distance };
         }
         let ratio = distance / self.roughness;
         let [[content, flow], [bears, _]] = self.rough_film.gaps_in(table, ratio);
-        Seen {
-            content: content * self.roughness,
-            bears,
-            flow: flow * self.roughness,
-        }
+        Seen { content: content * self.roughness, bears, flow: flow * self.roughness }
     }
 }
 
@@ -157,12 +149,8 @@ impl Gap {
             self.smallest = form.content(self.smallest)[0];
             self.roughen(cells, form, eps);
         } else if was_rough {
-            let aparts = [
-                &mut self.cell_apart,
-                &mut self.edge_apart,
-                &mut self.cell_flow_apart,
-                &mut self.edge_flow_apart,
-            ];
+            let aparts =
+                [&mut self.cell_apart, &mut self.edge_apart, &mut self.cell_flow_apart, &mut self.edge_flow_apart];
             for apart in aparts {
                 apart.fill(1.0);
             }
@@ -192,11 +180,7 @@ impl Gap {
 
     /// The gap whose third power the flow goes with, of cells and at edges.
     pub fn flow(&self) -> [&[f64]; 2] {
-        if self.rough {
-            [&self.cell_flow, &self.edge_flow]
-        } else {
-            [&self.cell, &self.edge]
-        }
+        if self.rough { [&self.cell_flow, &self.edge_flow] } else { [&self.cell, &self.edge] }
     }
 
     /// The film ratio of rough surfaces in a cell.

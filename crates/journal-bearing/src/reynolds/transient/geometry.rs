@@ -50,12 +50,7 @@ impl Geometry {
         }
         let form = Form::default();
         let gap = Gap::new(&cells);
-        let mut geometry = Self {
-            settings,
-            cells,
-            form,
-            gap,
-        };
+        let mut geometry = Self { settings, cells, form, gap };
         geometry.scale();
         Ok(geometry)
     }
@@ -99,8 +94,7 @@ impl Geometry {
     /// finds its place by itself.
     pub fn is_open(&self) -> bool {
         if self.gap.rough {
-            self.form.is_plain()
-                || smallest(&self.gap.ratio).min(smallest(&self.gap.edge_ratio)) > DEEPEST
+            self.form.is_plain() || smallest(&self.gap.ratio).min(smallest(&self.gap.edge_ratio)) > DEEPEST
         } else {
             self.gap.smallest > 0.0
         }
@@ -110,11 +104,7 @@ impl Geometry {
     /// the present gap everywhere. Rough surfaces may come closer by half their roughness in any case.
     pub fn allowed(&self, eps: Vector2<f64>, change: Vector2<f64>, rest: f64) -> f64 {
         let gap = &self.gap;
-        let valleys = if gap.rough {
-            0.5 * self.form.roughness
-        } else {
-            0.0
-        };
+        let valleys = if gap.rough { 0.5 * self.form.roughness } else { 0.0 };
         let mut share: f64 = 1.0;
         if change.norm() > ((1.0 - rest) * gap.smallest).max(valleys) {
             let directions = &self.cells.directions;
@@ -134,11 +124,8 @@ impl Geometry {
             }
         }
         let nearest = 1.0 - eps.norm();
-        let limit = if gap.rough {
-            1.0 - nearest + ((1.0 - rest) * gap.smallest).max(valleys)
-        } else {
-            1.0 - rest * nearest
-        };
+        let limit =
+            if gap.rough { 1.0 - nearest + ((1.0 - rest) * gap.smallest).max(valleys) } else { 1.0 - rest * nearest };
         while self.form.is_plain() && share > 1e-12 && (eps + change * share).norm() > limit {
             share *= 0.5;
         }
@@ -166,11 +153,8 @@ impl Geometry {
     /// smooth ones touch.
     pub fn smallest_gap(&self, eps: Vector2<f64>) -> f64 {
         let (form, distance) = (&self.form, self.smallest_distance(eps));
-        let narrowest = if form.feels(distance) {
-            mean_gap(distance / form.roughness) * form.roughness
-        } else {
-            distance.max(0.0)
-        };
+        let narrowest =
+            if form.feels(distance) { mean_gap(distance / form.roughness) * form.roughness } else { distance.max(0.0) };
         narrowest * self.settings.clearance
     }
 
@@ -195,11 +179,7 @@ impl Geometry {
         }
         let speed = drive.journal_speed.abs().max(drive.bush_speed.abs());
         let turn = 2.0 * TAU / self.cells.grid.columns() as f64;
-        if speed * duration > turn {
-            turn / speed
-        } else {
-            duration
-        }
+        if speed * duration > turn { turn / speed } else { duration }
     }
 
     /// The load lost per eccentricity ratio because asperities of a closing gap take area from the film.
@@ -214,9 +194,7 @@ impl Geometry {
                 parting * dot(&pressure[range.clone()], &self.cells.area[range])
             } else {
                 let of = |c: usize| pressure[c] * self.cells.area[c];
-                range
-                    .map(|c| of(c) * parting(self.gap.film_ratio(c)) / roughness)
-                    .sum()
+                range.map(|c| of(c) * parting(self.gap.film_ratio(c)) / roughness).sum()
             };
             lost += n * n.transpose() * sum;
         }

@@ -12,10 +12,7 @@ impl Workspace {
     /// Gives each column its viscosity; a film without temperatures begins with the exchange's.
     pub fn thin(&mut self, drive: &Drive, exchange: &HeatExchange<'_>) {
         let columns = self.geometry.cells.grid.columns();
-        let begins = Warm {
-            temperature: exchange.start,
-            fluidity: 1.0,
-        };
+        let begins = Warm { temperature: exchange.start, fluidity: 1.0 };
         self.state.warm.resize(columns, begins);
         for warm in &mut self.state.warm {
             warm.fluidity = drive.viscosity / (exchange.viscosity)(warm.temperature);
@@ -26,10 +23,7 @@ impl Workspace {
     pub fn temperature(&self) -> Option<f64> {
         let (mut held, mut heat) = (0.0, 0.0);
         for ((_, range), warm) in self.geometry.cells.columns().zip(&self.state.warm) {
-            let oil = dot(
-                &self.geometry.cells.area[range.clone()],
-                &self.balance.mass[range],
-            );
+            let oil = dot(&self.geometry.cells.area[range.clone()], &self.balance.mass[range]);
             held += oil;
             heat += oil * warm.temperature;
         }
@@ -85,16 +79,11 @@ impl Workspace {
             // Where nothing heats, there is no heat to share.
             column.heat = if all > 0.0 { heat * part / all } else { 0.0 };
             // Conduction goes through the oil, and with the reciprocal of the gap.
-            let of = |c: usize| {
-                cells.area[c] * self.state.field.content[c]
-                    / self.geometry.gap.cell[c].max(resolved)
-            };
+            let of = |c: usize| cells.area[c] * self.state.field.content[c] / self.geometry.gap.cell[c].max(resolved);
             let share: f64 = range.map(of).sum::<f64>() / TAU;
             column.conductance = exchange.conductance.map(|all| all * share);
         }
-        let mut temperatures: Vec<f64> = (self.state.warm.iter())
-            .map(|warm| warm.temperature)
-            .collect();
+        let mut temperatures: Vec<f64> = (self.state.warm.iter()).map(|warm| warm.temperature).collect();
         let given = warmth::step(columns, &mut temperatures, duration, exchange)?;
         for (warm, temperature) in self.state.warm.iter_mut().zip(temperatures) {
             warm.temperature = temperature;
@@ -115,18 +104,14 @@ impl Workspace {
             let slow = gap.cell[c].max(resolved) * self.liquid.fluidity[c];
             cells.land[c] * field.content[c] / slow
         };
-        let lost = |conductance: f64, a: usize, b: usize| {
-            conductance * (field.pressure[a] - field.pressure[b]).powi(2)
-        };
+        let lost = |conductance: f64, a: usize, b: usize| conductance * (field.pressure[a] - field.pressure[b]).powi(2);
         let mut heats = vec![0.0; cells.grid.columns()];
         for (i, range) in cells.columns() {
             let (before, first) = (cells.before(i), range.start);
             let sheared: f64 = range.clone().map(shear).sum();
             let over = |c: usize| lost(self.balance.across[c], c - 1, c);
             let across: f64 = range.clone().skip(1).map(over).sum();
-            let along: f64 = range
-                .map(|c| lost(self.balance.along[c], before * cells.stride + c - first, c))
-                .sum();
+            let along: f64 = range.map(|c| lost(self.balance.along[c], before * cells.stride + c - first, c)).sum();
             heats[i] += viscous * sliding * sliding * sheared + moment * (across + 0.5 * along);
             heats[before] += 0.5 * moment * along;
         }

@@ -56,11 +56,7 @@ impl Rest {
         let change = self.slope.try_inverse()? * missing;
         let ahead = change.dot(&missing) > 0.0;
         // A slope that leads against the force is of no use: move along the force.
-        let change = if ahead {
-            change
-        } else {
-            missing / self.slope.norm()
-        };
+        let change = if ahead { change } else { missing / self.slope.norm() };
         (change.x.is_finite() && change.y.is_finite()).then_some(change)
     }
 }
@@ -111,11 +107,7 @@ impl Landing {
             let newton = high + over / heading.dot(&(beyond.slope * heading));
             let middle = 0.5 * (low + high);
             // For a convex force Newton's method approaches from one side only; bisection moves the other side.
-            let share = if newton > low && newton < high {
-                newton
-            } else {
-                middle
-            };
+            let share = if newton > low && newton < high { newton } else { middle };
             let rest = self.rest_at(work, way.at(share), stage, task)?;
             if force(share, &rest) > settled {
                 low = share;
@@ -151,20 +143,11 @@ impl Landing {
         work.geometry.move_to(eps);
         self.fill_cells(work, stage, task)?;
         let forces = Forces::at(eps, work, stage, task);
-        Ok(Rest {
-            eps,
-            forces,
-            slope: work.linear.slope + forces.stiffness,
-        })
+        Ok(Rest { eps, forces, slope: work.linear.slope + forces.stiffness })
     }
 
     /// Solves the cells' balances at the present gap. The linearisation is then that of the solution.
-    fn fill_cells(
-        &mut self,
-        work: &mut Workspace,
-        stage: &Stage<'_>,
-        task: &Task<'_>,
-    ) -> Result<(), NoSolution> {
+    fn fill_cells(&mut self, work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>) -> Result<(), NoSolution> {
         let mut steady = work.update_balance(stage, task.drive);
         let mut last = f64::INFINITY;
         for _ in 0..PASSES {
@@ -177,8 +160,7 @@ impl Landing {
             self.trial.copy_from(&work.state.field);
             let mut share = 1.0;
             loop {
-                work.linear
-                    .apply(share, Vector2::zeros(), &mut work.state.field);
+                work.linear.apply(share, Vector2::zeros(), &mut work.state.field);
                 work.active_set.begin();
                 work.exchange(stage);
                 steady = work.update_balance(stage, task.drive);

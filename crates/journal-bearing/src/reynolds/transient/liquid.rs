@@ -60,8 +60,7 @@ impl Liquid {
             return true;
         }
         self.uniform = false;
-        self.thickens =
-            settings.is_compressible() || settings.rheology.pressure_law != PressureLaw::Constant;
+        self.thickens = settings.is_compressible() || settings.rheology.pressure_law != PressureLaw::Constant;
         let psi = settings.clearance / (0.5 * settings.diameter);
         let sliding = (drive.journal_speed - drive.bush_speed).abs() / psi;
         let mut largest: f64 = 0.0;

@@ -60,20 +60,12 @@ impl Path {
         }
         let contraction = last.map_or(0.0, |last| imbalance / last);
         let passes = (self.balanced / imbalance).ln() / contraction.ln();
-        if contraction < 1.0 && passes < MORE_PASSES {
-            Next::Reuse
-        } else {
-            Next::Renew
-        }
+        if contraction < 1.0 && passes < MORE_PASSES { Next::Reuse } else { Next::Renew }
     }
 }
 
 /// Finds the eccentricity ratio at the end of a stage. Field, gap and balance are then those of its end.
-pub fn solve(
-    work: &mut Workspace,
-    stage: &Stage<'_>,
-    task: &Task<'_>,
-) -> Result<Vector2<f64>, NoSolution> {
+pub fn solve(work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>) -> Result<Vector2<f64>, NoSolution> {
     let wanted = task.load / task.force_scale;
     if floats(work, wanted, task) {
         return Ok(float(work, stage, task));
@@ -82,11 +74,7 @@ pub fn solve(
     ActiveSet::fill_towards(wanted, &work.geometry.cells, &mut work.state.field);
     let mut eps = work.reachable(task.guess);
     let mut path = Path {
-        balanced: if work.geometry.cells.conserves_mass() {
-            BALANCED
-        } else {
-            BALANCED_ROUGHLY
-        },
+        balanced: if work.geometry.cells.conserves_mass() { BALANCED } else { BALANCED_ROUGHLY },
         moved: 0,
         cut_short: false,
         last: None,
@@ -121,8 +109,7 @@ pub fn solve(
         }
         let share = work.geometry.allowed(eps, change, 0.25);
         eps += change * share;
-        work.linear
-            .apply(1.0, change * share, &mut work.state.field);
+        work.linear.apply(1.0, change * share, &mut work.state.field);
         path.moved = work.exchange(stage);
         path.cut_short = share < 1.0;
     }
@@ -155,8 +142,7 @@ fn float(work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>) -> Vector2<f6
     let (start, turn) = (task.start, stage.rotation * stage.duration);
     work.state.field.rupture();
     work.linear.discard();
-    let eps =
-        Vector2::new(start.x - turn * start.y, start.y + turn * start.x) / (1.0 + turn * turn);
+    let eps = Vector2::new(start.x - turn * start.y, start.y + turn * start.x) / (1.0 + turn * turn);
     work.geometry.move_to(eps);
     work.update_balance(stage, task.drive);
     eps

@@ -39,10 +39,7 @@ struct Turn {
 
 impl PeriodicSearch {
     pub(super) fn new(start: &State) -> Self {
-        Self {
-            start: start.clone(),
-            turns: Vec::new(),
-        }
+        Self { start: start.clone(), turns: Vec::new() }
     }
 
     /// Takes over the end of a turn. Returns where the next one should begin, and how far that is from where this one began:
@@ -74,9 +71,7 @@ impl PeriodicSearch {
             return None;
         }
         let differences = |of: fn(&Turn) -> &DVector<f64>| {
-            let steps: Vec<_> = (self.turns.windows(2))
-                .map(|pair| of(&pair[1]) - of(&pair[0]))
-                .collect();
+            let steps: Vec<_> = (self.turns.windows(2)).map(|pair| of(&pair[1]) - of(&pair[0])).collect();
             DMatrix::from_columns(&steps)
         };
         let of_misses = differences(|turn| &turn.miss);
@@ -94,10 +89,7 @@ fn unknowns(state: &State) -> DVector<f64> {
     let weight = weight(state);
     let content = state.field.content.iter().map(|content| content * weight);
     let eps = [state.eps.x, state.eps.y];
-    DVector::from_iterator(
-        2 + state.field.content.len(),
-        eps.into_iter().chain(content),
-    )
+    DVector::from_iterator(2 + state.field.content.len(), eps.into_iter().chain(content))
 }
 
 fn weight(state: &State) -> f64 {

@@ -50,9 +50,7 @@ impl Stepper {
             start: vec![0.0; count],
             launch: vec![0.0; count],
             kept: work.state.clone(),
-            landing: Landing {
-                trial: work.state.field.clone(),
-            },
+            landing: Landing { trial: work.state.field.clone() },
             columns: Vec::new(),
             failures: 0,
         }
@@ -84,14 +82,7 @@ impl Stepper {
         contact: &dyn Fn(f64) -> f64,
         exchange: Option<&HeatExchange<'_>>,
     ) -> Result<(Diagnostics, f64), NoSolution> {
-        let Self {
-            start: mass,
-            launch,
-            kept,
-            landing,
-            columns,
-            failures,
-        } = self;
+        let Self { start: mass, launch, kept, landing, columns, failures } = self;
         let lands = work.geometry.cells.conserves_mass() && *failures >= PATIENCE;
         let mut solve = |work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>| {
             let solution = newton::solve(work, stage, task);
@@ -154,8 +145,7 @@ impl Stepper {
         }
         if let Some(exchange) = exchange {
             work.add_flows(GAMMA, columns);
-            report.given =
-                work.end_columns(columns, step.duration, report.heat, drive, exchange)?;
+            report.given = work.end_columns(columns, step.duration, report.heat, drive, exchange)?;
         }
         Ok((report, error))
     }
@@ -170,14 +160,7 @@ pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive
         let (roughness, excess) = (work.geometry.form.roughness, 2.0 * share - 1.0);
         0.5 * (drive.journal_speed - drive.bush_speed) * roughness * excess
     });
-    Stage {
-        duration,
-        mass,
-        rotation: drive.rotation(),
-        shear,
-        side,
-        feed,
-    }
+    Stage { duration, mass, rotation: drive.rotation(), shear, side, feed }
 }
 
 /// Inflow less outflow less storage over a step that began with the masses `start`, over the flow through the film.

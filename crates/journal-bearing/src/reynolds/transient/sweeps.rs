@@ -5,11 +5,7 @@
 
 /// Computes each value of an array from those at the same place of others.
 #[inline(always)]
-pub fn fill<const N: usize>(
-    values: &mut [f64],
-    of: [&[f64]; N],
-    formula: impl Fn([f64; N]) -> f64,
-) {
+pub fn fill<const N: usize>(values: &mut [f64], of: [&[f64]; N], formula: impl Fn([f64; N]) -> f64) {
     let n = values.len();
     let of = of.map(|of| &of[..n]);
     for k in 0..n {
@@ -19,11 +15,7 @@ pub fn fill<const N: usize>(
 
 /// Computes each value anew, from itself and those at the same place of other arrays.
 #[inline(always)]
-pub fn change<const N: usize>(
-    values: &mut [f64],
-    of: [&[f64]; N],
-    formula: impl Fn(f64, [f64; N]) -> f64,
-) {
+pub fn change<const N: usize>(values: &mut [f64], of: [&[f64]; N], formula: impl Fn(f64, [f64; N]) -> f64) {
     let n = values.len();
     let of = of.map(|of| &of[..n]);
     for k in 0..n {
@@ -33,7 +25,5 @@ pub fn change<const N: usize>(
 
 /// Adds what leaves through one edge less what enters through the other: `flux += through[1] - through[0]`.
 pub fn add_difference(flux: &mut [f64], through: [&[f64]; 2]) {
-    change(flux, through, |flux, [enters, leaves]| {
-        flux + (leaves - enters)
-    });
+    change(flux, through, |flux, [enters, leaves]| flux + (leaves - enters));
 }

@@ -19,16 +19,8 @@ pub struct Edge {
 impl Edge {
     /// The edge between the cells `before` and `behind`; `carried` is positive from the first to the second.
     pub fn new(before: usize, behind: usize, carried: f64) -> Self {
-        let (upstream, downstream) = if carried > 0.0 {
-            (before, behind)
-        } else {
-            (behind, before)
-        };
-        Self {
-            upstream,
-            downstream,
-            half: 0.5 * carried.abs(),
-        }
+        let (upstream, downstream) = if carried > 0.0 { (before, behind) } else { (behind, before) };
+        Self { upstream, downstream, half: 0.5 * carried.abs() }
     }
 }
 

@@ -105,25 +105,14 @@ pub fn step(
 ) -> Result<HeatGiven, NoSolution> {
     let n = columns.len();
     let start = temperatures.to_vec();
-    let HeatExchange {
-        capacity,
-        bath,
-        bush,
-        shaft,
-        feed,
-        fresh,
-        ..
-    } = *exchange;
+    let HeatExchange { capacity, bath, bush, shaft, feed, fresh, .. } = *exchange;
     // All temperatures count from the bath's, so that heat and oil need one balance only.
     let sweep = |i: usize, t: &mut [f64]| {
         let column = &columns[i];
         let (before, after) = ((i + n - 1) % n, (i + 1) % n);
         let leaves = columns[after].around;
         let [to_bush, to_shaft] = column.conductance;
-        let keeps = column.held[1] / duration
-            + (-column.around).max(0.0)
-            + leaves.max(0.0)
-            + column.ends[0]
+        let keeps = column.held[1] / duration + (-column.around).max(0.0) + leaves.max(0.0) + column.ends[0]
             - (1.0 - fresh) * column.ends[1]
             + column.feed[0];
         let comes = column.held[0] / duration * (start[i] - bath)
@@ -195,8 +184,7 @@ mod tests {
             let carried = 1.7e6 * flow * 8.0 * theta.cos() * width;
             let leaves = 1.7e6 * out * share * (at(theta) - 320.0);
             let conductance = conductance.map(|all| all * share);
-            let conducts =
-                conductance[0] * (at(theta) - 350.0) + conductance[1] * (at(theta) - 355.0);
+            let conducts = conductance[0] * (at(theta) - 350.0) + conductance[1] * (at(theta) - 355.0);
             Column {
                 held: [1e-9 * share; 2],
                 around: flow,
@@ -221,15 +209,12 @@ mod tests {
                 let left = heat - given.bush - given.shaft - given.bath - given.feed - given.film;
                 assert!(left.abs() < 1e-8 * heat.abs(), "{left} of {heat} W");
             }
-            let off =
-                |(i, t): (usize, &f64)| (t - 340.0 - 8.0 * (TAU * i as f64 / n as f64).sin()).abs();
+            let off = |(i, t): (usize, &f64)| (t - 340.0 - 8.0 * (TAU * i as f64 / n as f64).sin()).abs();
             t.iter().enumerate().map(off).fold(0.0, f64::max)
         };
         let [coarse, fine, finest] = [48, 96, 192].map(error);
         println!("{coarse} {fine} {finest} K");
-        assert!(
-            fine < 0.3 && (coarse / fine - 2.0).abs() < 0.1 && (fine / finest - 2.0).abs() < 0.1
-        );
+        assert!(fine < 0.3 && (coarse / fine - 2.0).abs() < 0.1 && (fine / finest - 2.0).abs() < 0.1);
     }
 
     /// Oil that is carried backwards, that fills a gap and that a feed brings: the heat is all there.
@@ -253,10 +238,7 @@ mod tests {
             })
             .collect();
         let mut t = vec![345.0; n];
-        let carried_over = HeatExchange {
-            fresh: 0.3,
-            ..exchange()
-        };
+        let carried_over = HeatExchange { fresh: 0.3, ..exchange() };
         let given = step(&columns, &mut t, 1e-2, &carried_over).unwrap();
         let left = 0.3 * n as f64 - given.bush - given.shaft - given.bath - given.feed - given.film;
         assert!(left.abs() < 1e-8, "{left} W: {given:?}");

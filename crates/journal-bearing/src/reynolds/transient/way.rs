@@ -24,21 +24,13 @@ impl Way {
         // Near the middle there is no curve to follow.
         if !geometry.form.is_plain() || change.norm() < 0.5 * (1.0 - e) || e < 0.5 {
             let step = change * geometry.allowed(from, change, rest);
-            return Self {
-                from,
-                step,
-                turn: 0.0,
-            };
+            return Self { from, step, turn: 0.0 };
         }
         let n = from / e;
         let (closing, turn) = (n * change.dot(&n), n.perp(&change) / e);
         // The same share of both parts keeps the direction.
         let share = (TURN / turn.abs()).min(1.0) * geometry.allowed(from, closing, rest);
-        Self {
-            from,
-            step: closing * share,
-            turn: turn * share,
-        }
+        Self { from, step: closing * share, turn: turn * share }
     }
 
     /// The position after a share of the way, 0..1.
@@ -59,11 +51,7 @@ mod tests {
 
     #[test]
     fn the_heading_is_the_position_s_derivative() {
-        let way = Way {
-            from: Vector2::new(0.6, -0.7),
-            step: Vector2::new(0.01, 0.02),
-            turn: -0.4,
-        };
+        let way = Way { from: Vector2::new(0.6, -0.7), step: Vector2::new(0.01, 0.02), turn: -0.4 };
         let d = 1e-6;
         for share in [0.0, 0.3, 1.0] {
             let difference = (way.at(share + d) - way.at(share - d)) / (2.0 * d);

@@ -64,11 +64,7 @@ impl Workspace {
         if !open {
             return Err(FilmError::NoGap(eps.norm()));
         }
-        self.state = State {
-            eps,
-            angles,
-            ..State::flooded(&self.geometry.cells)
-        };
+        self.state = State { eps, angles, ..State::flooded(&self.geometry.cells) };
         self.arrive();
         Ok(())
     }
@@ -129,11 +125,7 @@ impl Workspace {
         let field = &mut self.state.field;
         let pressures = field.pressure.iter_mut().zip(&start.pressure);
         for ((pressure, start), &full) in pressures.zip(&field.full) {
-            *pressure += if full {
-                ahead * (*pressure - start)
-            } else {
-                0.0
-            };
+            *pressure += if full { ahead * (*pressure - start) } else { 0.0 };
         }
     }
 }
@@ -149,8 +141,7 @@ impl Workspace {
     /// Fills empty cells by their balances where mass is not conserved; the number that moved.
     pub fn refill(&mut self, stage: &Stage<'_>) -> usize {
         let field = &mut self.state.field;
-        self.active_set
-            .refill(&self.geometry.cells, field, &self.balance, stage)
+        self.active_set.refill(&self.geometry.cells, field, &self.balance, stage)
     }
 }
 
@@ -186,10 +177,7 @@ impl Workspace {
     /// The load of the present pressures.
     pub fn pressure_load(&self) -> PressureLoad {
         let (gap, pressure) = (&self.geometry.gap, &self.state.field.pressure);
-        let mut sum = PressureLoad {
-            force: Vector2::zeros(),
-            size: 0.0,
-        };
+        let mut sum = PressureLoad { force: Vector2::zeros(), size: 0.0 };
         for (i, range) in self.geometry.cells.columns() {
             let pressed = &gap.pressed[range.clone()];
             let share = dot(pressed, &pressure[range]);

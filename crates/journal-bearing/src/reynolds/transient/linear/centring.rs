@@ -12,8 +12,8 @@ pub fn centre(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {
         let edge = Edge::new(before, behind, base.balance.carried[behind]);
         let (up, down) = (edge.upstream, edge.downstream);
         // Derivatives of the downstream flow over the unknowns of both cells.
-        let by_up = unknowns.empty[up] * (liquid.density[down] - liquid.density[up])
-            - unknowns.full[up] * liquid.swelling[up];
+        let by_up =
+            unknowns.empty[up] * (liquid.density[down] - liquid.density[up]) - unknowns.full[up] * liquid.swelling[up];
         let by_down = unknowns.full[down] * field.content[up] * liquid.swelling[down];
         let [by_up, by_down] = [by_up, by_down].map(|by| edge.half * by);
         let (to_down, to_up) = if up == before {

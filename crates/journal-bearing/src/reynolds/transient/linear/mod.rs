@@ -85,8 +85,7 @@ impl Linear {
             thickening::thicken(ring, unknowns, base);
         }
         ring.factorise(unknowns.emptiest_column(base.cells));
-        self.closing
-            .differentiate(base, &unknowns.balanced, &mut self.answer);
+        self.closing.differentiate(base, &unknowns.balanced, &mut self.answer);
         self.take_residuals(base.balance);
         let [x, y] = &mut self.answer;
         self.ring.solve([&mut self.correction, x, y]);
@@ -142,18 +141,12 @@ impl Linear {
     /// The sum of the absolute flows that the pressures drive out of the cells.
     pub fn turnover(&self, field: &Field) -> f64 {
         let diagonal = self.ring.diagonal.iter().zip(&self.unknowns.full);
-        diagonal
-            .zip(&field.pressure)
-            .map(|((leak, full), p)| leak * full * p.abs())
-            .sum()
+        diagonal.zip(&field.pressure).map(|((leak, full), p)| leak * full * p.abs()).sum()
     }
 
     fn take_residuals(&mut self, balance: &Balance) {
-        for ((correction, residual), balanced) in self
-            .correction
-            .iter_mut()
-            .zip(&balance.residual)
-            .zip(&self.unknowns.balanced)
+        for ((correction, residual), balanced) in
+            self.correction.iter_mut().zip(&balance.residual).zip(&self.unknowns.balanced)
         {
             *correction = residual * balanced;
         }

@@ -10,13 +10,7 @@ use super::unknowns::Unknowns;
 use crate::reynolds::ring::Ring;
 
 /// Derivatives of the flow over an edge, from its first cell to its second, over the pressures in `ease` of both.
-fn gains(
-    conductance: f64,
-    ends: [usize; 2],
-    full: &[f64],
-    liquid: &Liquid,
-    field: &Field,
-) -> [f64; 2] {
+fn gains(conductance: f64, ends: [usize; 2], full: &[f64], liquid: &Liquid, field: &Field) -> [f64; 2] {
     let [a, b] = ends;
     let flow = conductance * (field.pressure[a] - field.pressure[b]);
     let by_ease = flow / (liquid.ease[a] + liquid.ease[b]);
@@ -25,14 +19,7 @@ fn gains(
 
 /// Adds these derivatives to the matrix.
 pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {
-    let Base {
-        cells,
-        liquid,
-        field,
-        balance,
-        stage,
-        ..
-    } = *base;
+    let Base { cells, liquid, field, balance, stage, .. } = *base;
     for (behind, before) in cells.neighbours() {
         for (behind, before) in behind.zip(before) {
             let ends = [before, behind];

@@ -22,12 +22,7 @@ impl Unknowns {
     /// For a number of cells, none of which has an unknown yet.
     pub fn new(cells: usize) -> Self {
         let zeros = || vec![0.0; cells];
-        Self {
-            full: zeros(),
-            empty: zeros(),
-            balanced: zeros(),
-            swell: zeros(),
-        }
+        Self { full: zeros(), empty: zeros(), balanced: zeros(), swell: zeros() }
     }
 
     /// Sorts the cells by their unknowns.
@@ -40,9 +35,7 @@ impl Unknowns {
             self.balanced[c] = self.full[c] + self.empty[c];
         }
         let of = [&self.full, &liquid.swelling, &self.empty, &liquid.density].map(Vec::as_slice);
-        fill(&mut self.swell, of, |[full, swelling, empty, density]| {
-            full * swelling + empty * density
-        });
+        fill(&mut self.swell, of, |[full, swelling, empty, density]| full * swelling + empty * density);
     }
 
     /// The column with the fewest full cells.

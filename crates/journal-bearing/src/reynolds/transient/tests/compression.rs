@@ -8,10 +8,7 @@ use crate::rheology::{DensityLaw, Rheology};
 
 fn settings(width: f64, density: DensityLaw) -> FilmSettings {
     FilmSettings {
-        rheology: Rheology {
-            density_law: density,
-            ..Rheology::default()
-        },
+        rheology: Rheology { density_law: density, ..Rheology::default() },
         ..FilmSettings::new(width, 0.025, 20e-6)
     }
 }
@@ -24,9 +21,7 @@ fn wide_bearing(e: f64, rotation: f64, density: impl Fn(f64) -> f64) -> Vec<f64>
     let d = TAU / f64::from(parts);
     let gap = |angle: f64| 1.0 + e * angle.cos();
     let around = |start: f64| {
-        let slope = |angle: f64, p: f64| {
-            rotation * (gap(angle) - gap(start) / density(p)) / gap(angle).powi(3)
-        };
+        let slope = |angle: f64, p: f64| rotation * (gap(angle) - gap(start) / density(p)) / gap(angle).powi(3);
         let mut p = vec![0.0];
         for k in 0..parts {
             let (angle, now) = (start + d * f64::from(k), p[p.len() - 1]);
@@ -77,11 +72,7 @@ fn a_wide_bearing_has_the_reference_s_pressure() {
     let (speed, viscosity) = (300.0, 0.2);
     let width = 70.0 * 0.025;
     for law in [DensityLaw::Constant, DensityLaw::DowsonHigginson] {
-        let settings = FilmSettings {
-            cavitation: Cavitation::NonNegative,
-            cells: [192, 8],
-            ..settings(width, law)
-        };
+        let settings = FilmSettings { cavitation: Cavitation::NonNegative, cells: [192, 8], ..settings(width, law) };
         let unit = settings.pressure_scale(viscosity);
         let mut film = ReynoldsFilm::new(settings).unwrap();
         let load = Vector2::new(150e6 * width * 0.025, 0.0);

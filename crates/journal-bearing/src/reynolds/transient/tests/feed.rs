@@ -3,9 +3,7 @@
 use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::reynolds::{
-    Cavitation, Diagnostics, Drive, Feed, FeedShape, FilmError, FilmSettings, ReynoldsFilm,
-};
+use crate::reynolds::{Cavitation, Diagnostics, Drive, Feed, FeedShape, FilmError, FilmSettings, ReynoldsFilm};
 
 fn smooth(_: f64) -> f64 {
     0.0
@@ -59,13 +57,7 @@ fn the_field_of_a_pressurised_groove_is_pfeil_s() {
         feed: Some(groove()),
         ..FilmSettings::new(0.08, 0.1, 150e-6)
     };
-    let (film, report) = held(
-        settings,
-        Vector2::new(0.5, 0.0),
-        Vector2::new(1000.0, 0.0),
-        speed,
-        0.01,
-    );
+    let (film, report) = held(settings, Vector2::new(0.5, 0.0), Vector2::new(1000.0, 0.0), speed, 0.01);
     let grid = film.grid();
     let (mut least, mut starved) = (1.0_f64, 0);
     for column in (0..NODES[0]).map(|i| 2 * i) {
@@ -95,20 +87,8 @@ fn the_field_of_a_pressurised_groove_is_pfeil_s() {
 fn what_is_fed_leaves_or_stays() {
     let shapes = [
         groove(),
-        Feed {
-            shape: FeedShape::Hole,
-            angle: PI,
-            extent: 0.6,
-            length: 0.006,
-            count: 3,
-            pressure: 2e5,
-        },
-        Feed {
-            shape: FeedShape::Circumferential,
-            length: 0.003,
-            pressure: 1e5,
-            ..groove()
-        },
+        Feed { shape: FeedShape::Hole, angle: PI, extent: 0.6, length: 0.006, count: 3, pressure: 2e5 },
+        Feed { shape: FeedShape::Circumferential, length: 0.003, pressure: 1e5, ..groove() },
     ];
     for feed in shapes {
         for cavitation in [Cavitation::MassConserving, Cavitation::NonNegative] {
@@ -116,16 +96,12 @@ fn what_is_fed_leaves_or_stays() {
                 let settings = FilmSettings {
                     cavitation,
                     tilt,
-                    feed: Some(Feed {
-                        length: feed.length.min(0.015),
-                        ..feed.clone()
-                    }),
+                    feed: Some(Feed { length: feed.length.min(0.015), ..feed.clone() }),
                     ..FilmSettings::new(0.019, 0.025, 20e-6)
                 };
                 let mut film = ReynoldsFilm::new(settings).unwrap();
                 for step in 0..60 {
-                    let load =
-                        |k: i32| Vector2::new(300.0 + 200.0 * (0.2 * f64::from(k)).sin(), 0.0);
+                    let load = |k: i32| Vector2::new(300.0 + 200.0 * (0.2 * f64::from(k)).sin(), 0.0);
                     let drive = Drive {
                         load_before: load(step),
                         load_after: load(step + 1),
@@ -134,17 +110,9 @@ fn what_is_fed_leaves_or_stays() {
                     let report = film.advance(5e-3, &drive, &smooth).unwrap();
                     let name = format!("{:?} {cavitation:?} {tilt:?} at {step}", feed.shape);
                     assert!(report.mass_error < 1e-10, "{name}: {}", report.mass_error);
-                    assert!(
-                        report.energy_error < 1e-8,
-                        "{name}: {}",
-                        report.energy_error
-                    );
+                    assert!(report.energy_error < 1e-8, "{name}: {}", report.energy_error);
                 }
-                let report = film.advance(
-                    2.0,
-                    &Drive::steady(Vector2::new(300.0, 0.0), 31.4, 0.02),
-                    &smooth,
-                );
+                let report = film.advance(2.0, &Drive::steady(Vector2::new(300.0, 0.0), 31.4, 0.02), &smooth);
                 let report = report.unwrap();
                 let enters = report.inflow + report.feed_flow;
                 if cavitation == Cavitation::MassConserving {
@@ -161,16 +129,8 @@ fn what_is_fed_leaves_or_stays() {
 fn a_circumferential_groove_feeds_two_slots() {
     let (width, diameter, clearance, viscosity) = (0.02, 0.03, 30e-6, 0.05);
     for length in [0.002, 0.0033, 0.008] {
-        let feed = Feed {
-            shape: FeedShape::Circumferential,
-            length,
-            pressure: 3e5,
-            ..Feed::default()
-        };
-        let settings = FilmSettings {
-            feed: Some(feed),
-            ..FilmSettings::new(width, diameter, clearance)
-        };
+        let feed = Feed { shape: FeedShape::Circumferential, length, pressure: 3e5, ..Feed::default() };
+        let settings = FilmSettings { feed: Some(feed), ..FilmSettings::new(width, diameter, clearance) };
         let mut film = ReynoldsFilm::new(settings).unwrap();
         let drive = Drive::steady(Vector2::zeros(), 0.0, viscosity);
         let report = film.advance(1.0, &drive, &smooth).unwrap();
@@ -188,16 +148,8 @@ fn a_circumferential_groove_feeds_two_slots() {
 #[test]
 fn shear_ends_at_the_groove() {
     let torque = |length: f64| {
-        let feed = Feed {
-            shape: FeedShape::Circumferential,
-            length,
-            pressure: 1e5,
-            ..Feed::default()
-        };
-        let settings = FilmSettings {
-            feed: Some(feed),
-            ..FilmSettings::new(0.019, 0.025, 20e-6)
-        };
+        let feed = Feed { shape: FeedShape::Circumferential, length, pressure: 1e5, ..Feed::default() };
+        let settings = FilmSettings { feed: Some(feed), ..FilmSettings::new(0.019, 0.025, 20e-6) };
         let mut film = ReynoldsFilm::new(settings).unwrap();
         let drive = Drive::steady(Vector2::zeros(), 31.4, 0.02);
         let report = film.advance(0.1, &drive, &smooth).unwrap();
@@ -216,12 +168,7 @@ fn shear_ends_at_the_groove() {
 fn a_groove_without_pressure_feeds() {
     let settings = FilmSettings {
         side_pressure: 0.0,
-        feed: Some(Feed {
-            pressure: 0.0,
-            length: 0.015,
-            angle: PI,
-            ..groove()
-        }),
+        feed: Some(Feed { pressure: 0.0, length: 0.015, angle: PI, ..groove() }),
         ..FilmSettings::new(0.019, 0.025, 20e-6)
     };
     let mut film = ReynoldsFilm::new(settings).unwrap();
@@ -238,11 +185,7 @@ fn edges_between_middles_count() {
     let flow = |cells: [usize; 2], extent: f64| {
         let settings = FilmSettings {
             cells,
-            feed: Some(Feed {
-                extent,
-                length: 0.0121,
-                ..groove()
-            }),
+            feed: Some(Feed { extent, length: 0.0121, ..groove() }),
             ..FilmSettings::new(0.019, 0.025, 20e-6)
         };
         let mut film = ReynoldsFilm::new(settings).unwrap();
@@ -261,10 +204,7 @@ fn edges_between_middles_count() {
 #[test]
 fn impossible_feeds_are_refused() {
     let refused = |feed: Feed| {
-        let settings = FilmSettings {
-            feed: Some(feed),
-            ..FilmSettings::new(0.08, 0.1, 150e-6)
-        };
+        let settings = FilmSettings { feed: Some(feed), ..FilmSettings::new(0.08, 0.1, 150e-6) };
         match ReynoldsFilm::new(settings).map(|_| ()) {
             Err(FilmError::Setting { name, .. }) => name,
             other => panic!("{other:?}"),

@@ -4,16 +4,11 @@ use nalgebra::Vector2;
 
 use crate::contact::Surface;
 use crate::mobility::{MobilityMap, SliceFamily};
-use crate::reynolds::{
-    Boundary, Cavitation, Drive, FilmError, FilmSettings, QuasiStatic, ReynoldsFilm, RoughFilm,
-};
+use crate::reynolds::{Boundary, Cavitation, Drive, FilmError, FilmSettings, QuasiStatic, ReynoldsFilm, RoughFilm};
 
 /// The bearing of a test stand, 19 x 25 mm with 20 um of clearance; the tests use oil of 0.02 Pa.s.
 fn stand(cavitation: Cavitation) -> ReynoldsFilm {
-    let settings = FilmSettings {
-        cavitation,
-        ..FilmSettings::new(0.019, 0.025, 20e-6)
-    };
+    let settings = FilmSettings { cavitation, ..FilmSettings::new(0.019, 0.025, 20e-6) };
     ReynoldsFilm::new(settings).unwrap()
 }
 
@@ -52,10 +47,7 @@ fn the_stand_s_cycle() {
     let load = |t: f64| Vector2::new(750.0 * (1.0 + 0.2 * (SPEED * t).sin()), 0.0);
     let map = SliceFamily::new(&MobilityMap::built_in().unwrap());
     let slice = map.slice(0.76);
-    let mut films = [
-        stand(Cavitation::NonNegative),
-        stand(Cavitation::MassConserving),
-    ];
+    let mut films = [stand(Cavitation::NonNegative), stand(Cavitation::MassConserving)];
     let mut eps = Vector2::new(0.85, 0.3);
     for film in &mut films {
         film.place(eps).unwrap();
@@ -77,8 +69,7 @@ fn the_stand_s_cycle() {
         let psi = 20e-6 / 0.0125_f64;
         let rate = |eps: Vector2<f64>, t: f64| {
             let scale = load(t).norm() * psi * psi / (VISCOSITY * 0.019 * 0.025);
-            slice.mobility_vector(eps, Vector2::new(1.0, 0.0)) * scale
-                + Vector2::new(-eps.y, eps.x) * (0.5 * SPEED)
+            slice.mobility_vector(eps, Vector2::new(1.0, 0.0)) * scale + Vector2::new(-eps.y, eps.x) * (0.5 * SPEED)
         };
         let parts = 20;
         let h = step / f64::from(parts);
@@ -93,15 +84,8 @@ fn the_stand_s_cycle() {
         // In the last turn.
         if t > 0.4 {
             let [free, conserving] = [0, 1].map(|k: usize| films[k].eccentricity().norm());
-            assert!(
-                (free / eps.norm() - 1.0).abs() < 2e-3,
-                "{t}: {free} {}",
-                eps.norm()
-            );
-            assert!(
-                (conserving / free - 1.0).abs() < 0.01,
-                "{t}: {free} {conserving}"
-            );
+            assert!((free / eps.norm() - 1.0).abs() < 2e-3, "{t}: {free} {}", eps.norm());
+            assert!((conserving / free - 1.0).abs() < 0.01, "{t}: {free} {conserving}");
         }
     }
 }
@@ -125,10 +109,7 @@ fn a_snapshot_continues_bit_for_bit() {
 fn a_vanishing_tilt_and_form_error_change_nothing() {
     let drive = Drive::steady(Vector2::new(300.0, 0.0), SPEED, VISCOSITY);
     let place = |change: &dyn Fn(&mut FilmSettings)| {
-        let mut settings = FilmSettings {
-            cells: [48, 6],
-            ..FilmSettings::new(0.019, 0.025, 20e-6)
-        };
+        let mut settings = FilmSettings { cells: [48, 6], ..FilmSettings::new(0.019, 0.025, 20e-6) };
         change(&mut settings);
         let mut film = ReynoldsFilm::new(settings).unwrap();
         film.advance(0.1, &drive, &smooth).unwrap();
@@ -155,9 +136,7 @@ fn asperities_cell_by_cell_agree_with_the_aligned_journal_s() {
     let drive = Drive::steady(Vector2::new(750.0, 0.0), 5.0, VISCOSITY);
     let mut settings = FilmSettings::new(0.019, 0.025, 20e-6);
     let mut by_table = ReynoldsFilm::new(settings.clone()).unwrap();
-    by_table
-        .advance(1.0, &drive, &|e| table.at(e).force)
-        .unwrap();
+    by_table.advance(1.0, &drive, &|e| table.at(e).force).unwrap();
     settings.asperities = Some(surface);
     let mut by_cell = ReynoldsFilm::new(settings).unwrap();
     let report = by_cell.advance(1.0, &drive, &smooth).unwrap();
@@ -174,10 +153,7 @@ fn asperities_cell_by_cell_agree_with_the_aligned_journal_s() {
 fn roughness_raises_the_film_s_friction() {
     let drive = Drive::steady(Vector2::new(750.0, 0.0), 10.0, VISCOSITY);
     let torque = |roughness: f64, rough_film: RoughFilm| {
-        let surface = Surface {
-            roughness,
-            ..Surface::default()
-        };
+        let surface = Surface { roughness, ..Surface::default() };
         let mut film = ReynoldsFilm::new(FilmSettings {
             asperities: Some(surface),
             rough_film,
@@ -190,8 +166,7 @@ fn roughness_raises_the_film_s_friction() {
     };
     let factors = |journal_share| RoughFilm::FlowFactors { journal_share };
     for rough_film in [factors(0.5), RoughFilm::MeanGap] {
-        let ratio =
-            |roughness| torque(roughness, rough_film) / torque(roughness, RoughFilm::Nominal);
+        let ratio = |roughness| torque(roughness, rough_film) / torque(roughness, RoughFilm::Nominal);
         let [fine, medium, coarse] = [1e-9, 0.2e-6, 0.4e-6].map(ratio);
         assert!((fine - 1.0).abs() < 1e-5, "{fine}");
         assert!(medium > 1.0 && coarse > medium, "{medium} {coarse}");
@@ -206,18 +181,13 @@ fn roughness_raises_the_film_s_friction() {
 #[test]
 fn ruptured_oil_is_sheared_on_few_cells() {
     let torque = |columns: usize, speed: f64| {
-        let mut film = ReynoldsFilm::new(FilmSettings {
-            cells: [columns, 8],
-            ..FilmSettings::new(0.025, 0.025, 20e-6)
-        })
-        .unwrap();
-        film.place(Vector2::new(0.93, 0.27 * speed.signum()))
-            .unwrap();
+        let mut film =
+            ReynoldsFilm::new(FilmSettings { cells: [columns, 8], ..FilmSettings::new(0.025, 0.025, 20e-6) }).unwrap();
+        film.place(Vector2::new(0.93, 0.27 * speed.signum())).unwrap();
         let drive = Drive::steady(Vector2::new(3700.0, 0.0), speed, VISCOSITY);
         film.advance(0.3, &drive, &smooth).unwrap().journal_torque
     };
-    let [coarse, fine, back] =
-        [(96, SPEED), (384, SPEED), (96, -SPEED)].map(|(columns, speed)| torque(columns, speed));
+    let [coarse, fine, back] = [(96, SPEED), (384, SPEED), (96, -SPEED)].map(|(columns, speed)| torque(columns, speed));
     assert!((coarse / fine - 1.0).abs() < 0.003, "{coarse} {fine}");
     assert!((coarse / 0.0392 - 1.0).abs() < 0.005, "{coarse}");
     assert!((back / coarse + 1.0).abs() < 1e-6, "{coarse} {back}");
@@ -236,10 +206,7 @@ fn a_full_film_has_sommerfeld_s_friction() {
         let couette = std::f64::consts::TAU * VISCOSITY * SPEED * 0.0125_f64.powi(3) * 0.019
             / (20e-6 * (1.0 - e.norm_squared()).sqrt());
         let expected = couette + 0.5 * 20e-6 * load * e.y;
-        assert!(
-            (torque / expected - 1.0).abs() < 1e-5,
-            "{torque} {expected} at {e}"
-        );
+        assert!((torque / expected - 1.0).abs() < 1e-5, "{torque} {expected} at {e}");
     }
 }
 
@@ -248,11 +215,7 @@ fn a_full_film_has_sommerfeld_s_friction() {
 #[test]
 fn a_tilted_journal_is_nearest_at_its_end() {
     let tilted = |tilt: f64| {
-        ReynoldsFilm::new(FilmSettings {
-            tilt: [tilt, 0.0],
-            ..FilmSettings::new(0.019, 0.025, 20e-6)
-        })
-        .unwrap()
+        ReynoldsFilm::new(FilmSettings { tilt: [tilt, 0.0], ..FilmSettings::new(0.019, 0.025, 20e-6) }).unwrap()
     };
     for tilt in [4e-6, -4e-6] {
         let mut film = tilted(tilt);
@@ -283,10 +246,7 @@ fn a_film_takes_another_clearance() {
     assert!(apart < 1e-4, "{apart}");
     assert!((film.smallest_gap() / other.smallest_gap() - 1.0).abs() < 2e-3);
 
-    let tilted = FilmSettings {
-        tilt: [8e-6, 0.0],
-        ..FilmSettings::new(0.019, 0.025, 20e-6)
-    };
+    let tilted = FilmSettings { tilt: [8e-6, 0.0], ..FilmSettings::new(0.019, 0.025, 20e-6) };
     let mut film = ReynoldsFilm::new(tilted).unwrap();
     let before = film.smallest_gap();
     assert!((before - 12e-6).abs() < 1e-9, "{before}");
@@ -311,26 +271,10 @@ fn a_drive_that_cannot_be_is_refused() {
     };
     let at = film.eccentricity();
     for (interval, drive, told) in [
-        (
-            0.0,
-            usual,
-            "the film's interval is 0.0; it must be at least 1e-250 s",
-        ),
-        (
-            5e-324,
-            usual,
-            "the film's interval is 5e-324; it must be at least 1e-250 s",
-        ),
-        (
-            -0.1,
-            usual,
-            "the film's interval is -0.1; it must be at least 1e-250 s",
-        ),
-        (
-            nan,
-            usual,
-            "the film's interval is NaN; it must be at least 1e-250 s",
-        ),
+        (0.0, usual, "the film's interval is 0.0; it must be at least 1e-250 s"),
+        (5e-324, usual, "the film's interval is 5e-324; it must be at least 1e-250 s"),
+        (-0.1, usual, "the film's interval is -0.1; it must be at least 1e-250 s"),
+        (nan, usual, "the film's interval is NaN; it must be at least 1e-250 s"),
         (
             1e-3,
             with(|drive, value| drive.viscosity = value, -0.02),
@@ -347,18 +291,14 @@ fn a_drive_that_cannot_be_is_refused() {
             "the film's speed of the journal is NaN; it must be a finite number",
         ),
     ] {
-        let refused = film
-            .advance(interval, &drive, &smooth)
-            .map_err(|error| error.to_string());
+        let refused = film.advance(interval, &drive, &smooth).map_err(|error| error.to_string());
         assert_eq!(refused.err().as_deref(), Some(told));
         assert_eq!(film.eccentricity(), at);
     }
     let settings = |change: fn(&mut FilmSettings)| {
         let mut settings = FilmSettings::new(0.019, 0.025, 20e-6);
         change(&mut settings);
-        ReynoldsFilm::new(settings)
-            .err()
-            .map(|error| error.to_string())
+        ReynoldsFilm::new(settings).err().map(|error| error.to_string())
     };
     let few = settings(|settings| settings.cells = [3, 4]);
     let told = "the film's number of columns is 3.0; it must be at least 4";
@@ -394,29 +334,20 @@ fn coefficients_tell_resting_places_and_slow_motions() {
             let push = PUSH * towards;
             let places = [push, -push].map(|push| rest(&mut film.clone(), load + push));
             let answer = all.stiffness * (places[0] - places[1]) * 0.5;
-            assert!(
-                (answer - push).norm() < 1e-5 * PUSH,
-                "{cavitation:?}: {answer}"
-            );
+            assert!((answer - push).norm() < 1e-5 * PUSH, "{cavitation:?}: {answer}");
 
             let (mut film, interval, count) = (film.clone(), 0.01, 200);
             for k in 0..count {
                 let grown = [k, k + 1].map(|k| load + push * (f64::from(k) / f64::from(count)));
-                let drive = Drive {
-                    load_before: grown[0],
-                    load_after: grown[1],
-                    ..Drive::steady(load, SPEED, VISCOSITY)
-                };
+                let drive =
+                    Drive { load_before: grown[0], load_after: grown[1], ..Drive::steady(load, SPEED, VISCOSITY) };
                 film.advance(interval, &drive, &smooth).unwrap();
             }
             let rate = push / (interval * f64::from(count));
             let behind = all.damping * (all.stiffness.try_inverse().unwrap() * rate);
             let moved = film.eccentricity() * film.settings().clearance - resting;
             let answer = push - all.stiffness * moved;
-            assert!(
-                (answer - behind).norm() < 0.02 * behind.norm(),
-                "{cavitation:?}: {answer}, {behind}"
-            );
+            assert!((answer - behind).norm() < 0.02 * behind.norm(), "{cavitation:?}: {answer}, {behind}");
         }
     }
 }
@@ -434,13 +365,7 @@ fn coefficients_are_those_of_the_quasi_static_film() {
     other.place(film.eccentricity());
     let (_, other) = other.coefficients(0.5 * SPEED).unwrap();
     let scale = film.settings().force_scale(VISCOSITY) / film.settings().clearance;
-    for (one, other) in [
-        (all.stiffness, other.stiffness),
-        (all.damping, other.damping),
-    ] {
-        assert!(
-            (one - other * scale).norm() < 2e-3 * one.norm(),
-            "{one} {other}"
-        );
+    for (one, other) in [(all.stiffness, other.stiffness), (all.damping, other.damping)] {
+        assert!((one - other * scale).norm() < 2e-3 * one.norm(), "{one} {other}");
     }
 }

@@ -31,18 +31,15 @@ fn cells(columns: usize) -> [usize; 2] {
 }
 
 fn rheology(kind: usize) -> Rheology {
-    Rheology {
-        density_law: DENSITY[kind / 2],
-        ..Rheology::default()
-    }
+    Rheology { density_law: DENSITY[kind / 2], ..Rheology::default() }
 }
 
 fn lives() -> impl Strategy<Value = Life> {
     let bearing = (-2.0..-0.6, 0.2..1.6, -3.7..-2.4, kinds(), 0.0..6.0);
     let speed = || prop_oneof![1 => Just(0.0), 4 => -300.0..300.0];
     let load = prop_oneof![1 => Just(0.0), 4 => (3.0..7.0).prop_map(|p| 10_f64.powf(p))];
-    let interval = (load, -3.2..3.2, speed(), speed(), -5.0..-1.0)
-        .prop_map(|(p, a, j, b, t)| [p, a, j, b, 10_f64.powf(t)]);
+    let interval =
+        (load, -3.2..3.2, speed(), speed(), -5.0..-1.0).prop_map(|(p, a, j, b, t)| [p, a, j, b, 10_f64.powf(t)]);
     let intervals = prop::collection::vec(interval, 1..4);
     (bearing, -2.5..-0.5, intervals).prop_map(|((d, w, c, kind, side), eta, intervals)| {
         let diameter = 10_f64.powf(d);
@@ -53,11 +50,7 @@ fn lives() -> impl Strategy<Value = Life> {
             rheology: rheology(kind),
             ..FilmSettings::new(diameter * w, diameter, diameter * 10_f64.powf(c))
         };
-        Life {
-            settings,
-            viscosity: 10_f64.powf(eta),
-            intervals,
-        }
+        Life { settings, viscosity: 10_f64.powf(eta), intervals }
     })
 }
 
@@ -78,9 +71,8 @@ fn live(life: Life) -> Result<(), TestCaseError> {
             contact_friction: 0.0,
         };
         load_before = load_after;
-        let report = film
-            .advance(duration, &drive, &|_| 0.0)
-            .map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let report =
+            film.advance(duration, &drive, &|_| 0.0).map_err(|error| TestCaseError::fail(error.to_string()))?;
         prop_assert!(film.eccentricity().norm() < 1.0);
         prop_assert!(report.journal_torque.is_finite() && report.bush_torque.is_finite());
         prop_assert!(report.max_pressure.is_finite() && report.heat.is_finite());
@@ -95,9 +87,7 @@ impl Life {
     fn parse(line: &str) -> Self {
         let numbers: Vec<f64> = line.split(' ').map(|n| n.parse().unwrap()).collect();
         let (bearing, intervals) = numbers.split_at(7);
-        let (intervals, []) = intervals.as_chunks() else {
-            panic!("five numbers an interval: {line}")
-        };
+        let (intervals, []) = intervals.as_chunks() else { panic!("five numbers an interval: {line}") };
         let kind = bearing[4] as usize;
         Self {
             settings: FilmSettings {
@@ -126,10 +116,7 @@ impl Life {
             settings.cells[0] as f64,
         ];
         let numbers = bearing.iter().chain(self.intervals.iter().flatten());
-        numbers
-            .map(|n| format!("{n:e}"))
-            .collect::<Vec<_>>()
-            .join(" ")
+        numbers.map(|n| format!("{n:e}")).collect::<Vec<_>>().join(" ")
     }
 }
 
@@ -153,9 +140,7 @@ fn thousands_of_lives_are_survived() {
         failure_persistence: None,
         ..ProptestConfig::default()
     });
-    runner
-        .run(&lives(), live)
-        .unwrap_or_else(|failure| panic!("{failure}"));
+    runner.run(&lives(), live).unwrap_or_else(|failure| panic!("{failure}"));
 }
 
 /// Runs `LIVES_SEEDS` (10) times 10,000 lives, starting with the seed `LIVES_FIRST` (0), on `LIVES_COLUMNS` (32) columns and a
@@ -164,9 +149,7 @@ fn thousands_of_lives_are_survived() {
 #[test]
 #[ignore = "takes minutes"]
 fn more_lives_are_survived() {
-    let asked = |name: &str, usual: u64| -> u64 {
-        std::env::var(name).map_or(usual, |n| n.parse().expect(name))
-    };
+    let asked = |name: &str, usual: u64| -> u64 { std::env::var(name).map_or(usual, |n| n.parse().expect(name)) };
     let first = asked("LIVES_FIRST", 0_u64);
     let columns = asked("LIVES_COLUMNS", 32);
     let mut lost = 0;

@@ -9,11 +9,7 @@ const SPEED: f64 = 31.416;
 const VISCOSITY: f64 = 1.5;
 
 fn film(cavitation: Cavitation) -> ReynoldsFilm {
-    let settings = FilmSettings {
-        cavitation,
-        cells: [48, 6],
-        ..FilmSettings::new(0.019, 0.025, 12e-6)
-    };
+    let settings = FilmSettings { cavitation, cells: [48, 6], ..FilmSettings::new(0.019, 0.025, 12e-6) };
     ReynoldsFilm::new(settings).unwrap()
 }
 
@@ -27,10 +23,7 @@ fn turn(film: &mut ReynoldsFilm) -> f64 {
     };
     let mut torque = 0.0;
     for step in 0..STEPS {
-        let drive = Drive {
-            load_after: load(step + 1),
-            ..Drive::steady(load(step), SPEED, VISCOSITY)
-        };
+        let drive = Drive { load_after: load(step + 1), ..Drive::steady(load(step), SPEED, VISCOSITY) };
         let report = film.advance(duration, &drive, &|_| 0.0).unwrap();
         torque += report.mean_journal_torque / f64::from(STEPS);
     }
@@ -55,9 +48,6 @@ fn a_search_ends_where_many_turns_lead() {
         println!("{cavitation:?}: {turns} turns, {apart:.1e} apart, torque {torque} {expected}");
         assert!(turns < 60, "{cavitation:?}: {turns} turns");
         assert!(apart < 1e-3, "{cavitation:?}: {apart}");
-        assert!(
-            (torque / expected - 1.0).abs() < 2e-4,
-            "{torque} {expected}"
-        );
+        assert!((torque / expected - 1.0).abs() < 2e-4, "{torque} {expected}");
     }
 }

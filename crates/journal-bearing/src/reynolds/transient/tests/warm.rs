@@ -2,9 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::reynolds::{
-    Drive, Feed, FeedShape, FilmError, FilmSettings, HeatExchange, ReynoldsFilm,
-};
+use crate::reynolds::{Drive, Feed, FeedShape, FilmError, FilmSettings, HeatExchange, ReynoldsFilm};
 
 fn smooth(_: f64) -> f64 {
     0.0
@@ -34,10 +32,7 @@ fn drive(load: f64) -> Drive {
 }
 
 fn film(feed: Option<Feed>) -> ReynoldsFilm {
-    let settings = FilmSettings {
-        feed,
-        ..FilmSettings::new(0.019, 0.025, 20e-6)
-    };
+    let settings = FilmSettings { feed, ..FilmSettings::new(0.019, 0.025, 20e-6) };
     ReynoldsFilm::new(settings).unwrap()
 }
 
@@ -61,19 +56,13 @@ fn no_heat_is_lost() {
                 load_after: Vector2::new(load(k + 1), 0.0),
                 ..drive(0.0)
             };
-            let report = film
-                .advance_warm(1e-3, &drive, &smooth, &exchange(5.0))
-                .unwrap();
+            let report = film.advance_warm(1e-3, &drive, &smooth, &exchange(5.0)).unwrap();
             let given = report.given;
-            let left =
-                report.mean_heat - given.bush - given.shaft - given.bath - given.feed - given.film;
+            let left = report.mean_heat - given.bush - given.shaft - given.bath - given.feed - given.film;
             // A squeezed film may start cold: its exchange is the scale.
             let scale = report.mean_heat + given.bush.abs() + given.film.abs();
             assert!(left.abs() < 1e-8 * scale, "{k}: {left} W of {report:?}");
-            assert!(
-                report.energy_error < 1e-8 && report.mass_error < 1e-10,
-                "{k}: {report:?}"
-            );
+            assert!(report.energy_error < 1e-8 && report.mass_error < 1e-10, "{k}: {report:?}");
         }
     }
 }
@@ -82,8 +71,7 @@ fn no_heat_is_lost() {
 #[test]
 fn cold_surfaces_hold_the_film() {
     let (mut warm, mut plain) = (film(None), film(None));
-    warm.advance_warm(1.0, &drive(500.0), &smooth, &exchange(1e6))
-        .unwrap();
+    warm.advance_warm(1.0, &drive(500.0), &smooth, &exchange(1e6)).unwrap();
     plain.advance(1.0, &drive(500.0), &smooth).unwrap();
     assert!((warm.temperature().unwrap() - 350.0).abs() < 1e-3);
     assert!((warm.eccentricity() - plain.eccentricity()).norm() < 1e-5);
@@ -93,35 +81,23 @@ fn cold_surfaces_hold_the_film() {
 #[test]
 fn oil_is_warmest_in_the_narrow_gap() {
     let (mut warm, mut plain) = (film(None), film(None));
-    warm.advance_warm(1.0, &drive(800.0), &smooth, &exchange(2.0))
-        .unwrap();
+    warm.advance_warm(1.0, &drive(800.0), &smooth, &exchange(2.0)).unwrap();
     plain.advance(1.0, &drive(800.0), &smooth).unwrap();
     let grid = warm.grid().clone();
     let hottest = (warm.temperatures().enumerate()).max_by(|a, b| a.1.total_cmp(&b.1));
     let (column, temperature) = hottest.unwrap();
     let e = warm.eccentricity();
     let behind = grid.theta_centre(column) - e.y.atan2(e.x);
-    println!(
-        "{temperature} K {} degrees behind the narrowest gap",
-        behind.to_degrees()
-    );
+    println!("{temperature} K {} degrees behind the narrowest gap", behind.to_degrees());
     assert!(temperature > 351.0 && (-0.2..1.2).contains(&behind));
     assert!(e.norm() > plain.eccentricity().norm());
 }
 
 #[test]
 fn oil_that_is_not_accounted_for_has_no_heat() {
-    let settings = FilmSettings {
-        cavitation: crate::reynolds::Cavitation::NonNegative,
-        ..FilmSettings::new(0.019, 0.025, 20e-6)
-    };
+    let settings =
+        FilmSettings { cavitation: crate::reynolds::Cavitation::NonNegative, ..FilmSettings::new(0.019, 0.025, 20e-6) };
     let mut film = ReynoldsFilm::new(settings).unwrap();
     let refused = film.advance_warm(1e-3, &drive(500.0), &smooth, &exchange(5.0));
-    assert!(matches!(
-        refused,
-        Err(FilmError::Setting {
-            name: "cavitation condition",
-            ..
-        })
-    ));
+    assert!(matches!(refused, Err(FilmError::Setting { name: "cavitation condition", .. })));
 }
