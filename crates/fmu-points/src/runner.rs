@@ -12,9 +12,6 @@ mod steps;
 mod watched;
 
 use std::sync::Arc;
-use std::time::Instant;
-
-use serde::{Deserialize, Serialize};
 
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
@@ -39,8 +36,6 @@ pub struct Runner {
     pub(crate) refused: bool,
     /// The instance of a simulation that failed, until another one is wanted.
     failed: Option<Held>,
-    /// When the last instance was made.
-    pub(crate) ready: Option<Instant>,
     /// The FMU's remarks in the last simulation, beside its results.
     pub(crate) notices: Notices,
     /// The version of FMI that the binary says where that is an unusual one, once it was asked.
@@ -48,8 +43,8 @@ pub struct Runner {
 }
 
 /// How a used instance gets ready for the next point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Reuse {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reuse {
     /// It is reset; where it cannot be, one that is restored takes its place.
     Reset,
     /// It is given back its first state; where that is not possible, it is replaced.
@@ -92,7 +87,6 @@ impl Runner {
             // Where there can be one instance only, there is none to compare with.
             trusted: library.is_for_one_instance(),
             refused: false,
-            ready: None,
             library,
             scene: Scene::new(0, task),
             others: Vec::new(),
@@ -114,11 +108,6 @@ impl Runner {
         if let Some(other) = others.find(|other| other.number == case) {
             std::mem::swap(&mut self.scene, other);
         }
-    }
-
-    /// The same, but instances are used again in a way that others compare with fresh processes.
-    pub fn trusting(self, reuse: Reuse) -> Self {
-        Self { reuse, trusted: true, ..self }
     }
 
     /// Simulates one point on an instance of its own, which is ended only after `tell` has got the answer:
@@ -316,7 +305,6 @@ impl Runner {
         let instance = Instance::new(&self.library, "point");
         self.refused = instance.is_err();
         let mut instance = instance.map_err(|call| Failure::from_call(&call))?;
-        self.ready = Some(Instant::now());
         let first = match self.reuse {
             Reuse::Restore => instance.save(),
             _ => None,

@@ -35,8 +35,8 @@ impl ScratchError {
 #[derive(Debug)]
 pub struct Scratch {
     folder: TempDir,
-    /// Says that the folder is in use, where nothing else does.
-    _lock: Option<File>,
+    /// Says that the folder is in use.
+    _lock: File,
 }
 
 /// The folders that there are.
@@ -56,30 +56,33 @@ fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 }
 
 impl Scratch {
-    /// Makes a folder where the system has such folders.
+    /// Makes a folder where the system has such folders. Its path is the same in every run of a user, unless several run at a
+    /// time: an FMU may see it.
     ///
     /// # Errors
     /// When the system says no.
     pub(crate) fn new() -> Result<Self, ScratchError> {
-        let place = std::env::temp_dir();
+        let place = place();
         remove_abandoned(&place);
-        let mut scratch = Self::within(&place, PREFIX)?;
-        let path = scratch.path().join(LOCK);
-        scratch._lock = Some(locked(&path).map_err(ScratchError::at(&path))?);
-        Ok(scratch)
+        Self::within(&place).map_err(ScratchError::at(&place))
     }
 
-    /// Makes a folder in another one, whose lock says that it is in use.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn within(place: &Path, prefix: &str) -> Result<Self, ScratchError> {
-        // A signal that comes between the two finds the folder.
-        let mut folders = folders();
-        let folder = tempfile::Builder::new().prefix(prefix).tempdir_in(place);
-        let folder = folder.map_err(ScratchError::at(place))?;
-        folders.insert(folder.path().to_owned());
-        Ok(Self { folder, _lock: None })
+    fn within(place: &Path) -> io::Result<Self> {
+        for number in 1_u32.. {
+            let name = shared_name(&number.to_string());
+            // A signal that comes between the two finds the folder.
+            let mut folders = folders();
+            match tempfile::Builder::new().prefix(&name).rand_bytes(0).tempdir_in(place) {
+                Ok(folder) => {
+                    folders.insert(folder.path().to_owned());
+                    let lock = locked(&folder.path().join(LOCK))?;
+                    return Ok(Self { folder, _lock: lock });
+                }
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
     }
 
     /// Where it is.
@@ -94,6 +97,14 @@ impl Drop for Scratch {
         remove(self.path());
         folders().remove(self.path());
     }
+}
+
+/// The system's place for such folders, unless its path has what FMUs stumble over: a blank, or a percent sign.
+fn place() -> PathBuf {
+    let is_plain = |path: &Path| path.to_str().is_some_and(|text| !text.contains([' ', '%']));
+    let usual = std::env::temp_dir();
+    let other = Path::new("/tmp");
+    if !is_plain(&usual) && other.is_dir() { other.to_owned() } else { usual }
 }
 
 /// Makes a file that is locked from the moment at which it has its name.

@@ -28,7 +28,7 @@ use std::process::ExitCode;
 use crate::cli::{Cli, Command};
 use crate::error::Error;
 use crate::methods::asking::Delivery;
-use crate::methods::{proven, rare};
+use crate::methods::rare;
 use crate::report::Report;
 use crate::results::Summary;
 use fmu_points::stop::INTERRUPTED;
@@ -65,7 +65,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
         Command::Manual(options) => manual::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => match options.rare {
-            Some(event) => deliver(proven(options.rare(event), rare::run, |o| &mut o.work)?),
+            Some(event) => deliver(rare::run(&options.rare(event))?),
             None if pack::is_fmu(&options.work.study) => pack::run_carried(*options),
             None => verify::run(&options),
         },

@@ -107,8 +107,7 @@ fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
 /// What the points' own runs say against all results.
 fn odd(summary: &Summary) -> Option<String> {
     let conduct = summary.conduct.as_ref()?;
-    let is_odd = conduct.reproducible == Some(false) || conduct.audit_mismatches > 0;
-    conduct.remarks().into_iter().next().filter(|_| is_odd)
+    conduct.remarks().into_iter().next().filter(|_| conduct.reproducible == Some(false))
 }
 
 fn criteria(summary: &Summary) -> String {

@@ -96,8 +96,8 @@ impl Verification {
             let repeated = session.plan.concerns_of_samples(summary.points);
             summary.concerns.extend(repeated);
         }
-        let conduct = finished.conduct();
-        summary.reproducibility = Some(conduct.reproducibility());
+        let mut conduct = finished.conduct();
+        conduct.reproducibility = conduct.told_reproducibility();
         summary.conduct = Some(conduct);
         summary.dossier = session.study.dossier.clone();
         summary.run = run;
