@@ -179,7 +179,10 @@ mod tests {
                 "o verify s --isolation reuse",
                 "invalid value 'reuse' for '--isolation <HOW>': it is called `shared` now",
             ),
-            ("o verify s --in-process", "unexpected argument '--in-process' found; it is called `--isolation none` now"),
+            (
+                "o verify s --in-process",
+                "unexpected argument '--in-process' found; it is called `--isolation none` now",
+            ),
             ("o verify s --output", "a value is required for '--output <DIR>' but none was supplied"),
         ] {
             assert_eq!(said(line), format!("{message}; --help shows what there is"));

@@ -165,7 +165,10 @@ impl Means {
         if self.isolation == Isolation::None {
             return match launcher {
                 None => Ok(Place::Here),
-                Some(_) => Err(Error::option("isolation", "`none` is this process, and a launcher starts others: leave one out")),
+                Some(_) => Err(Error::option(
+                    "isolation",
+                    "`none` is this process, and a launcher starts others: leave one out",
+                )),
             };
         }
         let Some(mut launcher) = launcher else {

@@ -214,7 +214,13 @@ impl Isolated {
         self.insist(first, way, job, post)
     }
 
-    fn insist(&mut self, first: Reply, way: fn(Vec<Job>) -> Order, job: &Job, post: &mut Post<'_>) -> Result<Reply, Gone> {
+    fn insist(
+        &mut self,
+        first: Reply,
+        way: fn(Vec<Job>) -> Order,
+        job: &Job,
+        post: &mut Post<'_>,
+    ) -> Result<Reply, Gone> {
         const LONGEST: Duration = Duration::from_secs(5);
         let (since, mut pause) = (Instant::now(), Duration::from_millis(20));
         let mut pauses = PAUSES.iter();
@@ -233,17 +239,22 @@ impl Isolated {
                     pause_for(pause, post)?;
                     pause = LONGEST.min(pause * 3 / 2);
                 }
-                Origin::Loading => match pauses.next().filter(|_| trouble.passing || self.common.loaded.load(Ordering::Relaxed)) {
-                    Some(&pause) => pause_for(pause, post)?,
-                    // No point is to blame, whichever worker finds it first.
-                    None if !self.common.loaded.load(Ordering::Relaxed) => {
-                        return Err(Gone::Unloadable(trouble.failure.to_string()));
+                Origin::Loading => {
+                    match pauses.next().filter(|_| trouble.passing || self.common.loaded.load(Ordering::Relaxed)) {
+                        Some(&pause) => pause_for(pause, post)?,
+                        // No point is to blame, whichever worker finds it first.
+                        None if !self.common.loaded.load(Ordering::Relaxed) => {
+                            return Err(Gone::Unloadable(trouble.failure.to_string()));
+                        }
+                        None => {
+                            let text = format!(
+                                "the FMU, which could be loaded before, cannot be loaded any more: {}",
+                                trouble.failure
+                            );
+                            return Err(Gone::Start(text));
+                        }
                     }
-                    None => {
-                        let text = format!("the FMU, which could be loaded before, cannot be loaded any more: {}", trouble.failure);
-                        return Err(Gone::Start(text));
-                    }
-                },
+                }
                 Origin::Process | Origin::Fmu => return Ok(reply),
             }
             reply = self.once(way, job, post)?;
@@ -345,7 +356,8 @@ impl Worker for Isolated {
                 (post.take)(event)
             };
             let mut inner = Post::new(&mut take, post.stopped);
-            let way: fn(Vec<Job>) -> Order = if self.common.shared && !self.again { Order::Used } else { Order::Forked };
+            let way: fn(Vec<Job>) -> Order =
+                if self.common.shared && !self.again { Order::Used } else { Order::Forked };
             let (many, done) = match self.start() {
                 _ if self.common.shared && !self.again && self.common.ground.changed().is_none() => {
                     (jobs, self.each_alone(way, jobs, &mut inner))

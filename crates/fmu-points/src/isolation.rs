@@ -23,7 +23,9 @@ impl std::str::FromStr for Isolation {
             "fresh" => Self::Fresh,
             "shared" => Self::Shared,
             "none" => Self::None,
-            "audited" => return Err("version 0.3 has no audits; leave the option out: each point runs alone".to_owned()),
+            "audited" => {
+                return Err("version 0.3 has no audits; leave the option out: each point runs alone".to_owned());
+            }
             "reuse" => return Err("it is called `shared` now".to_owned()),
             _ => return Err("it is one of fresh, shared, none".to_owned()),
         })

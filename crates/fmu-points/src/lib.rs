@@ -91,8 +91,8 @@ pub mod working_directory;
 use std::ffi::OsString;
 
 pub use conduct::Conduct;
-pub use isolation::Isolation;
 pub use crew::{Crew, Place};
+pub use isolation::Isolation;
 pub use launcher::Launcher;
 pub use points::{Answer, Event, Job, Limits, Post, RunError, Simulated, Worker};
 pub use pool::run;

@@ -144,13 +144,7 @@ impl Team {
                 out: false,
             })
         });
-        Ok(Self {
-            lanes: lanes.collect(),
-            launcher,
-            greeting: Greeting::own(),
-            terms,
-            state: Mutex::new(state),
-        })
+        Ok(Self { lanes: lanes.collect(), launcher, greeting: Greeting::own(), terms, state: Mutex::new(state) })
     }
 
     /// How many points each host has answered.

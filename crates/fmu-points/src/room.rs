@@ -19,7 +19,8 @@ impl Room {
     /// The first room within a folder that nobody has.
     pub(crate) fn take(within: &Path) -> io::Result<Self> {
         let within = std::path::absolute(within)?;
-        let path = (1..).map(|number| within.join(format!("room-{number}"))).find(|path| locked(&TAKEN).insert(path.clone()));
+        let path =
+            (1..).map(|number| within.join(format!("room-{number}"))).find(|path| locked(&TAKEN).insert(path.clone()));
         let room = Self(path.expect("numbers do not end"));
         for folder in room.folders() {
             fs::create_dir_all(folder)?;

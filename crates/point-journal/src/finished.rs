@@ -11,9 +11,9 @@ use crate::Outcome;
 use crate::header::Header;
 use crate::lines::{Line, Lines, open, path_in};
 use crate::note::{Note, PASSED, SAME_SET, SET};
+use fmu_points::Conduct;
 use fmu_points::failure::Failure;
 use fmu_points::notices::Notices;
-use fmu_points::Conduct;
 
 /// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug, Default)]

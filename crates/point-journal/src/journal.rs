@@ -136,12 +136,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the outcome cannot be written as text.
-    pub fn append(
-        &mut self,
-        index: u64,
-        outcome: &Outcome,
-        notices: Option<&Notices>,
-    ) -> Result<(), Error> {
+    pub fn append(&mut self, index: u64, outcome: &Outcome, notices: Option<&Notices>) -> Result<(), Error> {
         // Writing to a String cannot fail.
         let _ = match outcome {
             Ok(values) => {

@@ -53,18 +53,7 @@ fn verify(bench: &Bench, folder: &str, options: &[&str]) -> crate::support::Said
 
 /// The keys of a summary that tell how the points were computed and how long it took: all that may differ between a
 /// resumed and an undisturbed run.
-pub const KEYS_OF_HOW: [&str; 10] = [
-    "run",
-    "isolation",
-    "isolation_reason",
-    "audits",
-    "audits_of_shared",
-    "audit_mismatches",
-    "reproducible",
-    "reproducibility",
-    "repeated_alone",
-    "passed_alone",
-];
+pub const KEYS_OF_HOW: [&str; 4] = ["run", "isolation", "reproducible", "reproducibility"];
 
 /// The text of an object without some keys, which it may lack.
 pub fn without(object: &serde_json::Value, keys: &[&str]) -> String {
@@ -95,7 +84,7 @@ fn workers_and_places_do_not_matter() {
     let bench = bench();
     let reference = reference(&bench);
     for (folder, options) in
-        [("one", &["--jobs", "1"][..]), ("five", &["--jobs", "5"]), ("here", &["--in-process", "--jobs", "3"])]
+        [("one", &["--jobs", "1"][..]), ("five", &["--jobs", "5"]), ("here", &["--isolation", "none", "--jobs", "3"])]
     {
         assert_eq!(verify(&bench, folder, options).code, 0);
         assert!(files(&bench, folder) == reference, "{folder}");
@@ -491,7 +480,7 @@ fn two_runs_do_not_write_the_same_folder() {
 fn a_finished_study_goes_on_with_more_points() {
     let bench = bench();
     let methods = ["sobol", "monte-carlo", "halton"];
-    for (method, isolation) in methods.into_iter().zip(["audited", "reuse", "fresh"]) {
+    for (method, isolation) in methods.into_iter().zip(["fresh", "shared", "none"]) {
         bench.write("study.toml", &STUDY.replace("sobol", method));
         let folder = |name: &str| format!("{name}-{method}");
         let more = ["--points", "1000"];
@@ -502,9 +491,7 @@ fn a_finished_study_goes_on_with_more_points() {
         let said = verify(&bench, &grown, &options);
         assert_eq!(said.code, 0, "{}", said.err);
         let computed = bench.summary(&grown)["run"]["computed"].as_u64().unwrap();
-        // Who wants every point alone gets those again that shared a process.
-        let again = isolation == "fresh" && (400..=1000).contains(&computed);
-        assert!(computed == 400 || again, "{method}: {computed}");
+        assert_eq!(computed, 400, "{method}");
         assert!(files(&bench, &grown) == files(&bench, &folder("whole")), "{method}");
         // Points that there are do not go away.
         verify(&bench, &grown, &["--resume"]).is_mistake(&["another number of points (1000 then, 600 now)"]);

@@ -188,7 +188,7 @@ impl Analysis {
         let text = fs::read_to_string(path).unwrap_or_default();
         let points = text.lines().filter(|line| {
             let words: Vec<&str> = line.split(' ').take(3).collect();
-            matches!(words[..], [_, _, "ok" | "forked" | "used" | "failed"])
+            matches!(words[..], [_, _, "ok" | "failed"])
         });
         points.count() as u64
     }
@@ -364,7 +364,7 @@ fn kill_and_resume(bench: &Bench, command: &[&str], journal: &str, files: &[&str
     let noted = |folder: &str| {
         let text = fs::read_to_string(bench.path(&format!("{folder}/{journal}"))).unwrap_or_default();
         let word = |line: &str| line.split(' ').nth(2).map(str::to_owned);
-        let done = ["ok", "forked", "used", "failed"];
+        let done = ["ok", "failed"];
         text.lines().filter(|line| word(line).is_some_and(|word| done.contains(&&*word))).count() as u64
     };
     let begun = bench.path("begun");
@@ -434,10 +434,8 @@ fn a_hundred_kills_with_one_two_and_five_workers_cost_a_batch_a_worker_at_most()
         let number = jobs.to_string();
         for (command, journal, files) in commands {
             let command = [command, &["--jobs", &number]].concat();
-            kill_and_resume(&bench, &command, journal, files, KILLS);
-            // Where each point has an instance of its own, these count the points that were computed.
-            let fresh = [&command[..], &["--isolation", "fresh"]].concat();
-            let more = kill_and_resume(&bench, &fresh, journal, files, KILLS);
+            // Each point has an instance of its own, so these count the points that were computed.
+            let more = kill_and_resume(&bench, &command, journal, files, KILLS);
             let most = KILLS * (jobs * BATCH + PROBES);
             assert!(more <= most, "{command:?}: {more}");
         }
@@ -521,35 +519,4 @@ fn a_search_over_more_generations_goes_on_with_the_earlier_ones() {
     assert!(PARETO.results(&bench, "more") == whole);
     // 40 of the first search with its nominal design, and the 30 and 1 that came to it.
     assert_eq!(PARETO.noted(&bench, "more"), 41 + 31);
-}
-
-/// A folder with points of used processes, of which those after the first two of each process are wrong; and the
-/// results as they should be.
-fn spoilt(analysis: &Analysis) -> (Bench, Vec<String>) {
-    let bench = Bench::empty();
-    bench.fmu("lag.fmu", &["DRIFT=2"], &crate::support::model("", ""));
-    bench.write("study.toml", STUDY);
-    for (folder, isolation) in [("right", "fresh"), ("spoilt", "reuse")] {
-        let said = analysis.run(&bench, folder, &["--isolation", isolation]);
-        assert_eq!(said.code, 0, "{}", said.err);
-    }
-    let right = analysis.results(&bench, "right");
-    assert!(analysis.results(&bench, "spoilt") != right);
-    (bench, right)
-}
-
-#[test]
-fn points_of_used_processes_are_audited_before_an_analysis_goes_on_with_them() {
-    let (bench, right) = spoilt(&SENSITIVITY);
-    let said = SENSITIVITY.run(&bench, "spoilt", &["--resume"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert!(SENSITIVITY.results(&bench, "spoilt") == right);
-}
-
-#[test]
-fn a_search_whose_earlier_points_were_wrong_finds_the_right_ones() {
-    let (bench, right) = spoilt(&PARETO);
-    let said = PARETO.run(&bench, "spoilt", &["--resume"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert!(PARETO.results(&bench, "spoilt") == right);
 }

@@ -82,18 +82,12 @@ fn points_of_workers_that_leave_are_answered_by_others() {
         let mut workers = workers(1);
         workers.extend((0..3).map(|_| Box::new(Leaving(last)) as Box<dyn Worker>));
         let mut seen = vec![0; 3000];
-        run::<RunError>(
-            &mut workers,
-            3..3000,
-            &job,
-            &AtomicBool::new(false),
-            |event| {
-                if let Event::Answer(index, ..) = event {
-                    seen[usize::try_from(index).unwrap()] += 1;
-                }
-                Ok(ControlFlow::Continue(()))
-            },
-        )
+        run::<RunError>(&mut workers, 3..3000, &job, &AtomicBool::new(false), |event| {
+            if let Event::Answer(index, ..) = event {
+                seen[usize::try_from(index).unwrap()] += 1;
+            }
+            Ok(ControlFlow::Continue(()))
+        })
         .unwrap();
         assert!(seen[3..].iter().all(|&count| count == 1));
     }

@@ -107,7 +107,10 @@ impl Again {
         if count == 0 {
             return Ok(());
         }
-        let which = format!("{count} of the first points{}", if self.earlier > 0 { " of this run and of an earlier one" } else { "" });
+        let which = format!(
+            "{count} of the first points{}",
+            if self.earlier > 0 { " of this run and of an earlier one" } else { "" }
+        );
         let later = match latest {
             Some(least) => format!("{:.1} s or more later", least.as_secs_f64()),
             None => "after an earlier run".to_owned(),
