@@ -3,7 +3,7 @@
 mod fmu;
 mod study;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
@@ -128,6 +128,21 @@ pub enum Command {
     Method(Method),
     /// Turns measured signals into criteria with their uncertainty
     Synchronise(Synchronise),
+}
+
+impl Command {
+    /// The file for the outcome as JUnit XML, where one is wanted.
+    pub fn junit(&self) -> Option<&Path> {
+        let gate = match self {
+            Self::Check(options) => &options.gate,
+            Self::Verify(options) => &options.gate,
+            Self::Judge(options) => &options.gate,
+            Self::Merge(options) => &options.gate,
+            Self::Compare(options) => &options.gate,
+            _ => return None,
+        };
+        gate.junit.as_deref()
+    }
 }
 
 /// Options of `completion`.

@@ -25,6 +25,8 @@ pub enum Outcome {
     Passed,
     /// It failed: why.
     Failed(String),
+    /// It could not be run: why.
+    Broken(String),
     /// It does not tell: why. Build servers count it as not passed.
     Undecided(String),
     /// It does not count: why.
@@ -45,7 +47,7 @@ impl Test {
         let inner = match &self.outcome {
             Outcome::Passed => String::new(),
             Outcome::Failed(why) => element("failure", why),
-            Outcome::Undecided(why) => element("error", why),
+            Outcome::Undecided(why) | Outcome::Broken(why) => element("error", why),
             Outcome::Skipped(why) => format!("<skipped message=\"{}\"/>", written(why)),
         };
         let [class, name] = [&self.class, &self.name].map(|text| written(text));
@@ -66,6 +68,7 @@ impl Outcome {
         match self {
             Self::Passed => "passed",
             Self::Failed(_) => "failed",
+            Self::Broken(_) => "mistake",
             Self::Undecided(_) => "inconclusive",
             Self::Skipped(_) => "skipped",
         }
@@ -90,7 +93,7 @@ fn xml(suite: &str, tests: &[Test], seconds: f64) -> String {
         written(suite),
         tests.len(),
         count(|outcome| matches!(outcome, Outcome::Failed(_))),
-        count(|outcome| matches!(outcome, Outcome::Undecided(_))),
+        count(|outcome| matches!(outcome, Outcome::Undecided(_) | Outcome::Broken(_))),
         count(|outcome| matches!(outcome, Outcome::Skipped(_))),
     );
     let cases: String = tests.iter().map(Test::xml).collect();

@@ -338,9 +338,14 @@ fn against_grid(problem: &Problem, model: &dyn Simulate, particles: u64, cells: 
 }
 
 #[test]
-fn bent_valleys_and_modes_of_unequal_depth_are_those_of_a_grid() {
+fn a_bent_valley_is_that_of_a_grid() {
     let (problem, model) = banana();
     against_grid(&problem, &model, 8000, 400);
+}
+
+#[test]
+#[ignore = "long: run by scripts/test --long"]
+fn modes_of_unequal_depth_are_those_of_a_grid() {
     let (problem, model) = two_modes();
     against_grid(&problem, &model, 8000, 800);
 }

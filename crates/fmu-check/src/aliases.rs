@@ -1,25 +1,25 @@
 //! Variables that are one under several names: they have the same base type and value reference (FMI 2.0.5, section
 //! 2.2.7).
 
-use crate::document::{Document, Scalar};
+use crate::document::{Document, Firsts, Scalar, Sort};
 
 /// Only one of them can be set, and have a start value; they agree in constancy.
 pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let first = earlier.first(|_| true)?;
-    let when = |is: bool, sort: fn(&Scalar<'_>) -> bool| earlier.first(sort).filter(|_| is);
+    let first = earlier.first(Sort::Any)?;
+    let when = |is: bool, sort: Sort| earlier.first(sort).filter(|_| is);
     let (settable, independent) = (scalar.is_settable(), scalar.causality == "independent");
     let constant = |scalar: &Scalar<'_>| scalar.variability == "constant";
-    let (other, wrong) = if let Some(other) = when(settable, |other| other.is_settable()) {
+    let (other, wrong) = if let Some(other) = when(settable, Sort::Settable) {
         (other, "and both can be set")
-    } else if let Some(other) = when(independent, |other| other.is_settable()) {
+    } else if let Some(other) = when(independent, Sort::Settable) {
         (other, "and that can be set, but this is the time")
-    } else if let Some(other) = when(settable, |other| other.causality == "independent") {
+    } else if let Some(other) = when(settable, Sort::Independent) {
         (other, "and this can be set, but that is the time")
     } else if constant(first) != constant(scalar) {
         (first, "but only one of them is constant")
     } else if !constant(first) {
-        let other = when(scalar.start().is_some(), |other| other.start().is_some())?;
+        let other = when(scalar.start().is_some(), Sort::Started)?;
         (other, "and both have a start value")
     } else if !same(first.start()?, scalar.start()?) {
         (first, "but their values differ")
@@ -32,7 +32,7 @@ pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
 /// They agree in their unit, too.
 pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let other = earlier.first(|other| document.effective(other, "unit").is_some())?;
+    let other = earlier.first(Sort::WithUnit)?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
     let differ = one.zip(two).is_some_and(|(one, two)| one != two);
     differ.then(|| earlier.clash(other, "but their units differ"))
@@ -41,7 +41,7 @@ pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 /// One of them with a unit and another without.
 pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let other = earlier.first(|_| true)?;
+    let other = earlier.first(Sort::Any)?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
     let (reference, name) = (earlier.reference, other.name);
     (one != two).then(|| {
@@ -52,7 +52,7 @@ pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Opti
 /// They may change at the same times.
 pub(crate) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
-    let other = earlier.first(|_| true)?;
+    let other = earlier.first(Sort::Any)?;
     let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);
     (one != two).then(|| {
         format!(
@@ -65,28 +65,27 @@ pub(crate) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Optio
 /// The variables before one that are the same under another name.
 struct Earlier<'d, 'a> {
     document: &'d Document<'a>,
-    positions: &'d [usize],
+    firsts: &'d Firsts,
+    position: usize,
     reference: &'a str,
     name: &'a str,
 }
 
 impl<'d, 'a> Earlier<'d, 'a> {
     fn of(scalar: &Scalar<'a>, document: &'d Document<'a>) -> Option<Self> {
-        let positions = document.aliases.get(&scalar.place()?)?;
-        let earlier = positions.partition_point(|position| *position < scalar.position);
         Some(Self {
             document,
-            positions: &positions[..earlier],
+            firsts: document.aliases.get(&scalar.place()?)?,
+            position: scalar.position,
             reference: scalar.node.attribute("valueReference")?,
             name: scalar.name,
         })
     }
 
     /// The first variable of a sort; none where it has the same name, which is a finding of its own.
-    fn first(&self, is: impl Fn(&Scalar<'a>) -> bool) -> Option<&'d Scalar<'a>> {
-        let positions = self.positions.iter();
-        let mut scalars = positions.filter_map(|at| self.document.scalars[*at].as_ref());
-        let first = scalars.find(|scalar| is(scalar))?;
+    fn first(&self, sort: Sort) -> Option<&'d Scalar<'a>> {
+        let at = self.firsts[sort as usize].filter(|at| *at < self.position)?;
+        let first = self.document.scalars[at].as_ref()?;
         (first.name != self.name).then_some(first)
     }
 

@@ -22,14 +22,42 @@ pub(crate) struct Document<'a> {
     /// The element of each type definition, in FMI 2.0 `Real` for instance, by its name.
     pub(crate) types: HashMap<&'a str, Node<'a, 'a>>,
     pub(crate) read: &'a Description,
-    /// The positions of the variables that are one under several names, by what they share.
-    pub(crate) aliases: HashMap<Place<'a>, Vec<usize>>,
+    /// The first names of the variables, by what names of one variable share.
+    pub(crate) aliases: HashMap<Place<'a>, Firsts>,
     /// Where each line begins, bytes.
     lines: Vec<usize>,
 }
 
 /// The place of a value in the binary: the type of the calls that reach it, and its reference.
 pub(crate) type Place<'a> = (&'a str, &'a str);
+
+/// What is looked for among the names of a variable.
+#[derive(Clone, Copy)]
+pub(crate) enum Sort {
+    Any,
+    Settable,
+    Independent,
+    Started,
+    WithUnit,
+}
+
+/// The position of the first name of each [`Sort`]: a variable may have a hundred thousand names, each of which asks.
+pub(crate) type Firsts = [Option<usize>; 5];
+
+/// Notes a further name of a variable.
+fn note(firsts: &mut Firsts, scalar: &Scalar<'_>, document: &Document<'_>) {
+    for sort in [Sort::Any, Sort::Settable, Sort::Independent, Sort::Started, Sort::WithUnit] {
+        let is = match sort {
+            Sort::Any => true,
+            Sort::Settable => scalar.is_settable(),
+            Sort::Independent => scalar.causality == "independent",
+            Sort::Started => scalar.start().is_some(),
+            Sort::WithUnit => document.effective(scalar, "unit").is_some(),
+        };
+        let first = &mut firsts[sort as usize];
+        *first = first.or(is.then_some(scalar.position));
+    }
+}
 
 impl<'a> Document<'a> {
     pub(crate) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
@@ -46,13 +74,16 @@ impl<'a> Document<'a> {
             Version::Three => Some(node),
         };
         let types = types.filter_map(|node| Some((node.attribute("name")?, typed(node)?))).collect();
-        let mut aliases: HashMap<Place<'a>, Vec<usize>> = HashMap::new();
-        for scalar in scalars.iter().flatten() {
+        let lines = starts_of_lines(root.document().input_text());
+        let mut document = Self { root, scalars, types, read, aliases: HashMap::new(), lines };
+        let mut aliases: HashMap<Place<'a>, Firsts> = HashMap::new();
+        for scalar in document.scalars.iter().flatten() {
             if let Some(place) = scalar.place() {
-                aliases.entry(place).or_default().push(scalar.position);
+                note(aliases.entry(place).or_default(), scalar, &document);
             }
         }
-        Self { root, scalars, types, read, aliases, lines: starts_of_lines(root.document().input_text()) }
+        document.aliases = aliases;
+        document
     }
 
     /// Gives a finding its line.

@@ -35,7 +35,10 @@ pub(crate) fn schedule(fmu: &Description) -> Schedule {
         schedule.step = (schedule.stop - schedule.start) / 500.0;
     }
     schedule.tolerance = schedule.tolerance.filter(|tolerance| *tolerance > 0.0);
-    schedule
+    match fmu.capabilities.can_handle_variable_communication_step_size {
+        true => schedule,
+        false => schedule.in_whole_steps(),
+    }
 }
 
 /// When the last step of a schedule's size ends before the suggested stop time, s: a shorter one may be refused.

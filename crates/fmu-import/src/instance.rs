@@ -15,6 +15,8 @@ pub struct Instance {
     pub(crate) number: u64,
     library: Arc<Library>,
     pub(crate) simulation: Box<dyn Simulation>,
+    /// The first step of the present simulation, s, where all must have its size.
+    first_step: Option<f64>,
 }
 
 impl Instance {
@@ -25,7 +27,12 @@ impl Instance {
     pub fn new(library: &Arc<Library>, name: &str) -> Result<Self, Call> {
         let simulation = library.instantiate(name)?;
         static CREATED: AtomicU64 = AtomicU64::new(0);
-        Ok(Self { number: CREATED.fetch_add(1, Ordering::Relaxed), library: Arc::clone(library), simulation })
+        Ok(Self {
+            number: CREATED.fetch_add(1, Ordering::Relaxed),
+            library: Arc::clone(library),
+            simulation,
+            first_step: None,
+        })
     }
 
     /// Whether the FMU is unusable after `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
@@ -54,6 +61,7 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses.
     pub fn setup_experiment(&mut self, start: f64, stop: f64, tolerance: Option<f64>) -> Result<(), Call> {
+        self.first_step = None;
         let experiment = Experiment { start, stop, tolerance };
         self.simulation.set_up(experiment)
     }
@@ -122,7 +130,19 @@ impl Instance {
     /// when, and the instance holds its last values.
     #[inline(never)]
     pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+        let step = self.of_one_size(step);
         self.simulation.step(time, step)
+    }
+
+    /// The size of a step, s: for an FMU whose steps must have one size that of the first one, to the last bit, where only
+    /// rounding makes another one.
+    fn of_one_size(&mut self, step: f64) -> f64 {
+        const ROUNDING: f64 = 1e-6;
+        if !self.library.one_size {
+            return step;
+        }
+        let first = *self.first_step.get_or_insert(step);
+        if (step - first).abs() <= ROUNDING * first { first } else { step }
     }
 
     /// Lets several steps pass, one after another, and reads real variables after each: `times` says when the steps
@@ -146,6 +166,14 @@ impl Instance {
             times.len() == sizes.len() && rows.len() >= times.len() * references.len(),
             "each step needs a size, and a row of its own"
         );
+        let same: Vec<f64>;
+        let sizes = match self.library.one_size {
+            true => {
+                same = sizes.iter().map(|&size| self.of_one_size(size)).collect();
+                &same
+            }
+            false => sizes,
+        };
         let batch = Batch { times, sizes, references, rows };
         self.simulation.steps(batch)
     }

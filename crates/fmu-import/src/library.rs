@@ -43,6 +43,8 @@ pub struct Library {
     /// Those of Model Exchange or of event mode, and what the description says of it.
     exchange: Option<(exchange::Functions, ExchangeSizes)>,
     clocks: Clocks,
+    /// Whether all steps of a simulation must have one size.
+    pub(crate) one_size: bool,
     birth: Birth,
     /// The mode in which the binary's initialisers left the processor.
     pub(crate) mode: Mode,
@@ -98,6 +100,7 @@ impl Library {
             }
             .map(|functions| (functions, description.exchange)),
             clocks: Clocks::find(&symbols, description),
+            one_size: !description.capabilities.can_handle_variable_communication_step_size,
             once: description.capabilities.can_be_instantiated_only_once_per_process,
             birth: Birth { guid: description.guid.clone(), resources, categories, interface, binary },
             mode,

@@ -299,6 +299,10 @@ impl Binder<'_> {
             leap: simulation.leap.unwrap_or(false),
             tolerance: simulation.tolerance.or(experiment.tolerance),
         };
+        if !inputs::takes_any_step(self.fmu) {
+            schedule = schedule.in_whole_steps();
+        }
+        let stop = schedule.stop;
         schedule.window_start = match (simulation.warm_up, simulation.window) {
             (Some(_), Some(_)) => {
                 return Err("there are both warm-up and window; keep one".to_owned());
@@ -308,6 +312,9 @@ impl Binder<'_> {
             (None, None) => start,
         };
         schedule.check()?;
+        if simulation.step.is_none() {
+            schedule.check_suggested().map_err(|message| format!("{message} under [simulation]"))?;
+        }
         Ok(schedule)
     }
 }

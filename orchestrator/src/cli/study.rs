@@ -103,6 +103,9 @@ pub struct Pack {
     /// The copy of the FMU
     #[arg(long, value_name = "MODEL.fmu")]
     pub output: PathBuf,
+    /// Replace the file of that name
+    #[arg(long)]
+    pub force: bool,
     /// The folder with the study's results [default: the study is run first, by `verify --validation`]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,

@@ -27,6 +27,7 @@ use std::process::ExitCode;
 
 use crate::cli::{Cli, Command};
 use crate::error::Error;
+use crate::junit::{self, Outcome, Test};
 use crate::methods::asking::Delivery;
 use crate::methods::rare;
 use crate::report::Report;
@@ -43,7 +44,15 @@ pub const MISTAKE: u8 = 2;
 /// # Errors
 /// With one clear line, for a mistake in what was asked for.
 pub fn run(cli: Cli) -> Result<ExitCode, Error> {
-    match dispatch(cli) {
+    let junit = cli.command.junit().map(Path::to_owned);
+    let done = dispatch(cli);
+    // The file of an earlier run must not stand for this one.
+    if let (Err(error), Some(file)) = (&done, junit) {
+        let test = Test::new("orchestrator", "run", Outcome::Broken(error.to_string()));
+        let written = junit::write(&file, "orchestrator", &[test], 0.0);
+        written.unwrap_or_else(|error| left_out("the tests are in no file", &error));
+    }
+    match done {
         Err(Error::Journal(halt @ Halt::Interrupted { .. })) => {
             fmu_points::tell::line!("{halt}");
             Ok(ExitCode::from(INTERRUPTED))

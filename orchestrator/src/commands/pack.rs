@@ -12,10 +12,11 @@ use crate::compare::{compare, write};
 use crate::error::Error;
 use crate::junit::{self, Outcome, Test};
 use crate::options::folder_of;
-use crate::packed::{altered, changed, choose, digests, pack, unpack};
+use crate::packed::{altered, changed, choose, digests, pack, settle};
 use crate::results::table;
 use crate::session::{Request, Session};
 use fmu_import::Package;
+use point_journal::Lock;
 use study::Study;
 
 /// Where the carried study lies beside the new results.
@@ -24,6 +25,7 @@ const CARRIED: &str = "carried";
 /// `pack`: puts a study with its results into a copy of its FMU.
 pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     let study = Study::read(&options.study)?;
+    check_output(options, &study)?;
     let results = match &options.from {
         Some(folder) => folder.clone(),
         None => {
@@ -77,6 +79,19 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Refuses to replace a file without the user's word, and the study's own FMU with it.
+fn check_output(options: &Pack, study: &Study) -> Result<(), Error> {
+    let there = fs::canonicalize(&options.output).ok();
+    let refuse = |message: &str| Err(Error::option("output", format!("{} {message}", options.output.display())));
+    match there {
+        Some(there) if fs::canonicalize(study.fmu_path()).is_ok_and(|own| own == there) => {
+            refuse("is the study's own FMU; choose another name")
+        }
+        Some(_) if !options.force => refuse("exists already; choose another name, or replace it with --force"),
+        _ => Ok(()),
+    }
+}
+
 /// The options of the study's own run.
 fn verification(options: &Pack, folder: &Path) -> Verify {
     let mut line = vec!["orchestrator".into(), "verify".into(), options.study.clone(), "--validation".into()];
@@ -106,7 +121,15 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     let usual = || Path::new("results").join(fmu.file_name().unwrap_or_default()).join(name);
     let folder = options.work.output.clone().unwrap_or_else(usual);
     let place = folder.join(CARRIED);
-    unpack(&mut package, name, &place)?;
+    let earlier = options.work.parts.earlier();
+    let aside = settle(&mut package, &carried, &place, |study| {
+        let fmu = options.work.means.fmu.as_ref().unwrap_or(&fmu).clone();
+        let request = Request { study: place.join(&carried.ties.study), fmu: Some(fmu), ..Request::default() };
+        request.check(&folder, None, Some(study), earlier)?;
+        request.check_files(&folder, earlier)?;
+        Ok(if options.dry_run { None } else { Some(Lock::take(&folder)?) })
+    })?;
+    let place = aside.as_ref().map_or(place, |aside| aside.path().to_owned());
     let altered = altered(&mut package, &carried)?;
     let mut tested = match &options.work.means.fmu {
         Some(other) => Package::open(other)?,

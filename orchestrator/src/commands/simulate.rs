@@ -14,6 +14,7 @@ use crate::error::Error;
 use fmu_import::{Causality, Description, Package, Value, Variable};
 use fmu_points::failure::Failure;
 use fmu_points::task::{Schedule, Task};
+use study::inputs::takes_any_step;
 use study::plan::{bare, find, size_of, value_of};
 use study::{Setting, ssv};
 
@@ -79,7 +80,7 @@ pub(super) fn schedule(
     let suggested = Schedule::suggested(fmu);
     let start = start.unwrap_or(suggested.start);
     let stop = stop.unwrap_or(suggested.stop);
-    let schedule = Schedule {
+    let mut schedule = Schedule {
         start,
         stop,
         step: step.unwrap_or(suggested.step.min(stop - start)),
@@ -89,6 +90,12 @@ pub(super) fn schedule(
     };
     let checked = schedule.check();
     checked.map_err(|message| Error::option("stop/--step", message))?;
+    if step.is_none() {
+        schedule.check_suggested().map_err(|message| Error::option("step", message))?;
+    }
+    if !takes_any_step(fmu) {
+        schedule = schedule.in_whole_steps();
+    }
     Ok(schedule)
 }
 

@@ -15,6 +15,7 @@ use fmu_import::{Package, digest, percent_encoded};
 use manifest::Related;
 use point_journal::files::{draft, keep, make_folder, write_text};
 use study::Study;
+use tempfile::TempDir;
 
 /// The folder of the related files in an FMU.
 const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref/";
@@ -135,8 +136,11 @@ pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
     let mut studies = Vec::new();
     for name in named.collect::<Vec<_>>() {
         let entry = format!("{FOLDER}{name}/{TIES}");
-        let bytes = package.bytes_of(&entry)?;
         let path = package.path().join(&entry);
+        if !is_within(&name) {
+            return Err(Error::content(&path, format!("`{name}` is no name of a folder on every system")));
+        }
+        let bytes = package.bytes_of(&entry)?;
         let ties: Ties = serde_json::from_slice(&bytes).map_err(|error| Error::content(&path, error))?;
         let named = [Some(&ties.study), ties.points_from.as_ref()];
         if let Some(file) = named.into_iter().flatten().find(|file| !is_within(file)) {
@@ -182,17 +186,69 @@ pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec
     Ok((chosen, others))
 }
 
-/// Whether a path of a carried file stays in the folder that it starts from.
+/// Whether a path of a carried file stays in the folder that it starts from, on every system: Windows takes `\\` for `/`, a
+/// colon for a drive or a hidden stream, and leaves out dots and blanks at the end of a name.
 fn is_within(path: &str) -> bool {
-    let is_name = |part| matches!(part, Component::Normal(_));
-    !path.is_empty() && !path.contains('\\') && Path::new(path).components().all(is_name)
+    path.split('/').all(|part| !part.is_empty() && !part.ends_with(['.', ' ']) && !part.contains(['\\', ':', '\0']))
+}
+
+/// The first file named by a carried study, which lies at `place`, that is none of those that came with it.
+fn outside<'a>(study: &'a Study, place: &str) -> Option<&'a Path> {
+    let depth = place.split('/').count() - 1;
+    let stays = |file: &Path| {
+        let foreign = file.is_absolute() || file.to_string_lossy().contains(['\\', ':']);
+        !foreign && steps_up(file) <= depth
+    };
+    study.files().into_iter().find(|file| !stays(file))
+}
+
+/// Puts a carried study into the folder `carried` of its results, in the place of what an earlier run left there, when
+/// `take` has found that the results may go there. Nothing is written there before: until then the files lie in a folder of
+/// their own, which is returned where `take` takes none.
+///
+/// # Errors
+/// When a file is damaged, leads out of its folder or reads there, when there is no result to compare with, those of `take`,
+/// and when the system says no.
+pub fn settle<T>(
+    package: &mut Package,
+    carried: &Carried,
+    place: &Path,
+    take: impl FnOnce(&Study) -> Result<Option<T>, Error>,
+) -> Result<Option<TempDir>, Error> {
+    let aside = TempDir::new().map_err(Error::io(&std::env::temp_dir()))?;
+    unpack(package, &carried.name, aside.path())?;
+    let of_package = package.path().join(format!("{FOLDER}{}", carried.name));
+    for result in ["summary.json", "points.csv"] {
+        if !aside.path().join(RESULT).join(result).exists() {
+            let message =
+                format!("carries no {RESULT}{result} to compare with; `orchestrator pack` puts study and result in");
+            return Err(Error::content(&of_package, message));
+        }
+    }
+    let study = Study::read(&aside.path().join(&carried.ties.study))?;
+    if let Some(file) = outside(&study, &carried.ties.study) {
+        let message = format!("its study reads `{}`, which is none of the files that came with it", file.display());
+        return Err(Error::content(&of_package, message));
+    }
+    let Some(_taken) = take(&study)? else {
+        return Ok(Some(aside));
+    };
+    if place.symlink_metadata().is_ok() {
+        if !place.join(TIES).exists() {
+            let message = "was there before any FMU put its study here; choose another --output";
+            return Err(Error::content(place, message));
+        }
+        fs::remove_dir_all(place).map_err(Error::io(place))?;
+    }
+    unpack(package, &carried.name, place)?;
+    Ok(None)
 }
 
 /// Writes the files of a study that an FMU carries into a folder.
 ///
 /// # Errors
 /// When one of them is damaged or has a path that leads elsewhere, and when the system says no.
-pub fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Error> {
+fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Error> {
     let prefix = format!("{FOLDER}{name}/");
     let mut total = 0;
     for entry in package.entries() {
@@ -399,6 +455,10 @@ mod tests {
             ("/lag.toml", false),
             ("study/../../lag.toml", false),
             ("..\\lag.toml", false),
+            ("study/C:lag.toml", false),
+            ("study/.. /lag.toml", false),
+            ("study//lag.toml", false),
+            ("..", false),
         ] {
             assert_eq!(is_within(path), within, "{path}");
         }

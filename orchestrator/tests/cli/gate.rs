@@ -57,6 +57,18 @@ fn find<'a>(tests: &'a [Test], class: &str, name: &str) -> Option<&'a str> {
     test.unwrap_or_else(|| panic!("no {class} {name} in {tests:?}")).2.as_deref()
 }
 
+/// A green file of an earlier run does not stand for one that could not be done.
+#[test]
+fn a_mistake_is_an_error_of_the_file() {
+    let bench = Bench::new();
+    bench.write("green.xml", "<testsuites/>");
+    bench.write("study.toml", &STUDY.replace("lag.fmu", "none.fmu"));
+    let said = bench.run(&["verify", "study.toml", "--output", "out", "--junit", "green.xml"]);
+    said.is_mistake(&["none.fmu"]);
+    let told = tests(&bench, "green.xml");
+    assert!(find(&told, "orchestrator", "run").unwrap().starts_with("error: "), "{told:?}");
+}
+
 #[test]
 fn a_verdict_has_a_test_a_criterion_and_a_case() {
     let bench = Bench::new();

@@ -196,6 +196,61 @@ fn a_changed_model_does_not_give_the_carried_result() {
     bench.run(&["verify", "models/lag.fmu"]).is_mistake(&["carries no study", "orchestrator pack"]);
 }
 
+/// What an FMU carries is written below its results alone, reads nothing else, and leaves nothing of an earlier release.
+#[test]
+fn a_carried_study_stays_in_its_folder() {
+    let bench = bench();
+    packed(&bench);
+    let whole = entries(&bench, "new/carrier.fmu");
+    let changed = |change: Change<'_>| {
+        let all = whole.iter().map(|(name, content)| (name.clone(), change(name, content).unwrap_or(content.clone())));
+        repacked(&bench, "changed.fmu", &all.collect::<Vec<_>>());
+    };
+    // A study called `..`, and the like on Windows.
+    let own = "extra/org.fmi-standard.fmi-ls-ref/";
+    for name in ["..", "C:", "a\\..\\..", ".. "] {
+        let all = whole
+            .iter()
+            .map(|(entry, content)| (entry.replace("ls-ref/lag/", &format!("ls-ref/{name}/")), content.clone()));
+        let all: Vec<_> = all.filter(|(entry, _)| entry.starts_with(own) || !entry.contains("extra")).collect();
+        repacked(&bench, "evil.fmu", &all);
+        bench.run(&["verify", "evil.fmu", "--output", "evil"]).is_mistake(&["evil.fmu/extra"]);
+        assert!(!bench.path("evil").exists(), "{name}");
+    }
+    // A file of the customer.
+    for file in ["/etc/hostname", "../../../secret.csv", "..\\secret.csv"] {
+        let file = format!("file = '{file}'");
+        changed(&|name, content| {
+            let text = String::from_utf8_lossy(content);
+            let evil = text.replace("file = \"../data/measured input.csv\"", &file);
+            name.ends_with("lag.toml").then(|| evil.into_bytes())
+        });
+        bench.run(&["verify", "changed.fmu", "--output", "evil"]).is_mistake(&["its study reads", "none of the files"]);
+        assert!(!bench.path("evil").exists(), "{file}");
+    }
+    // The results of another study are as they were.
+    let kept = || [bench.read("out/study.toml"), bench.read("out/points.csv")];
+    let before = kept();
+    bench.run(&["verify", "new/carrier.fmu", "--output", "out"]).is_mistake(&["another study file"]);
+    assert!(kept() == before && !bench.path("out/carried").exists());
+    // A folder that no FMU has made is nobody's to empty.
+    fs::create_dir_all(bench.path("mine/carried")).unwrap();
+    bench.run(&["verify", "new/carrier.fmu", "--output", "mine"]).is_mistake(&["was there before any FMU"]);
+    // The next release of the FMU carries a study without results, which meets none of the earlier ones.
+    assert_eq!(bench.run(&["verify", "new/carrier.fmu", "--output", "there"]).code, 0);
+    let without: Vec<_> = whole.iter().filter(|(name, _)| !name.contains("lag/results/")).cloned().collect();
+    repacked(&bench, "new/carrier.fmu", &without);
+    let said = bench.run(&["verify", "new/carrier.fmu", "--output", "there"]);
+    said.is_mistake(&["carries no results/summary.json"]);
+    // What the plan alone needs is written nowhere.
+    repacked(&bench, "new/carrier.fmu", &whole);
+    assert_eq!(bench.run(&["verify", "new/carrier.fmu", "--output", "plan", "--dry-run"]).code, 0);
+    assert!(!bench.path("plan").exists());
+    bench.write("there/carried/stale", "");
+    assert_eq!(bench.run(&["verify", "new/carrier.fmu", "--output", "there"]).code, 0);
+    assert!(!bench.path("there/carried/stale").exists());
+}
+
 #[test]
 fn the_study_that_was_packed_last_is_run_and_the_others_are_named() {
     let bench = bench();
@@ -212,7 +267,7 @@ fn the_study_that_was_packed_last_is_run_and_the_others_are_named() {
     let said = bench.run(&["verify", "both.fmu", "--study", "lag", "--output", "lag"]);
     assert_eq!((said.code, &bench.summary("lag")["points"]), (0, &40.into()));
     // One that is packed again replaces itself.
-    let again = ["pack", "studies/lag.toml", "--from", "out", "--fmu", "both.fmu", "--output", "both.fmu"];
+    let again = ["pack", "studies/lag.toml", "--from", "out", "--fmu", "both.fmu", "--output", "both.fmu", "--force"];
     assert_eq!(bench.run(&again).code, 0);
     let said = bench.run(&["verify", "both.fmu", "--output", "again"]);
     assert!(said.out.contains("The study lag,") && said.out.contains("It also carries other:"), "{}", said.out);
@@ -236,24 +291,30 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
     let said = bench.run(&["verify", "carrier.fmu"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(bench.path("results/carrier.fmu/lag/summary.json").exists());
+    // A file of that name is replaced at the user's word, the study's own FMU never.
+    bench
+        .run(&["pack", "studies/lag.toml", "--output", "carrier.fmu"])
+        .is_mistake(&["carrier.fmu exists already", "--force"]);
+    let own = ["pack", "studies/lag.toml", "--output", "models/lag.fmu", "--force"];
+    bench.run(&own).is_mistake(&["the study's own FMU"]);
     // Results of the study with its own FMU are none of the carrier: packed anew into itself, it says what to do.
-    let said = bench.run(&["pack", "studies/lag.toml", "--fmu", "carrier.fmu", "--output", "carrier.fmu"]);
+    let said = bench.run(&["pack", "studies/lag.toml", "--fmu", "carrier.fmu", "--output", "carrier.fmu", "--force"]);
     said.is_mistake(&["another FMU", "name that by --from"]);
     assert!(!said.err.contains("--force"), "{}", said.err);
     // The folder of the study's results is that of another study.
     bench.write("models/lag.toml", STUDY);
-    let said = bench.run(&["pack", "models/lag.toml", "--output", "carrier.fmu"]);
+    let said = bench.run(&["pack", "models/lag.toml", "--output", "carrier.fmu", "--force"]);
     said.is_mistake(&["results/lag holds results of another study file", "name that by --from"]);
     assert!(!said.err.contains("--force"), "{}", said.err);
     // A study in the folder itself.
     bench.write("here.toml", &STUDY.replace("../", ""));
-    let said = bench.run(&["pack", "here.toml", "--output", "carrier.fmu"]);
+    let said = bench.run(&["pack", "here.toml", "--output", "carrier.fmu", "--force"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert_eq!(bench.run(&["verify", "carrier.fmu", "--output", "here"]).code, 0);
     let absolute = bench.path("data").display().to_string();
     bench.write("studies/lag.toml", &STUDY.replace("../data", &absolute));
     bench.run(&["verify", "studies/lag.toml", "--output", "out", "--force"]);
-    let said = bench.run(&["pack", "studies/lag.toml", "--from", "out", "--output", "carrier.fmu"]);
+    let said = bench.run(&["pack", "studies/lag.toml", "--from", "out", "--output", "carrier.fmu", "--force"]);
     said.is_mistake(&["absolute path"]);
 }
 

@@ -8,7 +8,7 @@ use std::ffi::c_int;
 
 use super::are_near;
 use crate::call::{Call, Status};
-use crate::description::{Causality, Description, Kind, Ticking, Timing};
+use crate::description::{Causality, Description, Kind, Ticking, Timing, Variable};
 use crate::simulation::Simulation;
 use crate::symbols::{Component, Function, Symbols};
 use crate::value::{Content, Handle, Value};
@@ -162,11 +162,22 @@ impl Clock {
     }
 }
 
+/// What a variable has before the first tick that gives it a value.
+fn blank(content: Content) -> Value {
+    match content {
+        Content::Real => Value::Real(f64::NAN),
+        Content::Text => Value::String(String::new()),
+        other => other.value(0.0),
+    }
+}
+
 /// The clocks of an FMU, and their variables.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clocks {
     functions: Option<Functions>,
     all: Vec<Clock>,
+    /// The clocked inputs with their start values: what was set is known, and needs no reading.
+    inputs: HashMap<Handle, Value>,
     /// The values of clocked variables at their last ticks.
     values: HashMap<Handle, Value>,
     /// The clocked inputs that wait for a tick.
@@ -205,7 +216,11 @@ impl Clocks {
         if all.is_empty() {
             return Self::default();
         }
+        let inputs = description.variables.values();
+        let inputs = inputs.filter(|one| one.causality == Causality::Input && !one.clocks.is_empty());
+        let start = |one: &Variable| one.kind.start_value().unwrap_or_else(|| blank(one.handle().content));
         Self {
+            inputs: inputs.map(|one| (one.handle(), start(one))).collect(),
             functions: Some(Functions {
                 get: symbols.find("GetClock"),
                 set: symbols.find("SetClock"),
@@ -247,24 +262,26 @@ impl Clocks {
         Some(ticks)
     }
 
-    /// Asks for the first ticks, and reads all clocked variables, in initialisation mode.
-    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64) -> Result<(), Call> {
+    /// Asks for the first ticks, and reads what clocks compute, in initialisation mode; `set` are the inputs set before.
+    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Result<(), Call> {
         let Some(functions) = self.functions else {
             return Ok(());
         };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.begin(functions, model, start)?;
         }
-        for handle in self.all.iter().flat_map(|clock| &clock.clocked) {
+        self.values.extend(self.inputs.iter().map(|(handle, value)| (*handle, value.clone())));
+        for (reference, value) in set {
+            let handle = Handle { reference: *reference, content: value.content() };
+            self.values.entry(handle).and_modify(|known| known.clone_from(value));
+        }
+        let clocked = self.all.iter().flat_map(|clock| &clock.clocked);
+        for handle in clocked.filter(|handle| !self.inputs.contains_key(handle)) {
             let value = match model.value(*handle) {
                 Ok(value) => value,
-                Err(call) if call.status == Status::Fatal => return Err(call),
                 // It has none before the first tick.
-                Err(_) => match handle.content {
-                    Content::Real => Value::Real(f64::NAN),
-                    Content::Text => Value::String(String::new()),
-                    other => other.value(0.0),
-                },
+                Err(call) if call.status == Status::Discard => blank(handle.content),
+                Err(call) => return Err(call),
             };
             self.values.insert(*handle, value);
         }
@@ -294,7 +311,10 @@ impl Clocks {
         for (handle, value) in std::mem::take(&mut self.held) {
             let mut clocks = self.all.iter();
             match clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
-                true => model.set(handle.reference, &value)?,
+                true => {
+                    model.set(handle.reference, &value)?;
+                    self.values.insert(handle, value);
+                }
                 false => self.held.push((handle, value)),
             }
         }
@@ -307,7 +327,7 @@ impl Clocks {
         }
         for clock in self.all.iter_mut().filter(|clock| clock.is_active) {
             clock.has_ticked = true;
-            for handle in &clock.clocked {
+            for handle in clock.clocked.iter().filter(|handle| !self.inputs.contains_key(handle)) {
                 self.values.insert(*handle, model.value(*handle)?);
             }
         }

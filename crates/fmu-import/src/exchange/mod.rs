@@ -58,7 +58,7 @@ impl Simulation for Exchange {
             for (reference, value) in &waiting {
                 model.set(*reference, value)?;
             }
-            clocks.begin(model, start)
+            clocks.begin(model, start, &waiting)
         })?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use fmu_import::Description;
 
+/// A remainder of the run of less than this part of a step is rounding.
+const ROUNDING: f64 = 1e-6;
+
 /// The times of a simulation, s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
@@ -37,6 +40,31 @@ impl Schedule {
             window_start: start,
             leap: false,
             tolerance: experiment.tolerance,
+        }
+    }
+
+    /// The same for an FMU whose steps all have one size: it ends with the last whole step, and goes nowhere in a leap.
+    #[must_use]
+    pub fn in_whole_steps(self) -> Self {
+        let steps = (self.stop - self.start) / self.step;
+        let whole = (steps + ROUNDING).floor();
+        let stop = if steps - whole > ROUNDING && whole > 0.0 { self.start + whole * self.step } else { self.stop };
+        Self { stop, leap: false, ..self }
+    }
+
+    /// Whether the step that the FMU suggests can be meant: some suggest the step of their solver.
+    ///
+    /// # Errors
+    /// Says how many steps it makes.
+    pub fn check_suggested(&self) -> Result<(), String> {
+        const MOST: u64 = 100_000_000;
+        let Self { start, stop, step, .. } = *self;
+        match self.steps() {
+            steps if steps > MOST => Err(format!(
+                "the FMU suggests a step of {step:?} s, which makes {steps:.0e} steps from {start:?} s to {stop:?} s; give a step",
+                steps = steps as f64
+            )),
+            _ => Ok(()),
         }
     }
 
@@ -72,7 +100,7 @@ impl Schedule {
     /// The number of steps. A remainder shorter than a millionth of a step is rounding and gets no step of its own.
     pub fn steps(&self) -> u64 {
         let (leap, even) = self.even();
-        let steps = leap + ((self.stop - even) / self.step - 1e-6).ceil().max(0.0) as u64;
+        let steps = leap + ((self.stop - even) / self.step - ROUNDING).ceil().max(0.0) as u64;
         steps.max(1)
     }
 
@@ -209,6 +237,26 @@ mod tests {
         assert_eq!(steps, [1, 2].map(|index| step(&points, index)));
         let from = [0.0, 0.1, 0.3, 0.95, 1.0, 2.0].map(|time| points.from(time));
         assert_eq!(from, [0, 1, 1, 4, 4, 4]);
+    }
+
+    #[test]
+    fn steps_of_one_size_end_with_the_last_whole_one() {
+        let of = |stop, step| {
+            let whole =
+                Schedule { start: 0.0, stop, step, window_start: 0.0, leap: true, tolerance: None }.in_whole_steps();
+            (whole.stop, whole.steps(), whole.leap)
+        };
+        let (stop, steps, leap) = of(1.0, 0.3);
+        assert!((stop - 0.9).abs() < 1e-15 && steps == 3 && !leap);
+        assert_eq!(of(150.0, 1.0 / 60.0), (150.0, 9000, false));
+        assert_eq!(of(0.2, 0.3), (0.2, 1, false));
+    }
+
+    #[test]
+    fn a_suggestion_of_a_thousand_million_steps_is_asked_about() {
+        let of = |step| Schedule { start: 0.0, stop: 10.0, step, window_start: 0.0, leap: false, tolerance: None };
+        assert!(of(1e-8).check_suggested().unwrap_err().contains("1e9 steps"));
+        assert_eq!(of(1e-6).check_suggested(), Ok(()));
     }
 
     #[test]
